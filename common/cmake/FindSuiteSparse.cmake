@@ -1,0 +1,27 @@
+# SuiteSparse 5 ships no CMake configuration. Defines SuiteSparse::klu, SuiteSparse::cholmod and SuiteSparse::spqr.
+find_path(SuiteSparse_INCLUDE_DIR klu.h PATH_SUFFIXES suitesparse)
+set(SuiteSparse_LIBRARIES)
+foreach(part klu btf amd colamd cholmod spqr suitesparseconfig)
+  find_library(SuiteSparse_${part}_LIBRARY ${part})
+  list(APPEND SuiteSparse_required SuiteSparse_${part}_LIBRARY)
+endforeach()
+
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_INCLUDE_DIR ${SuiteSparse_required})
+
+function(suitesparse_target name)
+  if(TARGET SuiteSparse::${name})
+    return()
+  endif()
+  add_library(SuiteSparse::${name} INTERFACE IMPORTED)
+  target_include_directories(SuiteSparse::${name} SYSTEM INTERFACE ${SuiteSparse_INCLUDE_DIR})
+  foreach(part ${name} ${ARGN})
+    target_link_libraries(SuiteSparse::${name} INTERFACE ${SuiteSparse_${part}_LIBRARY})
+  endforeach()
+endfunction()
+
+if(SuiteSparse_FOUND)
+  suitesparse_target(klu btf amd colamd suitesparseconfig)
+  suitesparse_target(cholmod amd colamd suitesparseconfig)
+  suitesparse_target(spqr cholmod amd colamd suitesparseconfig)
+endif()

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace concord {
+
+/// Where a statement of a model file stands. Lines and columns count from 1; 0 means "not known".
+struct SourceLocation {
+  std::string file;
+  int line = 0;
+  int column = 0;
+};
+
+/// One complaint about an input: `file:line:column: error: message`.
+struct Diagnostic {
+  SourceLocation where;
+  std::string message;
+
+  [[nodiscard]] std::string text() const;
+};
+
+/// Invalid input: all complaints of a file at once, in the order of the file. The program exits with 2.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(std::vector<Diagnostic> diagnostics);
+  InputError(SourceLocation where, std::string message);
+
+  [[nodiscard]] const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+
+ private:
+  std::vector<Diagnostic> diagnostics_;
+};
+
+/// A solver could not finish; the text says which solver, at what time, where and why. The program exits with 3.
+class SolverError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace concord

@@ -1,0 +1,151 @@
+#include "common/force_element_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "common/attachment_reader.h"
+#include "common/driver_reader.h"
+#include "common/force_law_reader.h"
+#include "common/model_checks.h"
+#include "common/spelling.h"
+
+namespace concord {
+
+namespace {
+
+using What = decltype(ForceElement::what);
+
+LoadAxes read_axes(const TableReader& table) {
+  static const std::vector<std::string> kNames{"global", "body", "follower"};
+  const auto name = table.text("axes");
+  if (!name) return LoadAxes::global;
+  const auto found = std::find(kNames.begin(), kNames.end(), *name);
+  if (found == kNames.end()) {
+    table.complain("axes", fmt::format("unknown axes '{}': {}", *name, suggestion(*name, kNames, "axes")));
+    return LoadAxes::global;
+  }
+  return static_cast<LoadAxes>(found - kNames.begin());
+}
+
+std::optional<What> read_load(const TableReader& table, const std::vector<BodyReading>& bodies) {
+  if (!table.has("force") && !table.has("torque")) table.complain("exerts nothing: give a 'force' or a 'torque'");
+  Load load;
+  load.axes = read_axes(table);
+  load.force = table.vector3("force").value_or(Vec3::Zero());
+  load.torque = table.vector3("torque").value_or(Vec3::Zero());
+  if (auto law = read_law_or_number(table, "law")) load.law = std::move(*law);
+  const auto at = read_attachment(table, bodies);
+  if (!at) return std::nullopt;
+  if (at->body == kGround) table.complain("body", "a load on ground moves nothing: name a moving body");
+  load.at = *at;
+  return load;
+}
+
+/// A line spring has a free length: zero would be a rare wish, and a frequent slip.
+void require_free_length(const TableReader& table) {
+  if (table.has("free") || (!table.has("stiffness") && !table.has("spring_table"))) return;
+  table.complain("missing key 'free': the length [m] at which the spring rests");
+}
+
+std::optional<What> read_line_spring(const TableReader& table, const std::vector<BodyReading>& bodies) {
+  require_free_length(table);
+  ForceLaw law = read_force_law(table);
+  const auto ends = read_ends(table, bodies);
+  if (!ends) return std::nullopt;
+  return LineSpring{*ends, std::move(law)};
+}
+
+std::optional<What> read_turn_spring(const TableReader& table, const std::vector<BodyReading>& bodies) {
+  ForceLaw law = read_force_law(table);
+  const auto ends = read_ends(table, bodies);
+  if (!ends) return std::nullopt;
+  return TurnSpring{*ends, std::move(law)};
+}
+
+/// Six numbers, the diagonal, or six rows of six; symmetric. Zero if missing or after a complaint.
+Mat6 read_symmetric(const TableReader& table, std::string_view key) {
+  if (!table.has(key)) return Mat6::Zero();
+  const toml::array* list = table.node(key)->as_array();
+  const bool has_rows = list != nullptr && !list->empty() && list->front().is_array();
+  if (!has_rows) {
+    const auto diagonal = table.vector(key, 6);
+    return diagonal ? Mat6(diagonal->asDiagonal()) : Mat6(Mat6::Zero());
+  }
+  const auto matrix = table.matrix(key, 6, 6);
+  if (!matrix) return Mat6::Zero();
+  if (const auto complaint = complaint_about_symmetry(*matrix)) {
+    table.complain(key, fmt::format("'{}' must be symmetric, but {}", key, *complaint));
+    return Mat6::Zero();
+  }
+  return *matrix;
+}
+
+std::optional<What> read_bushing(const TableReader& table, const std::vector<BodyReading>& bodies) {
+  if (!table.has("stiffness") && !table.has("damping") && !table.has("preload")) {
+    table.complain("exerts nothing: give a 'stiffness', a 'damping' or a 'preload'");
+  }
+  Bushing bushing;
+  bushing.stiffness = read_symmetric(table, "stiffness");
+  bushing.damping = read_symmetric(table, "damping");
+  if (const auto complaint = complaint_about_semidefiniteness(bushing.damping)) {
+    table.complain("damping", fmt::format("'damping' must not give energy, but {}", *complaint));
+  }
+  if (const auto preload = table.vector("preload", 6)) bushing.preload = *preload;
+  const auto ends = read_ends(table, bodies);
+  if (!ends) return std::nullopt;
+  bushing.ends = *ends;
+  return bushing;
+}
+
+struct Kind {
+  std::string_view key;
+  KnownKeys known;
+  std::optional<What> (*read)(const TableReader&, const std::vector<BodyReading>&);
+};
+
+const std::array<Kind, 4>& kinds() {
+  static const std::array<Kind, 4> kKinds{
+      Kind{"load", with_attachment({"name", "axes", "force", "torque", "law"}), read_load},
+      Kind{"line_spring", with_force_law(with_ends({"name"})), read_line_spring},
+      Kind{"turn_spring", with_force_law(with_ends({"name"})), read_turn_spring},
+      Kind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing}};
+  return kKinds;
+}
+
+void read_kind(const Kind& kind, const TableReader& document, const std::vector<BodyReading>& bodies,
+               std::vector<ForceElement>& elements) {
+  for (const toml::table* found : document.tables(kind.key)) {
+    const TableReader table(*found, title_with_name(*found, kind.key), kind.known, document.reading());
+    ForceElement element;
+    element.name = table.name();
+    element.where = table.where();
+    if (auto what = kind.read(table, bodies)) {
+      element.what = std::move(*what);
+      elements.push_back(std::move(element));
+    }
+  }
+}
+
+}  // namespace
+
+const KnownKeys& force_element_keys() {
+  static const KnownKeys kKeys = [] {
+    KnownKeys keys;
+    for (const Kind& kind : kinds()) keys.push_back(kind.key);
+    return keys;
+  }();
+  return kKeys;
+}
+
+std::vector<ForceElement> read_force_elements(const TableReader& document, const std::vector<BodyReading>& bodies) {
+  std::vector<ForceElement> elements;
+  for (const Kind& kind : kinds()) read_kind(kind, document, bodies, elements);
+  std::stable_sort(elements.begin(), elements.end(), [](const ForceElement& a, const ForceElement& b) {
+    return std::pair(a.where.line, a.where.column) < std::pair(b.where.line, b.where.column);
+  });
+  return elements;
+}
+
+}  // namespace concord

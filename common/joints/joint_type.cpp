@@ -1,0 +1,104 @@
+#include "common/joints/joint_type.h"
+
+#include <algorithm>
+
+#include "common/overloaded.h"
+
+namespace concord::joints {
+
+namespace {
+
+struct Directions {
+  std::vector<Axis> slides;
+  std::vector<Axis> turns;
+  bool arm = false;
+  bool ball = false;
+  bool by_functions = false;
+};
+
+Directions directions_of(const JointType& type) {
+  Directions found;
+  for (const Permit& word : type.permits) {
+    std::visit(Overloaded{[&](const Turn& turn) { found.turns.push_back(turn.axis); },
+                          [&](const Slide& slide) { found.slides.push_back(slide.axis); },
+                          [&](const Arm&) { found.arm = true; }, [&](const Ball&) { found.ball = true; },
+                          [&](const ByMotion&) { found.by_functions = true; }},
+               word);
+  }
+  return found;
+}
+
+bool all_are(const std::vector<Axis>& axes, Axis axis) {
+  return std::all_of(axes.begin(), axes.end(), [axis](Axis other) { return other == axis; });
+}
+
+bool slides_everywhere(const Directions& permitted) { return permitted.slides.size() == 3; }
+
+bool carries_force(const Directions& permitted, Side side, Axis axis) {
+  if (permitted.by_functions) return true;
+  if (slides_everywhere(permitted)) return false;
+  const bool slides = std::count(permitted.slides.begin(), permitted.slides.end(), axis) > 0;
+  const bool frames_share_axis = side == Side::parent || (!permitted.ball && all_are(permitted.turns, axis));
+  return !(slides && frames_share_axis);
+}
+
+/// On the parent the torque is taken at P_j, so that a gap d adds d x F: without effect along the axis only if the
+/// joint slides along nothing else.
+bool carries_torque(const Directions& permitted, Side side, Axis axis) {
+  if (permitted.by_functions) return true;
+  if (permitted.arm && side == Side::parent) {
+    // A link without mass turns about its axes at P_j: no torque about them. Two of them and the link itself are three.
+    return permitted.turns.size() == 1 && permitted.turns.front() != axis;
+  }
+  const bool gap_has_no_lever = side == Side::child || all_are(permitted.slides, axis) || slides_everywhere(permitted);
+  if (!gap_has_no_lever) return true;
+  if (permitted.ball) return false;
+  if (permitted.turns.empty()) return true;
+  const Axis own = side == Side::parent ? permitted.turns.front() : permitted.turns.back();
+  return own != axis;
+}
+
+}  // namespace
+
+int n_q(const Permit& word) {
+  return std::visit(
+      Overloaded{[](const Turn&) { return 1; }, [](const Slide&) { return 1; }, [](const Arm&) { return 0; },
+                 [](const Ball&) { return 4; }, [](const ByMotion& by) { return by.motion->n(); }},
+      word);
+}
+
+int n_u(const Permit& word) { return std::holds_alternative<Ball>(word) ? 3 : n_q(word); }
+
+int rows(const Forbid& word) {
+  return std::visit(Overloaded{[](const Coincide&) { return 3; }, [](const NoGapAlong&) { return 1; },
+                               [](const Perpendicular&) { return 1; }, [](const SameDirection&) { return 2; },
+                               [](const SameOrientation&) { return 3; }, [](const KeepDistance&) { return 1; },
+                               [](const ByResidual& by) { return by.residual->n(); }},
+                    word);
+}
+
+int JointType::rows() const {
+  int count = 0;
+  for (const Forbid& word : forbids) count += joints::rows(word);
+  return count;
+}
+
+int JointType::n_q() const {
+  int count = 0;
+  for (const Permit& word : permits) count += joints::n_q(word);
+  return count;
+}
+
+int JointType::n_u() const {
+  int count = 0;
+  for (const Permit& word : permits) count += joints::n_u(word);
+  return count;
+}
+
+bool carries(const JointType& type, Side side, int component) {
+  const Directions permitted = directions_of(type);
+  const auto axis = static_cast<Axis>(component % 3);
+  return component < 3 ? carries_force(permitted, side, axis) : carries_torque(permitted, side, axis);
+}
+
+}  // namespace concord::joints

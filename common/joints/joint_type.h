@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/joints/vocabulary.h"
+
+namespace concord::joints {
+
+/// A number that each joint of a type states for itself, such as the length of a rod.
+struct Parameter {
+  std::string name;
+  std::string unit;
+  double example;  // what the type in the catalogue has: the joint check uses it; positive, and so are all values
+};
+
+/// A joint type, said three times, none computed from another: see vocabulary.h for the words.
+struct JointType {
+  std::string name;
+  std::vector<Forbid> forbids;
+  std::vector<Permit> permits;
+  std::vector<Read> reads;
+  /// Numbers that a joint of this type must give, and the type that has them (in this order). The catalogue holds the
+  /// type with the examples.
+  std::vector<Parameter> parameters = {};
+  JointType (*with_parameters)(const std::vector<double>& values) = nullptr;
+
+  /// Number of constraint rows of `forbids`.
+  [[nodiscard]] int rows() const;
+  /// Number of joint coordinates q and of joint speeds u of `permits`.
+  [[nodiscard]] int n_q() const;
+  [[nodiscard]] int n_u() const;
+};
+
+/// Numbers of q and u of one word of a motion, and of constraint rows of one word of what is forbidden.
+int n_q(const Permit& word);
+int n_u(const Permit& word);
+int rows(const Forbid& word);
+
+/// Whether the joint can carry a reaction in `component` (0..2 force x, y, z; 3..5 torque x, y, z) on `side`: on the
+/// child at P_i in the child's joint frame, on the parent at P_j in the parent's. False where the direction is
+/// permitted at every pose, so that the reaction component vanishes there always. Of a type given by functions nothing
+/// is known: true.
+bool carries(const JointType& type, Side side, int component);
+
+}  // namespace concord::joints

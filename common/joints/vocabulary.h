@@ -1,0 +1,147 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/joints/functions.h"
+#include "common/types.h"
+
+/// The words in which a joint type is stated. d = A_j'^T (r_Pi - r_Pj) [m] and R = A_j'^T A_i' are the child's place
+/// and orientation seen in the parent's joint frame; e_a is the unit vector of axis a.
+///
+/// Nothing here computes: `cartesian` evaluates what is forbidden and what reads, `relative` what is permitted. A new
+/// word does not compile until the solver that reads it has an evaluator for it.
+namespace concord::joints {
+
+// What a joint forbids: residuals of (d, R) that vanish, each on the branch that is said here.
+
+/// d = 0: the joint points coincide. 3 rows.
+struct Coincide {};
+
+/// d . e_axis = 0: no gap along an axis of the parent. 1 row.
+struct NoGapAlong {
+  Axis axis;
+};
+
+/// e_on_parent . (R e_on_child) = 0: a parent's axis and a child's axis stay at right angles. 1 row.
+struct Perpendicular {
+  Axis on_parent;
+  Axis on_child;
+};
+
+/// R e_axis = e_axis: the same axis on both sides, pointing the same way. 2 rows (the two other parent's axes . R
+/// e_axis) on the branch e_axis . R e_axis > 0.
+struct SameDirection {
+  Axis axis;
+};
+
+/// R = 1. 3 rows (half the axial vector of R, which is the rotation vector to first order) on the branch trace R > 1.
+struct SameOrientation {};
+
+/// |d| = length: the joint points keep their distance [m], which is positive. 1 row, (d . d - length^2) / (2 length).
+struct KeepDistance {
+  double length;
+};
+
+/// c(d, R) = 0, one row for each function. `on_branch` tells whether a placement where they vanish is one that the
+/// joint means; without it all are.
+struct ByResidual {
+  std::shared_ptr<const FunctionOfPlacement> residual;
+  bool (*on_branch)(const Placement& at) = nullptr;
+};
+
+using Forbid =
+    std::variant<Coincide, NoGapAlong, Perpendicular, SameDirection, SameOrientation, KeepDistance, ByResidual>;
+
+// What a joint permits: motions, composed left to right from the parent's joint frame. A Slide moves along an axis of
+// the frame reached so far, a Turn rotates that frame about its own axis. d is the place reached, R the orientation.
+
+/// Rotation about an axis of the frame reached so far. q [rad], u = qdot.
+struct Turn {
+  Axis axis;
+};
+
+/// Displacement along an axis of the frame reached so far. q [m], u = qdot. Slides stand before turns, so their axes
+/// are the parent's.
+struct Slide {
+  Axis axis;
+};
+
+/// A stiff arm along an axis of the frame reached so far [m]: moves d, has no coordinate.
+struct Arm {
+  Axis axis;
+  double length;
+};
+
+/// Any rotation, as Euler parameters, scalar first. q has 4 numbers, u 3 [rad/s]: the child's angular velocity relative
+/// to the parent, components in the parent's joint frame. Stands last. R is this rotation alone: turns that stand
+/// before a ball carry arms, and so move d, but not the child's orientation.
+struct Ball {};
+
+/// A motion given by functions of its coordinates; stands alone. `turns[k]` tells whether coordinate k is an angle
+/// [rad] or else a length [m]; `names[k]` is what model files call it.
+struct ByMotion {
+  std::shared_ptr<const FunctionOfCoordinates> motion;
+  std::vector<bool> turns;
+  std::vector<std::string> names;
+  /// Least and greatest value of each coordinate at which the joint is meant to stand, and is checked; empty: anywhere,
+  /// turns several times round.
+  std::vector<std::array<double, 2>> ranges = {};
+};
+
+using Permit = std::variant<Turn, Slide, Arm, Ball, ByMotion>;
+
+// How the coordinates read from (d, R): one word for each word of the motion that has coordinates (an Arm has none), in
+// the same order; a ByMotion has one ByReading of as many numbers. A turn angle is read in (-pi, pi]; whoever needs
+// turns counts them.
+
+/// Angle about `about` (an axis that the two sides share, or the yoke axis named below), right-handed, measured in the
+/// parent's joint frame from its axis `of_child_axis` to the child's axis of the same name.
+struct TurnOfChildAxis {
+  Axis about;
+  Axis of_child_axis;
+};
+
+/// Angle about the child's axis `about`, right-handed, measured in the child's joint frame from the parent's axis
+/// `of_parent_axis` to the child's axis of the same name.
+struct TurnOfParentAxis {
+  Axis about;
+  Axis of_parent_axis;
+};
+
+/// d . e_axis.
+struct SlideAlong {
+  Axis axis;
+};
+
+/// The Euler parameters of R, of the sign that is nearest to the last ones known.
+struct OrientationOf {};
+
+/// Angle of d seen along the parent's axis `about`, right-handed from its axis `from`: how far a turn about `about`
+/// carries an arm that pointed along `from`. The two axes differ.
+struct BearingOfGap {
+  Axis about;
+  Axis from;
+};
+
+/// Angle in [-pi/2, pi/2] by which d rises out of the plane perpendicular to the parent's axis `towards`.
+struct ElevationOfGap {
+  Axis towards;
+};
+
+/// Coordinates read by functions of (d, R), one number each.
+struct ByReading {
+  std::shared_ptr<const FunctionOfPlacement> reading;
+  std::vector<bool> turns;
+  /// Columns [F; T] on the child at P_i in the parent's joint frame, 6 x n, whose span holds the coordinate wrenches
+  /// w_d (S^T w_d = tau): what a motor on these coordinates would exert.
+  Wrenches (*wrenches)(const Placement& at) = nullptr;
+};
+
+using Read =
+    std::variant<TurnOfChildAxis, TurnOfParentAxis, SlideAlong, OrientationOf, BearingOfGap, ElevationOfGap, ByReading>;
+
+}  // namespace concord::joints

@@ -1,0 +1,126 @@
+#include "common/model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "common/rotation.h"
+
+namespace concord {
+
+int first_q(const joints::JointType& type, int word) {
+  int first = 0;
+  for (int k = 0; k < word; ++k) first += n_q(type.permits[k]);
+  return first;
+}
+
+int first_u(const joints::JointType& type, int word) {
+  int first = 0;
+  for (int k = 0; k < word; ++k) first += n_u(type.permits[k]);
+  return first;
+}
+
+const Driver* driver_of(const Joint& joint, int word, int component) {
+  for (const Driver& driver : joint.drivers) {
+    if (driver.word == word && driver.component == component) return &driver;
+  }
+  return nullptr;
+}
+
+bool carries_nothing(const Joint& joint) {
+  return joint.type->rows() == 0 && joint.drivers.empty() && joint.springs.empty();
+}
+
+bool Model::is_flexible() const {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.modal.has_value(); });
+}
+
+double Model::length_scale() const {
+  std::vector<const Attachment*> places;
+  for (const Joint& joint : joints) {
+    for (const Attachment& side : joint.sides) places.push_back(&side);
+  }
+  for (const ForceElement& element : elements) {
+    for (const Side side : {Side::parent, Side::child}) {
+      if (const Attachment* end = end_of(element, side)) places.push_back(end);
+    }
+  }
+  double largest = 0.0;
+  for (const Attachment* one : places) {
+    for (const Attachment* other : places) {
+      if (one->body == other->body) largest = std::max(largest, (one->point_L - other->point_L).norm());
+    }
+  }
+  return largest > 0.0 ? largest : 1.0;
+}
+
+namespace {
+
+/// Place and orientation of the child's joint frame in the parent's for the start coordinates.
+Pose start_motion(const Joint& joint) {
+  Pose reached;
+  for (std::size_t k = 0; k < joint.start.size(); ++k) {
+    VecX q = joint.start[k].q;
+    for (const Driver& driver : joint.drivers) {
+      if (driver.word == static_cast<int>(k)) q(driver.component) = evaluate(driver.law, 0.0).f;
+    }
+    const joints::Permit& word = joint.type->permits[k];
+    if (const auto* turn = std::get_if<joints::Turn>(&word)) {
+      reached.A = reached.A * rotation_about(turn->axis, q(0));
+    } else if (const auto* slide = std::get_if<joints::Slide>(&word)) {
+      reached.r += reached.A.col(index(slide->axis)) * q(0);
+    } else if (const auto* arm = std::get_if<joints::Arm>(&word)) {
+      reached.r += reached.A.col(index(arm->axis)) * arm->length;
+    } else if (std::holds_alternative<joints::ByMotion>(word)) {
+      joints::FunctionOfCoordinates::Motion motion;
+      const VecX rest = VecX::Zero(q.size());
+      std::get<joints::ByMotion>(word).motion->evaluate(q.data(), rest.data(), motion);
+      reached = {motion.placement.d, motion.placement.R};
+    } else {  // a ball: its rotation alone
+      reached.A = Eigen::Quaterniond(q(0), q(1), q(2), q(3)).normalized().toRotationMatrix();
+    }
+  }
+  return reached;
+}
+
+Pose compose(const Pose& outer, const Pose& inner) { return {outer.r + outer.A * inner.r, outer.A * inner.A}; }
+
+Pose inverse(const Pose& pose) { return {-(pose.A.transpose() * pose.r), pose.A.transpose()}; }
+
+Pose frame_on(const Attachment& side) { return {side.point_L, side.C}; }
+
+}  // namespace
+
+std::vector<Pose> guess_poses(const Model& model) {
+  std::vector<std::optional<Pose>> found(model.bodies.size());
+  found[kGround] = Pose{};
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) found[i] = model.bodies[i].pose_guess;
+  const auto reach = [&](const Joint& joint) {
+    const Attachment& parent = joint.on(Side::parent);
+    const Attachment& child = joint.on(Side::child);
+    if (found[parent.body].has_value() == found[child.body].has_value()) return false;
+    const Pose step = compose(compose(frame_on(parent), start_motion(joint)), inverse(frame_on(child)));
+    if (found[parent.body]) {
+      found[child.body] = compose(*found[parent.body], step);
+    } else {
+      found[parent.body] = compose(*found[child.body], inverse(step));
+    }
+    return true;
+  };
+  // A joint whose start says nothing is the last to be believed.
+  const auto says_something = [](const Joint& joint) {
+    return joint.start.empty() || !joint.drivers.empty() ||
+           std::any_of(joint.start.begin(), joint.start.end(),
+                       [](const WordStart& word) { return word.role_q != StartRole::unsaid; });
+  };
+  bool moved = true;
+  while (moved) {
+    moved = std::any_of(model.joints.begin(), model.joints.end(),
+                        [&](const Joint& joint) { return says_something(joint) && reach(joint); }) ||
+            std::any_of(model.joints.begin(), model.joints.end(), reach);
+  }
+  std::vector<Pose> poses;
+  for (const auto& pose : found) poses.push_back(pose.value_or(Pose{}));
+  return poses;
+}
+
+}  // namespace concord

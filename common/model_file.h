@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "common/model.h"
+
+namespace concord {
+
+/// Reads a model file (TOML, `format = 1`; data/README.md explains it). Throws InputError with every complaint about
+/// the file, each at its line and column.
+Model read_model(const std::filesystem::path& file);
+
+/// The same from text; `file` names it in messages and is the base of the paths that it mentions.
+Model parse_model(std::string_view text, const std::filesystem::path& file);
+
+}  // namespace concord

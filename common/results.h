@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/types.h"
+
+/// What leaves a solver: motions and wrenches, nothing else.
+namespace concord {
+
+/// Motion of one body: origin r [m], Euler parameters p (scalar first), velocity v of the origin and angular velocity
+/// omega, all in global axes; modal coordinates a and their rates.
+struct BodyState {
+  Vec3 r = Vec3::Zero();
+  Vec4 p = Vec4::Unit(0);
+  Vec3 v = Vec3::Zero();
+  Vec3 omega = Vec3::Zero();
+  VecX a;
+  VecX adot;
+};
+
+/// A complete state of the machine. `bodies` has ground at index 0, at rest.
+struct State {
+  double t = 0.0;
+  std::vector<BodyState> bodies;
+  /// Joint coordinates and speeds of every joint (n_q and n_u numbers of its type), turns counted. They follow from the
+  /// bodies but for the number of turns and the sign of Euler parameters; whoever receives a state uses them as hints.
+  std::vector<VecX> q;
+  std::vector<VecX> u;
+};
+
+/// Force [N] and torque [N m] about a point that the owner names.
+struct Wrench {
+  Vec3 force = Vec3::Zero();
+  Vec3 torque = Vec3::Zero();
+
+  Wrench& operator+=(const Wrench& other) {
+    force += other.force;
+    torque += other.torque;
+    return *this;
+  }
+  [[nodiscard]] Vec6 vector() const {
+    Vec6 stacked;
+    stacked << force, torque;
+    return stacked;
+  }
+};
+
+/// A wrench on one side of a joint: on the child at P_i or on the parent at P_j (its own material point), in that
+/// side's joint frame and in global axes.
+struct SideWrench {
+  Wrench in_C;
+  Wrench in_global;
+};
+
+/// Wrenches of one joint. Reaction = total minus the coordinate wrenches of drivers, springs and actuators of the
+/// joint: the total holds all that passes through it.
+struct JointWrenches {
+  std::array<SideWrench, 2> reaction;
+  std::array<SideWrench, 2> total;
+  /// Coordinate force of driver, spring and actuator on each joint speed (n_u numbers): tau > 0 pushes the speed to
+  /// grow [N, N m]; zero where there is none.
+  VecX tau;
+
+  [[nodiscard]] const SideWrench& reaction_on(Side side) const { return reaction[index(side)]; }
+  [[nodiscard]] const SideWrench& total_on(Side side) const { return total[index(side)]; }
+};
+
+/// What a force element exerts: on the child at its end P_i and on the parent at P_j, each in its end's frame A' and in
+/// global axes. A load has no parent: zero there.
+struct ElementWrenches {
+  std::array<SideWrench, 2> on;
+
+  [[nodiscard]] const SideWrench& on_side(Side side) const { return on[index(side)]; }
+};
+
+/// Acceleration of one body: of its origin, angular, and of its modal coordinates; global axes.
+struct BodyAcceleration {
+  Vec3 vdot = Vec3::Zero();
+  Vec3 omegadot = Vec3::Zero();
+  VecX addot;
+};
+
+/// What a solver computes from a state, without integration.
+struct Evaluation {
+  std::vector<BodyAcceleration> bodies;  // ground included
+  std::vector<JointWrenches> joints;
+  std::vector<ElementWrenches> elements;
+};
+
+struct Sample {
+  State state;
+  Evaluation evaluation;
+  /// Work done since the start by drivers, joint springs, force elements and modal damping [J], integrated with the
+  /// motion: all that changes kinetic energy plus that of gravity and of modal stiffness.
+  double work = 0.0;
+};
+
+struct SolverStatistics {
+  double wall_s = 0.0;
+  long steps = 0;
+  long evaluations = 0;
+  /// Largest closure residual of positions and velocities over the samples (m, rad and per s, mixed, as the solver
+  /// measures it) after projection.
+  double max_constraint = 0.0;
+};
+
+struct Trajectory {
+  std::vector<Sample> samples;
+  SolverStatistics statistics;
+};
+
+}  // namespace concord

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+
+namespace concord {
+
+struct RunOptions {
+  double until = 1.0;   // s
+  double rtol = 1e-11;  // relative tolerance of the integrator; absolute ones follow from it and the machine's scales
+  int samples = 300;    // equal intervals of the output grid; samples + 1 rows, t = 0 and t = until among them
+  std::string integrator;  // empty: the solver's default for this model
+};
+
+/// Called now and then with the time reached [s].
+using Progress = std::function<void(double t)>;
+
+/// Which reaction components a solver finds unique: per joint, side, component (F_x ... T_z in that side's joint
+/// frame).
+struct JointUniqueness {
+  std::array<std::array<bool, 6>, 2> unique;
+
+  JointUniqueness() {
+    for (auto& side : unique) side.fill(true);
+  }
+};
+
+/// Rank of the constraints at a state, found by one solver alone.
+struct RankReport {
+  int constraints = 0;  // rows, drivers included, Euler parameter norms not
+  int rank = 0;
+  int degrees_of_freedom = 0;  // rigid ones and modal ones
+  bool undecided = false;      // a singular value between 1e-12 and 1e-8 of the largest
+  double smallest_kept = 0.0;  // relative to the largest singular value
+  double largest_dropped = 0.0;
+  std::vector<JointUniqueness> joints;
+};
+
+/// One formulation of multibody dynamics, bound to one model. Not thread-safe: one solver per thread.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  [[nodiscard]] virtual std::string_view name() const = 0;
+
+  /// Integrators that integrate() knows, the default for this model first.
+  [[nodiscard]] virtual std::vector<std::string> integrators() const = 0;
+
+  /// The start state: kept coordinates, speeds and modal values exactly as the model says, loops closed as far as
+  /// round-off lets (at most 1e-13). Throws InputError if the start values contradict each other, naming the joints.
+  virtual State assemble() = 0;
+
+  /// The closed state near `guess` at guess.t, as far as round-off lets; modal coordinates and rates are kept. Nothing
+  /// if Newton's method finds none on the branch that the joints mean.
+  virtual std::optional<State> close(const State& guess) = 0;
+
+  /// Accelerations, reactions, total wrenches and driver forces in a closed state. The state is taken as it is, not
+  /// projected. Throws SolverError if its own closure residual exceeds 1e-12, naming the joint and the residual.
+  virtual Evaluation evaluate(const State& state) = 0;
+
+  /// Rank of the constraints and uniqueness of every reaction component in a closed state.
+  virtual RankReport rank(const State& state) = 0;
+
+  /// Orthonormal columns that span the velocities which the constraints permit in a closed state, drivers at rest: rows
+  /// are [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length [rad/s]).
+  virtual MatX tangent(const State& state) = 0;
+
+  /// Integrates from the start state. Throws SolverError with time, place and reason if it cannot reach the tolerance.
+  virtual Trajectory integrate(const RunOptions& options, const Progress& progress) = 0;
+
+  /// Names of the joints that this solver cuts, in the order of the model; empty if it cuts none.
+  [[nodiscard]] virtual std::vector<std::string> cut_joints() const { return {}; }
+};
+
+}  // namespace concord

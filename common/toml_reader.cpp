@@ -1,0 +1,296 @@
+#include "common/toml_reader.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "common/spelling.h"
+
+namespace concord {
+
+namespace {
+
+bool in_order(const SourceLocation& a, const SourceLocation& b) {
+  return a.line != b.line ? a.line < b.line : a.column < b.column;
+}
+
+std::string quoted(const KnownKeys& keys, std::string_view last_separator) {
+  std::string text;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (k > 0) text += k + 1 == keys.size() ? last_separator : ", ";
+    text += fmt::format("'{}'", keys[k]);
+  }
+  return text;
+}
+
+}  // namespace
+
+SourceLocation FileReading::at(const toml::source_region& region) const {
+  return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+}
+
+void FileReading::complain(const SourceLocation& where, std::string message) {
+  complaints.push_back({where, std::move(message)});
+}
+
+void FileReading::throw_if_any() {
+  if (complaints.empty()) return;
+  std::stable_sort(complaints.begin(), complaints.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) { return in_order(a.where, b.where); });
+  throw InputError(complaints);
+}
+
+toml::table parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    const auto begin = error.source().begin;
+    throw InputError(SourceLocation{file, static_cast<int>(begin.line), static_cast<int>(begin.column)},
+                     fmt::format("not TOML: {}", error.description()));
+  }
+}
+
+void check_format(const TableReader& document, int known) {
+  if (!document.require({"format"})) return;
+  const auto format = document.number("format");
+  if (!format || *format == known) return;
+  document.complain("format", fmt::format("'format' must be {}, found {}", known, *format));
+}
+
+std::string read_text_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw InputError(SourceLocation{.file = file.generic_string()}, "cannot read the file: is the path right?");
+  }
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+std::string title_with_name(const toml::table& table, std::string_view kind) {
+  const toml::node* name = table.get("name");
+  return name != nullptr && name->is_string() ? fmt::format("{} '{}'", kind, **name->as_string()) : std::string(kind);
+}
+
+std::string_view type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return node.is_array_of_tables() ? "a list of tables" : "a list";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+TableReader::TableReader(const toml::table& table, std::string title, const KnownKeys& known, FileReading& reading)
+    : table_(&table), title_(std::move(title)), reading_(&reading) {
+  const std::vector<std::string> names(known.begin(), known.end());
+  for (const auto& [key, value] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    complain_at(reading_->at(key.source()),
+                fmt::format("unknown key '{}': {}", key.str(), suggestion(key.str(), names, "keys")));
+  }
+}
+
+bool TableReader::has(std::string_view key) const { return table_->contains(key); }
+
+SourceLocation TableReader::where(std::string_view key) const {
+  const toml::node* value = key.empty() ? nullptr : node(key);
+  return reading_->at(value != nullptr ? value->source() : table_->source());
+}
+
+const toml::node* TableReader::node(std::string_view key) const { return table_->get(key); }
+
+bool TableReader::require(const KnownKeys& keys) const {
+  bool complete = true;
+  for (const std::string_view key : keys) {
+    if (has(key)) continue;
+    complain(fmt::format("missing key '{}'", key));
+    complete = false;
+  }
+  return complete;
+}
+
+bool TableReader::require_one_of(const KnownKeys& keys) const {
+  KnownKeys found;
+  std::copy_if(keys.begin(), keys.end(), std::back_inserter(found), [this](std::string_view key) { return has(key); });
+  if (found.size() == 1) return true;
+  if (found.empty()) {
+    complain(fmt::format("missing key: one of {} must be there", quoted(keys, " or ")));
+  } else {
+    complain(found.back(), fmt::format("{} exclude each other: give one of them", quoted(found, " and ")));
+  }
+  return false;
+}
+
+std::optional<double> TableReader::number_of(const toml::node& node, const std::string& name) const {
+  const SourceLocation where = reading_->at(node.source());
+  std::optional<double> value;
+  if (node.is_string()) {
+    try {
+      value = reading_->parameters.evaluate(**node.as_string());
+    } catch (const ExpressionError& error) {
+      if (*error.what() != '\0') complain_at(where, fmt::format("{}: {}", name, error.what()));
+      return std::nullopt;
+    }
+  } else {
+    value = node.is_number() ? node.value<double>() : std::nullopt;
+  }
+  if (!value) {
+    complain_at(where, fmt::format("{} must be a number or an expression, found {}", name, type_name(node)));
+  } else if (!std::isfinite(*value)) {
+    complain_at(where, fmt::format("{} must be a finite number, found {}", name, not_finite_text(*value)));
+    value.reset();
+  }
+  return value;
+}
+
+std::optional<std::vector<double>> TableReader::numbers_of(const toml::node& node, const std::string& name,
+                                                           int length) const {
+  const SourceLocation where = reading_->at(node.source());
+  const toml::array* list = node.as_array();
+  if (list == nullptr) {
+    const std::string wanted = length >= 0 ? fmt::format("{} numbers", length) : "numbers";
+    complain_at(where, fmt::format("{} must be a list of {}, found {}", name, wanted, type_name(node)));
+    return std::nullopt;
+  }
+  if (length >= 0 && list->size() != static_cast<std::size_t>(length)) {
+    complain_at(where, fmt::format("{} must be a list of {} numbers, found {}", name, length, list->size()));
+    return std::nullopt;
+  }
+  std::vector<double> values;
+  for (std::size_t k = 0; k < list->size(); ++k) {
+    if (const auto value = number_of((*list)[k], fmt::format("entry {} of {}", k + 1, name))) values.push_back(*value);
+  }
+  if (values.size() != list->size()) return std::nullopt;
+  return values;
+}
+
+std::optional<double> TableReader::number(std::string_view key) const {
+  return has(key) ? number_of(*node(key), fmt::format("'{}'", key)) : std::nullopt;
+}
+
+std::optional<double> TableReader::positive_number(std::string_view key) const {
+  const auto value = number(key);
+  if (!value || *value > 0.0) return value;
+  complain(key, fmt::format("'{}' must be positive, found {}", key, *value));
+  return std::nullopt;
+}
+
+std::optional<double> TableReader::number_not_negative(std::string_view key) const {
+  const auto value = number(key);
+  if (!value || *value >= 0.0) return value;
+  complain(key, fmt::format("'{}' must not be negative, found {}", key, *value));
+  return std::nullopt;
+}
+
+std::optional<int> TableReader::count(std::string_view key, int smallest) const {
+  const auto value = number(key);
+  if (!value) return std::nullopt;
+  constexpr double kLargest = 1e9;
+  if (*value == std::floor(*value) && *value >= smallest && *value <= kLargest) return static_cast<int>(*value);
+  complain(key, fmt::format("'{}' must be a whole number of at least {}, found {}", key, smallest, *value));
+  return std::nullopt;
+}
+
+std::optional<std::string> TableReader::text(std::string_view key) const {
+  if (!has(key)) return std::nullopt;
+  if (const auto value = node(key)->value_exact<std::string>()) return value;
+  complain(key, fmt::format("'{}' must be a string, found {}", key, type_name(*node(key))));
+  return std::nullopt;
+}
+
+std::string TableReader::name() const {
+  if (!require({"name"})) return "";
+  const auto value = text("name");
+  if (value && value->empty()) complain("name", "'name' must not be empty");
+  return value.value_or("");
+}
+
+std::optional<bool> TableReader::flag(std::string_view key) const {
+  if (!has(key)) return std::nullopt;
+  if (const auto value = node(key)->value_exact<bool>()) return value;
+  complain(key, fmt::format("'{}' must be true or false, found {}", key, type_name(*node(key))));
+  return std::nullopt;
+}
+
+std::optional<std::vector<double>> TableReader::numbers(std::string_view key, int length) const {
+  return has(key) ? numbers_of(*node(key), fmt::format("'{}'", key), length) : std::nullopt;
+}
+
+std::optional<VecX> TableReader::vector(std::string_view key, int length) const {
+  const auto values = numbers(key, length);
+  if (!values) return std::nullopt;
+  return VecX(Eigen::Map<const VecX>(values->data(), length));
+}
+
+std::optional<Vec3> TableReader::vector3(std::string_view key) const {
+  const auto values = vector(key, 3);
+  if (!values) return std::nullopt;
+  return Vec3(*values);
+}
+
+std::optional<Vec3> TableReader::direction(std::string_view key) const {
+  const auto value = vector3(key);
+  if (!value) return std::nullopt;
+  if (value->norm() > 0.0) return Vec3(value->normalized());
+  complain(key, fmt::format("'{}' must point somewhere, found a vector of length zero", key));
+  return std::nullopt;
+}
+
+std::optional<MatX> TableReader::matrix(std::string_view key, int rows, int columns) const {
+  if (!has(key)) return std::nullopt;
+  const toml::array* list = node(key)->as_array();
+  if (list == nullptr || list->size() != static_cast<std::size_t>(rows)) {
+    const std::string found = list == nullptr ? std::string(type_name(*node(key))) : std::to_string(list->size());
+    complain(key, fmt::format("'{}' must be a list of {} rows of {} numbers, found {}", key, rows, columns, found));
+    return std::nullopt;
+  }
+  MatX result(rows, columns);
+  bool complete = true;
+  for (int row = 0; row < rows; ++row) {
+    const auto values = numbers_of((*list)[row], fmt::format("row {} of '{}'", row + 1, key), columns);
+    complete = complete && values.has_value();
+    if (values) result.row(row) = Eigen::Map<const Eigen::RowVectorXd>(values->data(), columns);
+  }
+  if (!complete) return std::nullopt;
+  return result;
+}
+
+const toml::table* TableReader::table(std::string_view key) const {
+  if (!has(key)) return nullptr;
+  if (const toml::table* value = node(key)->as_table()) return value;
+  complain(key, fmt::format("'{}' must be a table, found {}", key, type_name(*node(key))));
+  return nullptr;
+}
+
+std::vector<const toml::table*> TableReader::tables(std::string_view key) const {
+  if (!has(key)) return {};
+  if (!node(key)->is_array_of_tables()) {
+    complain(key, fmt::format("'{0}' must be a list of tables, found {1}: write [[{0}]]", key, type_name(*node(key))));
+    return {};
+  }
+  std::vector<const toml::table*> found;
+  for (const toml::node& entry : *node(key)->as_array()) found.push_back(entry.as_table());
+  return found;
+}
+
+void TableReader::complain(std::string_view key, std::string_view message) const { complain_at(where(key), message); }
+
+void TableReader::complain(std::string_view message) const { complain_at(where(), message); }
+
+void TableReader::complain_at(const SourceLocation& where, std::string_view message) const {
+  reading_->complain(where, title_.empty() ? std::string(message) : fmt::format("{}: {}", title_, message));
+}
+
+}  // namespace concord
