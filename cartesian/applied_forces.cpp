@@ -1,0 +1,258 @@
+#include "cartesian/applied_forces.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "cartesian/euler_parameters.h"
+#include "common/error.h"
+#include "common/rotation.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// The opposite wrench on the parent at P_j, `gap` = r_Pi - r_Pj.
+Wrench opposite(const Wrench& on_child, const Vec3& gap) {
+  return {-on_child.force, -(on_child.torque + gap.cross(on_child.force))};
+}
+
+/// theta = log(R). Throws SolverError close to a half turn, where it jumps.
+Vec3 rotation_vector(const Mat3& R, const std::string& name) {
+  constexpr double kAllowed = EIGEN_PI - 1e-3;
+  const Eigen::AngleAxisd turn(R);
+  if (turn.angle() > kAllowed) {
+    throw SolverError(fmt::format(
+        "cartesian: bushing '{}' is turned by {:.1f} deg: its rotation vector ends at 180 deg; it is no joint", name,
+        turn.angle() * 180.0 / EIGEN_PI));
+  }
+  return turn.angle() * turn.axis();
+}
+
+/// J^-T of the rotation vector: 1 + theta~ / 2 + c theta~^2, c = (1 - (t/2) cot(t/2)) / t^2.
+Mat3 inverse_transposed_tangent(const Vec3& theta) {
+  const double t_squared = theta.squaredNorm();
+  const double half = 0.5 * std::sqrt(t_squared);
+  const double c = t_squared < 1e-2 ? 1.0 / 12.0 + t_squared / 720.0 + t_squared * t_squared / 30240.0 +
+                                          t_squared * t_squared * t_squared / 1209600.0
+                                    : (1.0 - half / std::tan(half)) / t_squared;
+  const Mat3 theta_skew = skew(theta);
+  return Mat3::Identity() + 0.5 * theta_skew + c * theta_skew * theta_skew;
+}
+
+/// Writes the wrenches of one element on its ends; placed and moved before.
+struct Push {
+  Actor& actor;
+  const std::string& name;
+  double t;
+  const Mat3& A_body;  // of the child
+
+  void operator()(const Load& load) const {
+    const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
+                      : load.axes == LoadAxes::body ? A_body
+                                                    : child().A_joint;
+    const double size = evaluate(load.law, t).f;
+    on_child() = {size * (axes * load.force), size * (axes * load.torque)};
+  }
+
+  void operator()(const LineSpring& spring) const {
+    const Vec3 line = child().point - parent().point;
+    const double length = line.norm();
+    if (!(length > 0.0)) {
+      throw SolverError(fmt::format(
+          "cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there", t, name));
+    }
+    const Vec3 along = line / length;
+    const double rate = along.dot(child().velocity - parent().velocity);
+    const double tension = evaluate_resistance(spring.law, length, rate).force + evaluate_actuator(spring.law, t);
+    on_child() = {-tension * along, Vec3::Zero()};
+    on_parent() = {tension * along, Vec3::Zero()};
+  }
+
+  void operator()(const TurnSpring& spring) const {
+    constexpr double kAllowed = 175.0 * EIGEN_PI / 180.0;
+    static const joints::Read kAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
+    if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
+      throw SolverError(
+          fmt::format("cartesian: at t = {:.6g} s turn spring '{}' has no angle: the child's x axis points along the "
+                      "parent's z: turn the frames of its ends",
+                      t, name));
+    }
+    const Row angle = evaluate_read(kAngle, 0, actor.motion);
+    if (!(std::abs(angle.value) <= kAllowed)) {
+      throw SolverError(
+          fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
+                      "spring of a joint count turns instead",
+                      t, name, angle.value * 180.0 / EIGEN_PI));
+    }
+    const double rate = rate_of(angle, actor.motion);
+    const double torque = evaluate_resistance(spring.law, angle.value, rate).force + evaluate_actuator(spring.law, t);
+    const Vec3 couple = parent().A_joint * (-torque * angle.over_rho);
+    on_child() = {Vec3::Zero(), couple};
+    on_parent() = {Vec3::Zero(), -couple};
+  }
+
+  void operator()(const Bushing& bushing) const {
+    const Vec3 theta = rotation_vector(actor.motion.R, name);
+    Vec6 displacement;
+    displacement << actor.motion.d, theta;
+    Vec6 speed;
+    speed << actor.motion.ddot, actor.motion.omega;
+    Vec6 elastic = bushing.stiffness * displacement - bushing.preload;
+    elastic.tail<3>() = inverse_transposed_tangent(theta) * elastic.tail<3>();
+    const Vec6 in_C = -elastic - bushing.damping * speed;
+    on_child() = {parent().A_joint * in_C.head<3>(), parent().A_joint * in_C.tail<3>()};
+    on_parent() = opposite(on_child(), child().point - parent().point);
+  }
+
+ private:
+  [[nodiscard]] const Marker& child() const { return actor.markers[index(Side::child)]; }
+  [[nodiscard]] const Marker& parent() const { return actor.markers[index(Side::parent)]; }
+  [[nodiscard]] Wrench& on_child() const { return actor.wrenches[index(Side::child)]; }
+  [[nodiscard]] Wrench& on_parent() const { return actor.wrenches[index(Side::parent)]; }
+};
+
+}  // namespace
+
+AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Constraints& constraints)
+    : model_(model), layout_(layout), constraints_(constraints), springs_of_joint_(model.joints.size(), -1) {
+  const auto give_room = [&](Actor& actor) {
+    for (const Side side : {Side::parent, Side::child}) {
+      if (!actor.sits_on_moving_body(side)) continue;
+      actor.forces[index(side)].setZero(layout.size_Y(actor.ends[index(side)]->body));
+    }
+  };
+  for (std::size_t e = 0; e < model.elements.size(); ++e) {
+    Actor actor;
+    actor.element = static_cast<int>(e);
+    for (const Side side : {Side::parent, Side::child}) {
+      const Attachment* end = end_of(model.elements[e], side);
+      actor.ends[index(side)] = end;
+      if (end == nullptr) continue;
+      actor.markers[index(side)] = make_marker(*end);
+      const VecX none;
+      place(*end, Vec3::Zero(), Mat3::Identity(), none.head(0), actor.markers[index(side)]);
+    }
+    give_room(actor);
+    actors_.push_back(std::move(actor));
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    if (joint.springs.empty()) continue;
+    springs_of_joint_[k] = static_cast<int>(actors_.size());
+    Actor actor;
+    actor.joint = static_cast<int>(k);
+    actor.ends = {&joint.on(Side::parent), &joint.on(Side::child)};
+    actor.tau.setZero(joint.type->n_u());
+    actor.known_q.setZero(joint.type->n_q());
+    give_room(actor);
+    actors_.push_back(std::move(actor));
+  }
+}
+
+void AppliedForces::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+  for (Actor& actor : actors_) update(actor, t, q, Y);
+}
+
+void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>& q,
+                           const Eigen::Ref<const VecX>& Y) const {
+  if (actor.element >= 0) {
+    place_ends(actor, q, Y);
+    const ForceElement& element = model_.elements[actor.element];
+    const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
+    std::visit(Push{actor, element.name, t, A_body}, element.what);
+  } else {
+    push_by_springs(actor, t);
+  }
+  for (const Side side : {Side::parent, Side::child}) {
+    if (!actor.sits_on_moving_body(side)) continue;
+    const Marker& marker =
+        actor.element >= 0 ? actor.markers[index(side)] : constraints_.joint(actor.joint).marker(side);
+    const Wrench& wrench = actor.wrenches[index(side)];
+    write_generalized_force(marker, wrench.force, wrench.torque, actor.forces[index(side)]);
+  }
+}
+
+void AppliedForces::place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const {
+  for (const Side side : {Side::parent, Side::child}) {
+    if (!actor.sits_on_moving_body(side)) continue;
+    const Attachment& end = *actor.ends[index(side)];
+    const Mat3& A = constraints_.rotation(end.body);
+    Marker& marker = actor.markers[index(side)];
+    place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
+    move(end, A, layout_.v(Y, end.body), layout_.omega(Y, end.body), layout_.adot(Y, end.body), marker);
+  }
+  const Marker& parent = actor.markers[index(Side::parent)];
+  const Marker& child = actor.markers[index(Side::child)];
+  place_relative(parent, child, actor.motion);
+  move_relative(parent, child, actor.motion);
+}
+
+/// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own.
+void AppliedForces::push_by_springs(Actor& actor, double t) const {
+  const Joint& stated = model_.joints[actor.joint];
+  const JointEquations& joint = constraints_.joint(actor.joint);
+  actor.tau.setZero();
+  for (const JointSpring& spring : stated.springs) {
+    const joints::Read& read = *read_of(*stated.type, spring.word);
+    const Row row = evaluate_read(read, spring.component, joint.motion);
+    const double known = actor.known_q(first_q(*stated.type, spring.word) + spring.component);
+    const double x = value_near(read, spring.component, row, known);
+    const double rate = rate_of(row, joint.motion);
+    actor.tau(first_u(*stated.type, spring.word) + spring.component) +=
+        evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, x, rate).force;
+  }
+  const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, actor.tau);
+  const Mat3& A_joint = joint.marker(Side::parent).A_joint;
+  Wrench& on_child = actor.wrenches[index(Side::child)];
+  on_child = {A_joint * in_C.head<3>(), A_joint * in_C.tail<3>()};
+  actor.wrenches[index(Side::parent)] = opposite(on_child, joint.gap);
+}
+
+void AppliedForces::add_to(Eigen::Ref<VecX> forces) const {
+  for (const Actor& actor : actors_) {
+    for (const Side side : {Side::parent, Side::child}) {
+      if (!actor.sits_on_moving_body(side)) continue;
+      const int body = actor.ends[index(side)]->body;
+      forces.segment(layout_.first_Y(body), layout_.size_Y(body)) += actor.forces[index(side)];
+    }
+  }
+}
+
+double AppliedForces::power(const Eigen::Ref<const VecX>& Y) const {
+  double sum = 0.0;
+  for (const Actor& actor : actors_) {
+    for (const Side side : {Side::parent, Side::child}) {
+      if (!actor.sits_on_moving_body(side)) continue;
+      const int body = actor.ends[index(side)]->body;
+      sum += actor.forces[index(side)].dot(Y.segment(layout_.first_Y(body), layout_.size_Y(body)));
+    }
+  }
+  return sum;
+}
+
+const Actor* AppliedForces::springs_of(int k) const {
+  return springs_of_joint_[k] >= 0 ? &actors_[springs_of_joint_[k]] : nullptr;
+}
+
+ElementWrenches AppliedForces::element(int e) const {
+  const Actor& actor = actors_[e];
+  ElementWrenches wrenches;
+  for (const Side side : {Side::parent, Side::child}) {
+    if (actor.ends[index(side)] == nullptr) continue;
+    const Mat3& A_joint = actor.markers[index(side)].A_joint;
+    const Wrench& in_global = actor.wrenches[index(side)];
+    wrenches.on[index(side)] = {{A_joint.transpose() * in_global.force, A_joint.transpose() * in_global.torque},
+                                in_global};
+  }
+  return wrenches;
+}
+
+void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
+  for (Actor& actor : actors_) {
+    if (actor.joint >= 0) actor.known_q = q[actor.joint];
+  }
+}
+
+}  // namespace concord::cartesian

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cartesian/constraints.h"
+#include "cartesian/layout.h"
+#include "common/model.h"
+#include "common/results.h"
+
+/// Generalized forces of force elements and of springs on joint coordinates.
+namespace concord::cartesian {
+
+/// What pushes on two bodies at once (a load: on one, the child): an element of the model, or the springs of one joint.
+struct Actor {
+  int element = -1;  // index in Model::elements, or
+  int joint = -1;    // in Model::joints
+  std::array<const Attachment*, 2> ends{nullptr, nullptr};
+  std::array<Marker, 2> markers;  // of an element; a joint has its own
+  RelativeMotion motion;          // of an element: the child's end seen from the parent's
+  /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
+  /// ground).
+  std::array<Wrench, 2> wrenches;
+  std::array<VecX, 2> forces;
+  /// Of a joint's springs: coordinate forces (n_u numbers), and the angles that the last known turns are counted from.
+  VecX tau;
+  VecX known_q;
+
+  [[nodiscard]] bool sits_on_moving_body(Side side) const {
+    return ends[index(side)] != nullptr && ends[index(side)]->body != kGround;
+  }
+};
+
+class AppliedForces {
+ public:
+  /// Both must outlive this object.
+  AppliedForces(const Model& model, const Layout& layout, const Constraints& constraints);
+
+  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, after place() and move() of
+  /// the constraints. Throws SolverError, naming the element, where its law has no direction: a line spring of no
+  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi.
+  void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
+
+  /// Adds the generalized forces to `forces` (n_Y numbers).
+  void add_to(Eigen::Ref<VecX> forces) const;
+
+  /// Power of all of them [W] at velocities Y.
+  [[nodiscard]] double power(const Eigen::Ref<const VecX>& Y) const;
+
+  [[nodiscard]] std::vector<Actor>& actors() { return actors_; }
+
+  /// The springs of joint k; nullptr if it has none.
+  [[nodiscard]] const Actor* springs_of(int k) const;
+  /// Wrenches of element e on both its ends.
+  [[nodiscard]] ElementWrenches element(int e) const;
+
+  /// Joint coordinates (by joint) from which the turns of sprung angles are counted: at most half a turn away.
+  void count_turns_from(const std::vector<VecX>& q);
+
+ private:
+  void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
+  void push_by_springs(Actor& actor, double t) const;
+
+  const Model& model_;
+  const Layout& layout_;
+  const Constraints& constraints_;
+  std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
+  std::vector<int> springs_of_joint_;
+};
+
+}  // namespace concord::cartesian

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "common/model.h"
+#include "common/types.h"
+
+/// Mass matrix and quadratic velocity terms of one body about its origin, from the inertia integrals G.
+///
+/// A mass point stands at s = s_0 + sum a_k psi_k in body axes and moves with v + omega x s + sdot. Everything follows
+/// from three sums over the points: of m s, of m s s^T and of m s psi_k^T, which are linear or quadratic in a.
+namespace concord::cartesian {
+
+class BodyInertia {
+ public:
+  explicit BodyInertia(const Body& body);
+
+  [[nodiscard]] int n_modes() const { return n_modes_; }
+  [[nodiscard]] double mass() const { return mass_; }
+
+  /// Sums over the mass points for modal coordinates a and rates adot; call before everything below.
+  template <class Modal>
+  void update(const Modal& a, const Modal& adot);
+
+  /// M(a), (6 + m) square, for Y = [v; omega; adot] with v and omega in global axes; A: body to global.
+  template <class Block>
+  void write_mass_matrix(const Mat3& A, Block&& M) const;
+
+  /// S(omega, a, adot), U = K a + D adot and gravity: writes Q_gravity - S - U, 6 + m rows; omega in global axes.
+  template <class Modal, class Rows>
+  void write_forces(const Mat3& A, const Vec3& omega, const Vec3& gravity, const Modal& a, const Modal& adot,
+                    Rows&& force) const;
+
+  /// adot^T D adot [W].
+  template <class Modal>
+  [[nodiscard]] double damping_power(const Modal& adot) const {
+    return n_modes_ == 0 ? 0.0 : adot.dot(damping_.lazyProduct(adot));
+  }
+
+  [[nodiscard]] const MatX& stiffness() const { return stiffness_; }
+  [[nodiscard]] const MatX& damping() const { return damping_; }
+
+ private:
+  int n_modes_ = 0;
+  double mass_ = 0.0;
+  // Constant integrals, body axes.
+  Vec3 sum_s0_ = Vec3::Zero();       // of m s_0
+  Mat3 sum_s0_s0_ = Mat3::Zero();    // of m s_0 s_0^T
+  Mat3X sum_psi_ = Mat3X(3, 0);      // column k: of m psi_k
+  Mat3X sum_s0_psi_ = Mat3X(3, 0);   // block k: of m s_0 psi_k^T
+  Mat3X sum_psi_psi_ = Mat3X(3, 0);  // block k m + l: of m psi_k psi_l^T
+  MatX modal_mass_;                  // of m psi_k . psi_l
+  MatX stiffness_;
+  MatX damping_;
+  // At the state of update(), body axes.
+  Vec3 sum_s_ = Vec3::Zero();         // of m s
+  Vec3 sum_sdot_ = Vec3::Zero();      // of m sdot
+  Mat3 sum_s_s_ = Mat3::Zero();       // of m s s^T
+  Mat3X sum_s_psi_ = Mat3X(3, 0);     // block k: of m s psi_k^T
+  Mat3X sum_sdot_psi_ = Mat3X(3, 0);  // block k: of m sdot psi_k^T
+  Mat3 sum_s_sdot_ = Mat3::Zero();    // of m s sdot^T
+};
+
+}  // namespace concord::cartesian
+
+#include "cartesian/body_inertia_inline.h"

@@ -1,0 +1,228 @@
+#include "cartesian/closing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cartesian/euler_parameters.h"
+#include "cartesian/rank.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+constexpr double kClosed = 1e-13;  // of the largest coordinate, in m or rad, if that is beyond 1
+constexpr int kMaxSteps = 80;
+
+/// A row that is no constraint of the machine: a coordinate or speed that the start keeps.
+struct KeptRow {
+  int joint;
+  Row row;        // gradient and, for coordinates, value less the kept value
+  double target;  // of a speed
+};
+
+/// The turn Q as axis times angle, angle in [0, pi]. Its rate is the angular velocity at Q = 1 and, for any Q, along
+/// its own axis: unlike the axial vector of Q it vanishes at Q = 1 alone, so that Newton's steps cannot end at a half
+/// turn.
+Vec3 rotation_vector(const Mat3& Q) {
+  const Eigen::AngleAxisd turn(Q);
+  return turn.angle() * turn.axis();
+}
+
+enum class Kept { coordinates, speeds };
+
+std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
+  std::vector<KeptRow> kept;
+  const Model& model = equations.model();
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& stated = model.joints[k];
+    const RelativeMotion& motion = equations.constraints().joint(static_cast<int>(k)).motion;
+    for (std::size_t word = 0; word < stated.start.size(); ++word) {
+      const WordStart& start = stated.start[word];
+      if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
+      const joints::Read* read = read_of(*stated.type, static_cast<int>(word));
+      if (read == nullptr) continue;
+      const int n = n_speeds(*read);
+      Row rows[kMaxRows];
+      if (std::holds_alternative<joints::OrientationOf>(*read)) {
+        const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
+        for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
+      } else {
+        for (int c = 0; c < n; ++c) {
+          rows[c] = evaluate_read(*read, c, motion);
+          const double error = rows[c].value - start.q(c);
+          rows[c].value = reads_turn(*read, c) ? std::remainder(error, 2.0 * EIGEN_PI) : error;
+        }
+      }
+      for (int c = 0; c < n; ++c) {
+        const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
+        if (!follows_law) kept.push_back({static_cast<int>(k), rows[c], start.u(c)});
+      }
+    }
+  }
+  return kept;
+}
+
+/// Jacobian over the rigid velocities, v columns by `length`: constraints first, then the kept rows.
+SparseMatrix rigid_jacobian(const Equations& equations, const std::vector<KeptRow>& kept, double length) {
+  const Constraints& constraints = equations.constraints();
+  const Layout& layout = equations.layout();
+  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+  const auto add = [&](int row, int body, const auto& column) {
+    for (int c = 0; c < 6; ++c) entries.emplace_back(row, 6 * (body - 1) + c, column(c) * (c < 3 ? length : 1.0));
+  };
+  constraints.each_moving_side([&](int k, Side side, int body) {
+    const JointEquations& joint = constraints.joint(k);
+    for (int row = 0; row < joint.n_rows; ++row) {
+      add(joint.first_row + row, body, joint.Phi_Y_transposed[index(side)].col(row));
+    }
+  });
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    for (const Side side : {Side::parent, Side::child}) {
+      const int body = equations.model().joints[kept[k].joint].on(side).body;
+      if (body == kGround) continue;
+      VecX column(layout.size_Y(body));
+      constraints.write_transposed(kept[k].joint, side, kept[k].row, column);
+      add(constraints.n_rows() + static_cast<int>(k), body, column);
+    }
+  }
+  SparseMatrix jacobian(constraints.n_rows() + static_cast<Eigen::Index>(kept.size()), 6 * (layout.n_bodies() - 1));
+  jacobian.setFromTriplets(entries.begin(), entries.end());
+  return jacobian;
+}
+
+/// Spreads a step of rigid coordinates over Y, modes untouched.
+VecX over_Y(const Layout& layout, const VecX& rigid_step, double length) {
+  VecX step = VecX::Zero(layout.n_Y());
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    layout.v(step, i) = length * rigid_step.segment<3>(6 * (i - 1));
+    layout.omega(step, i) = rigid_step.segment<3>(6 * (i - 1) + 3);
+  }
+  return step;
+}
+
+VecX position_residual(const Equations& equations, const std::vector<KeptRow>& kept) {
+  VecX residual(equations.constraints().n_rows() + static_cast<Eigen::Index>(kept.size()));
+  residual.head(equations.constraints().n_rows()) = equations.residual();
+  for (std::size_t k = 0; k < kept.size(); ++k) residual(equations.constraints().n_rows() + k) = kept[k].row.value;
+  return residual;
+}
+
+VecX velocity_residual(const Equations& equations, const std::vector<KeptRow>& kept) {
+  VecX residual(equations.constraints().n_rows() + static_cast<Eigen::Index>(kept.size()));
+  residual.head(equations.constraints().n_rows()) = equations.velocity_residual();
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const RelativeMotion& motion = equations.constraints().joint(kept[k].joint).motion;
+    residual(equations.constraints().n_rows() + k) = rate_of(kept[k].row, motion) - kept[k].target;
+  }
+  return residual;
+}
+
+double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
+
+std::vector<std::string> names_of_open(const Equations& equations, const std::vector<KeptRow>& kept,
+                                       const VecX& residual) {
+  const Model& model = equations.model();
+  std::vector<std::string> names;
+  const double large = 0.05 * size_of(residual);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const JointEquations& joint = equations.constraints().joint(static_cast<int>(k));
+    double own = size_of(residual.segment(joint.first_row, joint.n_rows));
+    for (std::size_t row = 0; row < kept.size(); ++row) {
+      if (kept[row].joint != static_cast<int>(k)) continue;
+      own = std::max(own, std::abs(residual(equations.constraints().n_rows() + row)));
+    }
+    if (own >= large) names.push_back(model.joints[k].name);
+  }
+  return names;
+}
+
+/// Whether another Newton step is worth while: not yet closed, or still falling.
+bool goes_on(double size, double last, double closed) {
+  return size > closed ? true : size > 0.0 && size < 0.25 * last;
+}
+
+}  // namespace
+
+Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, VecX& Y) {
+  constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
+  const Layout& layout = equations.layout();
+  const double length = equations.model().length_scale();
+  const auto kept = [&](Kept what) { return keep_start ? kept_rows(equations, what) : std::vector<KeptRow>{}; };
+
+  Closing closing;
+  layout.normalize(q);
+  const auto closed = [&] { return kClosed * std::max(1.0, size_of(q)); };
+  equations.update(t, q, Y);
+  VecX residual = position_residual(equations, kept(Kept::coordinates));
+  VecX best_q = q;
+  double best = size_of(residual);
+  double last = HUGE_VAL;
+  for (int step = 0; step < kMaxSteps && goes_on(size_of(residual), last, closed()); ++step) {
+    last = size_of(residual);
+    VecX move = solve_shortest(rigid_jacobian(equations, kept(Kept::coordinates), length), -residual);
+    if (!move.allFinite()) break;
+    move *= std::min(1.0, kLargestTurn / (1e-300 + size_of(move)));
+    layout.displace(over_Y(layout, move, length), q);
+    equations.update(t, q, Y);
+    residual = position_residual(equations, kept(Kept::coordinates));
+    if (size_of(residual) <= best) {
+      best = size_of(residual);
+      best_q = q;
+    }
+  }
+  q = best_q;
+  equations.update(t, q, Y);
+  residual = position_residual(equations, kept(Kept::coordinates));
+  closing.position_residual = size_of(residual);
+  if (!(closing.position_residual <= closed())) {
+    closing.joints_left_open = names_of_open(equations, kept(Kept::coordinates), residual);
+    return closing;
+  }
+  if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
+    closing.joints_left_open = {equations.model().joints[joint].name};
+    return closing;
+  }
+
+  residual = velocity_residual(equations, kept(Kept::speeds));
+  last = HUGE_VAL;
+  const double speed = 1.0 + size_of(residual) + size_of(Y);
+  for (int step = 0; step < 4 && size_of(residual) > 1e-16 * speed && size_of(residual) < 0.5 * last; ++step) {
+    last = size_of(residual);
+    Y += over_Y(layout, solve_shortest(rigid_jacobian(equations, kept(Kept::speeds), length), -residual), length);
+    equations.update(t, q, Y);
+    residual = velocity_residual(equations, kept(Kept::speeds));
+  }
+  closing.velocity_residual = size_of(residual);
+  closing.closed = closing.velocity_residual <= kClosed * (1.0 + size_of(Y));
+  if (!closing.closed) closing.joints_left_open = names_of_open(equations, kept(Kept::speeds), residual);
+  return closing;
+}
+
+KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y) {
+  equations.update(t, q, Y);
+  const double length = equations.model().length_scale();
+  const int columns = 6 * (equations.layout().n_bodies() - 1);
+  const auto rank_with = [&](const std::vector<KeptRow>& kept) {
+    SparseMatrix jacobian = rigid_jacobian(equations, kept, length);
+    VecX norms = VecX::Zero(jacobian.rows());
+    for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
+      for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
+        norms(entry.row()) += entry.value() * entry.value();
+      }
+    }
+    jacobian = norms.cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal() * jacobian;
+    return decide_rank(jacobian).rank;
+  };
+  const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
+  const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);
+  const int constrained = rank_with({});
+  KeptCount count;
+  count.coordinates = static_cast<int>(coordinates.size());
+  count.speeds = static_cast<int>(speeds.size());
+  count.rigid_freedom = columns - constrained;
+  count.independent_coordinates = rank_with(coordinates) - constrained;
+  count.independent_speeds = rank_with(speeds) - constrained;
+  return count;
+}
+
+}  // namespace concord::cartesian

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cartesian/equations.h"
+
+namespace concord::cartesian {
+
+/// How far closing came.
+struct Closing {
+  bool closed = false;
+  double position_residual = 0.0;
+  double velocity_residual = 0.0;
+  std::vector<std::string> joints_left_open;  // those with the largest residuals, if not closed
+};
+
+/// Moves the rigid coordinates of q and Y by the shortest steps until all constraints hold as far as round-off lets (at
+/// most 1e-13, or 1e-13 of the largest coordinate beyond 1 m), at time t; modal coordinates and rates stay. With
+/// `keep_start` the coordinates and speeds that the model keeps are rows as well.
+Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, VecX& Y);
+
+/// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints
+/// leave free.
+struct KeptCount {
+  int coordinates = 0;
+  int speeds = 0;
+  int rigid_freedom = 0;  // rigid degrees of freedom at the state, modal coordinates held
+  int independent_coordinates = 0;
+  int independent_speeds = 0;
+};
+KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y);
+
+}  // namespace concord::cartesian

@@ -1,0 +1,177 @@
+#include <arkode/arkode_erkstep.h>
+
+#include <array>
+#include <vector>
+
+#include "cartesian/stepper.h"
+#include "common/error.h"
+#include "common/sundials.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+using sundials::check;
+using sundials::require;
+using sundials::view;
+
+struct FreeTable {
+  void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
+};
+using Table = std::unique_ptr<std::remove_pointer_t<ARKodeButcherTable>, FreeTable>;
+
+/// Weight of the result with n_j substeps in the extrapolation of the first `used` results to n = infinity in (1/n)^2.
+double extrapolation_weight(const std::vector<int>& substeps, std::size_t j, std::size_t used) {
+  double weight = 1.0;
+  const double own = substeps[j] * substeps[j];
+  for (std::size_t i = 0; i < used; ++i) {
+    if (i != j) weight *= own / (own - substeps[i] * substeps[i]);
+  }
+  return weight;
+}
+
+/// Gragg's modified midpoint rule, z_1 = y + h/n f(y), z_{k+1} = z_{k-1} + 2h/n f(z_k), with each even n of `substeps`,
+/// extrapolated in (1/n)^2 and written as one explicit Runge-Kutta table: order 2 m for m sequences, embedded 2 m - 2.
+/// f(y) is shared, so there are 1 + sum of (n - 1) stages. (Hairer, Norsett, Wanner I, section II.9.)
+Table make_table(const std::vector<int>& substeps) {
+  int stages = 1;
+  for (const int n : substeps) stages += n - 1;
+  MatX A = MatX::Zero(stages, stages);
+  VecX b = VecX::Zero(stages);
+  VecX embedded = VecX::Zero(stages);
+  int next = 1;
+  const std::size_t m = substeps.size();
+  for (std::size_t j = 0; j < m; ++j) {
+    const int n = substeps[j];
+    VecX before = VecX::Zero(stages);                  // z_{k-1}
+    VecX reached = VecX::Unit(stages, 0) / double(n);  // z_k
+    for (int k = 1; k < n; ++k) {
+      A.row(next) = reached;
+      const VecX after = before + 2.0 / n * VecX::Unit(stages, next);
+      before = reached;
+      reached = after;
+      ++next;
+    }
+    b += extrapolation_weight(substeps, j, m) * reached;
+    if (j + 1 < m) embedded += extrapolation_weight(substeps, j, m - 1) * reached;
+  }
+  VecX c = A.rowwise().sum();
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  RowMajor A_rows = A;
+  return Table(require(ARKodeButcherTable_Create(stages, 2 * static_cast<int>(m), 2 * static_cast<int>(m) - 2, c.data(),
+                                                 A_rows.data(), b.data(), embedded.data()),
+                       "ARKodeButcherTable_Create"));
+}
+
+class ExtrapolationStepper : public Stepper {
+ public:
+  ExtrapolationStepper(Equations& equations, const Motion& start, double rtol)
+      : equations_(equations),
+        n_q_(equations.layout().n_q()),
+        n_Y_(equations.layout().n_Y()),
+        motion_(start),
+        y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
+        tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
+    write(start, view(y_.get()));
+    view(tolerances_.get()) = absolute_tolerances(equations, start, rtol);
+    memory_.reset(require(ERKStepCreate(&right_side, 0.0, y_.get(), context_.get()), "ERKStepCreate"));
+    void* erk = memory_.get();
+    check(ERKStepSetErrHandlerFn(erk, sundials::MessageRecord::record, &messages_), "ERKStepSetErrHandlerFn",
+          messages_);
+    check(ERKStepSetTable(erk, make_table({2, 4, 6, 8, 10}).get()), "ERKStepSetTable", messages_);
+    check(ERKStepSVtolerances(erk, rtol, tolerances_.get()), "ERKStepSVtolerances", messages_);
+    check(ERKStepSetUserData(erk, this), "ERKStepSetUserData", messages_);
+    check(ERKStepSetPostprocessStepFn(erk, &project), "ERKStepSetPostprocessStepFn", messages_);
+    check(ERKStepSetMaxHnilWarns(erk, -1), "ERKStepSetMaxHnilWarns", messages_);
+  }
+
+  double step(double stop) override {
+    check(ERKStepSetStopTime(memory_.get(), stop), "ERKStepSetStopTime", messages_);
+    sunrealtype reached = 0.0;
+    const int code = ERKStepEvolve(memory_.get(), stop, y_.get(), &reached, ARK_ONE_STEP);
+    if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last + (why_.empty() ? "" : "; " + why_));
+    read(view(y_.get()), motion_);
+    return reached;
+  }
+
+  [[nodiscard]] const Motion& motion() override { return motion_; }
+  [[nodiscard]] long steps() const override {
+    long count = 0;
+    ERKStepGetNumSteps(memory_.get(), &count);
+    return count;
+  }
+  [[nodiscard]] long evaluations() const override { return evaluations_; }
+
+ private:
+  template <class Numbers>
+  void read(const Numbers& y, Motion& motion) const {
+    motion.q = y.head(n_q_);
+    motion.Y = y.segment(n_q_, n_Y_);
+    motion.work = y(n_q_ + n_Y_);
+  }
+  template <class Numbers>
+  void write(const Motion& motion, Numbers&& y) const {
+    y.head(n_q_) = motion.q;
+    y.segment(n_q_, n_Y_) = motion.Y;
+    y(n_q_ + n_Y_) = motion.work;
+  }
+
+  /// Runs what may throw inside SUNDIALS. A failure is recoverable: a shorter step may do.
+  template <class Action>
+  int guarded(const Action& action) {
+    try {
+      action();
+      return 0;
+    } catch (const SolverError& error) {
+      why_ = error.what();
+      return 1;
+    }
+  }
+
+  static int right_side(sunrealtype t, N_Vector y_vector, N_Vector ydot_vector, void* pointer) {
+    auto& self = *static_cast<ExtrapolationStepper*>(pointer);
+    const auto y = view(y_vector);
+    auto ydot = view(ydot_vector);
+    if (!y.allFinite()) return 1;
+    return self.guarded([&] {
+      ++self.evaluations_;
+      const auto q = y.head(self.n_q_);
+      const auto Y = y.segment(self.n_q_, self.n_Y_);
+      self.equations_.update(t, q, Y);
+      self.equations_.solve(false);
+      self.equations_.layout().write_qdot(q, Y, ydot.head(self.n_q_));
+      ydot.segment(self.n_q_, self.n_Y_) = self.equations_.Ydot();
+      ydot(self.n_q_ + self.n_Y_) = self.equations_.power();
+    });
+  }
+
+  static int project(sunrealtype t, N_Vector y_vector, void* pointer) {
+    auto& self = *static_cast<ExtrapolationStepper*>(pointer);
+    auto y = view(y_vector);
+    return self.guarded([&] { self.equations_.project(t, y.head(self.n_q_), y.segment(self.n_q_, self.n_Y_)); });
+  }
+
+  struct FreeMemory {
+    void operator()(void* memory) const { ERKStepFree(&memory); }
+  };
+
+  Equations& equations_;
+  Eigen::Index n_q_;
+  Eigen::Index n_Y_;
+  Motion motion_;
+  long evaluations_ = 0;
+  std::string why_;
+  sundials::MessageRecord messages_;
+  sundials::Context context_;
+  sundials::Vector y_;
+  sundials::Vector tolerances_;
+  std::unique_ptr<void, FreeMemory> memory_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, double rtol) {
+  return std::make_unique<ExtrapolationStepper>(equations, start, rtol);
+}
+
+}  // namespace concord::cartesian

@@ -1,0 +1,286 @@
+#include "cartesian/joint_rows.h"
+
+#include <cmath>
+
+namespace concord::cartesian {
+
+namespace {
+
+using joints::BearingOfGap;
+using joints::ByReading;
+using joints::ByResidual;
+using joints::Coincide;
+using joints::ElevationOfGap;
+using joints::KeepDistance;
+using joints::NoGapAlong;
+using joints::OrientationOf;
+using joints::Perpendicular;
+using joints::SameDirection;
+using joints::SameOrientation;
+using joints::SlideAlong;
+using joints::TurnOfChildAxis;
+using joints::TurnOfParentAxis;
+
+Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
+
+Axis next(Axis axis) { return static_cast<Axis>((index(axis) + 1) % 3); }
+
+/// d . e: gap along an axis of the parent.
+Row gap_row(const Vec3& e, const RelativeMotion& motion) {
+  Row row;
+  row.value = e.dot(motion.d);
+  row.over_d = e;
+  return row;
+}
+
+/// m . (R n) for a vector m fixed on the parent and n fixed on the child.
+Row dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
+  const Vec3 R_n = motion.R * n;
+  const Vec3 swing = motion.omega.cross(R_n);
+  Row row;
+  row.value = m.dot(R_n);
+  row.over_rho = R_n.cross(m);
+  row.bias = motion.omega.dot(swing.cross(m));
+  return row;
+}
+
+/// atan2(y, x) of two rows.
+Row angle_row(const Row& y, const Row& x, const RelativeMotion& motion) {
+  const double square = x.value * x.value + y.value * y.value;
+  const double xdot = rate_of(x, motion);
+  const double ydot = rate_of(y, motion);
+  const double turning = x.value * ydot - y.value * xdot;
+  Row row;
+  row.value = std::atan2(y.value, x.value);
+  row.over_d = (x.value * y.over_d - y.value * x.over_d) / square;
+  row.over_rho = (x.value * y.over_rho - y.value * x.over_rho) / square;
+  row.bias = (x.value * y.bias - y.value * x.bias) / square -
+             turning * 2.0 * (x.value * xdot + y.value * ydot) / (square * square);
+  return row;
+}
+
+/// |d - (d . e) e|: distance of the child's point from the parent's axis e.
+Row distance_from_axis_row(const Vec3& e, const RelativeMotion& motion) {
+  const Vec3 across = motion.d - motion.d.dot(e) * e;
+  const Vec3 across_dot = motion.ddot - motion.ddot.dot(e) * e;
+  Row row;
+  row.value = across.norm();
+  row.over_d = across / row.value;
+  const double rate = row.over_d.dot(across_dot);
+  row.bias = (across_dot.squaredNorm() - rate * rate) / row.value;
+  return row;
+}
+
+Row row_of(const joints::FunctionOfPlacement::Rows& rows, int k) {
+  return {rows.value(k), rows.gradient.col(k).head<3>(), rows.gradient.col(k).tail<3>(), rows.bias(k)};
+}
+
+joints::FunctionOfPlacement::Rows evaluate_function(const joints::FunctionOfPlacement& function,
+                                                    const RelativeMotion& motion) {
+  joints::FunctionOfPlacement::Rows rows;
+  Vec6 v_rel;
+  v_rel << motion.ddot, motion.omega;
+  function.evaluate({motion.d, motion.R}, v_rel, rows);
+  return rows;
+}
+
+int write(const Coincide&, const RelativeMotion& motion, Row* rows) {
+  for (int k = 0; k < 3; ++k) rows[k] = gap_row(Vec3::Unit(k), motion);
+  return 3;
+}
+
+int write(const NoGapAlong& word, const RelativeMotion& motion, Row* rows) {
+  rows[0] = gap_row(unit(word.axis), motion);
+  return 1;
+}
+
+int write(const Perpendicular& word, const RelativeMotion& motion, Row* rows) {
+  rows[0] = dot_row(unit(word.on_parent), unit(word.on_child), motion);
+  return 1;
+}
+
+int write(const SameDirection& word, const RelativeMotion& motion, Row* rows) {
+  const Vec3 axis = unit(word.axis);
+  rows[0] = dot_row(unit(next(word.axis)), axis, motion);
+  rows[1] = dot_row(unit(next(next(word.axis))), axis, motion);
+  return 2;
+}
+
+int write(const SameOrientation&, const RelativeMotion& motion, Row* rows) {
+  evaluate_orientation(Mat3::Identity(), motion, rows);
+  return 3;
+}
+
+int write(const KeepDistance& word, const RelativeMotion& motion, Row* rows) {
+  rows[0].value = (motion.d.squaredNorm() - word.length * word.length) / (2.0 * word.length);
+  rows[0].over_d = motion.d / word.length;
+  rows[0].over_rho.setZero();
+  rows[0].bias = motion.ddot.squaredNorm() / word.length;
+  return 1;
+}
+
+int write(const ByResidual& word, const RelativeMotion& motion, Row* rows) {
+  const joints::FunctionOfPlacement::Rows found = evaluate_function(*word.residual, motion);
+  for (int k = 0; k < found.n; ++k) rows[k] = row_of(found, k);
+  return found.n;
+}
+
+bool branch(const Coincide&, const RelativeMotion&) { return true; }
+bool branch(const NoGapAlong&, const RelativeMotion&) { return true; }
+bool branch(const Perpendicular&, const RelativeMotion&) { return true; }
+bool branch(const SameDirection& word, const RelativeMotion& at) {
+  return at.R(index(word.axis), index(word.axis)) > 0.0;
+}
+bool branch(const SameOrientation&, const RelativeMotion& at) { return at.R.trace() > 1.0; }
+bool branch(const KeepDistance&, const RelativeMotion&) { return true; }
+bool branch(const ByResidual& word, const RelativeMotion& at) {
+  return word.on_branch == nullptr || word.on_branch({at.d, at.R});
+}
+
+Row read(const SlideAlong& word, int, const RelativeMotion& motion) { return gap_row(unit(word.axis), motion); }
+
+/// The child's axis e seen from the parent: from e towards about x e.
+Row read(const TurnOfChildAxis& word, int, const RelativeMotion& motion) {
+  const Vec3 e = unit(word.of_child_axis);
+  return angle_row(dot_row(unit(word.about).cross(e), e, motion), dot_row(e, e, motion), motion);
+}
+
+/// The parent's axis e seen from the child turns the other way.
+Row read(const TurnOfParentAxis& word, int, const RelativeMotion& motion) {
+  const Vec3 e = unit(word.of_parent_axis);
+  return angle_row(dot_row(e, e.cross(unit(word.about)), motion), dot_row(e, e, motion), motion);
+}
+
+/// An orientation is no single number: callers use evaluate_orientation().
+Row read(const OrientationOf&, int, const RelativeMotion&) { return {}; }
+
+Row read(const BearingOfGap& word, int, const RelativeMotion& motion) {
+  const Vec3 e = unit(word.from);
+  return angle_row(gap_row(unit(word.about).cross(e), motion), gap_row(e, motion), motion);
+}
+
+Row read(const ElevationOfGap& word, int, const RelativeMotion& motion) {
+  const Vec3 e = unit(word.towards);
+  return angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
+}
+
+Row read(const ByReading& word, int component, const RelativeMotion& motion) {
+  return row_of(evaluate_function(*word.reading, motion), component);
+}
+
+/// Columns of the motion, 6 x n_u, in fixed memory.
+using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+
+struct ColumnWriter {
+  const RelativeMotion& motion;
+  Mat6& columns;
+  int count = 0;
+
+  void operator()(const SlideAlong& word) { put(unit(word.axis), Vec3::Zero()); }
+  void operator()(const TurnOfChildAxis& word) { put(Vec3::Zero(), unit(word.about)); }
+  void operator()(const TurnOfParentAxis& word) { put(Vec3::Zero(), motion.R * unit(word.about)); }
+  void operator()(const OrientationOf&) {
+    for (int k = 0; k < 3; ++k) put(Vec3::Zero(), Vec3::Unit(k));
+  }
+  void operator()(const BearingOfGap& word) { put(unit(word.about).cross(motion.d), Vec3::Zero()); }
+  void operator()(const ElevationOfGap& word) {
+    const Vec3 e = unit(word.towards);
+    const Vec3 across = motion.d - motion.d.dot(e) * e;
+    put(across.norm() * e - motion.d.dot(e) * across.normalized(), Vec3::Zero());
+  }
+  void operator()(const ByReading& word) {
+    const joints::Wrenches found = word.wrenches({motion.d, motion.R});
+    for (Eigen::Index k = 0; k < found.cols(); ++k) put(found.col(k).head<3>(), found.col(k).tail<3>());
+  }
+
+ private:
+  void put(const Vec3& force, const Vec3& torque) { columns.col(count++) << force, torque; }
+};
+
+bool is_by_functions(const joints::JointType& type) {
+  return type.reads.size() == 1 && std::holds_alternative<ByReading>(type.reads.front());
+}
+
+/// S of a type whose coordinates read by functions: what no row forbids and moves one reading at unit speed.
+Columns permitted_columns(const joints::JointType& type, const RelativeMotion& motion) {
+  Row rows[kMaxRows];
+  const int n_forbids = evaluate_forbids(type, motion, rows);
+  for (int k = n_forbids; k < 6; ++k) rows[k] = evaluate_read(type.reads.front(), k - n_forbids, motion);
+  Mat6 gradients;
+  for (int k = 0; k < 6; ++k) gradients.row(k) << rows[k].over_d.transpose(), rows[k].over_rho.transpose();
+  return gradients.inverse().rightCols(6 - n_forbids);
+}
+
+}  // namespace
+
+int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows) {
+  int count = 0;
+  for (const joints::Forbid& word : type.forbids) {
+    count += std::visit([&](const auto& forbidden) { return write(forbidden, motion, rows + count); }, word);
+  }
+  return count;
+}
+
+bool on_branch(const joints::JointType& type, const RelativeMotion& motion) {
+  for (const joints::Forbid& word : type.forbids) {
+    if (!std::visit([&](const auto& forbidden) { return branch(forbidden, motion); }, word)) return false;
+  }
+  return true;
+}
+
+const joints::Read* read_of(const joints::JointType& type, int word) {
+  if (std::holds_alternative<joints::Arm>(type.permits[word])) return nullptr;
+  int place = word;
+  for (int before = 0; before < word; ++before) {
+    if (std::holds_alternative<joints::Arm>(type.permits[before])) --place;
+  }
+  return &type.reads[place];
+}
+
+Row evaluate_read(const joints::Read& word, int component, const RelativeMotion& motion) {
+  return std::visit([&](const auto& reading) { return read(reading, component, motion); }, word);
+}
+
+bool reads_turn(const joints::Read& word, int component) {
+  if (const auto* by = std::get_if<ByReading>(&word)) return by->turns[component];
+  return !std::holds_alternative<SlideAlong>(word);
+}
+
+double value_near(const joints::Read& word, int component, const Row& row, double known) {
+  return reads_turn(word, component) ? known + std::remainder(row.value - known, 2.0 * EIGEN_PI) : row.value;
+}
+
+double rate_of(const Row& row, const RelativeMotion& motion) {
+  return row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
+}
+
+void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Row* rows) {
+  // c = 1/2 sum of e_k x (Q e_k), Q = R target^T, turns with R: Qdot = omega~ Q. Gradient (tr Q 1 - Q) / 2.
+  const Mat3 Q = motion.R * target.transpose();
+  const Mat3 gradient = 0.5 * (Q.trace() * Mat3::Identity() - Q);
+  const Vec3 value = 0.5 * Vec3(Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1));
+  Mat3 Qdot;
+  for (int k = 0; k < 3; ++k) Qdot.col(k) = motion.omega.cross(Q.col(k));
+  const Vec3 bias = 0.5 * (Qdot.trace() * motion.omega - Qdot * motion.omega);
+  for (int k = 0; k < 3; ++k) {
+    rows[k] = {value(k), Vec3::Zero(), gradient.row(k).transpose(), bias(k)};
+  }
+}
+
+Vec6 coordinate_wrench(const joints::JointType& type, const RelativeMotion& motion, const Eigen::Ref<const VecX>& tau) {
+  Mat6 directions;
+  ColumnWriter writer{motion, directions};
+  for (const joints::Read& word : type.reads) std::visit(writer, word);
+  const Columns span = directions.leftCols(writer.count);
+  const Columns S = is_by_functions(type) ? permitted_columns(type, motion) : span;
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> work = S.transpose() * span;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> weights = work.partialPivLu().solve(tau);
+  return span * weights;
+}
+
+int n_speeds(const joints::Read& word) {
+  if (const auto* by = std::get_if<ByReading>(&word)) return by->reading->n();
+  return std::holds_alternative<OrientationOf>(word) ? 3 : 1;
+}
+
+}  // namespace concord::cartesian

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "common/joints/joint_type.h"
+#include "common/types.h"
+
+/// Evaluators of what a joint forbids and of how its coordinates read, on (d, R) in the parent's joint frame. A row's
+/// gradient is taken over (d, rho) with dR = rho~ R, so that cdot = gradient . [ddot; omega_rel]; its bias is the rest
+/// of cddot = gradient . a_rel + bias, exact along the motion.
+namespace concord::cartesian {
+
+/// The child's place and orientation seen in the parent's joint frame, and their motion.
+struct RelativeMotion {
+  Vec3 d = Vec3::Zero();
+  Mat3 R = Mat3::Identity();
+  Vec3 ddot = Vec3::Zero();
+  Vec3 omega = Vec3::Zero();  // Rdot = omega~ R
+};
+
+struct Row {
+  double value = 0.0;
+  Vec3 over_d = Vec3::Zero();
+  Vec3 over_rho = Vec3::Zero();
+  double bias = 0.0;
+};
+
+/// Room for the rows of one joint: a type forbids at most 6 directions.
+inline constexpr int kMaxRows = 6;
+
+/// Rows of all words of `type.forbids`, written to `rows`; returns their number.
+int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
+
+/// Whether the placement is on the branch that the words mean (a hinge's axes point the same way).
+bool on_branch(const joints::JointType& type, const RelativeMotion& motion);
+
+/// How a word of `type.permits` reads; nullptr for an arm, which has no coordinate.
+const joints::Read* read_of(const joints::JointType& type, int word);
+
+/// The row of one coordinate of a reading: its value (an angle in (-pi, pi]), gradient and bias. The reading must be of
+/// numbers (not of an orientation).
+Row evaluate_read(const joints::Read& read, int component, const RelativeMotion& motion);
+
+/// Whether this coordinate is an angle, known but for full turns.
+bool reads_turn(const joints::Read& read, int component);
+
+/// The value of a reading's row with its turns counted: an angle is moved by full turns to within half a turn of
+/// `known`.
+double value_near(const joints::Read& read, int component, const Row& row, double known);
+
+/// Rate of a row along the motion, gradient . [ddot; omega].
+double rate_of(const Row& row, const RelativeMotion& motion);
+
+/// Three rows that vanish where the orientation is `target`: half the axial vector of R target^T.
+void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Row* rows);
+
+/// Coordinate wrench of the coordinate forces tau (n_u numbers): on the child at P_i in the parent's joint frame,
+/// [force; torque], in the span of the slides' forces and of the turns' torques (of an arm's turns: of the forces that
+/// move the arm's end; of readings by functions: of what they say), with S^T w = tau.
+Vec6 coordinate_wrench(const joints::JointType& type, const RelativeMotion& motion, const Eigen::Ref<const VecX>& tau);
+
+/// Number of speeds that a reading stands for: 3 for an orientation, else one for each number.
+int n_speeds(const joints::Read& read);
+
+}  // namespace concord::cartesian

@@ -1,0 +1,224 @@
+#include "cartesian/rank.h"
+
+#include <Eigen/SPQRSupport>
+#include <SuiteSparseQR.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cartesian/reactions.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+constexpr double kRankThreshold = 1e-10;
+constexpr double kUndecidedBelow = 1e-8;
+constexpr double kUndecidedAbove = 1e-12;
+constexpr Eigen::Index kDenseRows = 500;
+
+RankDecision decide_dense(const MatX& matrix) {
+  RankDecision decision;
+  const Eigen::BDCSVD<MatX> svd(matrix, Eigen::ComputeFullU);
+  const VecX& values = svd.singularValues();
+  const double largest = values.size() > 0 ? values(0) : 1.0;
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const double relative = values(k) / largest;
+    if (relative > kRankThreshold) {
+      ++decision.rank;
+      decision.smallest_kept = relative;
+    } else {
+      decision.largest_dropped = std::max(decision.largest_dropped, relative);
+    }
+  }
+  decision.left_null_space = svd.matrixU().rightCols(matrix.rows() - decision.rank);
+  const Eigen::ColPivHouseholderQR<MatX> qr(matrix.transpose());
+  decision.independent.assign(matrix.rows(), false);
+  for (int k = 0; k < decision.rank; ++k) decision.independent[qr.colsPermutation().indices()(k)] = true;
+  return decision;
+}
+
+RankDecision decide_sparse(const SparseMatrix& matrix) {
+  RankDecision decision;
+  Eigen::SPQR<SparseMatrix> qr;
+  qr.setPivotThreshold(kRankThreshold);
+  qr.compute(SparseMatrix(matrix.transpose()));
+  decision.rank = static_cast<int>(qr.rank());
+  const auto n_rows = static_cast<Eigen::Index>(matrix.rows());
+  const Eigen::Index nullity = n_rows - decision.rank;
+  const SparseMatrix R = qr.matrixR();
+  const VecX diagonal = R.diagonal().cwiseAbs();
+  const VecX kept = diagonal.head(decision.rank);
+  decision.smallest_kept = kept.minCoeff() / kept.maxCoeff();
+  const auto order = qr.colsPermutation().indices();
+  decision.independent.assign(n_rows, false);
+  for (int k = 0; k < decision.rank; ++k) decision.independent[order(k)] = true;
+  MatX Z = MatX::Zero(n_rows, nullity);
+  if (nullity > 0) {
+    const SparseMatrix R11 = R.topLeftCorner(decision.rank, decision.rank);
+    const MatX R12 = MatX(R.topRightCorner(decision.rank, nullity));
+    const MatX dependence = R11.triangularView<Eigen::Upper>().solve(R12);
+    for (Eigen::Index column = 0; column < nullity; ++column) {
+      for (int k = 0; k < decision.rank; ++k) Z(order(k), column) = -dependence(k, column);
+      Z(order(decision.rank + column), column) = 1.0;
+    }
+    const Eigen::HouseholderQR<MatX> orthogonal(Z);
+    Z = orthogonal.householderQ() * MatX::Identity(n_rows, nullity);
+  }
+  decision.left_null_space = Z;
+  return decision;
+}
+
+/// Size of a mode's rate that moves some joint of its body by `length` per second.
+double modal_size(const Model& model, int body, int mode, double length) {
+  double largest = 0.0;
+  for (const Joint& joint : model.joints) {
+    for (const Attachment& side : joint.sides) {
+      if (side.body != body) continue;
+      largest = std::max(largest, side.Psi_t_L.col(mode).norm());
+      largest = std::max(largest, side.Psi_r_L.col(mode).norm() * length);
+    }
+  }
+  return largest > 0.0 ? length / largest : 1.0;
+}
+
+VecX column_scales(const Equations& equations) {
+  const Model& model = equations.model();
+  const Layout& layout = equations.layout();
+  const double length = model.length_scale();
+  VecX scales = VecX::Ones(layout.n_Y());
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    layout.v(scales, i).setConstant(length);
+    for (int mode = 0; mode < layout.n_modes(i); ++mode) {
+      layout.adot(scales, i)(mode) = modal_size(model, i, mode, length);
+    }
+  }
+  return scales;
+}
+
+/// A component is unique if no multiplier of the null space moves it: relative to what unit multipliers do to the
+/// joint's force or torque.
+void mark_uniqueness(const Joint& stated, const JointEquations& joint, const MatX& null_space,
+                     JointUniqueness& uniqueness) {
+  constexpr double kZero = 1e-9;
+  const auto components = [&](const VecX& lambda, Side side) -> Vec6 {
+    return compute_wrenches(stated, joint, lambda, nullptr).reaction_on(side).in_C.vector().cwiseAbs();
+  };
+  for (const Side side : {Side::parent, Side::child}) {
+    Vec6 of_units = Vec6::Zero();
+    for (int row = 0; row < joint.n_rows; ++row) {
+      of_units = of_units.cwiseMax(components(VecX::Unit(joint.n_rows, row), side));
+    }
+    Vec6 of_null_space = Vec6::Zero();
+    for (Eigen::Index column = 0; column < null_space.cols(); ++column) {
+      of_null_space = of_null_space.cwiseMax(components(null_space.col(column), side));
+    }
+    for (int c = 0; c < 6; ++c) {
+      const double size = of_units.segment<3>(3 * (c / 3)).maxCoeff();
+      uniqueness.unique[index(side)][c] = of_null_space(c) <= kZero * size;
+    }
+  }
+}
+
+}  // namespace
+
+RankDecision decide_rank(const SparseMatrix& matrix) {
+  if (matrix.rows() == 0) return {};
+  return matrix.rows() <= kDenseRows ? decide_dense(MatX(matrix)) : decide_sparse(matrix);
+}
+
+VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
+  constexpr double kDependent = 1e-8;  // rows that depend on others to this are left out of a Newton step
+  if (matrix.rows() <= kDenseRows) {
+    // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
+    Eigen::CompleteOrthogonalDecomposition<MatX> shortest;
+    shortest.setThreshold(kDependent);
+    shortest.compute(MatX(matrix));
+    if (shortest.rank() < matrix.rows()) return shortest.solve(right_side);
+  }
+  cholmod_common common;
+  cholmod_l_start(&common);
+  SparseMatrix copy = matrix;
+  copy.makeCompressed();
+  cholmod_sparse view = Eigen::viewAsCholmod(copy);
+  VecX b = right_side;
+  cholmod_dense b_view = Eigen::viewAsCholmod(b);
+  cholmod_dense* solution = SuiteSparseQR_min2norm<double>(SPQR_ORDERING_DEFAULT, kDependent, &view, &b_view, &common);
+  VecX x = VecX::Constant(matrix.cols(), std::numeric_limits<double>::quiet_NaN());
+  if (solution != nullptr) {
+    x = Eigen::Map<const VecX>(static_cast<const double*>(solution->x), matrix.cols());
+    cholmod_l_free_dense(&solution, &common);
+  }
+  cholmod_l_finish(&common);
+  return x;
+}
+
+ScaledJacobian scaled_jacobian(const Equations& equations) {
+  const Constraints& constraints = equations.constraints();
+  const Layout& layout = equations.layout();
+  const VecX columns = column_scales(equations);
+  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+  VecX row_norm_squared = VecX::Zero(constraints.n_rows());
+  const auto each_entry = [&](const auto& visit) {
+    constraints.each_moving_side([&](int k, Side side, int body) {
+      const JointEquations& joint = constraints.joint(k);
+      for (int row = 0; row < joint.n_rows; ++row) {
+        for (int c = 0; c < layout.size_Y(body); ++c) {
+          const int column = layout.first_Y(body) + c;
+          visit(joint.first_row + row, column, joint.Phi_Y_transposed[index(side)](c, row) * columns(column));
+        }
+      }
+    });
+  };
+  each_entry([&](int row, int, double value) { row_norm_squared(row) += value * value; });
+  ScaledJacobian scaled;
+  scaled.row_scale = row_norm_squared.cwiseSqrt().cwiseInverse();
+  each_entry(
+      [&](int row, int column, double value) { entries.emplace_back(row, column, value * scaled.row_scale(row)); });
+  scaled.matrix = SparseMatrix(constraints.n_rows(), layout.n_Y());
+  scaled.matrix.setFromTriplets(entries.begin(), entries.end());
+  return scaled;
+}
+
+MatX permitted_velocities(const Equations& equations) {
+  const Layout& layout = equations.layout();
+  const MatX transposed = MatX(scaled_jacobian(equations).matrix).transpose();
+  MatX null_space = MatX::Identity(layout.n_Y(), layout.n_Y());
+  if (transposed.cols() > 0) {
+    Eigen::ColPivHouseholderQR<MatX> qr(transposed);
+    qr.setThreshold(kRankThreshold);
+    const MatX Q = qr.householderQ();
+    null_space = Q.rightCols(layout.n_Y() - qr.rank());
+  }
+  null_space = column_scales(equations).asDiagonal() * null_space;
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    null_space.middleRows<3>(layout.first_Y(i)) /= equations.model().length_scale();
+  }
+  const Eigen::HouseholderQR<MatX> orthonormal(null_space);
+  return orthonormal.householderQ() * MatX::Identity(null_space.rows(), null_space.cols());
+}
+
+RankReport report_rank(const Equations& equations) {
+  const Constraints& constraints = equations.constraints();
+  const ScaledJacobian scaled = scaled_jacobian(equations);
+  const RankDecision decision = decide_rank(scaled.matrix);
+  RankReport report;
+  report.constraints = constraints.n_rows();
+  report.rank = decision.rank;
+  report.degrees_of_freedom = equations.layout().n_Y() - decision.rank;
+  report.smallest_kept = decision.smallest_kept;
+  report.largest_dropped = decision.largest_dropped;
+  const auto in_doubt = [](double value) { return value > kUndecidedAbove && value < kUndecidedBelow; };
+  report.undecided = in_doubt(decision.smallest_kept) || in_doubt(decision.largest_dropped);
+  report.joints.resize(constraints.n_joints());
+  if (decision.rank == report.constraints) return report;
+  const MatX null_space = scaled.row_scale.asDiagonal() * decision.left_null_space;
+  for (int k = 0; k < constraints.n_joints(); ++k) {
+    const JointEquations& joint = constraints.joint(k);
+    mark_uniqueness(equations.model().joints[k], joint, null_space.middleRows(joint.first_row, joint.n_rows),
+                    report.joints[k]);
+  }
+  return report;
+}
+
+}  // namespace concord::cartesian

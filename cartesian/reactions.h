@@ -1,0 +1,16 @@
+#pragma once
+
+#include "cartesian/applied_forces.h"
+#include "cartesian/constraints.h"
+#include "common/results.h"
+
+namespace concord::cartesian {
+
+/// Wrenches of joint k from the multipliers of its rows (n_rows numbers), eqs. (29) and (30): on either side from that
+/// body's own columns of the Jacobian, F = -Phi_r^T lambda at the side's point and T = -Phi_pi^T lambda - (A s_P) x F.
+/// The reaction is that less the drivers' coordinate wrenches (tau = -lambda); the total is that and what the joint's
+/// springs exert (nullptr: it has none).
+JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
+                               const Actor* springs);
+
+}  // namespace concord::cartesian

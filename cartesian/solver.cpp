@@ -1,0 +1,276 @@
+#include "cartesian/solver.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "cartesian/closing.h"
+#include "cartesian/equations.h"
+#include "cartesian/euler_parameters.h"
+#include "cartesian/joint_coordinates.h"
+#include "cartesian/rank.h"
+#include "cartesian/reactions.h"
+#include "cartesian/stepper.h"
+#include "common/error.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// A handed-over state is refused above this closure residual.
+constexpr double kClosureAllowed = 1e-12;
+
+double largest_of(const VecX& values) { return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>(); }
+
+class CartesianSolver : public Solver {
+ public:
+  explicit CartesianSolver(const Model& model)
+      : model_(model),
+        equations_(model),
+        motion_{VecX::Zero(equations_.layout().n_q()), VecX::Zero(equations_.layout().n_Y()), 0.0} {}
+
+  [[nodiscard]] std::string_view name() const override { return "cartesian"; }
+
+  [[nodiscard]] std::vector<std::string> integrators() const override { return {"gbs", "ida"}; }
+
+  State assemble() override {
+    if (start_) return *start_;
+    guess_start();
+    const Closing closing = close_machine(equations_, 0.0, true, motion_.q, motion_.Y);
+    const KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y);
+    refuse_wrong_count(kept, closing);
+    if (!closing.closed) {
+      throw InputError(
+          first_place(closing.joints_left_open),
+          fmt::format("the start values contradict each other: with what is kept and driven, joints {} do "
+                      "not close (position residual {:.2g}, velocity residual {:.2g}); correct the kept "
+                      "values, or give guesses that choose the branch",
+                      fmt::join(closing.joints_left_open, ", "), closing.position_residual, closing.velocity_residual));
+    }
+    refuse_dependent(kept);
+    State state = packed(0.0, start_coordinates(model_));
+    use_independent_rows(state);
+    start_ = state;
+    return state;
+  }
+
+  std::optional<State> close(const State& guess) override {
+    require_rows();
+    equations_.layout().unpack(guess, motion_.q, motion_.Y);
+    try {
+      if (!close_machine(equations_, guess.t, false, motion_.q, motion_.Y).closed) return std::nullopt;
+    } catch (const SolverError&) {
+      return std::nullopt;  // a deformation out of range on the way
+    }
+    return packed(guess.t, guess.q);
+  }
+
+  Evaluation evaluate(const State& state) override {
+    require_rows();
+    equations_.layout().unpack(state, motion_.q, motion_.Y);
+    equations_.applied().count_turns_from(state.q);
+    equations_.update(state.t, motion_.q, motion_.Y);
+    refuse_open(state);
+    equations_.solve(true);
+    return evaluation();
+  }
+
+  RankReport rank(const State& state) override {
+    equations_.layout().unpack(state, motion_.q, motion_.Y);
+    equations_.update(state.t, motion_.q, motion_.Y);
+    return report_rank(equations_);
+  }
+
+  MatX tangent(const State& state) override {
+    equations_.layout().unpack(state, motion_.q, motion_.Y);
+    equations_.update(state.t, motion_.q, motion_.Y);
+    return permitted_velocities(equations_);
+  }
+
+  Trajectory integrate(const RunOptions& options, const Progress& progress) override {
+    const auto began = std::chrono::steady_clock::now();
+    const State start = assemble();
+    equations_.layout().unpack(start, motion_.q, motion_.Y);
+    equations_.applied().count_turns_from(start.q);
+    motion_.work = 0.0;
+    equations_.update(0.0, motion_.q, motion_.Y);
+    equations_.solve(true);
+    const Motion first = motion_;
+    const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
+
+    Trajectory trajectory;
+    trajectory.samples.reserve(options.samples + 1);
+    std::vector<VecX> turns = start.q;
+    std::vector<VecX> speeds = zero_speeds(model_);
+    trajectory.samples.push_back(sample(0.0, turns, trajectory.statistics));
+    double reached = 0.0;
+    for (int k = 1; k <= options.samples; ++k) {
+      const double t = k == options.samples ? options.until : options.until * k / options.samples;
+      while (reached < t) {
+        reached = stepper->step(t);
+        motion_ = stepper->motion();
+        count_turns(reached, turns, speeds);
+      }
+      equations_.update(t, motion_.q, motion_.Y);
+      equations_.solve(true);
+      equations_.project(t, motion_.q, motion_.Y);
+      // Rows that were left out follow from the others with their round-off magnified: close them all.
+      if (has_dependent_rows_) close_machine(equations_, t, false, motion_.q, motion_.Y);
+      trajectory.samples.push_back(sample(t, turns, trajectory.statistics));
+      if (progress) progress(t);
+    }
+    trajectory.statistics.steps = stepper->steps();
+    trajectory.statistics.evaluations = stepper->evaluations();
+    trajectory.statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return trajectory;
+  }
+
+ private:
+  void guess_start() {
+    const Layout& layout = equations_.layout();
+    const std::vector<Pose> poses = guess_poses(model_);
+    motion_.Y.setZero();
+    for (int i = 1; i < layout.n_bodies(); ++i) {
+      layout.r(motion_.q, i) = poses[i].r;
+      layout.p(motion_.q, i) = euler_parameters_of(poses[i].A);
+      layout.a(motion_.q, i) = model_.bodies[i].a_start;
+      layout.adot(motion_.Y, i) = model_.bodies[i].adot_start;
+    }
+  }
+
+  [[nodiscard]] SourceLocation first_place(const std::vector<std::string>& joints) const {
+    for (const Joint& joint : model_.joints) {
+      if (!joints.empty() && joint.name == joints.front()) return joint.where;
+    }
+    return {model_.file, 0, 0};
+  }
+
+  void refuse_wrong_count(const KeptCount& kept, const Closing& closing) const {
+    // Off the constraints redundant rows look independent: count only where the machine closed.
+    if (!closing.closed) return;
+    if (kept.coordinates == kept.rigid_freedom && kept.speeds == kept.rigid_freedom) return;
+    throw InputError(
+        {model_.file, 0, 0},
+        fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has {} "
+                    "independent ones (its rigid degrees of freedom, drivers off): keep exactly {} of each",
+                    kept.coordinates, kept.speeds, kept.rigid_freedom, kept.rigid_freedom));
+  }
+
+  void refuse_dependent(const KeptCount& kept) const {
+    if (kept.independent_coordinates == kept.rigid_freedom && kept.independent_speeds == kept.rigid_freedom) return;
+    std::vector<std::string> names;
+    for (const Joint& joint : model_.joints) {
+      const auto keeps = [](const WordStart& word) {
+        return word.role_q == StartRole::keep || word.role_u == StartRole::keep;
+      };
+      if (std::any_of(joint.start.begin(), joint.start.end(), keeps)) names.push_back(joint.name);
+    }
+    throw InputError(first_place(names),
+                     fmt::format("the coordinates that the start keeps in joints {} depend on each other: {} of {} "
+                                 "coordinates and {} of {} speeds are independent",
+                                 fmt::join(names, ", "), kept.independent_coordinates, kept.coordinates,
+                                 kept.independent_speeds, kept.speeds));
+  }
+
+  /// Dependent constraint rows are left out once, at the start state.
+  void use_independent_rows(const State& state) {
+    equations_.layout().unpack(state, motion_.q, motion_.Y);
+    equations_.update(state.t, motion_.q, motion_.Y);
+    const ScaledJacobian scaled = scaled_jacobian(equations_);
+    const RankDecision decision = decide_rank(scaled.matrix);
+    has_dependent_rows_ = decision.rank < equations_.constraints().n_rows();
+    if (has_dependent_rows_) equations_.use_rows(decision.independent);
+  }
+
+  void require_rows() {
+    if (!start_) assemble();
+  }
+
+  /// Refuses a state that its own constraints do not call closed: rows in m and rad, far from the origin relative to
+  /// the distance, whose round-off they carry; velocities relative to the largest.
+  void refuse_open(const State& state) const {
+    double distance = 1.0;
+    for (const BodyState& body : state.bodies) distance = std::max(distance, body.r.lpNorm<Eigen::Infinity>());
+    const double gap = largest_of(equations_.residual()) / distance;
+    const double speed = largest_of(equations_.velocity_residual()) / (1.0 + largest_of(motion_.Y));
+    double stretch = 0.0;
+    for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
+    if (gap <= kClosureAllowed && speed <= kClosureAllowed && stretch <= kClosureAllowed) return;
+    throw SolverError(
+        fmt::format("cartesian: the state at t = {:.6g} s is not closed: joint '{}' gap {:.2g} (m or rad), velocities "
+                    "{:.2g} of the "
+                    "largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
+                    state.t, equations_.name_of_largest(equations_.residual()), gap, speed, stretch, kClosureAllowed));
+  }
+
+  [[nodiscard]] Evaluation evaluation() const {
+    const Layout& layout = equations_.layout();
+    Evaluation result;
+    result.bodies.resize(layout.n_bodies());
+    for (int i = 1; i < layout.n_bodies(); ++i) {
+      result.bodies[i] = {layout.v(equations_.Ydot(), i), layout.omega(equations_.Ydot(), i),
+                          layout.adot(equations_.Ydot(), i)};
+    }
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      const JointEquations& joint = equations_.constraints().joint(static_cast<int>(k));
+      result.joints.push_back(compute_wrenches(model_.joints[k], joint,
+                                               equations_.lambda().segment(joint.first_row, joint.n_rows),
+                                               equations_.applied().springs_of(static_cast<int>(k))));
+    }
+    for (std::size_t e = 0; e < model_.elements.size(); ++e) {
+      result.elements.push_back(equations_.applied().element(static_cast<int>(e)));
+    }
+    return result;
+  }
+
+  /// The motion at the equations' last update, with joint coordinates near `known`.
+  [[nodiscard]] State packed(double t, const std::vector<VecX>& known) const {
+    State state = equations_.layout().pack(t, motion_.q, motion_.Y);
+    state.q = known;
+    state.u = zero_speeds(model_);
+    read_joint_coordinates(model_, equations_.constraints(), state.q, state.u);
+    return state;
+  }
+
+  Sample sample(double t, std::vector<VecX>& turns, SolverStatistics& statistics) {
+    equations_.update(t, motion_.q, motion_.Y);
+    statistics.max_constraint = std::max(
+        {statistics.max_constraint, largest_of(equations_.residual()), largest_of(equations_.velocity_residual())});
+    equations_.solve(true);
+    Sample result{packed(t, turns), evaluation(), motion_.work};
+    turns = result.state.q;
+    return result;
+  }
+
+  /// Follows the turn angles step by step, so that none passes half a turn unseen.
+  void count_turns(double t, std::vector<VecX>& turns, std::vector<VecX>& speeds) {
+    equations_.update(t, motion_.q, motion_.Y);
+    read_joint_coordinates(model_, equations_.constraints(), turns, speeds);
+    equations_.applied().count_turns_from(turns);
+  }
+
+  std::unique_ptr<Stepper> make_stepper(const RunOptions& options, const Motion& first) {
+    const std::string chosen = options.integrator.empty() ? integrators().front() : options.integrator;
+    // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
+    // many.
+    if (chosen == "gbs") return make_extrapolation_stepper(equations_, first, std::max(0.1 * options.rtol, 3e-15));
+    if (chosen == "ida") return make_ida_stepper(equations_, first, std::max(0.01 * options.rtol, 1e-13));
+    throw InputError({model_.file, 0, 0}, fmt::format("cartesian: unknown integrator '{}'; it has {}", chosen,
+                                                      fmt::join(integrators(), ", ")));
+  }
+
+  const Model& model_;
+  Equations equations_;
+  Motion motion_;
+  std::optional<State> start_;
+  bool has_dependent_rows_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_solver(const Model& model) { return std::make_unique<CartesianSolver>(model); }
+
+}  // namespace concord::cartesian
