@@ -1,0 +1,143 @@
+#include "relative/applied_forces.h"
+
+#include <fmt/format.h>
+
+#include "relative/element_wrench.h"
+#include "relative/wrenches.h"
+
+namespace concord::relative {
+
+AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closure)
+    : kinematics_(&kinematics),
+      closure_(&closure),
+      length_(kinematics.model().length_scale()),
+      on_body_(kinematics.topology().links.size(), Vec6::Zero()),
+      on_child_of_cut_(closure.cuts().size(), Vec6::Zero()),
+      wrenches_(kinematics.model().elements.size()),
+      tau_(VecX::Zero(kinematics.topology().n_u)) {
+  for (const Link& link : kinematics.topology().links) {
+    on_modes_.emplace_back(VecX::Zero(kinematics.topology().modes[link.body].n_u));
+  }
+  lay_out_elements();
+  lay_out_springs();
+}
+
+void AppliedForces::lay_out_elements() {
+  for (const ForceElement& statement : kinematics_->model().elements) {
+    Element element{&statement, {}, {}};
+    for (const Side side : {Side::parent, Side::child}) {
+      const Attachment* end = end_of(statement, side);
+      if (end == nullptr) continue;
+      element.ends.emplace_back(fmt::format("force element '{}'", statement.name), *end);
+      element.bodies[index(side)] = end->body;
+    }
+    elements_.push_back(std::move(element));
+  }
+}
+
+void AppliedForces::lay_out_springs() {
+  const Model& model = kinematics_->model();
+  const Topology& topology = kinematics_->topology();
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    for (const JointSpring& spring : joint.springs) {
+      springs_.push_back({&spring.law,
+                          topology.joints[k].first_q + first_q(*joint.type, spring.word) + spring.component,
+                          topology.joints[k].first_u + first_u(*joint.type, spring.word) + spring.component});
+    }
+  }
+  for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
+    if (!model.joints[closure_->cuts()[c].joint].springs.empty()) sprung_cuts_.push_back(static_cast<int>(c));
+  }
+}
+
+void AppliedForces::update(double t, const VecX& q, const VecX& u) {
+  if (!any()) return;
+  clear();
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    move_ends(elements_[e], q, u);
+    apply_element(t, elements_[e], wrenches_[e]);
+  }
+  apply_springs(t, q, u);
+}
+
+void AppliedForces::clear() {
+  for (Vec6& force : on_body_) force.setZero();
+  for (VecX& force : on_modes_) force.setZero();
+  tau_.setZero();
+  power_ = 0.0;
+}
+
+void AppliedForces::move_ends(Element& element, const VecX& q, const VecX& u) {
+  const std::size_t without = 2 - element.ends.size();
+  for (std::size_t e = 0; e < element.ends.size(); ++e) {
+    const int body = element.bodies[e + without];
+    const Span& modes = kinematics_->topology().modes[body];
+    element.ends[e].deform(q.data() + modes.first_q, u.data() + modes.first_u);
+    element.ends[e].ride(kinematics_->body(body));
+  }
+}
+
+Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) const {
+  return wrench_of(load, t, kinematics_->body(load.at.body).A, element.ends.back());
+}
+
+Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) const {
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name);
+}
+
+Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) const {
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name);
+}
+
+Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
+  return wrench_of(bushing, element.ends.front(), element.ends.back(), element.statement->name);
+}
+
+/// On the child's body, and the answer on the parent's, if there is one.
+void AppliedForces::apply_element(double t, const Element& element, ElementWrenches& wrenches) {
+  const JointPoint& child = element.ends.back();
+  const Vec6 on_child =
+      std::visit([&](const auto& what) { return exerted(what, t, element); }, element.statement->what);
+  push(element.bodies[index(Side::child)], child, on_child);
+  wrenches.on[index(Side::child)] = in_both_frames(child.A, on_child);
+  if (element.ends.size() == 1) return;
+  const JointPoint& parent = element.ends.front();
+  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+  push(element.bodies[index(Side::parent)], parent, on_parent);
+  wrenches.on[index(Side::parent)] = in_both_frames(parent.A, on_parent);
+}
+
+/// tau = actuator - resistance.
+void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
+  for (const Spring& spring : springs_) {
+    const double tau =
+        evaluate_actuator(*spring.law, t) - evaluate_resistance(*spring.law, q(spring.q), u(spring.u)).force;
+    tau_(spring.u) += tau;
+    power_ += tau * u(spring.u);
+  }
+  for (const int c : sprung_cuts_) {
+    const Closure::Cut& cut = closure_->cuts()[c];
+    const Span& span = kinematics_->topology().joints[cut.joint];
+    const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
+    const JointPoint& child = kinematics_->point(cut.joint, Side::child);
+    const JointVector tau = tau_.segment(span.first_u, span.n_u);
+    const Vec6 wrench = kinematics_->motion(cut.joint).coordinate_wrench(cut.measure.motion_at(), tau);
+    on_child_of_cut_[c] << parent.A * wrench.head<3>(), parent.A * wrench.tail<3>();
+    const double power_so_far = power_;  // the springs' power has been counted by their coordinates
+    const Joint& joint = kinematics_->model().joints[cut.joint];
+    push(joint.on(Side::child).body, child, on_child_of_cut_[c]);
+    push(joint.on(Side::parent).body, parent, answered_at(on_child_of_cut_[c], child.r, parent.r));
+    power_ = power_so_far;
+  }
+}
+
+void AppliedForces::push(int body, const JointPoint& point, const Vec6& wrench) {
+  if (body == kGround) return;
+  power_ += wrench.head<3>().dot(point.v) + wrench.tail<3>().dot(point.omega);
+  const int link = kinematics_->topology().link_of_body[body];
+  on_body_[link] += shift_wrench(wrench, point.lever);
+  if (point.n_modes() > 0) on_modes_[link].noalias() += point.Ga().transpose().lazyProduct(wrench);
+}
+
+}  // namespace concord::relative

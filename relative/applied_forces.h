@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/results.h"
+#include "relative/closure.h"
+
+/// Applied forces: force elements and joint springs as generalized forces of bodies and of joint speeds.
+namespace concord::relative {
+
+/// Everything that pushes besides gravity, modal stiffness and drivers. A wrench w at a point adds G_P^T w to its body:
+/// six rows at the body's origin and the modal rows, (32) with the third row without its lever term. A joint spring in
+/// the tree adds its coordinate force to the joint's speed; on a cut joint its coordinate wrench goes on both bodies.
+/// All memory is laid out at construction.
+class AppliedForces {
+ public:
+  /// Both must outlive this object.
+  AppliedForces(const Kinematics& kinematics, const Closure& closure);
+
+  /// Takes the pose and speeds that kinematics and closure hold, coordinates and speeds q and u complete with those of
+  /// cut joints. Throws SolverError, naming the element, where a line spring has no length, or where the frames of a
+  /// turn spring or a bushing are turned by more than 175 deg.
+  void update(double t, const VecX& q, const VecX& u);
+
+  /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
+  [[nodiscard]] const Vec6& on_body(int link) const { return on_body_[link]; }
+  [[nodiscard]] const VecX& on_modes(int link) const { return on_modes_[link]; }
+
+  /// Coordinate force of the joint springs on every speed (n_u numbers, those of cut joints too).
+  [[nodiscard]] const VecX& tau() const { return tau_; }
+  /// Coordinate wrench of the springs of a cut joint on its child at P_i, global axes; `cut` counts as in
+  /// Closure::cuts.
+  [[nodiscard]] const Vec6& on_child_of_cut(int cut) const { return on_child_of_cut_[cut]; }
+
+  /// What each force element exerts, in the order of the model.
+  [[nodiscard]] const std::vector<ElementWrenches>& elements() const { return wrenches_; }
+
+  /// Power of all force elements and joint springs [W].
+  [[nodiscard]] double power() const { return power_; }
+  [[nodiscard]] bool any() const { return !elements_.empty() || !springs_.empty(); }
+
+ private:
+  /// A force element and its ends; a load has the child's only.
+  struct Element {
+    const ForceElement* statement;
+    std::vector<JointPoint> ends;  // by Side, or the child's alone
+    std::array<int, 2> bodies{kGround, kGround};
+  };
+  /// A joint spring and the places of its coordinate and speed.
+  struct Spring {
+    const ForceLaw* law;
+    int q, u;
+  };
+
+  void lay_out_elements();
+  void lay_out_springs();
+  void clear();
+  void move_ends(Element& element, const VecX& q, const VecX& u);
+  /// The wrench on the child, one evaluator for each kind of element.
+  [[nodiscard]] Vec6 exerted(const Load& load, double t, const Element& element) const;
+  [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element) const;
+  [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element) const;
+  [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
+  void apply_element(double t, const Element& element, ElementWrenches& wrenches);
+  void apply_springs(double t, const VecX& q, const VecX& u);
+  void push(int body, const JointPoint& point, const Vec6& wrench);
+
+  const Kinematics* kinematics_;
+  const Closure* closure_;
+  double length_;
+  std::vector<Element> elements_;
+  std::vector<Spring> springs_;
+  std::vector<int> sprung_cuts_;  // places in Closure::cuts
+  std::vector<Vec6> on_body_;
+  std::vector<VecX> on_modes_;
+  std::vector<Vec6> on_child_of_cut_;
+  std::vector<ElementWrenches> wrenches_;
+  VecX tau_;
+  double power_ = 0.0;
+};
+
+}  // namespace concord::relative

@@ -1,0 +1,433 @@
+#include "relative/assembly.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace concord::relative {
+
+namespace {
+
+constexpr int kMostIterations = 60;
+constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
+constexpr double kClosed = 1e-12;
+constexpr double kLargestStep = 0.5;  // in machine units: half a radian, half the length
+
+double largest(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
+
+Eigen::Index rank_of(const MatX& scaled) {
+  if (scaled.size() == 0) return 0;
+  const VecX singular_values = scaled.jacobiSvd().singularValues();
+  return (singular_values.array() > kRankThreshold * std::max(singular_values(0), 1.0)).count();
+}
+
+MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
+  MatX selected(matrix.rows(), columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = matrix.col(columns[c]);
+  return selected;
+}
+
+std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
+
+}  // namespace
+
+Assembly::Assembly(Equations& equations) : equations_(&equations), scales_(equations.model(), equations.topology()) {
+  projected_columns_ = moving_columns(equations.driven(), Modes::moving);
+}
+
+std::vector<int> Assembly::moving_columns(const Held& held, Modes modes) const {
+  std::vector<char> moves(equations_->topology().n_tree_u, 1);
+  for (std::size_t c = 0; c < moves.size(); ++c) moves[c] = held[c] == 0 ? 1 : 0;
+  if (modes == Modes::kept) {
+    for (const Span& span : equations_->topology().modes) {
+      std::fill_n(moves.begin() + span.first_u, span.n_u, static_cast<char>(0));
+    }
+  }
+  std::vector<int> columns;
+  for (std::size_t c = 0; c < moves.size(); ++c) {
+    if (moves[c] != 0) columns.push_back(static_cast<int>(c));
+  }
+  return columns;
+}
+
+/// Moves the tree's coordinates by a finite step along the speeds (n_tree_u numbers).
+void Assembly::advance(VecX& q, const VecX& step) const {
+  const Topology& topology = equations_->topology();
+  for (const Link& link : topology.links) {
+    const Span& joint = topology.joints[link.joint];
+    equations_->kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
+    const Span& modes = topology.modes[link.body];
+    q.segment(modes.first_q, modes.n_q) += step.segment(modes.first_u, modes.n_u);
+  }
+}
+
+/// Moves the machine and measures its cut joints with a closure of its own; returns the largest gap in machine units.
+double Assembly::measure(Coordinates& coordinates, Closure& closure) {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  closure.measure(coordinates.q, coordinates.u);
+  return largest(closure.gap().cwiseQuotient(scales_.rows(closure)));
+}
+
+/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit away to first
+/// order; directions in which the rows are dependent are left alone, those with singular values below the damping
+/// hardly used.
+VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
+                             double damping) const {
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), columns);
+  VecX step = VecX::Zero(equations_->topology().n_tree_u);
+  if (Phi.size() == 0) return step;
+  const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure));
+  const VecX& sigma = svd.singularValues();
+  VecX filter = VecX::Zero(sigma.size());
+  for (Eigen::Index i = 0; i < sigma.size(); ++i) {
+    if (sigma(i) > kRankThreshold * std::max(sigma(0), 1.0))
+      filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
+  }
+  const VecX solution = -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * scaled);
+  for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
+  return step;
+}
+
+/// Newton's method with damping and halved steps, until round-off stops it.
+bool Assembly::close_positions(Coordinates& coordinates, const Held& held) {
+  Closure closure(equations_->kinematics(), held);
+  if (closure.n_rows() == 0) return true;
+  const std::vector<int> columns = moving_columns(held, Modes::kept);
+  double gap = measure(coordinates, closure);
+  for (int iteration = 0; iteration < kMostIterations && gap > 0.0; ++iteration) {
+    VecX step = smallest_step(closure, columns, closure.gap(), std::min(1e-3, gap));
+    step *= std::min(1.0, kLargestStep / std::max(largest(step), 1e-300));
+    step = step.cwiseProduct(scales_.speeds().head(step.size()));
+    bool improved = false;
+    for (int halvings = 0; halvings < 12 && !improved; ++halvings) {
+      Coordinates trial = coordinates;
+      advance(trial.q, step);
+      const double trial_gap = measure(trial, closure);
+      improved = trial_gap < gap;
+      step *= 0.5;
+      if (!improved) continue;
+      coordinates = std::move(trial);
+      gap = trial_gap;
+    }
+    if (!improved) break;
+  }
+  measure(coordinates, closure);
+  return gap < kClosed;
+}
+
+bool Assembly::close_velocities(Coordinates& coordinates, const Held& held) {
+  Closure closure(equations_->kinematics(), held);
+  if (closure.n_rows() == 0) return true;
+  const std::vector<int> columns = moving_columns(held, Modes::kept);
+  const double size = std::max(1.0, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
+  double slip = 0.0;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    measure(coordinates, closure);
+    slip = largest(closure.slip().cwiseQuotient(scales_.rows(closure)));
+    const VecX step = smallest_step(closure, columns, closure.slip(), 0.0);
+    coordinates.u.head(step.size()) += step.cwiseProduct(scales_.speeds().head(step.size()));
+  }
+  measure(coordinates, closure);
+  slip = std::min(slip, largest(closure.slip().cwiseQuotient(scales_.rows(closure))));
+  return slip < kClosed * std::max(size, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
+}
+
+bool Assembly::close(Coordinates& coordinates) {
+  equations_->prescribe(coordinates.t, coordinates.q, coordinates.u);
+  return close_positions(coordinates, equations_->driven()) && close_velocities(coordinates, equations_->driven());
+}
+
+/// Step of the free columns in the units of the machine from the kept rows alone; the others follow.
+VecX Assembly::projection_step(const VecX& misfit) const {
+  const Closure& closure = equations_->closure();
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
+  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure));
+  const std::vector<int>& rows = equations_->loops().kept_rows();
+  MatX kept(rows.size(), Phi.cols());
+  VecX right(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    kept.row(r) = Phi.row(rows[r]);
+    right(r) = scaled(rows[r]);
+  }
+  const VecX multipliers = (kept * kept.transpose()).ldlt().solve(right);
+  const VecX solution = -(kept.transpose() * multipliers);
+  VecX step = VecX::Zero(equations_->topology().n_tree_u);
+  for (std::size_t c = 0; c < projected_columns_.size(); ++c) {
+    step(projected_columns_[c]) = solution(c) * scales_.speeds()(projected_columns_[c]);
+  }
+  return step;
+}
+
+void Assembly::project(Coordinates& coordinates) {
+  const Topology& topology = equations_->topology();
+  for (std::size_t k = 0; k < topology.joints.size(); ++k) {
+    equations_->kinematics().motion(static_cast<int>(k)).normalize(coordinates.q.data() + topology.joints[k].first_q);
+  }
+  const auto move = [&] {
+    equations_->move(coordinates.t, coordinates.q, coordinates.u);
+    coordinates.q = equations_->q();
+    coordinates.u = equations_->u();
+  };
+  move();
+  const Closure& closure = equations_->closure();
+  if (closure.n_rows() == 0) return;
+  const double allowed = 1e-13 * std::max(1.0, largest(coordinates.q));
+  double gap = largest(closure.gap());
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    const VecX before = coordinates.q;
+    advance(coordinates.q, projection_step(closure.gap()));
+    move();
+    const double reached = largest(closure.gap());
+    const bool stands = reached >= 0.5 * gap;
+    gap = std::min(gap, reached);
+    if (reached < 0.1 * allowed || (stands && reached < allowed)) break;
+    if (stands && iteration > 3) break;
+  }
+  gap = largest(closure.gap());
+  if (!(gap <= allowed)) {
+    throw SolverError(
+        fmt::format("the loop of joint '{}' will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
+                    "closed at the start: tighten the tolerance",
+                    equations_->model().joints[closure.worst_joint(closure.gap())].name, gap, allowed));
+  }
+  for (int iteration = 0; iteration < 2; ++iteration) {
+    coordinates.u.head(topology.n_tree_u) += projection_step(closure.slip());
+    move();
+  }
+}
+
+double Assembly::misfit(const Coordinates& coordinates) {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  const Closure& closure = equations_->closure();
+  return std::max(largest(closure.gap()) / std::max(1.0, largest(coordinates.q)),
+                  largest(closure.slip()) / std::max(1.0, largest(coordinates.u)));
+}
+
+int Assembly::closure_rank(const Coordinates& coordinates, bool with_modes) {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  const Closure& closure = equations_->closure();
+  const std::vector<int> columns = moving_columns(equations_->driven(), with_modes ? Modes::moving : Modes::kept);
+  return static_cast<int>(rank_of(select_columns(scales_.scaled(closure.Phi_u(), closure), columns)));
+}
+
+/// A start or a folded pose may lack rank that the machine has elsewhere: poses nearby, reached with the drivers let
+/// go, decide. The rows are those that a pivoted QR of Phi_u^T takes first in the pose of highest rank.
+void Assembly::choose_rows(const Coordinates& coordinates) {
+  if (rows_are_chosen_) return;
+  rows_are_chosen_ = true;
+  const int n_rows = equations_->closure().n_rows();
+  Coordinates best = coordinates;
+  int rank = closure_rank(coordinates, true);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> spread(-0.2, 0.2);
+  const Held nothing(equations_->topology().n_u, 0);
+  const std::vector<int> columns = moving_columns(nothing, Modes::kept);
+  for (int trial = 0; trial < 4 && rank < n_rows; ++trial) {
+    Coordinates nearby = coordinates;
+    VecX step = VecX::Zero(equations_->topology().n_tree_u);
+    for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
+    advance(nearby.q, step);
+    if (!close_positions(nearby, nothing)) continue;
+    const int found = closure_rank(nearby, true);
+    if (found <= rank) continue;
+    rank = found;
+    best = std::move(nearby);
+  }
+  if (rank == n_rows) return;
+  equations_->move(best.t, best.q, best.u);
+  const Closure& closure = equations_->closure();
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
+  const Eigen::ColPivHouseholderQR<MatX> qr(Phi.transpose());
+  std::vector<int> rows;
+  for (int r = 0; r < rank; ++r) rows.push_back(qr.colsPermutation().indices()(r));
+  std::sort(rows.begin(), rows.end());
+  equations_->loops().keep_rows(rows);
+}
+
+// The start ----------------------------------------------------------------------------------------------------------
+
+/// The driven speeds and those of every word with role `keep`.
+Held Assembly::kept(StartRole WordStart::*role) const {
+  Held held = equations_->driven();
+  const Model& model = equations_->model();
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      if (joint.start[word].*role != StartRole::keep) continue;
+      const int first = equations_->topology().joints[k].first_u + first_u(*joint.type, static_cast<int>(word));
+      std::fill_n(held.begin() + first, n_u(joint.type->permits[word]), static_cast<char>(1));
+    }
+  }
+  return held;
+}
+
+/// Coordinates of the joints between the guessed poses of the bodies.
+void Assembly::measure_unsaid(Coordinates& coordinates) const {
+  const Model& model = equations_->model();
+  const std::vector<Pose> poses = guess_poses(model);
+  std::vector<BodyState> bodies(model.bodies.size());
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const Span& modes = equations_->topology().modes[i];
+    const Eigen::Quaterniond p(poses[i].A);
+    bodies[i].r = poses[i].r;
+    bodies[i].p << p.w(), p.x(), p.y(), p.z();
+    bodies[i].a = coordinates.q.segment(modes.first_q, modes.n_q);
+    bodies[i].adot = coordinates.u.segment(modes.first_u, modes.n_u);
+  }
+  Kinematics kinematics(model);
+  kinematics.place(bodies);
+  const Held nothing(equations_->topology().n_u, 0);
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    JointMeasure measured(kinematics.motion(k), nothing.data());
+    measured.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child),
+                    coordinates.q.data() + equations_->topology().joints[k].first_q, true);
+  }
+}
+
+/// What the model says of the start; where it says nothing, what the guessed poses give.
+Coordinates Assembly::guess_start() const {
+  const Model& model = equations_->model();
+  const Topology& topology = equations_->topology();
+  Coordinates start{0.0, equations_->home(), VecX::Zero(topology.n_u)};
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const Body& body = model.bodies[i];
+    const Span& modes = topology.modes[i];
+    if (body.a_start.size() > 0) start.q.segment(modes.first_q, modes.n_q) = body.a_start;
+    if (body.adot_start.size() > 0) start.u.segment(modes.first_u, modes.n_u) = body.adot_start;
+  }
+  const auto say = [&](bool unsaid_too) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Joint& joint = model.joints[k];
+      for (std::size_t word = 0; word < joint.start.size(); ++word) {
+        const WordStart& said = joint.start[word];
+        const int iq = topology.joints[k].first_q + first_q(*joint.type, static_cast<int>(word));
+        const int iu = topology.joints[k].first_u + first_u(*joint.type, static_cast<int>(word));
+        if (said.q.size() > 0 && (unsaid_too || said.role_q != StartRole::unsaid)) {
+          start.q.segment(iq, said.q.size()) = said.q;
+        }
+        if (said.u.size() > 0 && said.role_u != StartRole::unsaid) start.u.segment(iu, said.u.size()) = said.u;
+      }
+    }
+  };
+  say(true);
+  measure_unsaid(start);
+  say(false);
+  equations_->prescribe(0.0, start.q, start.u);
+  return start;
+}
+
+std::string Assembly::names_of_kept(const Held& held) const {
+  const Model& model = equations_->model();
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Span& span = equations_->topology().joints[k];
+    int count = 0;
+    for (int c = span.first_u; c < span.first_u + span.n_u; ++c) {
+      if (held[c] != 0 && equations_->driven()[c] == 0) ++count;
+    }
+    if (count > 0) names.push_back(fmt::format("{} of joint '{}'", count, model.joints[k].name));
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+SourceLocation Assembly::where_kept(const Held& held) const {
+  const Model& model = equations_->model();
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Span& span = equations_->topology().joints[k];
+    for (int c = span.first_u; c < span.first_u + span.n_u; ++c) {
+      if (held[c] != 0 && equations_->driven()[c] == 0) return model.joints[k].where;
+    }
+  }
+  return {model.file, 0, 0};
+}
+
+/// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.
+void Assembly::require_number_of_kept(const Coordinates& coordinates, const Held& held, const char* what) {
+  const auto n_free = static_cast<int>(moving_columns(equations_->driven(), Modes::kept).size());
+  const int freedom = n_free - closure_rank(coordinates, false);
+  int n_kept = 0;
+  for (std::size_t c = 0; c < held.size(); ++c) n_kept += held[c] != 0 && equations_->driven()[c] == 0 ? 1 : 0;
+  if (n_kept == freedom) return;
+  throw InputError(
+      where_kept(held),
+      fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
+                  "{} are ({})",
+                  degrees(freedom), freedom, what, n_kept, names_of_kept(held)));
+}
+
+void Assembly::require_independent_start(const Coordinates& coordinates, const Held& held, const char* what) {
+  Closure closure(equations_->kinematics(), held);
+  Coordinates copy = coordinates;
+  measure(copy, closure);
+  const std::vector<int> columns = moving_columns(held, Modes::kept);
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), columns);
+  if (rank_of(Phi) == static_cast<Eigen::Index>(columns.size())) return;
+  throw InputError(where_kept(held),
+                   fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
+                               "of the machine free: keep others",
+                               what, names_of_kept(held)));
+}
+
+void Assembly::require_inertia(const Coordinates& coordinates) {
+  const int speed = equations_->find_speed_without_inertia(coordinates.t, coordinates.q, coordinates.u);
+  if (speed < 0) return;
+  const Topology& topology = equations_->topology();
+  for (const Link& link : topology.links) {
+    const Span& span = topology.joints[link.joint];
+    if (speed < span.first_u || speed >= span.first_u + span.n_u) continue;
+    const Motion& motion = equations_->kinematics().motion(link.joint);
+    const int column = speed - span.first_u;
+    const Vec6 axis = equations_->kinematics().joint_motion(link.joint).S.col(column);
+    const bool slides = !motion.kind(column).rotates;
+    const Vec3 direction = (slides ? axis.head<3>() : axis.tail<3>()).normalized();
+    const Joint& joint = equations_->model().joints[link.joint];
+    throw InputError(
+        joint.where,
+        fmt::format("body '{}' and all that it carries in the opened tree have no inertia {} the axis "
+                    "({:.4g}, {:.4g}, {:.4g}) of joint '{}' (parent's joint frame): give it inertia or name "
+                    "another cut joint",
+                    equations_->model().bodies[link.body].name, slides ? "along" : "about", direction.x(),
+                    direction.y(), direction.z(), joint.name));
+  }
+}
+
+void Assembly::throw_not_closing(const Held& held) const {
+  if (held == equations_->driven()) {
+    throw InputError(where_kept(held),
+                     fmt::format("start: the loops of {} cannot be closed near the start values: give "
+                                 "better guesses of joint coordinates or body poses",
+                                 equations_->model().name));
+  }
+  throw InputError(where_kept(held), fmt::format("start: the kept joint coordinates ({}) contradict each other: the "
+                                                 "loops do not close with them",
+                                                 names_of_kept(held)));
+}
+
+Coordinates Assembly::start() {
+  Coordinates start = guess_start();
+  const Held held_q = kept(&WordStart::role_q);
+  const Held held_u = kept(&WordStart::role_u);
+  Coordinates closed = start;
+  const bool kept_agree = close_positions(closed, held_q);
+  if (!kept_agree) closed = start;
+  if (kept_agree || close_positions(closed, equations_->driven())) {
+    require_number_of_kept(closed, held_q, "coordinates");
+  }
+  if (!kept_agree) throw_not_closing(held_q);
+  require_independent_start(closed, held_q, "coordinates");
+  require_number_of_kept(closed, held_u, "speeds");
+  require_independent_start(closed, held_u, "speeds");
+  require_inertia(closed);
+  if (!close_velocities(closed, held_u)) {
+    throw InputError(where_kept(held_u),
+                     fmt::format("start: the kept joint speeds ({}) contradict each other", names_of_kept(held_u)));
+  }
+  choose_rows(closed);
+  return closed;
+}
+
+}  // namespace concord::relative

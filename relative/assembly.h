@@ -1,0 +1,72 @@
+#pragma once
+
+#include "relative/equations.h"
+#include "relative/scales.h"
+
+/// Closing a machine: at the start from the model's values, near a guess, and after each step of an integration.
+namespace concord::relative {
+
+/// Internal coordinates and speeds, in the order of Topology.
+struct Coordinates {
+  double t = 0.0;
+  VecX q;
+  VecX u;
+};
+
+class Assembly {
+ public:
+  /// The equations must outlive this object.
+  explicit Assembly(Equations& equations);
+
+  [[nodiscard]] const Scales& scales() const { return scales_; }
+
+  /// The start: kept and driven values exactly, modal values as given, everything else by Newton's method from the
+  /// model's guesses. Throws InputError, naming the joints, if the kept values are too many, too few, dependent or
+  /// contradictory, and naming body and axis if the opened tree lacks inertia.
+  [[nodiscard]] Coordinates start();
+
+  /// Closes q and u near their values at time t; modal coordinates and rates are kept. False if Newton's method fails.
+  [[nodiscard]] bool close(Coordinates& coordinates);
+
+  /// Projects a state that is closed but for the error of one integration step, modes included: the smallest change in
+  /// the units of the machine. Throws SolverError, naming the joint and the gap, if the loops will not close.
+  void project(Coordinates& coordinates);
+
+  /// Makes the loops keep the independent closure rows of a general pose, found from here; once.
+  void choose_rows(const Coordinates& coordinates);
+
+  /// Largest misfit of position and velocity closure, as the projection measures it: gap / max(1, largest coordinate),
+  /// slip / max(1, largest speed).
+  [[nodiscard]] double misfit(const Coordinates& coordinates);
+
+  /// Rank of the closure rows in scaled units over the free columns of the tree, with or without modal ones.
+  [[nodiscard]] int closure_rank(const Coordinates& coordinates, bool with_modes);
+
+ private:
+  enum class Modes { kept, moving };
+  [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held);
+  [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held);
+  [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
+  void advance(VecX& q, const VecX& step) const;
+  double measure(Coordinates& coordinates, Closure& closure);
+  [[nodiscard]] VecX smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
+                                   double damping) const;
+  [[nodiscard]] VecX projection_step(const VecX& misfit) const;
+
+  [[nodiscard]] Coordinates guess_start() const;
+  void measure_unsaid(Coordinates& coordinates) const;
+  [[nodiscard]] Held kept(StartRole WordStart::*role) const;
+  void require_independent_start(const Coordinates& coordinates, const Held& held, const char* what);
+  void require_number_of_kept(const Coordinates& coordinates, const Held& held, const char* what);
+  [[noreturn]] void throw_not_closing(const Held& held) const;
+  void require_inertia(const Coordinates& coordinates);
+  [[nodiscard]] std::string names_of_kept(const Held& held) const;
+  [[nodiscard]] SourceLocation where_kept(const Held& held) const;
+
+  Equations* equations_;
+  Scales scales_;
+  std::vector<int> projected_columns_;
+  bool rows_are_chosen_ = false;
+};
+
+}  // namespace concord::relative

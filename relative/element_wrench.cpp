@@ -1,0 +1,105 @@
+#include "relative/element_wrench.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "relative/exponential_map.h"
+#include "relative/velocity_transformation.h"
+
+namespace concord::relative {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kLargestAngle = 175.0 * kDegree;
+constexpr double kNoLength = 1e-9;     // of the machine's length: the direction is round-off to seven digits
+constexpr double kNoDirection = 1e-6;  // of a unit axis seen along another
+
+double tension(const ForceLaw& law, double t, double x, double xdot) {
+  return evaluate_resistance(law, x, xdot).force + evaluate_actuator(law, t);
+}
+
+Vec6 rotated(const Mat3& A, const Vec6& w) {
+  Vec6 result;
+  result << A * w.head<3>(), A * w.tail<3>();
+  return result;
+}
+
+[[noreturn]] void throw_turned_too_far(const std::string& name, double angle, const char* advice) {
+  throw SolverError(
+      fmt::format("relative: force element '{}': its ends are turned by {:.4g} deg against each other, "
+                  "allowed are 175 deg: {}",
+                  name, angle / kDegree, advice));
+}
+
+}  // namespace
+
+Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint& at) {
+  Vec6 w;
+  w << load.force, load.torque;
+  w *= evaluate(load.law, t).f;
+  switch (load.axes) {
+    case LoadAxes::body:
+      return rotated(body_A, w);
+    case LoadAxes::follower:
+      return rotated(at.A, w);
+    default:
+      return w;
+  }
+}
+
+Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
+               const std::string& name) {
+  const Vec3 line = child.r - parent.r;
+  const double x = line.norm();
+  if (!(x > kNoLength * length)) {
+    throw SolverError(
+        fmt::format("relative: force element '{}': its ends are {:.1e} m apart, so that its force has no "
+                    "direction: move an end",
+                    name, x));
+  }
+  const Vec3 n = line / x;
+  const double f = tension(spring.law, t, x, n.dot(child.v - parent.v));
+  Vec6 w;
+  w << -f * n, Vec3::Zero();
+  return w;
+}
+
+/// The child's x axis c in the parent's frame moves by rho x c, so that x = atan2(c_y, c_x) changes by
+/// rho_z - c_z (c_x rho_x + c_y rho_y) / (c_x^2 + c_y^2).
+Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
+               const std::string& name) {
+  const Vec3 c = parent.A.transpose() * child.A.col(0);
+  const double in_plane = std::hypot(c.x(), c.y());
+  if (!(in_plane > kNoDirection)) {
+    throw SolverError(
+        fmt::format("relative: force element '{}': the child's x axis points along the parent's z, so that it has no "
+                    "angle: turn the frames of its ends",
+                    name));
+  }
+  const double x = std::atan2(c.y(), c.x());
+  if (std::abs(x) > kLargestAngle)
+    throw_turned_too_far(name, std::abs(x), "put the spring on a joint, which counts turns");
+  const double lean = c.z() / (in_plane * in_plane);
+  const Vec3 g(-lean * c.x(), -lean * c.y(), 1.0);
+  const double xdot = g.dot(parent.A.transpose() * (child.omega - parent.omega));
+  const double f = tension(spring.law, t, x, xdot);
+  Vec6 w;
+  w << Vec3::Zero(), parent.A * (-f * g);
+  return w;
+}
+
+Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoint& child, const std::string& name) {
+  const Vec3 theta = rotation_vector(parent.A.transpose() * child.A);
+  if (theta.norm() > kLargestAngle) throw_turned_too_far(name, theta.norm(), "turn the frames of its ends");
+  Vec6 displacement;
+  displacement << parent.A.transpose() * (child.r - parent.r), theta;
+  Vec6 w = bushing.preload - bushing.stiffness * displacement;
+  w.tail<3>() = (exponential_map(theta).J.transpose().inverse() * w.tail<3>()).eval();
+  w -= bushing.damping * relative_velocity(parent, child);
+  return rotated(parent.A, w);
+}
+
+}  // namespace concord::relative

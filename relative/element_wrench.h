@@ -1,0 +1,29 @@
+#pragma once
+
+#include "common/force_elements.h"
+#include "relative/joint_point.h"
+
+/// The wrench of each kind of force element.
+namespace concord::relative {
+
+/// What an element between two ends exerts on the child at P_i [F; T], global axes. The parent gets the opposite, moved
+/// to P_j: the line of a line spring passes through both ends, all else is stated with that shift or is a couple.
+/// `name` is for the SolverError of a pose in which the element is not defined.
+
+/// A load on the body of `at`, whose frame is turned by `body_A`; there is no parent.
+Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint& at);
+
+/// -f n along the line n from parent to child, f = tension. Throws SolverError if the ends are closer than 1e-9 of
+/// `length`, the machine's.
+Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
+               const std::string& name);
+
+/// -f dx/drho about the parent's point of view. Throws SolverError beyond 175 deg, or if the child's x axis points
+/// along the parent's z.
+Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
+               const std::string& name);
+
+/// -L^T (K [d; theta] - preload) - D v_rel. Throws SolverError if |theta| is beyond 175 deg.
+Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoint& child, const std::string& name);
+
+}  // namespace concord::relative

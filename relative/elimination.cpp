@@ -1,0 +1,362 @@
+#include "relative/elimination.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace concord::relative {
+
+namespace {
+
+/// Pivots below this part of the terms they are made of are round-off.
+constexpr double kRoundOff = 1e-13;
+
+template <int Rows, int Columns>
+using Fixed = Eigen::Matrix<double, Rows, Columns>;
+
+/// Cholesky factor of the symmetric D (lower triangle read) in place of D; false if D is not positive definite.
+template <int N>
+bool factorize(Fixed<N, N>& D) {
+  for (int j = 0; j < N; ++j) {
+    double pivot = D(j, j);
+    for (int k = 0; k < j; ++k) pivot -= D(j, k) * D(j, k);
+    if (!(pivot > kRoundOff * D(j, j))) return false;
+    pivot = std::sqrt(pivot);
+    D(j, j) = pivot;
+    for (int i = j + 1; i < N; ++i) {
+      double entry = D(i, j);
+      for (int k = 0; k < j; ++k) entry -= D(i, k) * D(j, k);
+      D(i, j) = entry / pivot;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Elimination::Elimination(const Kinematics& kinematics, const Held& driven)
+    : kinematics_(&kinematics),
+      links_(kinematics.topology().links.size()),
+      flexible_of_link_(kinematics.topology().links.size(), -1) {
+  const Topology& topology = kinematics.topology();
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    LinkFactors& link = links_[l];
+    const Span& span = topology.joints[topology.links[l].joint];
+    for (int c = 0; c < span.n_u; ++c) {
+      if (driven[span.first_u + c] != 0) {
+        link.driven_column[link.n_driven] = c;
+        link.driven[link.n_driven++] = span.first_u + c;
+      } else {
+        link.free_column[link.n_free] = c;
+        link.free[link.n_free++] = span.first_u + c;
+      }
+    }
+    const int m = topology.modes[topology.links[l].body].n_u;
+    if (m == 0) continue;
+    flexible_of_link_[l] = static_cast<int>(flexible_.size());
+    const int n = link.n_free + m;
+    flexible_.push_back({Mat6X::Zero(6, m), MatX::Zero(m, m), VecX::Zero(m), Mat6X::Zero(6, n), Mat6X::Zero(6, n),
+                         MatX::Zero(m, n), MatX::Zero(n, n), Eigen::LLT<MatX>(MatX::Identity(n, n)), MatX::Zero(n, 6),
+                         VecX::Zero(n), VecX::Zero(n), VecX::Zero(m)});
+  }
+}
+
+const Vec6& Elimination::acceleration(int body) const {
+  return body == kGround ? ground_ : links_[kinematics_->topology().link_of_body[body]].Vdot;
+}
+
+const VecX* Elimination::modal_acceleration(int body) const {
+  if (body == kGround) return nullptr;
+  const int flexible = flexible_of_link_[kinematics_->topology().link_of_body[body]];
+  return flexible < 0 ? nullptr : &flexible_[flexible].addot;
+}
+
+Vec6 Elimination::acceleration_of_point(int joint, Side side) const {
+  const JointPoint& point = kinematics_->point(joint, side);
+  const int body = kinematics_->model().joints[joint].on(side).body;
+  Vec6 Vdot = shift_motion(acceleration(body), point.lever) + point.bias;
+  if (const VecX* addot = modal_acceleration(body)) Vdot.noalias() += point.Ga().lazyProduct(*addot);
+  return Vdot;
+}
+
+int Elimination::n_unknowns(int link) const {
+  const int flexible = flexible_of_link_[link];
+  return flexible < 0 ? links_[link].n_free : static_cast<int>(flexible_[flexible].uhat.size());
+}
+
+void Elimination::load_bodies(const std::vector<BodyInertia>& inertias) {
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    inertias[l].moments().fill(links_[l].I);
+    links_[l].p = inertias[l].p();
+    if (flexible_of_link_[l] >= 0) load_flexible(static_cast<int>(l), inertias[l]);
+  }
+}
+
+void Elimination::subtract_applied(const AppliedForces& applied) {
+  if (!applied.any()) return;
+  for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
+    LinkFactors& link = links_[l];
+    link.p -= applied.on_body(l);
+    for (int k = 0; k < link.n_free; ++k) link.tau(k) = applied.tau()(link.free[k]);
+    if (flexible_of_link_[l] >= 0) flexible_[flexible_of_link_[l]].p_a -= applied.on_modes(l);
+  }
+}
+
+void Elimination::load_flexible(int l, const BodyInertia& inertia) {
+  FlexibleFactors& flexible = flexible_[flexible_of_link_[l]];
+  flexible.I_ra = inertia.flexible()->M_ra();
+  flexible.I_aa = inertia.flexible()->M_aa();
+  flexible.p_a = inertia.flexible()->p_a();
+}
+
+void Elimination::gather_columns(int l, const VecX& udot) {
+  LinkFactors& link = links_[l];
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  link.c = blocks.D;
+  if (link.n_driven == 0) return;
+  for (int k = 0; k < link.n_driven; ++k) link.c += blocks.H.col(link.driven_column[k]) * udot(link.driven[k]);
+  for (int k = 0; k < link.n_free; ++k) link.H_free.col(k) = blocks.H.col(link.free_column[k]);
+}
+
+const double* Elimination::free_columns(int l) const {
+  return links_[l].n_driven == 0 ? kinematics_->blocks(l).H.data() : links_[l].H_free.data();
+}
+
+void Elimination::inward(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot) {
+  load_bodies(inertias);
+  subtract_applied(applied);
+  for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
+    gather_columns(l, udot);
+    if (flexible_of_link_[l] >= 0) {
+      eliminate_flexible(l);
+    } else {
+      dispatch_rigid(l);
+    }
+  }
+}
+
+void Elimination::dispatch_rigid(int l) {
+  switch (links_[l].n_free) {
+    case 0:
+      return transmit(l, links_[l].I, links_[l].p + links_[l].I * links_[l].c);
+    case 1:
+      return eliminate_rigid<1>(l);
+    case 2:
+      return eliminate_rigid<2>(l);
+    case 3:
+      return eliminate_rigid<3>(l);
+    case 4:
+      return eliminate_rigid<4>(l);
+    case 5:
+      return eliminate_rigid<5>(l);
+    default:
+      return eliminate_rigid<6>(l);
+  }
+}
+
+template <int N>
+void Elimination::eliminate_rigid(int l) {
+  LinkFactors& link = links_[l];
+  const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
+  Eigen::Map<Fixed<6, N>> K(link.K.data());
+  Eigen::Map<Fixed<N, N>> stored_L(link.L.data());
+  const Vec6 p = link.p + link.I * link.c;
+  const Fixed<6, N> U = link.I * H;
+  Fixed<N, N> L = H.transpose() * U;
+  if (!factorize<N>(L)) throw_indefinite(l);
+  Fixed<N, 1> uhat = link.tau.template head<N>() - H.transpose() * p;
+  L.template triangularView<Eigen::Lower>().solveInPlace(uhat);
+  const Fixed<N, 6> Kt = L.template triangularView<Eigen::Lower>().solve(U.transpose());
+  K = Kt.transpose();
+  stored_L = L;
+  link.uhat.template head<N>() = uhat;
+  if (kinematics_->topology().links[l].reference == kGround) return;
+  transmit(l, link.I - K * K.transpose(), p + K * uhat);
+}
+
+void Elimination::eliminate_flexible(int l) {
+  LinkFactors& link = links_[l];
+  FlexibleFactors& f = flexible_[flexible_of_link_[l]];
+  const Eigen::Index m = f.p_a.size();
+  const Eigen::Index n_free = link.n_free;
+  f.H.leftCols(n_free) = Eigen::Map<const Mat6X>(free_columns(l), 6, n_free);
+  f.H.rightCols(m) = -kinematics_->blocks(l).Ha;
+  f.U.noalias() = link.I * f.H;
+  f.U.rightCols(m) += f.I_ra;
+  f.U_a.noalias() = f.I_ra.transpose() * f.H;
+  f.U_a.rightCols(m) += f.I_aa;
+  f.D.noalias() = f.H.transpose() * f.U;
+  f.D.bottomRows(m) += f.U_a;
+  const Vec6 p = link.p + link.I * link.c;
+  f.uhat.noalias() = f.H.transpose().lazyProduct(-p);
+  f.uhat.head(n_free) += link.tau.head(n_free);
+  f.uhat.tail(m) -= f.p_a;
+  f.uhat.tail(m).noalias() -= f.I_ra.transpose() * link.c;
+  if (f.llt.compute(f.D).info() != Eigen::Success) throw_indefinite(l);
+  f.llt.matrixL().solveInPlace(f.uhat);
+  f.Kt = f.U.transpose();
+  f.llt.matrixL().solveInPlace(f.Kt);
+  Mat6 I = link.I;
+  I.noalias() -= f.Kt.transpose().lazyProduct(f.Kt);
+  Vec6 p_left = p;
+  // What the modal rows still push: their bias force is part of uhat, of which K^T takes the share of the body.
+  p_left.noalias() += f.Kt.transpose().lazyProduct(f.uhat);
+  transmit(l, I, p_left);
+}
+
+/// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
+/// Xa for the modal speeds of the reference body.
+void Elimination::transmit(int l, const Mat6& I, const Vec6& p) {
+  const Link& step = kinematics_->topology().links[l];
+  if (step.reference == kGround) return;
+  const int reference = kinematics_->topology().link_of_body[step.reference];
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  const Vec3& rho = blocks.rho;
+  LinkFactors& to = links_[reference];
+  // I Sh: the right half is [B; C] - [A; B^T] rho~, where a row x^T times rho~ is (x cross rho)^T.
+  const Mat3 A = I.topLeftCorner<3, 3>();
+  Mat3 B = I.topRightCorner<3, 3>();
+  Mat3 C = I.bottomRightCorner<3, 3>();
+  const auto times_rho_tilde = [&rho](const Mat3& X) {
+    Mat3 result;
+    result.col(0) = X.col(1) * rho.z() - X.col(2) * rho.y();
+    result.col(1) = X.col(2) * rho.x() - X.col(0) * rho.z();
+    result.col(2) = X.col(0) * rho.y() - X.col(1) * rho.x();
+    return result;
+  };
+  C -= times_rho_tilde(B.transpose());
+  B -= times_rho_tilde(A);
+  // rho~ B = -(B^T rho~)^T.
+  C -= times_rho_tilde(B.transpose()).transpose();
+  to.I.topLeftCorner<3, 3>() += A;
+  to.I.topRightCorner<3, 3>() += B;
+  to.I.bottomLeftCorner<3, 3>() += B.transpose();
+  to.I.bottomRightCorner<3, 3>() += C;
+  to.p += shift_wrench(p, rho);
+  if (flexible_of_link_[reference] < 0) return;
+  FlexibleFactors& f = flexible_[flexible_of_link_[reference]];
+  for (Eigen::Index k = 0; k < blocks.Xa.cols(); ++k) {
+    const Vec6 IX = I * blocks.Xa.col(k);
+    f.I_ra.col(k) += shift_wrench(IX, rho);
+    f.I_aa.col(k).noalias() += blocks.Xa.transpose().lazyProduct(IX);
+  }
+  f.p_a.noalias() += blocks.Xa.transpose().lazyProduct(p);
+}
+
+Vec6 Elimination::from_reference(int l) const {
+  const int reference = kinematics_->topology().links[l].reference;
+  if (reference == kGround) return Vec6::Zero();
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  Vec6 A0 = shift_motion(acceleration(reference), blocks.rho);
+  if (const VecX* addot = modal_acceleration(reference)) A0.noalias() += blocks.Xa.lazyProduct(*addot);
+  return A0;
+}
+
+void Elimination::outward(VecX& udot) {
+  for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
+    const Vec6 A0 = from_reference(l);
+    if (flexible_of_link_[l] >= 0) {
+      solve_flexible(l, A0, udot);
+      continue;
+    }
+    switch (links_[l].n_free) {
+      case 0:
+        links_[l].Vdot = A0 + links_[l].c;
+        break;
+      case 1:
+        solve_rigid<1>(l, A0, udot);
+        break;
+      case 2:
+        solve_rigid<2>(l, A0, udot);
+        break;
+      case 3:
+        solve_rigid<3>(l, A0, udot);
+        break;
+      case 4:
+        solve_rigid<4>(l, A0, udot);
+        break;
+      case 5:
+        solve_rigid<5>(l, A0, udot);
+        break;
+      default:
+        solve_rigid<6>(l, A0, udot);
+    }
+  }
+}
+
+template <int N>
+void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {
+  LinkFactors& link = links_[l];
+  const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
+  const Eigen::Map<const Fixed<6, N>> K(link.K.data());
+  const Eigen::Map<const Fixed<N, N>> L(link.L.data());
+  Fixed<N, 1> solution = link.uhat.template head<N>() - K.transpose() * A0;
+  L.transpose().template triangularView<Eigen::Upper>().solveInPlace(solution);
+  link.Vdot = A0 + link.c + H * solution;
+  for (int k = 0; k < N; ++k) udot(link.free[k]) = solution(k);
+}
+
+void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {
+  LinkFactors& link = links_[l];
+  FlexibleFactors& f = flexible_[flexible_of_link_[l]];
+  f.udot = f.uhat;
+  f.udot.noalias() -= f.Kt.lazyProduct(A0);
+  f.llt.matrixU().solveInPlace(f.udot);
+  link.Vdot = A0 + link.c;
+  link.Vdot.noalias() += f.H.lazyProduct(f.udot);
+  f.addot = f.udot.tail(f.addot.size());
+  for (int k = 0; k < link.n_free; ++k) udot(link.free[k]) = f.udot(k);
+  const Span& modes = kinematics_->topology().modes[kinematics_->topology().links[l].body];
+  udot.segment(modes.first_u, modes.n_u) = f.addot;
+}
+
+void Elimination::project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<const MatX>& z_a,
+                          Eigen::Ref<MatX> eps) const {
+  const LinkFactors& factors = links_[link];
+  if (flexible_of_link_[link] >= 0) {
+    const FlexibleFactors& f = flexible_[flexible_of_link_[link]];
+    eps.noalias() = f.H.transpose() * z_r;
+    eps.bottomRows(z_a.rows()) += z_a;
+    f.llt.matrixL().solveInPlace(eps);
+    z_r.noalias() -= f.Kt.transpose() * eps;
+    return;
+  }
+  const Eigen::Index n = factors.n_free;
+  if (n == 0) return;
+  const Eigen::Map<const Mat6X> H(free_columns(link), 6, n);
+  const Eigen::Map<const Mat6X> K(factors.K.data(), 6, n);
+  const Eigen::Map<const MatX> L(factors.L.data(), n, n);
+  eps.noalias() = H.transpose().lazyProduct(z_r);
+  L.triangularView<Eigen::Lower>().solveInPlace(eps);
+  z_r.noalias() -= K.lazyProduct(eps);
+}
+
+void Elimination::add_force(int link, const Eigen::Ref<const VecX>& eps) {
+  if (flexible_of_link_[link] >= 0) {
+    flexible_[flexible_of_link_[link]].uhat += eps;
+  } else {
+    links_[link].uhat.head(eps.size()) += eps;
+  }
+}
+
+int Elimination::speed_without_inertia() const {
+  for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
+    const LinkFactors& link = links_[l];
+    const Mat6 terms = link.I.cwiseAbs();
+    for (int k = 0; k < link.n_free; ++k) {
+      const Vec6 h = kinematics_->blocks(l).H.col(link.free_column[k]);
+      const double made_of = h.cwiseAbs().dot(terms * h.cwiseAbs());
+      if (!(h.dot(link.I * h) > kRoundOff * made_of)) return link.free[k];
+    }
+  }
+  return -1;
+}
+
+void Elimination::throw_indefinite(int l) const {
+  const Link& link = kinematics_->topology().links[l];
+  throw SolverError(
+      fmt::format("relative: body '{}' and all that it carries have no inertia against the motion of joint '{}'",
+                  kinematics_->model().bodies[link.body].name, kinematics_->model().joints[link.joint].name));
+}
+
+}  // namespace concord::relative

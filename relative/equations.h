@@ -1,0 +1,106 @@
+#pragma once
+
+#include <vector>
+
+#include "common/results.h"
+#include "relative/applied_forces.h"
+#include "relative/body_inertia.h"
+#include "relative/closure.h"
+#include "relative/elimination.h"
+#include "relative/loops.h"
+#include "relative/reactions.h"
+#include "relative/velocity_transformation.h"
+
+/// The equations of motion of one machine in relative coordinates.
+namespace concord::relative {
+
+/// Accelerations and joint wrenches for given time, coordinates and speeds. After construction nothing is allocated and
+/// the cost is proportional to the number of bodies (plus the cube of the number of closure rows).
+///
+/// This is the entry for whoever wants evaluations and nothing else, such as a benchmark:
+///   Equations equations(model);
+///   equations.compute_accelerations(t, q, u);   // q, u: see topology.h for their order; home() for a first q
+///   equations.compute_reactions();
+class Equations {
+ public:
+  /// The model must outlive this object. Throws InputError if its loops cannot be opened.
+  explicit Equations(const Model& model);
+  Equations(const Equations&) = delete;
+  Equations& operator=(const Equations&) = delete;
+
+  [[nodiscard]] const Model& model() const { return *model_; }
+  [[nodiscard]] const Kinematics& kinematics() const { return kinematics_; }
+  [[nodiscard]] const Topology& topology() const { return kinematics_.topology(); }
+  [[nodiscard]] const Closure& closure() const { return closure_; }
+  [[nodiscard]] const Held& driven() const { return driven_; }
+
+  /// Coordinates of the unmoved machine: all joints at home, no deformation.
+  [[nodiscard]] VecX home() const;
+
+  /// Writes the driven entries of q and u: their laws at time t.
+  void prescribe(double t, VecX& q, VecX& u) const;
+
+  /// Poses, velocities and closure misfits at time t, q, u (n_q and n_u numbers). Driven entries are replaced by their
+  /// laws, those of cut joints by measurement (q gives the guess).
+  void move(double t, const VecX& q, const VecX& u);
+
+  /// move, and udot from (21), (22). Throws SolverError if a link has no inertia, the pose is singular or a force
+  /// element is not defined in it.
+  void compute_accelerations(double t, const VecX& q, const VecX& u);
+
+  /// A free speed of the opened tree without inertia in this pose (its place in u), or -1. Throws SolverError if every
+  /// single one has inertia but some together have none.
+  [[nodiscard]] int find_speed_without_inertia(double t, const VecX& q, const VecX& u);
+
+  /// Wrenches of all joints for the last accelerations.
+  void compute_reactions();
+
+  /// Coordinates and speeds as completed by move, and accelerations of the tree (n_u numbers, of cut joints only the
+  /// driven ones).
+  [[nodiscard]] const VecX& q() const { return q_; }
+  [[nodiscard]] const VecX& u() const { return u_; }
+  [[nodiscard]] const VecX& udot() const { return udot_; }
+  /// qdot = N(q) u for all coordinates, cut joints' and modal ones included.
+  void compute_qdot(VecX& qdot) const;
+
+  [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }
+  [[nodiscard]] const Elimination& elimination() const { return elimination_; }
+  [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return inertias_; }
+  [[nodiscard]] const Reactions& reactions() const { return reactions_; }
+  Reactions& reactions() { return reactions_; }
+  Loops& loops() { return loops_; }
+
+  /// Accelerations of a body's origin, angular and modal ones of the last evaluation.
+  [[nodiscard]] BodyAcceleration acceleration(int body) const;
+
+  /// Power of drivers, joint springs and force elements minus modal dissipation adot^T D adot [W]; after
+  /// compute_reactions if there are drivers, else after compute_accelerations.
+  [[nodiscard]] double power() const;
+  [[nodiscard]] bool has_applied_forces() const { return applied_.any(); }
+  [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
+
+ private:
+  /// One driver and the places of its coordinate and speed.
+  struct Prescription {
+    const TimeFunction* law;
+    int joint, q, u;
+  };
+
+  void update_inertias();
+
+  const Model* model_;
+  Kinematics kinematics_;
+  Held driven_;
+  Closure closure_;
+  AppliedForces applied_;
+  Elimination elimination_;
+  Loops loops_;
+  Reactions reactions_;
+  std::vector<Prescription> drivers_;
+  std::vector<BodyInertia> inertias_;  // by link
+  VecX q_;
+  VecX u_;
+  VecX udot_;
+};
+
+}  // namespace concord::relative

@@ -1,0 +1,352 @@
+#include "relative/integration.h"
+
+#include <arkode/arkode_arkstep.h>
+#include <arkode/arkode_erkstep.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "common/sundials.h"
+
+namespace concord::relative {
+
+namespace {
+
+constexpr long kMostSteps = 50'000'000;
+constexpr double kLargestModalResidual = 1e-8;
+/// Errors of single steps add up over a run: each is held to this part of the tolerance asked of the run, but not below
+/// what round-off lets the formulas see.
+constexpr double kStepShare = 0.01;
+constexpr double kFinestStep = 2e-15;
+
+/// The integrated numbers y = [coordinates and speeds that are not driven; work]. Speeds of cut joints follow from the
+/// tree and are not integrated; their coordinates are, so that turns are counted and measuring starts close by.
+class Variables {
+ public:
+  explicit Variables(const Equations& equations) {
+    const Model& model = equations.model();
+    const Topology& topology = equations.topology();
+    std::vector<char> q_is_driven(topology.n_q, 0);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      for (const Driver& driver : model.joints[k].drivers) {
+        q_is_driven[topology.joints[k].first_q + first_q(*model.joints[k].type, driver.word) + driver.component] = 1;
+      }
+    }
+    for (int c = 0; c < topology.n_q; ++c) {
+      if (q_is_driven[c] == 0) q_.push_back(c);
+    }
+    for (int c = 0; c < topology.n_tree_u; ++c) {
+      if (equations.driven()[c] == 0) u_.push_back(c);
+    }
+  }
+
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(q_.size() + u_.size()) + 1; }
+  [[nodiscard]] Eigen::Index n_q() const { return static_cast<Eigen::Index>(q_.size()); }
+  [[nodiscard]] Eigen::Index work() const { return size() - 1; }
+
+  void unpack(const Eigen::Ref<const VecX>& y, Coordinates& coordinates) const {
+    for (std::size_t c = 0; c < q_.size(); ++c) coordinates.q(q_[c]) = y(c);
+    for (std::size_t c = 0; c < u_.size(); ++c) coordinates.u(u_[c]) = y(q_.size() + c);
+  }
+
+  /// Writes all of y but the work.
+  void pack(const VecX& q, const VecX& u, Eigen::Ref<VecX> y) const {
+    for (std::size_t c = 0; c < q_.size(); ++c) y(c) = q(q_[c]);
+    for (std::size_t c = 0; c < u_.size(); ++c) y(q_.size() + c) = u(u_[c]);
+  }
+
+ private:
+  std::vector<int> q_;
+  std::vector<int> u_;
+};
+
+/// Sizes that accuracy is measured by: the machine's length, its rate, its energy.
+class Sizes {
+ public:
+  Sizes(const Equations& equations, const Scales& scales, const Coordinates& start) {
+    const Model& model = equations.model();
+    const Topology& topology = equations.topology();
+    const VecX speed_units = scales.speeds();
+    double rate = std::sqrt(model.gravity.norm() / scales.length());
+    for (int c = 0; c < topology.n_u; ++c) rate = std::max(rate, std::abs(start.u(c)) / speed_units(c));
+    if (rate == 0.0) rate = 1.0;
+    q_ = VecX::Ones(topology.n_q);
+    u_ = rate * speed_units;
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
+      for (int c = 0; c < motion.n_u(); ++c) {
+        if (motion.kind(c).is_length) q_(topology.joints[k].first_q + c) = scales.length();
+      }
+    }
+    for (const Span& modes : topology.modes) {
+      // Deformations are small parts of the length.
+      q_.segment(modes.first_q, modes.n_q) = kSmallDeformation * speed_units.segment(modes.first_u, modes.n_u);
+      u_.segment(modes.first_u, modes.n_u) *= kSmallDeformation;
+    }
+    // Work is compared with the kinetic energy that the machine's own rate stands for.
+    double mass = 0.0;
+    for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
+    work_ = mass * rate * rate * scales.length() * scales.length();
+  }
+
+  [[nodiscard]] VecX of(const Variables& variables) const {
+    VecX sizes = VecX::Ones(variables.size());
+    variables.pack(q_, u_, sizes);
+    sizes(variables.work()) = work_ > 0.0 ? work_ : 1.0;
+    return sizes;
+  }
+
+ private:
+  static constexpr double kSmallDeformation = 1e-3;
+  VecX q_;
+  VecX u_;
+  double work_ = 1.0;
+};
+
+/// What the callbacks of one integration share.
+struct Run {
+  Equations& equations;
+  Assembly& assembly;
+  Variables variables;
+  Coordinates coordinates;
+  VecX qdot;
+  bool has_work = false;
+  long evaluations = 0;
+  std::string last_reason{};  // of the last evaluation or projection that failed
+  double rtol = 0.0;
+  VecX sizes{};
+
+  /// ydot(t, y).
+  void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {
+    ++evaluations;
+    variables.unpack(y, coordinates);
+    equations.compute_accelerations(t, coordinates.q, coordinates.u);
+    equations.compute_qdot(qdot);
+    variables.pack(qdot, equations.udot(), ydot);
+    ydot(variables.work()) = 0.0;
+    if (!has_work) return;
+    if (equations.has_drivers()) equations.compute_reactions();
+    ydot(variables.work()) = equations.power();
+  }
+
+  /// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
+  /// the size and the value for speeds and work. None below the round-off of the number itself.
+  void weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> weights) const {
+    constexpr double kLeastWeighed = 1e-15;
+    const Eigen::Index n_rates = y.size() - variables.n_q();
+    weights = sizes;
+    weights.tail(n_rates) += y.tail(n_rates).cwiseAbs();
+    weights = (rtol * weights).cwiseMax(kLeastWeighed * y.cwiseAbs()).cwiseInverse();
+  }
+
+  void project(double t, Eigen::Ref<VecX> y) {
+    coordinates.t = t;
+    variables.unpack(y, coordinates);
+    assembly.project(coordinates);
+    variables.pack(coordinates.q, coordinates.u, y);
+  }
+};
+
+/// A pose that cannot be evaluated asks the integrator for a smaller step.
+int right_side(realtype t, N_Vector y, N_Vector ydot, void* user_data) {
+  auto& run = *static_cast<Run*>(user_data);
+  try {
+    run.evaluate(t, sundials::view(y), sundials::view(ydot));
+    return sundials::view(ydot).allFinite() ? 0 : 1;
+  } catch (const SolverError& error) {
+    run.last_reason = error.what();
+    return 1;
+  }
+}
+
+int project_step(realtype t, N_Vector y, void* user_data) {
+  auto& run = *static_cast<Run*>(user_data);
+  try {
+    run.project(t, sundials::view(y));
+    return 0;
+  } catch (const SolverError& error) {
+    run.last_reason = error.what();
+    return -1;
+  }
+}
+
+int error_weights(N_Vector y, N_Vector weights, void* user_data) {
+  static_cast<const Run*>(user_data)->weigh(sundials::view(y), sundials::view(weights));
+  return 0;
+}
+
+/// One integrator of ARKODE, set up and ready to go from the start state.
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+  /// Advances y to t_end exactly; returns a negative code of ARKODE if it cannot.
+  virtual int advance(double t_end, N_Vector y, double& t) = 0;
+  [[nodiscard]] virtual long steps() const = 0;
+};
+
+struct Settings {
+  N_Vector y;
+  Run* run;
+  const sundials::Context* context;
+  sundials::MessageRecord* messages;
+};
+
+class ErkStepper final : public Stepper {
+ public:
+  explicit ErkStepper(const Settings& s)
+      : memory_(sundials::require(ERKStepCreate(right_side, 0.0, s.y, s.context->get()), "ERKStepCreate")) {
+    const auto check = [&s](int code, const char* call) { sundials::check(code, call, *s.messages); };
+    check(ERKStepSetErrHandlerFn(memory_, sundials::MessageRecord::record, s.messages), "ERKStepSetErrHandlerFn");
+    check(ERKStepSetUserData(memory_, s.run), "ERKStepSetUserData");
+    check(ERKStepWFtolerances(memory_, error_weights), "ERKStepWFtolerances");
+    check(ERKStepSetTableNum(memory_, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
+    check(ERKStepSetMaxNumSteps(memory_, kMostSteps), "ERKStepSetMaxNumSteps");
+    check(ERKStepSetPostprocessStepFn(memory_, project_step), "ERKStepSetPostprocessStepFn");
+  }
+  ~ErkStepper() override { ERKStepFree(&memory_); }
+  ErkStepper(const ErkStepper&) = delete;
+  ErkStepper& operator=(const ErkStepper&) = delete;
+
+  int advance(double t_end, N_Vector y, double& t) override {
+    const int code = ERKStepSetStopTime(memory_, t_end);
+    return code < 0 ? code : ERKStepEvolve(memory_, t_end, y, &t, ARK_NORMAL);
+  }
+  [[nodiscard]] long steps() const override {
+    long steps = 0;
+    ERKStepGetNumSteps(memory_, &steps);
+    return steps;
+  }
+
+ private:
+  void* memory_;
+};
+
+class DirkStepper final : public Stepper {
+ public:
+  explicit DirkStepper(const Settings& s)
+      : matrix_(
+            sundials::require(SUNDenseMatrix(NV_LENGTH_S(s.y), NV_LENGTH_S(s.y), s.context->get()), "SUNDenseMatrix")),
+        linear_(sundials::require(SUNLinSol_Dense(s.y, matrix_.get(), s.context->get()), "SUNLinSol_Dense")),
+        memory_(sundials::require(ARKStepCreate(nullptr, right_side, 0.0, s.y, s.context->get()), "ARKStepCreate")) {
+    const auto check = [&s](int code, const char* call) { sundials::check(code, call, *s.messages); };
+    check(ARKStepSetErrHandlerFn(memory_, sundials::MessageRecord::record, s.messages), "ARKStepSetErrHandlerFn");
+    check(ARKStepSetUserData(memory_, s.run), "ARKStepSetUserData");
+    check(ARKStepWFtolerances(memory_, error_weights), "ARKStepWFtolerances");
+    check(ARKStepSetTableNum(memory_, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE), "ARKStepSetTableNum");
+    check(ARKStepSetLinearSolver(memory_, linear_.get(), matrix_.get()), "ARKStepSetLinearSolver");
+    check(ARKStepSetMaxNumSteps(memory_, kMostSteps), "ARKStepSetMaxNumSteps");
+    check(ARKStepSetNonlinConvCoef(memory_, 1e-3), "ARKStepSetNonlinConvCoef");
+    check(ARKStepSetMaxNonlinIters(memory_, 8), "ARKStepSetMaxNonlinIters");
+    check(ARKStepSetPostprocessStepFn(memory_, project_step), "ARKStepSetPostprocessStepFn");
+  }
+  ~DirkStepper() override { ARKStepFree(&memory_); }
+  DirkStepper(const DirkStepper&) = delete;
+  DirkStepper& operator=(const DirkStepper&) = delete;
+
+  int advance(double t_end, N_Vector y, double& t) override {
+    const int code = ARKStepSetStopTime(memory_, t_end);
+    return code < 0 ? code : ARKStepEvolve(memory_, t_end, y, &t, ARK_NORMAL);
+  }
+  [[nodiscard]] long steps() const override {
+    long steps = 0;
+    ARKStepGetNumSteps(memory_, &steps);
+    return steps;
+  }
+
+ private:
+  sundials::Matrix matrix_;
+  sundials::LinearSolver linear_;
+  void* memory_;
+};
+
+std::unique_ptr<Stepper> make_stepper(const std::string& name, const Settings& settings) {
+  if (name == "dirk") return std::make_unique<DirkStepper>(settings);
+  return std::make_unique<ErkStepper>(settings);
+}
+
+std::string chosen_integrator(const Model& model, const std::string& wanted) {
+  const std::vector<std::string> known = integrator_names(model);
+  if (wanted.empty()) return known.front();
+  if (std::find(known.begin(), known.end(), wanted) != known.end()) return wanted;
+  throw InputError({model.file, 0, 0}, fmt::format("the relative solver has no integrator '{}'; it has {}", wanted,
+                                                   fmt::join(known, ", ")));
+}
+
+[[noreturn]] void throw_stopped(double t, const Run& run, const std::string& message) {
+  const std::string& reason = run.last_reason.empty() ? message : run.last_reason;
+  const std::string plain = reason.starts_with("relative: ") ? reason.substr(10) : reason;
+  throw SolverError(fmt::format("relative: at t = {:.4f} s {}", t, plain));
+}
+
+/// The state at an output time, projected, with accelerations and wrenches computed anew from it.
+Sample take_sample(Run& run, const States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
+  run.coordinates.t = t;
+  run.variables.unpack(y, run.coordinates);
+  try {
+    run.assembly.project(run.coordinates);
+    run.equations.compute_accelerations(t, run.coordinates.q, run.coordinates.u);
+  } catch (const SolverError& error) {
+    run.last_reason = error.what();
+    throw_stopped(t, run, run.last_reason);
+  }
+  run.equations.compute_reactions();
+  require_modal_balance(run.equations, t);
+  return {states.write(t, before), states.write_evaluation(), y(run.variables.work())};
+}
+
+}  // namespace
+
+std::vector<std::string> integrator_names(const Model& /*model*/) { return {"erk", "dirk"}; }
+
+void require_modal_balance(const Equations& equations, double t) {
+  const Reactions& reactions = equations.reactions();
+  if (reactions.modal_residual() <= kLargestModalResidual) return;
+  throw SolverError(
+      fmt::format("relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by {:.1e} "
+                  "of their largest term, allowed {:.0e}",
+                  t, equations.model().bodies[reactions.worst_modal_body()].name, reactions.modal_residual(),
+                  kLargestModalResidual));
+}
+
+Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const RunOptions& options,
+                     const Progress& progress) {
+  const auto began = std::chrono::steady_clock::now();
+  const std::string integrator = chosen_integrator(equations.model(), options.integrator);
+  const Coordinates start = assembly.start();
+  Run run{equations, assembly, Variables(equations), start, VecX::Zero(equations.topology().n_q)};
+  run.has_work = equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible();
+
+  const sundials::Context context;
+  sundials::MessageRecord messages;
+  const sundials::Vector y = sundials::make_vector(run.variables.size(), context);
+  run.variables.pack(start.q, start.u, sundials::view(y.get()));
+  run.rtol = integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol;
+  run.sizes = Sizes(equations, assembly.scales(), start).of(run.variables);
+  const std::unique_ptr<Stepper> stepper = make_stepper(integrator, {y.get(), &run, &context, &messages});
+
+  Trajectory trajectory;
+  State before;
+  for (int i = 0; i <= options.samples; ++i) {
+    const double t_end = options.until * i / options.samples;
+    double t = 0.0;
+    run.last_reason.clear();
+    if (i > 0 && stepper->advance(t_end, y.get(), t) < 0) throw_stopped(t, run, messages.last);
+    Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
+    before = sample.state;
+    trajectory.samples.push_back(std::move(sample));
+    trajectory.statistics.max_constraint =
+        std::max(trajectory.statistics.max_constraint, assembly.misfit(run.coordinates));
+    if (progress) progress(t_end);
+  }
+  trajectory.statistics.steps = stepper->steps();
+  trajectory.statistics.evaluations = run.evaluations;
+  trajectory.statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return trajectory;
+}
+
+}  // namespace concord::relative

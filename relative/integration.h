@@ -1,0 +1,23 @@
+#pragma once
+
+#include "common/solver.h"
+#include "relative/assembly.h"
+#include "relative/states.h"
+
+/// Time integration with SUNDIALS ARKODE and projection onto the closure after every step.
+namespace concord::relative {
+
+/// Names for RunOptions::integrator, the default for this model first: "erk" (explicit Runge-Kutta, Fehlberg's pair of
+/// orders 7 and 8) and "dirk" (singly diagonally implicit Runge-Kutta of order 5 for stiff models).
+std::vector<std::string> integrator_names(const Model& model);
+
+/// Throws SolverError if the free modal equations of the last evaluation are out of balance by more than round-off
+/// explains (formulation section 4, Step 5).
+void require_modal_balance(const Equations& equations, double t);
+
+/// Integrates from the start state to options.until. The integrator stops exactly at the output times; there the state
+/// is projected and accelerations and wrenches are computed anew. Throws SolverError with time, place and reason.
+Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const RunOptions& options,
+                     const Progress& progress);
+
+}  // namespace concord::relative

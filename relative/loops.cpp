@@ -1,0 +1,206 @@
+#include "relative/loops.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace concord::relative {
+
+namespace {
+
+/// Pivots of Lambda relative to their diagonal entries are squares of the sine between a row and those before it: below
+/// this the row is dependent.
+constexpr double kDependent = 1e-13;
+/// Diagonal entries below this part of the largest are squares of round-off: the row vanishes.
+constexpr double kVanishing = 1e-22;
+
+}  // namespace
+
+Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination)
+    : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination) {
+  for (std::size_t cut = 0; cut < closure.cuts().size(); ++cut) lay_out(static_cast<int>(cut));
+  for (int a = 0; a < static_cast<int>(ways_.size()); ++a) {
+    for (int b = a; b < static_cast<int>(ways_.size()); ++b) {
+      for (int i = 0; i < static_cast<int>(ways_[a].steps.size()); ++i) {
+        for (int j = 0; j < static_cast<int>(ways_[b].steps.size()); ++j) {
+          if (ways_[a].steps[i].link == ways_[b].steps[j].link) shared_.push_back({a, i, b, j});
+        }
+      }
+    }
+  }
+  const int n = closure.n_rows();
+  Lambda_.setZero(n, n);
+  residual_.setZero(n);
+  lambda_.setZero(n);
+  step_lambda_.setZero(n);
+  int most_unknowns = 0;
+  for (const Way& way : ways_) {
+    for (const Step& step : way.steps) most_unknowns = std::max(most_unknowns, elimination.n_unknowns(step.link));
+  }
+  force_.setZero(most_unknowns);
+  std::vector<int> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  keep_rows(all);
+}
+
+void Loops::keep_rows(const std::vector<int>& rows) {
+  kept_ = rows;
+  used_ = rows;
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  selected_.setIdentity(n, n);
+  llt_.compute(selected_);
+  solution_.setZero(n);
+}
+
+/// The links between the two bodies of a cut joint and ground, outermost first.
+void Loops::lay_out(int cut) {
+  const Topology& topology = kinematics_->topology();
+  const Joint& joint = kinematics_->model().joints[closure_->cuts()[cut].joint];
+  std::vector<int> links;
+  for (const Attachment& side : joint.sides) {
+    for (int l = topology.link_of_body[side.body]; l >= 0; l = topology.link_of_body[topology.links[l].reference]) {
+      links.push_back(l);
+    }
+  }
+  std::sort(links.begin(), links.end(), std::greater<>());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  const auto step_of = [&](int body) {
+    const auto found = std::find(links.begin(), links.end(), topology.link_of_body[body]);
+    return found == links.end() ? -1 : static_cast<int>(found - links.begin());
+  };
+  const int rows = closure_->cuts()[cut].measure.n_rows();
+  Way way;
+  way.cut = cut;
+  for (const int l : links) {
+    const int m = topology.modes[topology.links[l].body].n_u;
+    way.steps.push_back({l, step_of(topology.links[l].reference), Mat6X::Zero(6, rows), MatX::Zero(m, rows),
+                         MatX::Zero(elimination_->n_unknowns(l), rows)});
+  }
+  way.child_step = step_of(joint.on(Side::child).body);
+  way.parent_step = step_of(joint.on(Side::parent).body);
+  ways_.push_back(std::move(way));
+}
+
+/// Adds W^T T of one side to the generalized forces on its body: unit multipliers pull with +T on the child.
+void Loops::load(Way& way, int step, Side side) {
+  if (step < 0) return;
+  const Closure::Cut& cut = closure_->cuts()[way.cut];
+  const JointPoint& point = kinematics_->point(cut.joint, side);
+  const Vec3 d = kinematics_->point(cut.joint, Side::child).r - kinematics_->point(cut.joint, Side::parent).r;
+  for (Eigen::Index c = 0; c < way.steps[step].z_r.cols(); ++c) {
+    Vec6 w = cut.T_global.col(c);
+    if (side == Side::parent) w = -shift_wrench(w, d);
+    way.steps[step].z_r.col(c) += shift_wrench(w, point.lever);
+    way.steps[step].z_a.col(c).noalias() += point.Ga().transpose().lazyProduct(w);
+  }
+}
+
+/// Carries the unit multipliers of one cut joint inward to ground.
+void Loops::pull(Way& way) {
+  for (Step& step : way.steps) {
+    step.z_r.setZero();
+    step.z_a.setZero();
+  }
+  load(way, way.child_step, Side::child);
+  load(way, way.parent_step, Side::parent);
+  for (Step& step : way.steps) {
+    elimination_->project(step.link, step.z_r, step.z_a, step.eps);
+    if (step.next < 0) continue;
+    const LinkBlocks& blocks = kinematics_->blocks(step.link);
+    Step& next = way.steps[step.next];
+    for (Eigen::Index c = 0; c < step.z_r.cols(); ++c) next.z_r.col(c) += shift_wrench(step.z_r.col(c), blocks.rho);
+    next.z_a.noalias() += blocks.Xa.transpose().lazyProduct(step.z_r);
+  }
+}
+
+/// Lambda = sum over links of eps^T eps.
+void Loops::sum_Lambda() {
+  Lambda_.setZero();
+  for (const Shared& shared : shared_) {
+    const MatX& a = ways_[shared.way].steps[shared.step].eps;
+    const MatX& b = ways_[shared.other_way].steps[shared.other_step].eps;
+    const int row = closure_->cuts()[ways_[shared.way].cut].first_row;
+    const int column = closure_->cuts()[ways_[shared.other_way].cut].first_row;
+    Lambda_.block(row, column, a.cols(), b.cols()).noalias() += a.transpose().lazyProduct(b);
+  }
+  Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
+}
+
+bool Loops::factorize(const std::vector<int>& rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < rows.size(); ++j) selected_(i, j) = Lambda_(rows[i], rows[j]);
+  }
+  if (llt_.compute(selected_).info() != Eigen::Success) return false;
+  for (Eigen::Index i = 0; i < selected_.rows(); ++i) {
+    const double pivot = llt_.matrixLLT()(i, i);
+    if (!(pivot * pivot > kDependent * selected_(i, i))) return false;
+    if (!(selected_(i, i) > kVanishing * Lambda_.diagonal().maxCoeff())) return false;
+  }
+  return true;
+}
+
+void Loops::throw_singular(std::size_t rank) const {
+  throw SolverError(
+      fmt::format("relative: the {} closure rows of the cut joints have rank {} in this pose, {} in a "
+                  "general one: the pose is singular and the motion may branch",
+                  closure_->n_rows(), rank, kept_.size()));
+}
+
+/// As many rows as are kept, by pivoted elimination in Lambda scaled to unit diagonal.
+void Loops::choose_rows_of_this_pose() {
+  const double vanishing = kVanishing * Lambda_.diagonal().maxCoeff();
+  const VecX scale =
+      (Lambda_.diagonal().array() > vanishing).select(Lambda_.diagonal().array().max(1e-300).sqrt().inverse(), 0.0);
+  MatX rest = scale.asDiagonal() * Lambda_ * scale.asDiagonal();
+  used_.clear();
+  while (used_.size() < kept_.size()) {
+    Eigen::Index pivot = 0;
+    const double largest = rest.diagonal().maxCoeff(&pivot);
+    if (!(largest > kDependent)) throw_singular(used_.size());
+    used_.push_back(static_cast<int>(pivot));
+    const VecX column = rest.col(pivot) / largest;
+    rest -= largest * column * column.transpose();
+  }
+  std::sort(used_.begin(), used_.end());
+}
+
+/// Adds -Phi_u^T lambda to the right side of the tree.
+void Loops::push_back(const VecX& lambda) {
+  for (const Way& way : ways_) {
+    const Closure::Cut& cut = closure_->cuts()[way.cut];
+    const auto of_cut = lambda.segment(cut.first_row, cut.measure.n_rows());
+    for (const Step& step : way.steps) {
+      auto force = force_.head(step.eps.rows());
+      force.noalias() = -step.eps.lazyProduct(of_cut);
+      elimination_->add_force(step.link, force);
+    }
+  }
+}
+
+void Loops::close(VecX& udot) {
+  if (closure_->n_rows() == 0) return;
+  for (Way& way : ways_) pull(way);
+  sum_Lambda();
+  used_ = kept_;
+  lambda_.setZero();
+  if (used_.empty()) return;
+  if (!factorize(used_)) {
+    choose_rows_of_this_pose();
+    if (!factorize(used_)) throw_singular(used_.size() - 1);
+  }
+  const auto acceleration = [this](int joint, Side side) { return elimination_->acceleration_of_point(joint, side); };
+  // The second round removes what round-off left of the residual.
+  for (int round = 0; round < 2; ++round) {
+    closure_->compute_acceleration_residual(acceleration, udot, residual_);
+    for (std::size_t i = 0; i < used_.size(); ++i) solution_(i) = residual_(used_[i]);
+    llt_.solveInPlace(solution_);
+    step_lambda_.setZero();
+    for (std::size_t i = 0; i < used_.size(); ++i) step_lambda_(used_[i]) = solution_(i);
+    lambda_ += step_lambda_;
+    push_back(step_lambda_);
+    elimination_->outward(udot);
+  }
+}
+
+}  // namespace concord::relative

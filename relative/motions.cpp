@@ -1,0 +1,324 @@
+#include "relative/motions.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "relative/exponential_map.h"
+#include "relative/six_columns.h"
+
+namespace concord::relative {
+
+namespace {
+
+/// Columns are dependent if one of them keeps less than this part of the largest beside the others.
+constexpr double kLeastIndependence = 1e-6;
+
+/// A motion so far, extended word by word from the parent's frame; it walks along q and u.
+struct Composition {
+  const double* q;
+  const double* u;
+  JointMotion& motion;
+  int column = 0;
+  Vec3 omega = Vec3::Zero();  // of the frame reached so far
+
+  void operator()(const joints::Slide& slide) {
+    const int axis = index(slide.axis);
+    motion.d(axis) += *q;
+    motion.S.col(column) = Vec6::Unit(axis);
+    motion.v_rel(axis) += *u;
+    step(1, 1);
+  }
+
+  void operator()(const joints::Turn& turn) {
+    const int axis = index(turn.axis);
+    const Vec3 z = motion.R.col(axis);
+    motion.S.col(column) << 0.0, 0.0, 0.0, z;
+    motion.Sdot_u.tail<3>() += omega.cross(z) * *u;
+    omega += z * *u;
+    motion.v_rel.tail<3>() = omega;
+    turn_frame(axis, *q);
+    step(1, 1);
+  }
+
+  /// The turns so far swing the arm: ddot gets omega x e, its rate (domega/dt at udot = 0) x e + omega x (omega x e).
+  void operator()(const joints::Arm& arm) {
+    const Vec3 e = arm.length * motion.R.col(index(arm.axis));
+    motion.d += e;
+    for (int c = 0; c < column; ++c) motion.S.col(c).head<3>() += motion.S.col(c).tail<3>().cross(e);
+    const Vec3 swing = omega.cross(e);
+    motion.v_rel.head<3>() += swing;
+    motion.Sdot_u.head<3>() += motion.Sdot_u.tail<3>().cross(e) + omega.cross(swing);
+  }
+
+  /// The child's orientation is the ball's alone: turns before it keep what their arms displace.
+  void operator()(const joints::Ball& /*ball*/) {
+    motion.R = rotation_from_euler_parameters(Vec4(q[0], q[1], q[2], q[3]));
+    motion.S.block(3, 0, 3, column).setZero();
+    motion.Sdot_u.tail<3>().setZero();
+    for (int axis = 0; axis < 3; ++axis) motion.S.col(column + axis) = Vec6::Unit(3 + axis);
+    omega = Vec3(u[0], u[1], u[2]);
+    motion.v_rel.tail<3>() = omega;
+    step(4, 3);
+  }
+
+  void operator()(const joints::ByMotion& by) {
+    joints::FunctionOfCoordinates::Motion found;
+    by.motion->evaluate(q, u, found);
+    const int n = by.motion->n();
+    motion.d = found.placement.d;
+    motion.R = found.placement.R;
+    motion.S.leftCols(n) = found.S.leftCols(n);
+    motion.v_rel.noalias() = found.S.leftCols(n).lazyProduct(Eigen::Map<const VecX>(u, n));
+    motion.Sdot_u = found.Sdot_u;
+    step(n, n);
+  }
+
+ private:
+  void step(int n_q, int n_u) {
+    q += n_q;
+    u += n_u;
+    column += n_u;
+  }
+
+  /// R <- R rotation(axis, angle): mixes the two other columns.
+  void turn_frame(int axis, double angle) const {
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    const int second = (axis + 1) % 3;
+    const int third = (axis + 2) % 3;
+    const Vec3 b = motion.R.col(second);
+    const Vec3 n = motion.R.col(third);
+    motion.R.col(second) = c * b + s * n;
+    motion.R.col(third) = c * n - s * b;
+  }
+};
+
+/// pdot of one ball: E^T omega / 2, E = [-e, e0 1 + e~].
+Vec4 euler_parameter_rate(const Vec4& p, const Vec3& omega) {
+  const Vec3 e = p.tail<3>();
+  Vec4 rate;
+  rate << -0.5 * e.dot(omega), 0.5 * (p(0) * omega + omega.cross(e));
+  return rate;
+}
+
+/// Applies one function to single coordinates and another to balls, walking along q and along numbers of n_u.
+template <class OnScalar, class OnBall>
+void walk(const std::vector<joints::Permit>& words, OnScalar on_scalar, OnBall on_ball) {
+  int first_q = 0;
+  int first_u = 0;
+  for (const joints::Permit& word : words) {
+    if (std::holds_alternative<joints::Ball>(word)) {
+      on_ball(first_q, first_u);
+    } else {
+      for (int k = 0; k < joints::n_q(word); ++k) on_scalar(first_q + k, first_u + k);
+    }
+    first_q += joints::n_q(word);
+    first_u += joints::n_u(word);
+  }
+}
+
+bool stand_in_order(const std::vector<joints::Permit>& words) {
+  enum { slides, turns, ball } reached = slides;
+  bool turn_waits_for_arm = false;
+  for (const joints::Permit& word : words) {
+    if (std::holds_alternative<joints::ByMotion>(word)) return words.size() == 1;
+    if (reached == ball) return false;
+    if (std::holds_alternative<joints::Slide>(word) && reached != slides) return false;
+    if (std::holds_alternative<joints::Turn>(word)) {
+      reached = turns;
+      turn_waits_for_arm = true;
+    }
+    if (std::holds_alternative<joints::Arm>(word)) turn_waits_for_arm = false;
+    if (std::holds_alternative<joints::Ball>(word)) {
+      if (turn_waits_for_arm) return false;
+      reached = ball;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Motion::Motion(const joints::JointType& type, double length)
+    : words_(type.permits), length_(length), n_q_(type.n_q()), n_u_(type.n_u()) {
+  if (!stand_in_order(words_) || n_u_ > 6) {
+    throw std::invalid_argument("joint type '" + type.name +
+                                "': a motion is slides, then turns, then at most one ball, with arms anywhere before "
+                                "it (each turn before a ball "
+                                "must carry one), or functions alone; at most six speeds");
+  }
+  classify_columns();
+  find_elevation();
+  if (!by_functions_) return;
+  for (const joints::Read& read : type.reads) {
+    if (const auto* reading = std::get_if<joints::ByReading>(&read)) stated_wrenches_ = reading->wrenches;
+  }
+}
+
+void Motion::classify_columns() {
+  int column = 0;
+  int n_turns = 0;
+  std::array<bool, 3> slides{};
+  Axis last_turn = Axis::x;
+  const auto swing = [&] {
+    for (int c = 0; c < column; ++c) kinds_[c].displaces = kinds_[c].displaces || kinds_[c].rotates;
+    is_curved_ = is_curved_ || n_turns > 0;
+  };
+  for (const joints::Permit& word : words_) {
+    if (const auto* slide = std::get_if<joints::Slide>(&word)) {
+      rank_is_certain_ = rank_is_certain_ && !slides[index(slide->axis)];
+      slides[index(slide->axis)] = true;
+      kinds_[column++] = {.displaces = true, .rotates = false, .is_length = true};
+    } else if (const auto* turn = std::get_if<joints::Turn>(&word)) {
+      ++n_turns;
+      rank_is_certain_ = rank_is_certain_ && (n_turns == 1 || (n_turns == 2 && turn->axis != last_turn));
+      last_turn = turn->axis;
+      kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false};
+    } else if (std::holds_alternative<joints::Arm>(word)) {
+      swing();
+    } else if (std::holds_alternative<joints::Ball>(word)) {
+      has_ball_ = true;
+      for (int c = 0; c < column; ++c) kinds_[c].rotates = false;
+      for (int axis = 0; axis < 3; ++axis) kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false};
+    } else {
+      by_functions_ = is_curved_ = true;
+      ranges_ = std::get<joints::ByMotion>(word).ranges;
+      for (const bool turns : std::get<joints::ByMotion>(word).turns) {
+        kinds_[column++] = {.displaces = true, .rotates = true, .is_length = !turns};
+      }
+    }
+  }
+  rank_is_certain_ = rank_is_certain_ && !is_curved_;
+  for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kinds_[c].displaces && kinds_[c].rotates);
+}
+
+/// Turn{a}, Turn{b}, Arm{c}, Ball{} with a, b and c at right angles: (q_a, q_b) and (q_a + pi, pi - q_b) are one pose.
+void Motion::find_elevation() {
+  if (!has_ball_ || words_.size() < 4) return;
+  const auto* word = &words_[words_.size() - 4];
+  const auto* first = std::get_if<joints::Turn>(word);
+  const auto* second = std::get_if<joints::Turn>(word + 1);
+  const auto* arm = std::get_if<joints::Arm>(word + 2);
+  if (first == nullptr || second == nullptr || arm == nullptr) return;
+  const bool at_right_angles = first->axis != second->axis && first->axis != arm->axis && second->axis != arm->axis;
+  if (at_right_angles) elevation_ = n_u_ - 4;
+}
+
+void Motion::evaluate(const double* q, const double* u, JointMotion& motion) const {
+  motion.d.setZero();
+  motion.R.setIdentity();
+  motion.v_rel.setZero();
+  motion.Sdot_u.setZero();
+  Composition composition{q, u, motion};
+  for (const joints::Permit& word : words_) std::visit(composition, word);
+}
+
+bool Motion::columns_are_dependent(const JointMotion& motion) const {
+  OrthonormalColumns found;
+  double largest = 0.0;
+  std::array<Vec6, 6> columns;
+  for (int c = 0; c < n_u_; ++c) {
+    columns[c] << motion.S.col(c).head<3>() / length_, motion.S.col(c).tail<3>();
+    if (kinds_[c].is_length) columns[c] *= length_;
+    largest = std::max(largest, columns[c].norm());
+  }
+  // The longest first, so that the last one tells how independent they are.
+  while (found.size() < n_u_) {
+    Vec6 longest = Vec6::Zero();
+    for (int c = 0; c < n_u_; ++c) {
+      const Vec6 rest = found.rest(columns[c]);
+      if (rest.squaredNorm() > longest.squaredNorm()) longest = rest;
+    }
+    if (!(longest.norm() > kLeastIndependence * largest)) return true;
+    found.add(longest);
+  }
+  return false;
+}
+
+/// D with w_d = D (S^T D)^-1 tau.
+JointColumns Motion::wrench_columns(const JointMotion& motion) const {
+  if (stated_wrenches_ != nullptr) return stated_wrenches_({motion.d, motion.R});
+  JointColumns D = JointColumns::Zero(6, n_u_);
+  for (int c = 0; c < n_u_; ++c) {
+    const bool as_torque = by_functions_ ? !kinds_[c].is_length : kinds_[c].rotates;
+    const int row = as_torque ? 3 : 0;
+    D.block<3, 1>(row, c) = motion.S.block<3, 1>(row, c);
+  }
+  return D;
+}
+
+Vec6 Motion::coordinate_wrench(const JointMotion& motion, const JointVector& tau) const {
+  const JointColumns D = wrench_columns(motion);
+  const JointSquare powers = motion.S.leftCols(n_u_).transpose().lazyProduct(D);
+  return D.lazyProduct(JointVector(powers.partialPivLu().solve(tau)));
+}
+
+void Motion::choose_chart(double* q, const double* near) const {
+  if (by_functions_) return;
+  constexpr double kPi = std::numbers::pi;
+  if (elevation_ >= 0 && std::cos(q[elevation_]) < 0.0) {
+    q[elevation_ - 1] += kPi;
+    q[elevation_] = kPi - q[elevation_];
+  }
+  for (int c = 0; c < n_u_ - (has_ball_ ? 3 : 0); ++c) {
+    if (kinds_[c].is_length) continue;
+    const double wanted = c == elevation_ ? 0.0 : near[c];
+    q[c] += 2.0 * kPi * std::round((wanted - q[c]) / (2.0 * kPi));
+  }
+}
+
+void Motion::compute_qdot(const double* q, const double* u, double* qdot) const {
+  walk(
+      words_, [&](int iq, int iu) { qdot[iq] = u[iu]; },
+      [&](int iq, int iu) {
+        Eigen::Map<Vec4>(qdot + iq) =
+            euler_parameter_rate(Eigen::Map<const Vec4>(q + iq), Eigen::Map<const Vec3>(u + iu));
+      });
+}
+
+void Motion::advance(double* q, const double* step) const {
+  walk(
+      words_, [&](int iq, int iu) { q[iq] += step[iu]; },
+      [&](int iq, int iu) {
+        Eigen::Map<Vec4> p(q + iq);
+        const Vec3 turn = Eigen::Map<const Vec3>(step + iu);
+        const double angle = turn.norm();
+        const double scale = angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
+        const Eigen::Quaterniond first(p(0), p(1), p(2), p(3));
+        const Eigen::Quaterniond then(std::cos(0.5 * angle), scale * turn.x(), scale * turn.y(), scale * turn.z());
+        const Eigen::Quaterniond reached = (then * first).normalized();
+        p << reached.w(), reached.x(), reached.y(), reached.z();
+      });
+}
+
+void Motion::normalize(double* q) const {
+  walk(
+      words_, [](int, int) {}, [&](int iq, int) { Eigen::Map<Vec4>(q + iq).normalize(); });
+}
+
+VecX Motion::home() const {
+  VecX q = VecX::Zero(n_q_);
+  walk(
+      words_,
+      [&](int iq, int) {
+        if (has_range(iq)) q(iq) = std::clamp(0.0, ranges_[iq][0], ranges_[iq][1]);
+      },
+      [&](int iq, int) { q(iq) = 1.0; });
+  return q;
+}
+
+bool Motion::has_trials(int c) const {
+  if (kinds_[c].is_length) return has_range(c);
+  return c < n_u_ - (has_ball_ ? 3 : 0);
+}
+
+double Motion::trial(int c, int k, double given) const {
+  if (!kinds_[c].is_length) return given + 0.5 * std::numbers::pi * k;
+  const auto& [least, greatest] = ranges_[c];
+  return least + (greatest - least) * (2 * k + 1) / 8.0;
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+
+#include "common/joints/joint_type.h"
+#include "common/types.h"
+
+/// Evaluation of what a joint permits: the motion q -> (d, R) and its velocity, formulation section 3.
+namespace concord::relative {
+
+/// Six rows and as many columns as a joint has speeds, at most six, without heap memory.
+using JointColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+using JointSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+/// The motion of a joint at (q, u), components in the parent's joint frame: place d [m] and orientation R of the child,
+/// v_rel = S u = [ddot; omega_rel] and a_rel = S udot + Sdot_u.
+struct JointMotion {
+  Vec3 d = Vec3::Zero();
+  Mat3 R = Mat3::Identity();
+  Mat6 S = Mat6::Zero();  // only the first n_u columns mean something
+  Vec6 v_rel = Vec6::Zero();
+  Vec6 Sdot_u = Vec6::Zero();
+};
+
+/// What one speed of a joint can do to the child at any pose, and the unit of its coordinate.
+struct ColumnKind {
+  bool displaces = false;  // S has entries in the rows of ddot
+  bool rotates = false;    // and in those of omega_rel
+  bool is_length = false;  // q in m; else in rad
+};
+
+/// Evaluator of the words of one joint type's motion.
+class Motion {
+ public:
+  /// `length` [m]: the displacement that counts as much as a radian where the two must be weighed against each other.
+  /// Throws std::invalid_argument if the words stand in an order that the vocabulary excludes: a motion is slides, then
+  /// turns, then at most one ball, with arms anywhere before it; a turn before a ball must carry an arm, for the ball
+  /// takes its rotation away; a motion by functions stands alone.
+  explicit Motion(const joints::JointType& type, double length = 1.0);
+
+  [[nodiscard]] int n_q() const { return n_q_; }
+  [[nodiscard]] int n_u() const { return n_u_; }
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] const ColumnKind& kind(int column) const { return kinds_[column]; }
+  /// Whether any speed both displaces and rotates the child.
+  [[nodiscard]] bool couples() const { return couples_; }
+  /// Whether d or R depends on q other than by slides and turns in place, so that Newton's method needs care.
+  [[nodiscard]] bool is_curved() const { return is_curved_; }
+  [[nodiscard]] bool has_ball() const { return has_ball_; }
+
+  /// The motion at n_q coordinates q and n_u speeds u. Euler parameters need not be of unit length.
+  void evaluate(const double* q, const double* u, JointMotion& motion) const;
+
+  /// Whether the columns of S are dependent in this pose, to 1e-6 of the largest, displacements counted in `length`.
+  [[nodiscard]] bool loses_rank(const JointMotion& motion) const {
+    return !rank_is_certain_ && columns_are_dependent(motion);
+  }
+
+  /// The coordinate wrench w_d of the coordinate forces tau (n_u numbers, N or N m) on the child at P_i, [F; T] in the
+  /// parent's joint frame: S^T w_d = tau, with F in the span of the slides' axes and T in that of the turns' (a screw
+  /// counts as a turn). A turn before a ball moves a link without mass, which passes no torque to the child: its
+  /// coordinate wrench is a force. A motion by functions may state its own span.
+  [[nodiscard]] Vec6 coordinate_wrench(const JointMotion& motion, const JointVector& tau) const;
+
+  /// qdot = N(q) u; for a ball pdot = E^T omega / 2.
+  void compute_qdot(const double* q, const double* u, double* qdot) const;
+
+  /// Moves q by a finite step of n_u numbers in the directions of u: a ball turns by exp(step), all else adds.
+  void advance(double* q, const double* step) const;
+
+  /// Euler parameters to unit length.
+  void normalize(double* q) const;
+
+  /// Gives q the values of the same pose that are meant: where a link stands on two turns at right angles, its
+  /// elevation (the second) to [-pi/2, pi/2]; then each turn to the number of whole turns that is nearest to `near`.
+  void choose_chart(double* q, const double* near) const;
+
+  /// q of the unmoved joint: zero, and Euler parameters of no rotation; of a motion by functions that may not stand at
+  /// zero, the nearest value at which it may.
+  [[nodiscard]] VecX home() const;
+
+  /// Whether coordinate q[c] is worth trying elsewhere when a pose is not found, and its k-th trial value, k = 0 .. 3:
+  /// quarter turns from `given`, or places spread over the range that a motion by functions states.
+  [[nodiscard]] bool has_trials(int c) const;
+  [[nodiscard]] double trial(int c, int k, double given) const;
+
+ private:
+  void classify_columns();
+  void find_elevation();
+  [[nodiscard]] bool columns_are_dependent(const JointMotion& motion) const;
+  [[nodiscard]] bool has_range(int c) const { return c < static_cast<int>(ranges_.size()); }
+  [[nodiscard]] JointColumns wrench_columns(const JointMotion& motion) const;
+
+  std::vector<joints::Permit> words_;
+  /// Of a motion by functions, the columns whose span its coordinate wrenches have, if it says so.
+  joints::Wrenches (*stated_wrenches_)(const joints::Placement& at) = nullptr;
+  std::vector<std::array<double, 2>> ranges_;  // of a motion by functions, if it states them
+  double length_;
+  int n_q_ = 0;
+  int n_u_ = 0;
+  std::array<ColumnKind, 6> kinds_{};
+  int elevation_ = -1;  // the second of two turns that carry a link to a ball
+  bool couples_ = false;
+  bool is_curved_ = false;
+  bool has_ball_ = false;
+  bool by_functions_ = false;
+  bool rank_is_certain_ = true;
+};
+
+}  // namespace concord::relative

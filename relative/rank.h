@@ -1,0 +1,19 @@
+#pragma once
+
+#include "common/solver.h"
+#include "relative/assembly.h"
+
+/// Rank of the constraints, uniqueness of the reactions and permitted velocities, formulation section 9, from Phi_u
+/// alone.
+namespace concord::relative {
+
+/// The report for a closed state. The joints of the tree are independent by construction: they and their drivers add
+/// their rows to both counts; the closure rows decide the rest. Self-stresses Z, Phi_u^T Z = 0 over the free columns,
+/// are carried through the backward pass without inertia and load; a component that any of them moves is not unique.
+RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordinates& coordinates);
+
+/// Orthonormal columns that span the velocities Y of all bodies which the constraints permit in a closed state with
+/// drivers at rest, Solver::tangent: B N with Phi_u N = 0 over the free columns, v in units of the machine's length.
+MatX permitted_velocities(Equations& equations, const Scales& scales, const Coordinates& coordinates);
+
+}  // namespace concord::relative

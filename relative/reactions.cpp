@@ -1,0 +1,205 @@
+#include "relative/reactions.h"
+
+#include <algorithm>
+
+#include "relative/wrenches.h"
+
+namespace concord::relative {
+
+Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
+                     const AppliedForces& applied)
+    : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination), applied_(&applied) {
+  const Model& model = kinematics.model();
+  for (const Link& link : kinematics.topology().links) {
+    Load load;
+    load.rho_a.setZero(model.bodies[link.body].n_modes());
+    loads_.push_back(load);
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    JointWrenches wrenches;
+    wrenches.tau.setZero(joint.type->n_u());
+    joints_.push_back(wrenches);
+    if (joint.drivers.empty() && joint.springs.empty()) continue;
+    Pushed pushed{static_cast<int>(k), -1, {}};
+    for (const Driver& driver : joint.drivers) {
+      pushed.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
+    }
+    for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
+      if (closure.cuts()[c].joint == pushed.joint) pushed.cut = static_cast<int>(c);
+    }
+    pushed_.push_back(pushed);
+  }
+}
+
+void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& lambda) {
+  load_inertia(inertias);
+  subtract_applied();
+  set_spring_forces();
+  apply_cut_wrenches(lambda);
+  add_spring_wrenches_of_cuts();
+  pass_inward();
+  split_off_coordinate_wrenches();
+}
+
+void Reactions::compute_self_stress(const VecX& lambda) {
+  clear_loads();
+  apply_cut_wrenches(lambda);
+  pass_inward();
+  split_off_coordinate_wrenches();
+}
+
+/// rho = M Ydot + S + U - Q_gravity.
+void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
+  for (std::size_t l = 0; l < loads_.size(); ++l) {
+    const int body = kinematics_->topology().links[l].body;
+    const BodyInertia& inertia = inertias[l];
+    const Vec6& Vdot = elimination_->acceleration(body);
+    Load& load = loads_[l];
+    load.rho = inertia.moments().times(Vdot) + inertia.p();
+    const FlexibleInertia* flexible = inertia.flexible();
+    if (flexible == nullptr) continue;
+    const VecX& addot = *elimination_->modal_acceleration(body);
+    load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
+    load.rho_a = flexible->p_a();
+    // At rest stiffness and gravity cancel in p_a: each is a term of its own.
+    load.largest_modal_term = load.rho_a.cwiseAbs().cwiseMax(flexible->U().cwiseAbs()).maxCoeff();
+    load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
+    load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
+  }
+}
+
+/// rho -= Q of force elements and of the springs of cut joints; a spring in the tree is part of its joint's total.
+void Reactions::subtract_applied() {
+  if (!applied_->any()) return;
+  for (int l = 0; l < static_cast<int>(loads_.size()); ++l) {
+    Load& load = loads_[l];
+    load.rho -= applied_->on_body(l);
+    if (load.rho_a.size() == 0) continue;
+    load.largest_modal_term = std::max(load.largest_modal_term, applied_->on_modes(l).cwiseAbs().maxCoeff());
+    load.rho_a -= applied_->on_modes(l);
+  }
+}
+
+void Reactions::set_spring_forces() {
+  for (const Pushed& pushed : pushed_) {
+    const Span& span = kinematics_->topology().joints[pushed.joint];
+    joints_[pushed.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
+  }
+}
+
+void Reactions::clear_loads() {
+  for (const Pushed& pushed : pushed_) joints_[pushed.joint].tau.setZero();
+  for (Load& load : loads_) {
+    load.rho.setZero();
+    load.rho_a.setZero();
+    load.largest_modal_term = 0.0;
+  }
+}
+
+/// The constraint wrench of a cut joint on its child at P_i is -T lambda; the parent answers at its own point.
+void Reactions::apply_cut_wrenches(const VecX& lambda) {
+  for (const Closure::Cut& cut : closure_->cuts()) {
+    const int rows = cut.measure.n_rows();
+    const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
+    const JointPoint& child = kinematics_->point(cut.joint, Side::child);
+    const Joint& joint = kinematics_->model().joints[cut.joint];
+    Vec6 on_child;
+    on_child.noalias() = -cut.T_global.leftCols(rows).lazyProduct(lambda.segment(cut.first_row, rows));
+    const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+    subtract_from(joint.on(Side::child).body, child, on_child);
+    subtract_from(joint.on(Side::parent).body, parent, on_parent);
+    report(cut.joint, on_child, on_parent);
+  }
+}
+
+/// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
+void Reactions::add_spring_wrenches_of_cuts() {
+  for (const Pushed& pushed : pushed_) {
+    if (pushed.cut < 0) continue;
+    const JointPoint& parent = kinematics_->point(pushed.joint, Side::parent);
+    const JointPoint& child = kinematics_->point(pushed.joint, Side::child);
+    const Vec6& spring = applied_->on_child_of_cut(pushed.cut);
+    const JointWrenches& so_far = joints_[pushed.joint];
+    const Vec6 on_child = so_far.total_on(Side::child).in_global.vector() + spring;
+    const Vec6 on_parent = so_far.total_on(Side::parent).in_global.vector() + answered_at(spring, child.r, parent.r);
+    report(pushed.joint, on_child, on_parent);
+  }
+}
+
+/// rho -= G_P^T w: the generalized force of a wrench at a point, the third row of (32) without its lever term.
+void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wrench) {
+  if (body == kGround) return;
+  Load& load = loads_[kinematics_->topology().link_of_body[body]];
+  load.rho -= shift_wrench(wrench, point.lever);
+  if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
+}
+
+void Reactions::pass_inward() {
+  modal_residual_ = 0.0;
+  worst_modal_body_ = kGround;
+  const std::vector<Link>& links = kinematics_->topology().links;
+  for (int l = static_cast<int>(links.size()) - 1; l >= 0; --l) {
+    const Link& link = links[l];
+    const JointPoint& own = kinematics_->point(link.joint, link.own_side());
+    const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
+    Vec6 on_body = loads_[l].rho;
+    on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
+    audit_modal_rows(l, on_body);
+    const Vec6 on_reference = answered_at(on_body, own.r, reference.r);
+    subtract_from(link.reference, reference, on_reference);
+    if (link.along) {
+      report(link.joint, on_body, on_reference);
+    } else {
+      report(link.joint, on_reference, on_body);
+    }
+  }
+}
+
+void Reactions::audit_modal_rows(int l, const Vec6& wrench) {
+  Load& load = loads_[l];
+  if (load.rho_a.size() == 0) return;
+  const Link& link = kinematics_->topology().links[l];
+  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
+  const double before = std::max(load.largest_modal_term, load.rho_a.cwiseAbs().maxCoeff());
+  load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
+  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff();
+  const double residual = load.rho_a.cwiseAbs().maxCoeff();
+  if (residual <= modal_residual_ * terms) return;
+  modal_residual_ = residual / terms;
+  worst_modal_body_ = link.body;
+}
+
+void Reactions::report(int joint, const Vec6& on_child, const Vec6& on_parent) {
+  JointWrenches& wrenches = joints_[joint];
+  wrenches.total[index(Side::child)] = in_both_frames(kinematics_->point(joint, Side::child).A, on_child);
+  wrenches.total[index(Side::parent)] = in_both_frames(kinematics_->point(joint, Side::parent).A, on_parent);
+  wrenches.reaction = wrenches.total;
+}
+
+/// tau_k of a driven coordinate is S_k^T w_total, all that acts there; w_d with S^T w_d = tau is taken off the total on
+/// the child at P_i and, answered, on the parent.
+void Reactions::split_off_coordinate_wrenches() {
+  for (const Pushed& pushed : pushed_) {
+    const int k = pushed.joint;
+    const JointMotion& motion =
+        pushed.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[pushed.cut].measure.motion_at();
+    const JointPoint& parent = kinematics_->point(k, Side::parent);
+    const JointPoint& child = kinematics_->point(k, Side::child);
+    JointWrenches& wrenches = joints_[k];
+    const Wrench& total = wrenches.total[index(Side::child)].in_global;
+    Vec6 in_parent_axes;
+    in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
+    for (const int c : pushed.driven) wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
+    const Vec6 coordinate_C = kinematics_->motion(k).coordinate_wrench(motion, JointVector(wrenches.tau));
+    Vec6 coordinate;
+    coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();
+    const Vec6 on_child = total.vector() - coordinate;
+    const Vec6 on_parent =
+        wrenches.total[index(Side::parent)].in_global.vector() - answered_at(coordinate, child.r, parent.r);
+    wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);
+    wrenches.reaction[index(Side::parent)] = in_both_frames(parent.A, on_parent);
+  }
+}
+
+}  // namespace concord::relative

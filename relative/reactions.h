@@ -1,0 +1,72 @@
+#pragma once
+
+#include <vector>
+
+#include "common/results.h"
+#include "relative/applied_forces.h"
+#include "relative/body_inertia.h"
+#include "relative/closure.h"
+#include "relative/elimination.h"
+
+/// Joint wrenches by the backward pass of Steps 1 to 5, formulation section 4.
+namespace concord::relative {
+
+/// The wrenches of all joints from accelerations and cut-joint multipliers. All memory is laid out at construction.
+class Reactions {
+ public:
+  /// All four must outlive this object.
+  Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
+            const AppliedForces& applied);
+
+  /// Wrenches for the accelerations that the elimination holds, the applied forces, the inertias (by link) and the
+  /// multipliers.
+  void compute(const std::vector<BodyInertia>& inertias, const VecX& lambda);
+
+  /// Wrenches that hold each other in balance without load, M, S, U, Q = 0: those of the multipliers alone.
+  void compute_self_stress(const VecX& lambda);
+
+  [[nodiscard]] const std::vector<JointWrenches>& joints() const { return joints_; }
+
+  /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
+  /// of its rows; and that body's index (ground if no body is flexible).
+  [[nodiscard]] double modal_residual() const { return modal_residual_; }
+  [[nodiscard]] int worst_modal_body() const { return worst_modal_body_; }
+
+ private:
+  /// rho of one link: six rigid rows about the body's origin and the modal rows.
+  struct Load {
+    Vec6 rho = Vec6::Zero();
+    VecX rho_a;
+    double largest_modal_term = 0.0;
+  };
+  /// A joint on whose coordinates drivers or springs act, and the columns of the driven ones.
+  struct Pushed {
+    int joint = 0;
+    int cut = -1;  // its place in Closure::cuts; -1 in the tree
+    std::vector<int> driven;
+  };
+
+  void load_inertia(const std::vector<BodyInertia>& inertias);
+  void subtract_applied();
+  void set_spring_forces();
+  void clear_loads();
+  void apply_cut_wrenches(const VecX& lambda);
+  void add_spring_wrenches_of_cuts();
+  void pass_inward();
+  void subtract_from(int body, const JointPoint& point, const Vec6& wrench);
+  void audit_modal_rows(int l, const Vec6& wrench);
+  void report(int joint, const Vec6& on_child, const Vec6& on_parent);
+  void split_off_coordinate_wrenches();
+
+  const Kinematics* kinematics_;
+  const Closure* closure_;
+  const Elimination* elimination_;
+  const AppliedForces* applied_;
+  std::vector<Load> loads_;
+  std::vector<Pushed> pushed_;
+  std::vector<JointWrenches> joints_;
+  double modal_residual_ = 0.0;
+  int worst_modal_body_ = kGround;
+};
+
+}  // namespace concord::relative

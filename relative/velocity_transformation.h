@@ -1,0 +1,106 @@
+#pragma once
+
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "relative/joint_point.h"
+#include "relative/motions.h"
+#include "relative/topology.h"
+
+/// The velocity transformation Y = B u (14), Ydot = B udot + Bdot u (15), link by link.
+namespace concord::relative {
+
+/// Blocks of one link, body i on reference body j, global axes, at the body origins, without the trivial rows:
+///   [v; omega]_i = Sh(rho) [v; omega]_j + Xa adot_j + H u_joint - Ha adot_i, and the same for accelerations plus D.
+/// Sh(rho) = [1, -rho~; 0, 1] moves a velocity by rho = r_i - r_j; adot_i are speeds of the tree themselves.
+struct LinkBlocks {
+  Vec3 rho = Vec3::Zero();
+  Mat6 H = Mat6::Zero();  // first n_u columns
+  Vec6 D = Vec6::Zero();
+  Mat6X Xa;  // 6 x m_j
+  Mat6X Ha;  // 6 x m_i
+};
+
+/// Moves a velocity or an acceleration [linear; angular] from one point of a frame to another, by e: Sh(e) V.
+inline Vec6 shift_motion(const Vec6& V, const Vec3& e) {
+  Vec6 moved = V;
+  moved.head<3>() += V.tail<3>().cross(e);
+  return moved;
+}
+
+/// Moves a wrench [force; torque] to a point from which the old one is seen at e: Sh(e)^T w.
+inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
+  Vec6 moved = w;
+  moved.tail<3>() += e.cross(w.head<3>());
+  return moved;
+}
+
+/// Velocity of the child's joint frame relative to the parent's: v_rel_C = [ddot; omega_rel].
+Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child);
+
+/// Motion of all bodies and joint points for given coordinates and speeds; outward, cost proportional to their number.
+class Kinematics {
+ public:
+  /// The model must outlive this object. Throws InputError if the tree cannot be built.
+  explicit Kinematics(const Model& model);
+
+  [[nodiscard]] const Model& model() const { return *model_; }
+  [[nodiscard]] const Topology& topology() const { return topology_; }
+  [[nodiscard]] const Motion& motion(int joint) const { return motions_[joint]; }
+
+  /// Takes n_q coordinates and n_u speeds (cut joints' included, which have no effect here) and computes all that
+  /// follows. Throws SolverError if a joint frame has turned too far on a flexible body, or if a joint of the tree
+  /// loses a direction of its motion in this pose.
+  void update(const VecX& q, const VecX& u);
+
+  /// Takes the motion of all bodies as given, for measuring joints between them; blocks are left alone.
+  void place(const std::vector<BodyState>& bodies);
+
+  [[nodiscard]] const BodyMotion& body(int i) const { return bodies_[i]; }
+  [[nodiscard]] const LinkBlocks& blocks(int link) const { return blocks_[link]; }
+  [[nodiscard]] const JointPoint& point(int joint, Side side) const { return points_[2 * joint + index(side)]; }
+  /// Joint motion of a tree joint, as of the last update.
+  [[nodiscard]] const JointMotion& joint_motion(int joint) const { return joint_motions_[joint]; }
+
+  /// Throws SolverError, naming the joint, if the columns S of its motion are dependent.
+  void require_rank(int joint, const JointMotion& motion) const;
+
+  /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried inward: adds W_b B_b to `rows`
+  /// (rows x n_tree_u).
+  void add_times_B(int body, MatX rows_on_body, MatX& rows) const;
+
+  /// Row of the first of the 6 + m_i numbers Y_i in B; bodies in the order of the model, without ground.
+  [[nodiscard]] int first_row(int body) const { return first_rows_[body]; }
+  [[nodiscard]] int n_rows() const { return n_rows_; }
+
+  /// The explicit B of (14): n_rows x n_tree_u. For inspection; the solver never forms it.
+  [[nodiscard]] MatX explicit_B() const;
+  /// Bdot u of (15), n_rows numbers.
+  [[nodiscard]] VecX Bdot_u() const;
+  /// Y of all bodies, n_rows numbers.
+  [[nodiscard]] VecX Y() const;
+
+ private:
+  JointPoint& moving_point(int joint, Side side) { return points_[2 * joint + index(side)]; }
+  void deform(int joint, Side side);
+  void update_link(int l);
+  void place_child_side(const Link& link);
+  void place_parent_side(const Link& link);
+  void compute_blocks(int l);
+  void ride_cut_joints();
+
+  const Model* model_;
+  Topology topology_;
+  std::vector<Motion> motions_;
+  std::vector<JointPoint> points_;
+  std::vector<JointMotion> joint_motions_;
+  std::vector<BodyMotion> bodies_;
+  std::vector<LinkBlocks> blocks_;
+  std::vector<int> first_rows_;
+  int n_rows_ = 0;
+  VecX q_;
+  VecX u_;
+};
+
+}  // namespace concord::relative

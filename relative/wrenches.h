@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/results.h"
+#include "relative/velocity_transformation.h"
+
+namespace concord::relative {
+
+/// A wrench [F; T] about one point of a frame, global axes, in that frame's axes and in global ones.
+inline SideWrench in_both_frames(const Mat3& A_joint, const Vec6& w) {
+  return {{A_joint.transpose() * w.head<3>(), A_joint.transpose() * w.tail<3>()}, {w.head<3>(), w.tail<3>()}};
+}
+
+/// The opposite wrench, moved from the point `from` to the point `to`: what the other side feels.
+inline Vec6 answered_at(const Vec6& wrench, const Vec3& from, const Vec3& to) {
+  return -shift_wrench(wrench, from - to);
+}
+
+}  // namespace concord::relative
