@@ -1,0 +1,30 @@
+# The coupler of the free slider-crank, flexible and rigid. Drawn from the files of
+#   for m in slider_crank_flexible_free slider_crank_rigid_free; do for s in cartesian relative; do
+#     compare/run run data/models/$m.toml --solver $s --until 0.1 --samples 400 --out results; done; done
+#   cd results && gnuplot ../data/references/slider_crank_free.gp
+set terminal svg size 900,900 font "Helvetica,13" background "white"
+set output "slider_crank_free.svg"
+set datafile separator ","
+set multiplot layout 3,1 margins 0.11,0.98,0.07,0.93 spacing 0.07
+set grid lc rgb "#dddddd"
+set xrange [0:0.1]
+set key at screen 0.98,0.99 right top horizontal
+set format x ""
+flexible = "slider_crank_flexible_free"
+rigid = "slider_crank_rigid_free"
+spin = "coupler.omegadot_z [rad/s2]"
+set ylabel "rad/s^2"
+set label 1 "angular acceleration of the coupler about z" at graph 0.0,1.07
+plot flexible.".cartesian.motion.csv" using 1:(column(spin)) with lines lw 1.2 lc rgb "#1b6ca8" title "flexible, cartesian", \
+     flexible.".relative.motion.csv" using 1:(column(spin)) every 4 with points pt 7 ps 0.35 lc rgb "#d1495b" title "flexible, relative", \
+     rigid.".cartesian.motion.csv" using 1:(column(spin)) with lines lw 2 lc rgb "#333333" title "rigid"
+set ylabel "N"
+do for [axis in "x y"] {
+  force = "B.child.F_".axis." [N]"
+  set label 1 "reaction at B on the coupler, ".(axis eq "x" ? "along it, F_x" : "across it, F_y")
+  if (axis eq "y") { set format x "%g"; set xlabel "t [s]" offset 0,0.5 }
+  plot flexible.".cartesian.reactions.csv" using 1:(column(force)) with lines lw 1.2 lc rgb "#1b6ca8" notitle, \
+       flexible.".relative.reactions.csv" using 1:(column(force)) every 4 with points pt 7 ps 0.35 lc rgb "#d1495b" notitle, \
+       rigid.".cartesian.reactions.csv" using 1:(column(force)) with lines lw 2 lc rgb "#333333" notitle
+}
+unset multiplot
