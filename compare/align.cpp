@@ -1,0 +1,145 @@
+#include "compare/align.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/digits.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr std::array kNames{"cartesian", "relative"};
+
+void check_finite(const Layout& layout, const VecX& values, double t, const char* solver) {
+  for (Eigen::Index row = 0; row < values.size(); ++row) {
+    if (std::isfinite(values(row))) continue;
+    const Quantity& quantity = layout.quantities()[row];
+    throw IncompleteResult(fmt::format("{}: {}, {} is not a number at t = {:.6g} s", solver,
+                                       describe_owner(layout.model(), quantity), describe_component(quantity), t));
+  }
+}
+
+Series make_series(const Layout& layout, std::size_t samples) {
+  Series series;
+  series.times.resize(samples);
+  series.spin.assign(layout.model().bodies.size(), 0.0);
+  for (MatX& values : series.values) {
+    values.resize(static_cast<Eigen::Index>(layout.quantities().size()), static_cast<Eigen::Index>(samples));
+  }
+  return series;
+}
+
+void put(const Layout& layout, Series& series, std::size_t column, int who, const State& state,
+         const Evaluation& evaluation) {
+  const VecX values = layout.observe(state, evaluation);
+  check_finite(layout, values, state.t, kNames[who]);
+  series.values[who].col(static_cast<Eigen::Index>(column)) = values;
+  for (std::size_t i = 0; i < series.spin.size(); ++i) {
+    series.spin[i] = std::max(series.spin[i], state.bodies[i].omega.norm());
+  }
+}
+
+}  // namespace
+
+Series align(const Layout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples) {
+  for (int who = 0; who < 2; ++who) {
+    const auto found = static_cast<int>(trajectories[who]->samples.size());
+    if (found == samples) continue;
+    throw IncompleteResult(fmt::format("{}: {} samples, {} were asked for", kNames[who], found, samples));
+  }
+  Series series = make_series(layout, static_cast<std::size_t>(samples));
+  for (std::size_t k = 0; k < series.times.size(); ++k) {
+    const double t = trajectories[0]->samples[k].state.t;
+    const double other = trajectories[1]->samples[k].state.t;
+    if (!(std::abs(t - other) <= 1e-12 * std::max(1.0, std::abs(t)))) {
+      throw IncompleteResult(
+          fmt::format("sample {}: cartesian stands at t = {:.9g} s, relative at t = {:.9g} s; they must share a grid",
+                      k, t, other));
+    }
+    series.times[k] = t;
+    for (int who = 0; who < 2; ++who) {
+      const Sample& sample = trajectories[who]->samples[k];
+      put(layout, series, k, who, sample.state, sample.evaluation);
+    }
+  }
+  return series;
+}
+
+Series align(const Layout& layout, const std::vector<SharedState>& states) {
+  Series series = make_series(layout, states.size());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    series.times[k] = states[k].state.t;
+    for (int who = 0; who < 2; ++who) put(layout, series, k, who, states[k].state, states[k].evaluations[who]);
+  }
+  return series;
+}
+
+double angle_between(const Mat3& A1, const Mat3& A2) {
+  const Mat3 R = A1.transpose() * A2;
+  const Vec3 twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  return std::atan2(twice_sine.norm(), R.trace() - 1.0);
+}
+
+namespace {
+
+/// Largest speeds and modal coordinates of a run: the scales of motion.
+struct MotionScales {
+  double speed = 0.0;
+  double turning = 0.0;
+  std::vector<double> modal;
+  std::vector<double> modal_rate;
+};
+
+double largest(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
+
+MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
+  MotionScales scales;
+  scales.modal.assign(model.bodies.size(), 0.0);
+  scales.modal_rate.assign(model.bodies.size(), 0.0);
+  for (const Sample& sample : trajectory.samples) {
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const BodyState& body = sample.state.bodies[i];
+      scales.speed = std::max(scales.speed, body.v.norm());
+      scales.turning = std::max(scales.turning, body.omega.norm());
+      scales.modal[i] = std::max(scales.modal[i], largest(body.a));
+      scales.modal_rate[i] = std::max(scales.modal_rate[i], largest(body.adot));
+    }
+  }
+  const double length = model.length_scale();
+  scales.speed = std::max(scales.speed, scales.turning * length);
+  scales.turning = scales.speed / length;
+  return scales;
+}
+
+}  // namespace
+
+MotionAgreement compare_motions(const Model& model, const std::array<const Trajectory*, 2>& trajectories) {
+  MotionAgreement worst;
+  const MotionScales scales = motion_scales(model, *trajectories[0]);
+  const double length = model.length_scale();
+  const std::size_t samples = std::min(trajectories[0]->samples.size(), trajectories[1]->samples.size());
+  for (std::size_t k = 0; k < samples; ++k) {
+    const State& one = trajectories[0]->samples[k].state;
+    const State& other = trajectories[1]->samples[k].state;
+    const auto note = [&](double difference, double scale, const char* what, std::size_t body) {
+      const double digits = matching_digits(difference, scale);
+      if (digits < worst.digits) worst = {digits, one.t, fmt::format("{} of {}", what, model.bodies[body].name)};
+    };
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const BodyState& a = one.bodies[i];
+      const BodyState& b = other.bodies[i];
+      note((a.r - b.r).norm(), length, "origin", i);
+      note(angle_between(rotation_of(a.p), rotation_of(b.p)), 1.0, "orientation", i);
+      note((a.v - b.v).norm(), scales.speed, "velocity", i);
+      note((a.omega - b.omega).norm(), scales.turning, "angular velocity", i);
+      note(largest(a.a - b.a), scales.modal[i], "modal coordinates", i);
+      note(largest(a.adot - b.adot), scales.modal_rate[i], "modal rates", i);
+    }
+  }
+  return worst;
+}
+
+}  // namespace concord::compare

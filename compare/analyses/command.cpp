@@ -1,0 +1,66 @@
+#include "compare/analyses/command.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <ostream>
+
+#include "common/model_file.h"
+#include "compare/analyses/report.h"
+#include "compare/files.h"
+#include "compare/guarded.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// "joint.coordinate=value".
+AskedAcceleration read_asked(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  const std::size_t dot = equals == std::string::npos ? std::string::npos : text.rfind('.', equals);
+  double value = 0.0;
+  if (dot != std::string::npos) {
+    // The last dot before '=' ends the joint's name.
+    const char* end = text.data() + text.size();
+    const auto [read, trouble] = std::from_chars(text.data() + equals + 1, end, value);
+    if (trouble == std::errc() && read == end) {
+      return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), value};
+    }
+  }
+  throw InputError({"--acceleration", 0, 0},
+                   fmt::format("'{}': expected joint.coordinate=number, such as hinge.turn_z=2.5 [rad/s2]", text));
+}
+
+AnalysisVerdict judge(const AnalysisCommand& command, const Model& model, const SolverMakers& makers) {
+  switch (command.analysis) {
+    case Analysis::statics:
+      return judge_statics(model, makers);
+    case Analysis::linearize:
+      return judge_linearization(model, makers, command.at_equilibrium);
+    case Analysis::kinematics:
+      return judge_kinematics(model, makers, command.options);
+    default: {
+      std::vector<AskedAcceleration> asked;
+      for (const std::string& text : command.accelerations) asked.push_back(read_asked(text));
+      return judge_inverse(model, makers, asked);
+    }
+  }
+}
+
+}  // namespace
+
+int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] {
+    const Model model = read_model(command.model);
+    const AnalysisVerdict result = judge(command, model, makers);
+    console.out << format_analysis(model, result, command.all_rows) << std::flush;
+    for (std::size_t who = 0; who < 2 && !command.out.empty(); ++who) {
+      const SolverSummary& solver = result.wrenches.solvers[who];
+      if (const auto& run = result.wrenches.trajectories[who]) write_run(command.out, model, solver.name, *run);
+    }
+    if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
+    return exit_code(result.wrenches.outcome);
+  });
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,101 @@
+#include "compare/analyses/inverse.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.h"
+#include "common/joint_reader.h"
+#include "compare/joint_motion.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+[[noreturn]] void refuse(const Model& model, const Joint& joint, const std::string& message) {
+  const SourceLocation where = joint.where.file.empty() ? SourceLocation{model.file, 0, 0} : joint.where;
+  throw InputError(where, fmt::format("inverse: joint '{}': {}", joint.name, message));
+}
+
+void check_asked(const Model& model, const std::vector<AskedAcceleration>& asked,
+                 const std::vector<Prescribed>& coordinates) {
+  for (const AskedAcceleration& one : asked) {
+    const std::string name = fmt::format("{} of {}", one.coordinate, one.joint);
+    const bool is_kept = std::any_of(coordinates.begin(), coordinates.end(),
+                                     [&](const Prescribed& kept) { return kept.name(model) == name; });
+    if (is_kept) continue;
+    std::vector<std::string> names;
+    for (const Prescribed& kept : coordinates) names.push_back(kept.name(model));
+    throw InputError(
+        {model.file, 0, 0},
+        fmt::format("inverse: an acceleration is asked for {}, which the model does not keep at its start; "
+                    "it keeps {}",
+                    name, fmt::join(names, ", ")));
+  }
+}
+
+}  // namespace
+
+int Prescribed::speed(const Model& model) const { return first_u(*model.joints[joint].type, word) + component; }
+
+std::string Prescribed::name(const Model& model) const {
+  return fmt::format("{} of {}", speed_names(*model.joints[joint].type).at(static_cast<std::size_t>(speed(model))),
+                     model.joints[joint].name);
+}
+
+std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::vector<AskedAcceleration>& asked) {
+  std::vector<Prescribed> coordinates;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    for (const NamedCoordinate& named : named_coordinates(*joint.type)) {
+      if (joint.start.at(named.word).role_u != StartRole::keep) continue;
+      if (driver_of(joint, named.word, named.component) != nullptr) continue;
+      if (std::holds_alternative<joints::Ball>(joint.type->permits[named.word])) {
+        refuse(model, joint, "it keeps a ball, which no driver can move: keep coordinates that turn or slide instead");
+      }
+      const auto found = std::find_if(asked.begin(), asked.end(), [&](const AskedAcceleration& one) {
+        return one.joint == joint.name && one.coordinate == named.name;
+      });
+      coordinates.push_back(
+          {static_cast<int>(k), named.word, named.component, found != asked.end() ? found->value : 0.0});
+    }
+  }
+  if (coordinates.empty()) {
+    throw InputError({model.file, 0, 0},
+                     "inverse: the model keeps no joint speed at its start, so that there is nothing to drive: drivers "
+                     "move it already; see `concord kinematics`");
+  }
+  check_asked(model, asked, coordinates);
+  return coordinates;
+}
+
+Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates) {
+  Model driven = model;
+  for (const Prescribed& one : coordinates) {
+    Joint& joint = driven.joints[one.joint];
+    const double q = state.q[one.joint](first_q(*joint.type, one.word) + one.component);
+    const double u = state.u[one.joint](one.speed(model));
+    joint.drivers.push_back({one.word, Polynomial{{q, u, 0.5 * one.acceleration}}, one.component});
+    joint.start[one.word].role_q = StartRole::unsaid;
+    joint.start[one.word].role_u = StartRole::unsaid;
+  }
+  return driven;
+}
+
+Model actuated_by(const Model& model, const Evaluation& evaluation, const std::vector<Prescribed>& coordinates) {
+  Model actuated = model;
+  for (const Prescribed& one : coordinates) {
+    Joint& joint = actuated.joints[one.joint];
+    std::erase_if(joint.springs, [&](const JointSpring& spring) {
+      return spring.word == one.word && spring.component == one.component;
+    });
+    JointSpring motor;
+    motor.word = one.word;
+    motor.component = one.component;
+    motor.law.actuator = ConstantSpeed{evaluation.joints[one.joint].tau(one.speed(model)), 0.0};
+    joint.springs.push_back(std::move(motor));
+  }
+  return actuated;
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+
+/// Which forces make a machine move as asked?
+namespace concord::compare::analyses {
+
+/// A joint coordinate whose acceleration is prescribed at the start.
+struct Prescribed {
+  int joint = 0;
+  int word = 0;
+  int component = 0;
+  double acceleration = 0.0;  // m/s2 or rad/s2
+
+  /// The joint speed of it.
+  [[nodiscard]] int speed(const Model& model) const;
+  /// "turn_z of hinge".
+  [[nodiscard]] std::string name(const Model& model) const;
+};
+
+/// "turn_z of hinge" has this acceleration.
+struct AskedAcceleration {
+  std::string joint;
+  std::string coordinate;
+  double value = 0.0;
+};
+
+/// The coordinates that the model keeps at its start, each with the acceleration asked for, else zero. Throws
+/// InputError if one that is asked for is not kept, if a ball is kept (no driver can hold it), or if none is.
+std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::vector<AskedAcceleration>& asked);
+
+/// The model whose prescribed coordinates are driven through their values and speeds in `state` (at time 0) with their
+/// accelerations: what its joints report as tau is the answer.
+Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates);
+
+/// The model in which actuators exert tau on the prescribed coordinates, and nothing else acts there: it must
+/// accelerate as was asked. `evaluation`: of the driven one.
+Model actuated_by(const Model& model, const Evaluation& evaluation, const std::vector<Prescribed>& coordinates);
+
+}  // namespace concord::compare::analyses

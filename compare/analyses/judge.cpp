@@ -1,0 +1,462 @@
+#include "compare/analyses/judge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "compare/agreement.h"
+#include "compare/analyses/kinematics.h"
+#include "compare/analyses/statics.h"
+#include "compare/balance.h"
+#include "compare/digits.h"
+#include "compare/findings.h"
+#include "compare/info.h"
+#include "compare/joint_motion.h"
+#include "compare/refinement.h"
+#include "compare/states.h"
+#include "compare/table.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+using Solvers = std::array<std::unique_ptr<Solver>, 2>;
+using Lines = std::vector<std::vector<std::string>>;
+
+constexpr std::array kWho{Who::cartesian, Who::relative};
+
+Solvers make_solvers(const Model& model, const SolverMakers& makers) {
+  return {makers.cartesian(model), makers.relative(model)};
+}
+
+double own_need(const Model& model) { return model.is_flexible() ? kOwnFlexible : kOwnRigid; }
+
+/// Judges the wrenches of what both solvers found: on the way of each, and in the same states.
+class Judge {
+ public:
+  Judge(const Model& model, const Solvers& solvers, AnalysisVerdict& result)
+      : model_(model), layout_(model), solvers_(solvers), result_(result), verdict_(result.wrenches) {}
+
+  /// `at_rest`: accelerations vanish and have no scale.
+  void judge_wrenches(const std::array<Trajectory, 2>& found, bool at_rest) {
+    describe(found);
+    make_rows(layout_, verdict_);
+    if (at_rest) {
+      std::erase_if(verdict_.others, [](const Row& row) { return row.quantity.kind == Kind::acceleration; });
+    }
+    for (auto* rows : {&verdict_.rows, &verdict_.others}) {
+      for (Row& row : *rows) row.need.same_run = result_.own_need;
+    }
+    judge_same_states(found);
+    const std::array<const Trajectory*, 2> both{&found[0], &found[1]};
+    judge_series(align(layout_, both, static_cast<int>(found[0].samples.size())), Rung::same_run);
+    verdict_.motion = compare_motions(model_, both);
+    audit(found);
+    judge_rows();
+  }
+
+ private:
+  void describe(const std::array<Trajectory, 2>& found) {
+    verdict_.name = model_.name;
+    verdict_.bodies = static_cast<int>(model_.bodies.size()) - 1;
+    verdict_.joints = static_cast<int>(model_.joints.size());
+    verdict_.need = default_needs(model_);
+    result_.own_need = own_need(model_);
+    for (const Who who : kWho) {
+      SolverSummary& summary = verdict_.solvers[index(who)];
+      summary.name = solvers_[index(who)]->name();
+      summary.rank = solvers_[index(who)]->rank(found[index(who)].samples.front().state);
+      if (summary.rank.undecided) {
+        verdict_.failures.push_back(fmt::format("{}: the rank of the constraints is undecided", summary.name));
+      }
+    }
+    verdict_.findings = compare_ranks(model_, verdict_.solvers[0].rank, verdict_.solvers[1].rank);
+    verdict_.rank_agrees = verdict_.findings.empty();
+  }
+
+  void judge_same_states(const std::array<Trajectory, 2>& found) {
+    const SharedStates shared = share({solvers_[0].get(), solvers_[1].get()}, run_states({&found[0], &found[1]}));
+    verdict_.failures.insert(verdict_.failures.end(), shared.failures.begin(), shared.failures.end());
+    for (const std::string& refusal : shared.refusals) {
+      verdict_.findings.push_back({refusal, "same state: the closures differ"});
+    }
+    verdict_.same_state.samples = static_cast<int>(shared.states.size());
+    if (!shared.states.empty()) judge_series(align(layout_, shared.states), Rung::same_state);
+  }
+
+  void judge_series(const Series& series, Rung rung) {
+    const std::vector<Measured> measured = measure(layout_, series);
+    record(layout_, measured, rung, verdict_);
+    std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
+    std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
+  }
+
+  void audit(const std::array<Trajectory, 2>& found) {
+    for (const Who who : kWho) {
+      Auditor auditor(model_);
+      for (const Sample& sample : found[index(who)].samples) auditor.add(sample.state, sample.evaluation);
+      const AuditReport report = auditor.report();
+      SolverSummary& summary = verdict_.solvers[index(who)];
+      summary.audit_digits = report.digits();
+      summary.audit_worst = report.worst.text();
+      verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), report.digits());
+      if (report.digits() >= kAudit) continue;
+      verdict_.findings.push_back(
+          {fmt::format("{} is not in balance: {} (need {:g})", summary.name, summary.audit_worst, kAudit),
+           "audit: from motions, wrenches, force laws and mass points alone"});
+    }
+    verdict_.audit.climbed = verdict_.audit.digits.value_or(0.0) >= kAudit;
+  }
+
+  void judge_rows() {
+    for (auto* rows : {&verdict_.rows, &verdict_.others}) {
+      for (Row& row : *rows) judge_row(row);
+    }
+    verdict_.total = static_cast<int>(verdict_.rows.size());
+    verdict_.judged = static_cast<int>(
+        std::count_if(verdict_.rows.begin(), verdict_.rows.end(), [](const Row& row) { return row.unique; }));
+  }
+
+  void judge_row(Row& row) {
+    if (!row.unique) return;
+    row.judgement = Judgement::agree;
+    for (const Rung rung : {Rung::same_state, Rung::same_run}) {
+      if (!judges(rung, row.quantity.kind)) continue;
+      const auto digits = digits_of(row, rung);
+      if (!climbs(row, rung)) row.judgement = digits ? Judgement::differ : Judgement::not_judged;
+      RungSummary& summary = rung == Rung::same_state ? verdict_.same_state : verdict_.same_run;
+      const bool counts = row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element;
+      if (digits && counts) summary.digits = std::min(summary.digits.value_or(kMostDigits), *digits);
+    }
+  }
+
+  const Model& model_;
+  Layout layout_;
+  const Solvers& solvers_;
+  AnalysisVerdict& result_;
+  Verdict& verdict_;
+  std::vector<Quantity> known_;
+};
+
+void note_numbers(AnalysisVerdict& result) {
+  for (const NumberRow& row : result.numbers) {
+    if (row.agrees()) continue;
+    result.wrenches.findings.push_back(
+        {fmt::format("{}: cartesian {:.10g}, relative {:.10g} {}, {} digits (need {:g})", row.name, row.values[0],
+                     row.values[1], row.unit, format_digits(row.digits), row.need),
+         fmt::format("{}: the solvers find different ones", result.analysis)});
+  }
+}
+
+void conclude(AnalysisVerdict& result) {
+  note_numbers(result);
+  Verdict& verdict = result.wrenches;
+  if (!verdict.failures.empty()) {
+    verdict.outcome = Outcome::failed;
+  } else {
+    verdict.outcome = verdict.findings.empty() ? Outcome::agree : Outcome::differ;
+  }
+}
+
+NumberRow number(std::string name, std::string unit, double one, double other, double scale, double need) {
+  return {std::move(name), std::move(unit), {one, other}, matching_digits(one - other, scale), need};
+}
+
+/// Calls `use` with name, unit, scale and number of every joint coordinate (balls left out) and modal coordinate.
+template <class Use>
+void for_each_coordinate(const Model& model, const State& state, const Use& use) {
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
+    const JointMotion motion =
+        read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), state.q[k]);
+    const std::vector<std::string> names = speed_names(*joint.type);
+    const std::vector<bool> turns = turning_speeds(*joint.type);
+    for (std::size_t word = 0; word < joint.type->permits.size(); ++word) {
+      if (std::holds_alternative<joints::Ball>(joint.type->permits[word])) continue;
+      const int q = first_q(*joint.type, static_cast<int>(word));
+      const int u = first_u(*joint.type, static_cast<int>(word));
+      for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {
+        const bool turn = turns[static_cast<std::size_t>(u + c)];
+        use(fmt::format("{} of {}", names[static_cast<std::size_t>(u + c)], joint.name), turn ? "rad" : "m",
+            turn ? 1.0 : model.length_scale(), motion.q(q + c));
+      }
+    }
+  }
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const VecX& a = state.bodies[i].a;
+    for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
+      use(fmt::format("a_{} of {}", mode + 1, model.bodies[i].name), "1", a.cwiseAbs().maxCoeff(), a(mode));
+    }
+  }
+}
+
+/// Coordinates of two states, judged; and their values at the start in the text's table.
+std::string judge_coordinates(const Model& model, const State& start, const std::array<const State*, 2>& found,
+                              AnalysisVerdict& result) {
+  std::array<std::vector<double>, 3> values;
+  const std::array<const State*, 3> states{&start, found[0], found[1]};
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for_each_coordinate(model, *states[k],
+                        [&](const std::string&, const char*, double, double value) { values[k].push_back(value); });
+  }
+  Lines lines{{"coordinate", "start", "cartesian", "relative", "unit", "digits"}};
+  std::size_t row = 0;
+  for_each_coordinate(model, *found[0], [&](const std::string& name, const char* unit, double scale, double) {
+    result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
+    lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),
+                     fmt::format("{:.10g}", values[2][row]), unit, format_digits(result.numbers.back().digits)});
+    ++row;
+  });
+  return lines.size() > 1 ? format_table(lines, {false, true, true, true, false, true}) : "";
+}
+
+std::vector<std::string> wrench_cells(const std::string& name, const std::string& body, const Wrench& wrench) {
+  std::vector<std::string> line{name, body};
+  for (const double value : wrench.vector()) line.push_back(fmt::format("{:.6g}", value));
+  return line;
+}
+
+/// Reactions on both sides and element wrenches on their ends, as one solver gives them.
+std::string wrench_text(const Model& model, const Evaluation& evaluation) {
+  Lines lines{{"joint or element", "on", "F_x [N]", "F_y", "F_z", "T_x [N m]", "T_y", "T_z"}};
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      lines.push_back(wrench_cells(model.joints[k].name, model.bodies[model.joints[k].on(side).body].name,
+                                   evaluation.joints[k].reaction_on(side).in_C));
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end == nullptr) continue;
+      lines.push_back(wrench_cells(model.elements[k].name, model.bodies[end->body].name,
+                                   evaluation.elements[k].on_side(side).in_C));
+    }
+  }
+  std::stable_sort(lines.begin() + 1, lines.end(), [](const auto& a, const auto& b) { return a.front() < b.front(); });
+  return "reactions and element wrenches by cartesian, in the frames of their sides:\n" +
+         format_table(lines, {false, false, true, true, true, true, true, true});
+}
+
+Trajectory one_sample(const State& state, const Evaluation& evaluation) {
+  Trajectory trajectory;
+  trajectory.samples.push_back({state, evaluation, 0.0});
+  return trajectory;
+}
+
+std::string equilibrium_text(const Equilibrium& found, std::string_view solver) {
+  std::string text =
+      fmt::format("{}: equilibrium after {} steps, the last of {:.1e}", solver, found.iterations - 1, found.last_step);
+  if (found.unstable > 0) text += fmt::format("; unstable in {} direction(s)", found.unstable);
+  text += '\n';
+  for (const FreeDirection& direction : found.free) {
+    text += fmt::format("  without stiffness, left where it started: {}\n", direction.name);
+  }
+  return text;
+}
+
+void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict& result) {
+  const auto size = [](const Equilibrium& one) { return static_cast<double>(one.free.size()); };
+  result.numbers.push_back(
+      number("directions without stiffness", "", size(found[0]), size(found[1]), 1.0, kMostDigits));
+  result.numbers.push_back(number("unstable directions", "", found[0].unstable, found[1].unstable, 1.0, kMostDigits));
+}
+
+}  // namespace
+
+AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
+  const Model held = held_at_start(model);
+  const Solvers solvers = make_solvers(held, makers);
+  AnalysisVerdict result;
+  result.analysis = "statics";
+  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
+  Judge(held, solvers, result)
+      .judge_wrenches(
+          {one_sample(found[0].state, found[0].evaluation), one_sample(found[1].state, found[1].evaluation)}, true);
+  for (const Who who : kWho) {
+    result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
+  }
+  compare_stiffness(found, result);
+  result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
+  result.text += '\n' + wrench_text(held, found[0].evaluation);
+  conclude(result);
+  return result;
+}
+
+Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note) {
+  if (!model.run.from_equilibrium) return model;
+  const Model held = held_at_start(model);
+  const Solvers solvers = make_solvers(held, makers);
+  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
+  const std::array<Trajectory, 2> states{one_sample(found[0].state, found[0].evaluation),
+                                         one_sample(found[1].state, found[1].evaluation)};
+  const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
+  if (agreement.digits < own_need(model)) {
+    throw SolverError(
+        fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
+                    "`concord statics`",
+                    agreement.worst, format_digits(agreement.digits), own_need(model)));
+  }
+  note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
+  for (const FreeDirection& direction : found[0].free) {
+    note += fmt::format("; without stiffness, left where it started: {}", direction.name);
+  }
+  return started_at(model, found[0].state);
+}
+
+namespace {
+
+/// How far two mode shapes point the same way: what of one is not along the other.
+double shape_digits(const Mode& one, const Mode& other) {
+  const std::complex<double> along = other.shape.dot(one.shape);
+  return matching_digits((one.shape - along * other.shape).norm(), 1.0);
+}
+
+/// Whether no other eigenvalue is so near that the shapes of both mix.
+bool stands_alone(const std::vector<Mode>& modes, std::size_t k) {
+  const auto is_near = [&](std::size_t other) {
+    const double distance = std::abs(modes[k].eigenvalue - modes[other].eigenvalue);
+    return distance < 1e-3 * std::abs(modes[k].eigenvalue);
+  };
+  return !modes[k].is_free && !(k > 0 && is_near(k - 1)) && !(k + 1 < modes.size() && is_near(k + 1));
+}
+
+void judge_modes(AnalysisVerdict& result) {
+  const Linearization& one = *result.linearizations[0];
+  const Linearization& other = *result.linearizations[1];
+  result.numbers.push_back(number("number of modes", "", static_cast<double>(one.modes.size()),
+                                  static_cast<double>(other.modes.size()), 1.0, kMostDigits));
+  Lines lines{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
+  const std::size_t count = std::min(one.modes.size(), other.modes.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const Mode& mode = one.modes[k];
+    const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
+    const double scale = std::max(std::abs(mode.eigenvalue), one.resolution);
+    NumberRow row{fmt::format("eigenvalue {}", k + 1),
+                  "1/s",
+                  {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},
+                  matching_digits(std::abs(difference), scale),
+                  kEigenvalue};
+    const bool alone = stands_alone(one.modes, k);
+    const double shape = shape_digits(mode, other.modes[k]);
+    if (alone) row.digits = std::min(row.digits, shape);
+    lines.push_back({fmt::format("{}", k + 1), fmt::format("{:.10g}", mode.frequency()),
+                     fmt::format("{:.6g}", mode.damping_ratio()),
+                     mode.oscillates()
+                         ? fmt::format("{:.8g} +- {:.10g}i", mode.eigenvalue.real(), mode.eigenvalue.imag())
+                         : fmt::format("{:.10g}", mode.eigenvalue.real()),
+                     format_digits(matching_digits(std::abs(difference), scale)), alone ? format_digits(shape) : "-",
+                     (mode.is_free ? "free: " : "") + mode.motion});
+    result.numbers.push_back(std::move(row));
+  }
+  result.text += '\n' + format_table(lines, {true, true, true, true, true, true, false});
+}
+
+}  // namespace
+
+AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium) {
+  const Model held = at_equilibrium ? held_at_start(model) : model;
+  const Solvers solvers = make_solvers(held, makers);
+  AnalysisVerdict result;
+  result.analysis = "linearize";
+  std::array<Trajectory, 2> states;
+  for (const Who who : kWho) {
+    Solver& solver = *solvers[index(who)];
+    if (at_equilibrium) {
+      const Equilibrium found = find_equilibrium(held, solver);
+      result.text += equilibrium_text(found, solver.name());
+      states[index(who)] = one_sample(found.state, found.evaluation);
+    } else {
+      const State start = solver.assemble();
+      states[index(who)] = one_sample(start, solver.evaluate(start));
+    }
+    result.linearizations[index(who)] = linearize(held, solver, states[index(who)].samples[0].state);
+  }
+  Judge(held, solvers, result).judge_wrenches(states, at_equilibrium);
+  result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
+  judge_modes(result);
+  conclude(result);
+  return result;
+}
+
+AnalysisVerdict judge_kinematics(const Model& model, const SolverMakers& makers, const VerifyOptions& options) {
+  const Solvers solvers = make_solvers(model, makers);
+  const RunOptions run = run_options(model, options);
+  AnalysisVerdict result;
+  result.analysis = "kinematics";
+  result.wrenches.run = run;
+  std::array<Trajectory, 2> found;
+  for (const Who who : kWho) found[index(who)] = run_kinematics(model, *solvers[index(who)], run);
+  Judge(model, solvers, result).judge_wrenches(found, false);
+  result.text = fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
+                            format_peaks(model, found[0]));
+  for (const Who who : kWho) result.wrenches.trajectories[index(who)] = std::move(found[index(who)]);
+  conclude(result);
+  return result;
+}
+
+namespace {
+
+/// Accelerations of all bodies by the actuated machine, and the loads on them, against those of the driven one.
+double round_trip_digits(const Model& model, const State& state, const Evaluation& there, const Evaluation& back) {
+  const Layout layout(model);
+  const Series series = align(layout, std::vector<SharedState>{{state, {there, back}}});
+  const std::vector<Measured> measured = measure(layout, series);
+  const VecX asked = scaled_accelerations(model, there);
+  const VecX reached = scaled_accelerations(model, back);
+  const double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, there));
+  double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);
+  for (std::size_t row = 0; row < measured.size(); ++row) {
+    const Kind kind = layout.quantities()[row].kind;
+    if (kind == Kind::body_sum || kind == Kind::element) worst = std::min(worst, measured[row].digits);
+  }
+  return worst;
+}
+
+}  // namespace
+
+AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
+                              const std::vector<AskedAcceleration>& asked) {
+  const std::vector<Prescribed> coordinates = prescribed_coordinates(model, asked);
+  const State start = makers.cartesian(model)->assemble();
+  const Model driven = driven_through(model, start, coordinates);
+  const Solvers solvers = make_solvers(driven, makers);
+  AnalysisVerdict result;
+  result.analysis = "inverse";
+  std::array<Evaluation, 2> there;
+  for (const Who who : kWho) there[index(who)] = solvers[index(who)]->evaluate(start);
+  Judge(driven, solvers, result).judge_wrenches({one_sample(start, there[0]), one_sample(start, there[1])}, false);
+
+  Lines lines{{"driven", "acceleration", "tau by cartesian", "by relative", "unit", "digits"}};
+  for (const Prescribed& one : coordinates) {
+    const auto tau = [&](Who who) { return there[index(who)].joints[one.joint].tau(one.speed(model)); };
+    const bool turn = turning_speeds(*model.joints[one.joint].type).at(static_cast<std::size_t>(one.speed(model)));
+    // Judged with the joint's wrench as its scale among the other rows; here for the reader.
+    const double scale = std::max(std::abs(tau(Who::cartesian)), std::abs(tau(Who::relative)));
+    const double digits = matching_digits(tau(Who::cartesian) - tau(Who::relative), scale);
+    lines.push_back({one.name(model), fmt::format("{:g}", one.acceleration),
+                     fmt::format("{:.12g}", tau(Who::cartesian)), fmt::format("{:.12g}", tau(Who::relative)),
+                     turn ? "N m" : "N", format_digits(digits)});
+  }
+  result.text = "forces that make the machine move as asked:\n" +
+                format_table(lines, {false, true, true, true, false, true}) + '\n';
+  for (const Who who : kWho) {
+    const Model actuated = actuated_by(model, there[index(who)], coordinates);
+    for (const Who by : kWho) {
+      const auto solver = (by == Who::cartesian ? makers.cartesian : makers.relative)(actuated);
+      const double digits = round_trip_digits(driven, start, there[index(who)], solver->evaluate(start));
+      result.numbers.push_back(
+          {fmt::format("round trip: forces by {}, accelerations by {}", solvers[index(who)]->name(), solver->name()),
+           "",
+           {},
+           digits,
+           kRoundTrip});
+      result.text += fmt::format("{}: {} digits\n", result.numbers.back().name, format_digits(digits));
+    }
+  }
+  conclude(result);
+  return result;
+}
+
+}  // namespace concord::compare::analyses

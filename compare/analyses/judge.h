@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/analyses/inverse.h"
+#include "compare/analyses/linearize.h"
+#include "compare/commands.h"
+#include "compare/verdict.h"
+
+/// Each analysis by both solvers, and how far they agree.
+namespace concord::compare::analyses {
+
+/// Digits that what each solver finds for itself must have in common: places of equilibrium, closed poses, eigenvalues.
+inline constexpr double kOwnRigid = 10.0;
+inline constexpr double kOwnFlexible = 8.0;
+inline constexpr double kEigenvalue = 8.0;
+inline constexpr double kRoundTrip = 10.0;
+
+/// A number that both solvers give, beside wrenches: a coordinate of an equilibrium, an eigenvalue, a driver force.
+struct NumberRow {
+  std::string name;
+  std::string unit;
+  std::array<double, 2> values{};
+  double digits = 16.0;
+  double need = 0.0;
+
+  [[nodiscard]] bool agrees() const { return digits >= need; }
+};
+
+/// What an analysis found, and how far the solvers agree on it.
+struct AnalysisVerdict {
+  std::string analysis;  // "statics", ...
+  /// Wrenches, rank, audit, findings and failures; its rung "same run" is what each solver found for itself, and there
+  /// is no refined one.
+  Verdict wrenches;
+  std::vector<NumberRow> numbers;
+  /// What it found, in words and tables.
+  std::string text;
+  std::array<std::optional<Linearization>, 2> linearizations;
+  double own_need = 0.0;
+};
+
+/// Both solvers' equilibria: wrenches, joint and modal coordinates. See find_equilibrium().
+AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers);
+
+/// The model as it runs: as it is, or, if it says so, with its start in the equilibrium that both solvers find; `note`
+/// then tells how far they agree on it. Throws SolverError if they do not.
+Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note);
+
+/// Both solvers' eigenvalues and mode shapes about the start or the equilibrium. See linearize().
+AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium);
+
+/// Both solvers' driven motion. See run_kinematics(). The trajectories stand in the verdict.
+AnalysisVerdict judge_kinematics(const Model& model, const SolverMakers& makers, const VerifyOptions& options);
+
+/// Both solvers' forces for the accelerations asked for, and the way back: with those forces in actuators, both must
+/// accelerate as the driven machine did.
+AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
+                              const std::vector<AskedAcceleration>& asked);
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,94 @@
+#include "compare/analyses/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "common/error.h"
+#include "compare/joint_motion.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// Steps between two outputs may be halved so often.
+constexpr int kHalvings = 8;
+
+void refuse_freedom(const Model& model, Solver& solver, const State& start) {
+  int modes = 0;
+  for (const Body& body : model.bodies) modes += body.n_modes();
+  const int rigid = solver.rank(start).degrees_of_freedom - modes;
+  if (rigid > 0) {
+    throw InputError(
+        {model.file, 0, 0},
+        fmt::format("kinematics needs a machine that drivers move fully, but {} degree{} of freedom {} "
+                    "left: drive as many joint coordinates more, or integrate the motion with `concord run`",
+                    rigid, rigid == 1 ? "" : "s", rigid == 1 ? "is" : "are"));
+  }
+  if (modes > 0) {
+    throw InputError({model.file, 0, 0},
+                     fmt::format("kinematics needs rigid bodies, but {} modal coordinates move freely: integrate the "
+                                 "motion with `concord run`",
+                                 modes));
+  }
+}
+
+/// The motion goes on by its velocities and accelerations for a time h [s].
+State predict(const Model& model, const Sample& now, double h) {
+  State guess = now.state;
+  guess.t += h;
+  for (std::size_t i = 1; i < guess.bodies.size(); ++i) {
+    BodyState& body = guess.bodies[i];
+    const BodyAcceleration& rate = now.evaluation.bodies[i];
+    body.r += h * body.v + 0.5 * h * h * rate.vdot;
+    const Vec3 turn = h * body.omega + 0.5 * h * h * rate.omegadot;
+    const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
+    const Eigen::Quaterniond after = (Eigen::Quaterniond(exponential_of(turn)) * before).normalized();
+    body.p << after.w(), after.vec();
+    body.v += h * rate.vdot;
+    body.omega += h * rate.omegadot;
+  }
+  // Turns stay counted because the hints move on with them.
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    if (guess.q[k].size() == guess.u[k].size()) guess.q[k] += h * guess.u[k];
+  }
+  return guess;
+}
+
+/// The sample at time t from the one before, in as many steps as Newton's method needs.
+Sample go_to(const Model& model, Solver& solver, const Sample& from, double t) {
+  double h = t - from.state.t;
+  for (int halvings = 0; halvings <= kHalvings; ++halvings, h *= 0.5) {
+    const int steps = 1 << halvings;
+    Sample at = from;
+    bool closed = true;
+    for (int step = 1; step <= steps && closed; ++step) {
+      State guess = predict(model, at, h);
+      guess.t = step == steps ? t : from.state.t + step * h;
+      const auto state = solver.close(guess);
+      closed = state.has_value();
+      if (closed) at = {*state, solver.evaluate(*state), 0.0};
+    }
+    if (closed) return at;
+  }
+  throw SolverError(
+      fmt::format("{}: kinematics: the machine cannot be closed between t = {:.6g} s and t = {:.6g} s; "
+                  "the drivers lead it out of reach or into a singular pose",
+                  solver.name(), from.state.t, t));
+}
+
+}  // namespace
+
+Trajectory run_kinematics(const Model& model, Solver& solver, const RunOptions& options) {
+  Trajectory trajectory;
+  const State start = solver.assemble();
+  refuse_freedom(model, solver, start);
+  trajectory.samples.push_back({start, solver.evaluate(start), 0.0});
+  for (int k = 1; k <= options.samples; ++k) {
+    trajectory.samples.push_back(go_to(model, solver, trajectory.samples.back(), options.until * k / options.samples));
+  }
+  return trajectory;
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+
+/// Small motions about a state, from a solver's accelerations alone.
+namespace concord::compare::analyses {
+
+/// An eigenvalue of the linearized machine: of a conjugate pair the one with positive imaginary part.
+struct Mode {
+  std::complex<double> eigenvalue;  // 1/s
+  /// Takes part in nothing that pulls back: its eigenvalue is zero within the round-off of differences.
+  bool is_free = false;
+  /// Velocities [v; omega; adot] of bodies 1, 2, ... in SI units, of unit norm.
+  Eigen::VectorXcd shape;
+  std::string motion;  // the joint coordinates that take part most
+
+  [[nodiscard]] bool oscillates() const { return eigenvalue.imag() > 0.0; }
+  /// |lambda| / 2 pi [Hz].
+  [[nodiscard]] double frequency() const;
+  /// -Re lambda / |lambda|; 0 for a free one.
+  [[nodiscard]] double damping_ratio() const;
+};
+
+struct Linearization {
+  State state;
+  /// deltaddot = A delta + B deltadot about the state, time held, in coordinates of the permitted motions.
+  MatX A;
+  MatX B;
+  /// Ordered by |lambda|, then by its real part.
+  std::vector<Mode> modes;
+  /// Eigenvalues are told apart from zero above this [1/s].
+  double resolution = 0.0;
+};
+
+/// Linearizes a machine about a closed state, at its time, on the manifold of its constraints: derivatives by
+/// extrapolated central differences of evaluate() in closed neighbouring states. About a state that is no equilibrium,
+/// eigenvalues are those of the machine frozen there. Throws SolverError if no closed states are found nearby.
+Linearization linearize(const Model& model, Solver& solver, const State& state);
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,170 @@
+#include "compare/analyses/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "compare/digits.h"
+#include "compare/refinement.h"
+#include "compare/table.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+
+bool is_wrench(const Row& row) { return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element; }
+
+bool is_same_side(const Row& a, const Row& b) {
+  return a.quantity.kind == b.quantity.kind && a.quantity.owner == b.quantity.owner &&
+         a.quantity.side == b.quantity.side;
+}
+
+double margin(const Row& row) {
+  if (!row.unique) return kMostDigits;
+  const auto above = [&](Rung rung) { return digits_of(row, rung).value_or(kMostDigits) - need_of(row, rung); };
+  return std::min(above(Rung::same_state), above(Rung::same_run));
+}
+
+/// Reactions and element wrenches: all, or of each side the one with the least margin.
+std::vector<const Row*> chosen_rows(const Verdict& verdict, bool all_rows) {
+  std::vector<const Row*> chosen;
+  const auto take = [&](const Row& row) {
+    if (!is_wrench(row)) return;
+    if (all_rows || chosen.empty() || !is_same_side(*chosen.back(), row)) {
+      chosen.push_back(&row);
+    } else if (margin(row) < margin(*chosen.back())) {
+      chosen.back() = &row;
+    }
+  };
+  for (const Row& row : verdict.rows) take(row);
+  for (const Row& row : verdict.others) take(row);
+  return chosen;
+}
+
+std::string digits_cell(const Row& row, Rung rung) {
+  const auto digits = digits_of(row, rung);
+  return digits && row.unique ? format_digits(*digits) : "-";
+}
+
+std::string row_table(const Model& model, const AnalysisVerdict& result, bool all_rows) {
+  std::vector<std::vector<std::string>> lines{
+      {"wrench", "component", "scale", "same state", "each its own", "need", "verdict"}};
+  for (const Row* row : chosen_rows(result.wrenches, all_rows)) {
+    lines.push_back(
+        {describe_owner(model, row->quantity), describe_component(row->quantity),
+         fmt::format("{:.4g}{} {}", row->scale, row->floored ? " (floor)" : "", unit_of(model, row->quantity)),
+         digits_cell(*row, Rung::same_state), digits_cell(*row, Rung::same_run),
+         fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run),
+         row->unique ? to_string(row->judgement) : "not unique, not judged"});
+  }
+  return lines.size() > 1 ? format_table(lines, {false, false, true, true, true, false, false}) + '\n' : "";
+}
+
+std::string last_line(const AnalysisVerdict& result) {
+  const Verdict& verdict = result.wrenches;
+  std::string text = fmt::format("{} {}: {}: {} of {} reaction components judged", to_string(verdict.outcome),
+                                 verdict.name, result.analysis, verdict.judged, verdict.total);
+  const auto add = [&](const char* name, const std::optional<double>& digits) {
+    if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
+  };
+  add("same state", verdict.same_state.digits);
+  add("each its own", verdict.same_run.digits);
+  add("audit", verdict.audit.digits);
+  std::optional<double> numbers;
+  for (const NumberRow& row : result.numbers) numbers = std::min(numbers.value_or(kMostDigits), row.digits);
+  add("numbers", numbers);
+  return text + '\n';
+}
+
+Json digits(const std::optional<double>& value) {
+  if (!value) return nullptr;
+  return std::floor(*value * 100.0) / 100.0;
+}
+
+Json row_json(const Model& model, const Row& row) {
+  const bool is_element = row.quantity.kind == Kind::element;
+  const std::string& name =
+      is_element ? model.elements[row.quantity.owner].name : model.joints[row.quantity.owner].name;
+  return {{is_element ? "element" : "joint", name},
+          {"side", row.quantity.side == Side::child ? "child" : "parent"},
+          {"component", describe_component(row.quantity)},
+          {"scale", row.scale},
+          {"unique", row.unique},
+          {"same_state_digits", row.unique ? digits(row.same_state) : Json(nullptr)},
+          {"own_digits", row.unique ? digits(row.same_run) : Json(nullptr)},
+          {"need", {{"same_state", row.need.same_state}, {"own", row.need.same_run}}},
+          {"verdict", row.unique ? to_string(row.judgement) : "not_judged"}};
+}
+
+Json modes_json(const Linearization& found) {
+  Json modes = Json::array();
+  for (const Mode& mode : found.modes) {
+    Json shape = Json::array();
+    for (const auto& part : mode.shape) shape.push_back({part.real(), part.imag()});
+    modes.push_back({{"eigenvalue", {mode.eigenvalue.real(), mode.eigenvalue.imag()}},
+                     {"frequency_hz", mode.frequency()},
+                     {"damping_ratio", mode.damping_ratio()},
+                     {"free", mode.is_free},
+                     {"motion", mode.motion},
+                     {"shape", std::move(shape)}});
+  }
+  return modes;
+}
+
+}  // namespace
+
+std::string format_analysis(const Model& model, const AnalysisVerdict& result, bool all_rows) {
+  const Verdict& verdict = result.wrenches;
+  std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
+  text += row_table(model, result, all_rows);
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
+  }
+  for (const Finding& finding : verdict.findings) {
+    text += fmt::format("FAIL {}: {}\n     {}\n", verdict.name, finding.what, finding.symptom);
+  }
+  for (const std::string& failure : verdict.failures) text += fmt::format("STOP {}: {}\n", verdict.name, failure);
+  return text + last_line(result);
+}
+
+std::string format_analysis_json(const Model& model, const AnalysisVerdict& result) {
+  const Verdict& verdict = result.wrenches;
+  Json document{{"format", kFormat},
+                {"analysis", result.analysis},
+                {"model", verdict.name},
+                {"verdict", to_string(verdict.outcome)},
+                {"judged", verdict.judged},
+                {"total", verdict.total},
+                {"same_state", {{"digits", digits(verdict.same_state.digits)}}},
+                {"own", {{"digits", digits(verdict.same_run.digits)}}},
+                {"audit", {{"digits", digits(verdict.audit.digits)}}}};
+  document["wrenches"] = Json::array();
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const Row& row : *rows) {
+      if (is_wrench(row)) document["wrenches"].push_back(row_json(model, row));
+    }
+  }
+  document["numbers"] = Json::array();
+  for (const NumberRow& row : result.numbers) {
+    document["numbers"].push_back({{"name", row.name},
+                                   {"unit", row.unit},
+                                   {"cartesian", row.values[0]},
+                                   {"relative", row.values[1]},
+                                   {"digits", digits(row.digits)},
+                                   {"need", row.need},
+                                   {"verdict", row.agrees() ? "agree" : "differ"}});
+  }
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (!result.linearizations[who]) continue;
+    document["modes"][verdict.solvers[who].name] = modes_json(*result.linearizations[who]);
+  }
+  return document.dump(2) + '\n';
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,346 @@
+#include "compare/analyses/statics.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/error.h"
+#include "compare/joint_motion.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+constexpr int kMostIterations = 300;
+constexpr double kLongestStep = 0.3;      // of the machine's length, rad
+constexpr double kDifferenceStep = 0.02;  // the same, for derivatives
+constexpr double kLeastDifferenceStep = 1e-6;
+constexpr double kNoStiffness = 1e-9;      // of the largest
+constexpr double kNegligibleForce = 1e-9;  // of what forces cause
+constexpr double kSmallStep = 1e-9;        // Newton's method may end
+constexpr double kRoundOffStep = 1e-14;    // and does end
+/// The longest pseudo time step, in units of the time in which forces move the machine by its length.
+constexpr double kLongestTime = 1e4;
+
+/// So far that stiff directions change the accelerations by ten times `reference`, soft ones as far as is good.
+double difference_step(const std::function<std::optional<VecX>(double)>& function, double reference) {
+  constexpr double kTimesReference = 10.0;
+  const auto plus = function(kLeastDifferenceStep);
+  const auto minus = function(-kLeastDifferenceStep);
+  if (!plus || !minus || reference == 0.0) return kDifferenceStep;
+  const double slope = (*plus - *minus).norm() / (2.0 * kLeastDifferenceStep);
+  if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
+  return std::max(4.0 * kLeastDifferenceStep, kTimesReference * reference / slope);
+}
+
+double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+
+/// Largest part of a joint speed in a motion, and its name.
+struct Part {
+  std::string name;
+  double size;
+};
+
+std::vector<Part> joint_parts(const Model& model, const State& state, double length) {
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
+    const RelativeMotion relative = relative_motion(frame(Side::parent), frame(Side::child));
+    const VecX hint = k < state.q.size() ? state.q[k] : VecX();
+    const VecX u = read_motion(*joint.type, relative, hint).u;
+    const std::vector<std::string> names = speed_names(*joint.type);
+    const std::vector<bool> turns = turning_speeds(*joint.type);
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      const double size = std::abs(u(static_cast<Eigen::Index>(c))) / (turns[c] ? 1.0 : length);
+      parts.push_back({fmt::format("{} of {}", names[c], joint.name), size});
+    }
+  }
+  return parts;
+}
+
+std::vector<Part> body_parts(const Model& model, const State& state, double length) {
+  std::vector<Part> parts;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    parts.push_back({fmt::format("motion of body {}", model.bodies[i].name), body.v.norm() / length});
+    parts.push_back({fmt::format("rotation of body {}", model.bodies[i].name), body.omega.norm()});
+    for (Eigen::Index mode = 0; mode < body.adot.size(); ++mode) {
+      parts.push_back({fmt::format("mode {} of body {}", mode + 1, model.bodies[i].name), std::abs(body.adot(mode))});
+    }
+  }
+  return parts;
+}
+
+/// The three largest parts, as far as they are a tenth of the largest; empty if nothing moves.
+std::string largest_parts(std::vector<Part> parts) {
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.size > b.size; });
+  if (parts.empty() || !(parts.front().size > 1e-6)) return "";
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, parts.size()); ++k) {
+    if (parts[k].size < 0.1 * parts.front().size) break;
+    text += (k == 0 ? "" : ", ") + parts[k].name;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string describe_motion(const Model& model, const State& state, const VecX& velocities) {
+  State moving = state;
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    BodyState& body = moving.bodies[i];
+    body.v = velocities.segment<3>(row);
+    body.omega = velocities.segment<3>(row + 3);
+    body.adot = velocities.segment(row + 6, body.a.size());
+    row += 6 + body.a.size();
+  }
+  const double length = model.length_scale();
+  const std::string by_joints = largest_parts(joint_parts(model, moving, length));
+  return by_joints.empty() ? largest_parts(body_parts(model, moving, length)) : by_joints;
+}
+
+Model held_at_start(const Model& model) {
+  Model held = model;
+  for (Joint& joint : held.joints) {
+    for (Driver& driver : joint.drivers) driver.law = ConstantSpeed{evaluate(driver.law, 0.0).f, 0.0};
+    for (WordStart& word : joint.start) word.u.setZero();
+  }
+  for (Body& body : held.bodies) body.adot_start.setZero();
+  return held;
+}
+
+Model started_at(const Model& model, const State& state) {
+  Model started = model;
+  for (std::size_t k = 0; k < started.joints.size(); ++k) {
+    Joint& joint = started.joints[k];
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      WordStart& start = joint.start[word];
+      if (start.q.size() == 0) continue;  // an arm
+      start.q = state.q[k].segment(first_q(*joint.type, static_cast<int>(word)), start.q.size());
+      start.role_q = std::max(start.role_q, StartRole::guess);
+    }
+  }
+  for (std::size_t i = 1; i < started.bodies.size(); ++i) {
+    started.bodies[i].pose_guess = Pose{state.bodies[i].r, rotation_of(state.bodies[i].p)};
+    started.bodies[i].a_start = state.bodies[i].a;
+  }
+  return started;
+}
+
+double reference_acceleration(const Model& model, const Evaluation& evaluation) {
+  std::vector<double> forces(model.bodies.size(), 0.0);
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      forces[model.joints[k].on(side).body] += evaluation.joints[k].total_on(side).in_C.force.norm();
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end != nullptr) forces[end->body] += evaluation.elements[k].on_side(side).in_C.force.norm();
+    }
+  }
+  double largest = model.gravity.norm();
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const double mass = mass_of(model.bodies[i]);
+    if (mass > 0.0) largest = std::max(largest, forces[i] / mass);
+  }
+  return largest / model.length_scale();
+}
+
+StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double reference) {
+  const Eigen::Index n = J.cols();
+  const Eigen::Index m = chart.n_modal();
+  MatX range = MatX::Identity(n, n);
+  if (m > 0) range = Eigen::HouseholderQR<MatX>(MatX(J.leftCols(m))).householderQ();
+  onto_modes_ = range.leftCols(m);
+  beyond_ = range.rightCols(n - m);
+  R11_ = onto_modes_.transpose() * J.leftCols(m);
+  R12_ = onto_modes_.transpose() * J.rightCols(n - m);
+  free_ = MatX(n, 0);
+  if (n == m) return;
+  const Eigen::JacobiSVD<MatX> svd(MatX(beyond_.transpose() * J.rightCols(n - m)),
+                                   Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const VecX& sigma = svd.singularValues();
+  largest_ = sigma(0);
+  const double least = kNoStiffness * std::max(largest_, reference);
+  const Eigen::Index rank = (sigma.array() > least).count();
+  const Eigen::Index missing = n - m - rank;
+  pseudo_inverse_ = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
+                    svd.matrixU().leftCols(rank).transpose();
+  unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
+  free_ = MatX::Zero(n, missing);
+  free_.bottomRows(n - m) = svd.matrixV().rightCols(missing);
+  if (m > 0) free_.topRows(m) = -R11_.partialPivLu().solve(R12_ * free_.bottomRows(n - m));
+}
+
+VecX StiffnessSplit::newton_step(const VecX& f) const {
+  const Eigen::Index m = onto_modes_.cols();
+  const Eigen::Index rigid = beyond_.cols();
+  VecX step = VecX::Zero(f.size());
+  if (rigid > 0) step.tail(rigid) = -(pseudo_inverse_ * (beyond_.transpose() * f));
+  if (m > 0) step.head(m) = R11_.partialPivLu().solve(-(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
+  return step;
+}
+
+VecX StiffnessSplit::unmet(const VecX& f) const {
+  if (beyond_.cols() == 0) return VecX::Zero(f.size());
+  return beyond_ * (unmet_projector_ * (beyond_.transpose() * f));
+}
+
+MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double reference) {
+  MatX J(chart.n(), chart.n());
+  for (int k = 0; k < chart.n(); ++k) {
+    const auto along = [&](double step) -> std::optional<VecX> {
+      const auto state = chart.at(step * VecX::Unit(chart.n(), k), rates);
+      if (!state) return std::nullopt;
+      return chart.accelerations(*state, solver.evaluate(*state));
+    };
+    const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep);
+    if (!column) {
+      throw SolverError(fmt::format(
+          "{}: no closed states around t = {:.6g} s: the machine cannot be moved there; is it in a singular pose?",
+          solver.name(), chart.origin().t));
+    }
+    J.col(k) = *column;
+  }
+  return J;
+}
+
+namespace {
+
+/// One machine on its way to rest.
+class Settling {
+ public:
+  Settling(const Model& model, Solver& solver) : model_(model), solver_(solver), state_(solver.assemble()) {}
+
+  Equilibrium run() {
+    for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
+      if (advance()) return conclude(iteration);
+    }
+    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
+                                  kMostIterations, describe_motion(model_, state_, last_force_)));
+  }
+
+ private:
+  [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
+
+  /// One step; true if the state is at rest already.
+  bool advance() {
+    evaluation_ = solver_.evaluate(state_);
+    Chart chart(model_, solver_, state_);
+    if (chart.n() == 0) return true;
+    const VecX rest = VecX::Zero(chart.n());
+    const VecX f = chart.accelerations(state_, evaluation_);
+    last_force_ = chart.velocities(f);
+    const double reference = reference_acceleration(model_, evaluation_);
+    const MatX J = stiffness_matrix(chart, solver_, rest, reference);
+    const StiffnessSplit split(chart, J, reference);
+    const VecX newton = split.newton_step(f);
+    const VecX unmet = split.unmet(f);
+    const double slope = steepest_way_down(J, std::max(reference, split.largest()));
+    name_free_directions(chart, split);
+    const bool is_met = unmet.norm() <= kNegligibleForce * reference;
+    if (is_met && is_done(newton.norm())) return true;
+    const bool by_newton = is_met && slope <= 0.0 && time_ * reference >= kLongestTime;
+    if (!by_newton) lengthen(f, slope, reference);
+    if (by_newton || !is_met) refuse_if_pushed(chart, unmet, reference);
+    last_step_ = newton.norm();
+    move(chart, by_newton ? newton : flow_step(J, f));
+    return false;
+  }
+
+  /// Newton's steps have become round-off.
+  [[nodiscard]] bool is_done(double step) const {
+    return step <= kRoundOffStep || (step <= kSmallStep && last_step_ > 0.0 && step >= 0.3 * last_step_);
+  }
+
+  /// The largest growth rate squared of a motion away from rest, or zero; counts such motions.
+  double steepest_way_down(const MatX& J, double largest) {
+    const Eigen::VectorXcd eigenvalues = J.eigenvalues();
+    const double least = 1e-8 * largest + 1e-13 * J.norm();
+    unstable_directions_ = 0;
+    double steepest = 0.0;
+    for (const auto& one : eigenvalues) {
+      if (one.real() <= least) continue;
+      ++unstable_directions_;
+      steepest = std::max(steepest, one.real());
+    }
+    return steepest;
+  }
+
+  /// Pseudo time steps grow tenfold, but stay short enough not to jump to a place from which the machine falls.
+  void lengthen(const VecX& f, double slope, double reference) {
+    time_ = time_ == 0.0 ? kLongestStep / (3.0 * f.norm()) : 10.0 * time_;
+    time_ = std::min(time_, kLongestTime / reference);
+    if (slope > 0.0) time_ = std::min(time_, 0.5 / slope);
+  }
+
+  [[nodiscard]] VecX flow_step(const MatX& J, const VecX& f) const {
+    MatX system = -J;
+    system.diagonal().array() += 1.0 / time_;
+    return system.partialPivLu().solve(f);
+  }
+
+  /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
+  void refuse_if_pushed(const Chart& chart, const VecX& unmet, double reference) {
+    if (time_ * reference < kLongestTime || unmet.norm() <= kNegligibleForce * reference) {
+      pushed_ = 0;
+      return;
+    }
+    if (++pushed_ < kPushes) return;
+    const VecX pushed = chart.velocities(unmet);
+    throw SolverError(
+        fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness; hold it, or give it a "
+                    "spring",
+                    name(), describe_motion(model_, state_, pushed)));
+  }
+
+  void move(Chart& chart, VecX step) {
+    if (step.norm() > kLongestStep) step *= kLongestStep / step.norm();
+    constexpr int kTries = 20;
+    for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
+      if (auto moved = chart.exactly_at(step)) {
+        state_ = std::move(*moved);
+        return;
+      }
+    }
+    throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
+                                  describe_motion(model_, state_, chart.velocities(step / step.norm()))));
+  }
+
+  void name_free_directions(const Chart& chart, const StiffnessSplit& split) {
+    free_.clear();
+    for (Eigen::Index k = 0; k < split.free_directions().cols(); ++k) {
+      free_.push_back({describe_motion(model_, state_, chart.velocities(split.free_directions().col(k)))});
+    }
+  }
+
+  Equilibrium conclude(int iterations) {
+    return {std::move(state_), std::move(evaluation_), iterations, last_step_, std::move(free_), unstable_directions_};
+  }
+
+  static constexpr int kPushes = 25;
+
+  const Model& model_;
+  Solver& solver_;
+  State state_;
+  Evaluation evaluation_;
+  VecX last_force_;
+  std::vector<FreeDirection> free_;
+  double time_ = 0.0;
+  double last_step_ = 0.0;
+  int pushed_ = 0;
+  int unstable_directions_ = 0;
+};
+
+}  // namespace
+
+Equilibrium find_equilibrium(const Model& model, Solver& solver) { return Settling(model, solver).run(); }
+
+}  // namespace concord::compare::analyses

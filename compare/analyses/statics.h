@@ -1,0 +1,81 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/analyses/chart.h"
+
+/// Static equilibrium, from a solver's accelerations alone.
+namespace concord::compare::analyses {
+
+/// The model at rest: drivers held where their laws are at t = 0, nothing moves at the start.
+Model held_at_start(const Model& model);
+
+/// A direction in which a machine at rest meets no stiffness; it is left where the start put it.
+struct FreeDirection {
+  std::string name;  // "hinge: turn_z 1" or "body coupler: ..."
+};
+
+struct Equilibrium {
+  State state;
+  Evaluation evaluation;
+  int iterations = 0;
+  /// Size of the last step in the chart's scaled coordinates.
+  double last_step = 0.0;
+  std::vector<FreeDirection> free;
+  /// In so many directions the machine would leave the equilibrium.
+  int unstable = 0;
+};
+
+/// Finds the equilibrium to which the machine settles from the start, as if it sank through honey: implicit Euler steps
+/// along its accelerations, ever longer, then Newton's method on the accelerations. Stiff modes and soft rigid motions
+/// do not disturb each other: the modes are eliminated first. Where stiffness is missing (1e-9 of the largest), the
+/// step of least norm leaves the direction alone. `model` must be held_at_start() and `solver` made for it. Throws
+/// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
+Equilibrium find_equilibrium(const Model& model, Solver& solver);
+
+/// The model with the places and modal coordinates of a state as its start: kept coordinates keep those of the state,
+/// the others are guesses near it. Speeds stay what the model says.
+Model started_at(const Model& model, const State& state);
+
+/// How a change of the machine looks, in the joint coordinates that take part most: "hinge turn_z", "A turn_z and B
+/// slide_x"; bodies if no joint moves. `velocities`: [v; omega; adot] of bodies 1, 2, ...
+std::string describe_motion(const Model& model, const State& state, const VecX& velocities);
+
+/// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
+class StiffnessSplit {
+ public:
+  /// J: derivative of the chart's accelerations with respect to its coordinates; `reference`: accelerations that the
+  /// machine's forces cause [1/s2], below 1e-9 of which there is no stiffness.
+  StiffnessSplit(const Chart& chart, const MatX& J, double reference);
+
+  /// The step of least norm in rigid motions with J step = -f as far as there is stiffness.
+  [[nodiscard]] VecX newton_step(const VecX& f) const;
+  /// The part of f that no stiffness can meet.
+  [[nodiscard]] VecX unmet(const VecX& f) const;
+  /// Orthonormal columns without stiffness.
+  [[nodiscard]] const MatX& free_directions() const { return free_; }
+  /// Largest stiffness per inertia of a motion in which modes follow statically [1/s2].
+  [[nodiscard]] double largest() const { return largest_; }
+
+ private:
+  MatX onto_modes_;  // orthonormal basis of the accelerations that modal coordinates cause
+  MatX beyond_;      // and of the rest
+  MatX R11_;
+  MatX R12_;
+  MatX pseudo_inverse_;  // of the condensed stiffness
+  MatX unmet_projector_;
+  MatX free_;
+  double largest_ = 0.0;
+};
+
+/// Derivatives of the chart's accelerations with respect to its coordinates, rates held, by differences over as much as
+/// changes the accelerations by ten times `reference`. Throws SolverError if no closed states are found nearby.
+MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double reference);
+
+/// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
+/// a body per mass, over the machine's length.
+double reference_acceleration(const Model& model, const Evaluation& evaluation);
+
+}  // namespace concord::compare::analyses

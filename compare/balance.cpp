@@ -1,0 +1,495 @@
+#include "compare/balance.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compare/digits.h"
+#include "compare/element_laws.h"
+#include "compare/joint_motion.h"
+#include "compare/places.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr double kSmallestScale = 1e-6;  // of the machine's largest
+
+constexpr std::array kComponentNames{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
+constexpr std::array kSideNames{" on parent", " on child"};
+constexpr std::array kSides{Side::parent, Side::child};
+
+/// A rigid body as six mass points with its mass, centre of mass and inertia: at plus and minus the half axes of its
+/// ellipsoid of second moments tr(I)/2 1 - I.
+std::vector<MassPoint> six_points(const Body& body) {
+  if (body.mass <= 0.0) return {};
+  const Mat3 second_moment = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L;
+  const Eigen::SelfAdjointEigenSolver<Mat3> ellipsoid(second_moment);
+  std::vector<MassPoint> points;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = std::sqrt(std::max(0.0, 3.0 * ellipsoid.eigenvalues()(axis) / body.mass));
+    for (const double way : {-reach, reach}) {
+      points.push_back(
+          {body.mass / 6.0, body.center_of_mass_L + way * ellipsoid.eigenvectors().col(axis), Mat3X(3, 0)});
+    }
+  }
+  return points;
+}
+
+const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid) {
+  if (body.modal) return body.modal->mass_points;
+  of_rigid = six_points(body);
+  return of_rigid;
+}
+
+/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
+struct Balance {
+  explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}
+
+  VecX rows;
+  VecX scales;
+
+  void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
+};
+
+/// Sum over the mass points of their forces m (acceleration - g), moments about the body's origin and, by virtual work,
+/// modal rows; plus K a + D adot.
+Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& points, const Vec3& gravity,
+                              const BodyState& state, const BodyAcceleration& acceleration) {
+  const int n_modes = body.n_modes();
+  const Mat3 A = rotation_of(state.p);
+  const Vec3& omega = state.omega;
+  Balance balance(n_modes);
+  VecX sizes = VecX::Zero(6 + n_modes);
+  for (const MassPoint& point : points) {
+    const Vec3 s = A * (point.s0_L + point.Psi_t_L * state.a);
+    const Vec3 sdot = A * (point.Psi_t_L * state.adot);
+    const Vec3 sddot = A * (point.Psi_t_L * acceleration.addot);
+    const Vec3 point_acceleration = acceleration.vdot + acceleration.omegadot.cross(s) + omega.cross(omega.cross(s)) +
+                                    2.0 * omega.cross(sdot) + sddot;
+    const Vec3 force = point.mass * (point_acceleration - gravity);
+    balance.rows.head<3>() += force;
+    balance.rows.segment<3>(3) += s.cross(force);
+    balance.rows.tail(n_modes) += point.Psi_t_L.transpose() * (A.transpose() * force);
+    sizes.head<3>().array() += force.norm();
+    sizes.segment<3>(3).array() += s.norm() * force.norm();
+    sizes.tail(n_modes) += force.norm() * point.Psi_t_L.colwise().norm().transpose();
+  }
+  if (body.modal) {
+    const VecX elastic = body.modal->stiffness * state.a;
+    const VecX damping = body.modal->damping * state.adot;
+    balance.rows.tail(n_modes) += elastic + damping;
+    sizes.tail(n_modes) = sizes.tail(n_modes).cwiseMax(elastic.cwiseAbs()).cwiseMax(damping.cwiseAbs());
+  }
+  balance.raise_scales(sizes);
+  return balance;
+}
+
+/// Takes away the generalized force of a wrench (global axes, at the deformed joint point), eqs. (25), (26):
+/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
+void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
+  const auto n_modes = state.a.size();
+  const Mat3 A = rotation_of(state.p);
+  const PlacedFrame frame = place(side, state);
+  const Vec3 force_L = A.transpose() * wrench.force;
+  const Vec3 torque_L = A.transpose() * wrench.torque;
+  const Mat3X J_Psi_r = exponential_rate(side.Psi_r_L * state.a) * side.Psi_r_L;
+  balance.rows.head<3>() -= wrench.force;
+  balance.rows.segment<3>(3) -= wrench.torque + frame.lever.cross(wrench.force);
+  balance.rows.tail(n_modes) -= side.Psi_t_L.transpose() * force_L + J_Psi_r.transpose() * torque_L;
+  VecX sizes(6 + n_modes);
+  sizes.head<3>().setConstant(wrench.force.norm());
+  sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
+  sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
+                        wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
+  balance.raise_scales(sizes);
+}
+
+/// Number of rows of all rules of a joint: workless (components, directions), two frames (reaction, total), both sides
+/// (same), drivers (tau, coordinate wrench), force law.
+int joint_rows(const joints::JointType& type) { return 12 + type.n_u() + 2 * 12 + 2 * 6 + type.n_u() + 6 + type.n_u(); }
+
+/// Reaction components, parent's and child's, that the joint cannot carry; zero in place of the others.
+VecX workless_residuals(const joints::JointType& type, const JointWrenches& wrenches) {
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    residuals.segment<6>(6 * index(side)) = wrenches.reaction_on(side).in_C.vector();
+    for (int c = 0; c < 6; ++c) {
+      if (joints::carries(type, side, c)) residuals(6 * index(side) + c) = 0.0;
+    }
+  }
+  return residuals;
+}
+
+/// Global components turned into the joint frame of their side, minus the components given there.
+VecX frame_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<SideWrench, 2>& wrenches) {
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    const SideWrench& wrench = wrenches[index(side)];
+    const Mat3 to_C = frames[index(side)].A_joint.transpose();
+    residuals.segment<3>(6 * index(side)) = to_C * wrench.in_global.force - wrench.in_C.force;
+    residuals.segment<3>(6 * index(side) + 3) = to_C * wrench.in_global.torque - wrench.in_C.torque;
+  }
+  return residuals;
+}
+
+/// F_j + F_i and T_j + T_i + (r_Pi - r_Pj) x F_i.
+VecX side_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<SideWrench, 2>& wrenches) {
+  const Wrench& on_parent = wrenches[index(Side::parent)].in_global;
+  const Wrench& on_child = wrenches[index(Side::child)].in_global;
+  const Vec3 gap = frames[index(Side::child)].r_P - frames[index(Side::parent)].r_P;
+  VecX residuals(6);
+  residuals << on_parent.force + on_child.force, on_parent.torque + on_child.torque + gap.cross(on_child.force);
+  return residuals;
+}
+
+/// What passes through a joint, as the permitted directions see it.
+class JointPower {
+ public:
+  JointPower(const Joint& joint, const std::array<PlacedFrame, 2>& frames, const JointWrenches& wrenches,
+             const VecX& hint, double t)
+      : relative_(relative_motion(frames[index(Side::parent)], frames[index(Side::child)])),
+        motion_(read_motion(*joint.type, relative_, hint)),
+        total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
+        reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
+        tau_(wrenches.tau),
+        lawful_tau_(lawful_tau(joint, motion_, t)),
+        directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
+
+  /// S^T [F; T] of the reaction.
+  [[nodiscard]] VecX of_reaction() const { return motion_.S.transpose() * reaction_; }
+
+  /// S^T [F; T] - tau, with the total wrench.
+  [[nodiscard]] VecX beyond_tau() const { return motion_.S.transpose() * total_ - tau_; }
+
+  /// What of total minus reaction is no coordinate wrench; lengths in units of `length`.
+  [[nodiscard]] Vec6 outside_coordinates(double length) const {
+    Vec6 rest = total_ - reaction_;
+    if (directions_.cols() == 0) return rest;
+    const Vec6 weights = (Vec6() << Vec3::Constant(length), Vec3::Ones()).finished();
+    const Mat6X weighted = weights.asDiagonal() * directions_;
+    rest -= directions_ * weighted.colPivHouseholderQr().solve(Vec6(weights.asDiagonal() * rest));
+    return rest;
+  }
+
+  /// tau minus what springs and actuators exert by their laws; zero where a driver acts.
+  [[nodiscard]] VecX beyond_law() const {
+    return lawful_tau_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - lawful_tau_);
+  }
+
+ private:
+  static Vec6 in_parent_frame(const std::array<PlacedFrame, 2>& frames, const Wrench& wrench) {
+    const Mat3 to_parent = frames[index(Side::parent)].A_joint.transpose();
+    return Wrench{to_parent * wrench.force, to_parent * wrench.torque}.vector();
+  }
+
+  RelativeMotion relative_;
+  JointMotion motion_;
+  Vec6 total_;
+  Vec6 reaction_;
+  const VecX& tau_;
+  VecX lawful_tau_;
+  Mat6X directions_;
+};
+
+/// Both sides' wrenches, global axes, minus what the element's law says.
+VecX law_residuals(const ForceElement& element, const State& state, const ElementWrenches& wrenches) {
+  const std::array<Wrench, 2> lawful = lawful_wrenches(element, state);
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    residuals.segment<6>(6 * index(side)) = wrenches.on_side(side).in_global.vector() - lawful[index(side)].vector();
+  }
+  return residuals;
+}
+
+double largest_force(const std::array<SideWrench, 2>& wrenches) {
+  return std::max(wrenches[0].in_C.force.norm(), wrenches[1].in_C.force.norm());
+}
+
+double largest_torque(const std::array<SideWrench, 2>& wrenches) {
+  return std::max(wrenches[0].in_C.torque.norm(), wrenches[1].in_C.torque.norm());
+}
+
+bool worse(const AuditFinding& one, const AuditFinding& other) {
+  if (one.digits != other.digits) return one.digits < other.digits;
+  return one.residual * other.scale > other.residual * one.scale;
+}
+
+void keep_worse(AuditFinding& kept, const AuditFinding& other) {
+  if (kept.row.empty() || worse(other, kept)) kept = other;
+}
+
+struct Energies {
+  double kinetic = 0.0;
+  double potential = 0.0;
+};
+
+Energies energies_of(const Model& model, const State& state) {
+  Energies energies;
+  std::vector<MassPoint> of_rigid;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    const Mat3 A = rotation_of(body.p);
+    for (const MassPoint& point : mass_points_of(model.bodies[i], of_rigid)) {
+      const Vec3 s = A * (point.s0_L + point.Psi_t_L * body.a);
+      const Vec3 velocity = body.v + body.omega.cross(s) + A * (point.Psi_t_L * body.adot);
+      energies.kinetic += 0.5 * point.mass * velocity.squaredNorm();
+      energies.potential -= point.mass * model.gravity.dot(body.r + s);
+    }
+    if (model.bodies[i].modal) energies.potential += 0.5 * body.a.dot(model.bodies[i].modal->stiffness * body.a);
+  }
+  return energies;
+}
+
+}  // namespace
+
+std::string_view name_of(AuditRule rule) {
+  constexpr std::array<std::string_view, kAuditRules> names{"free body",  "workless", "both sides",
+                                                            "two frames", "drivers",  "force law"};
+  return names[static_cast<std::size_t>(rule)];
+}
+
+std::string AuditFinding::text() const {
+  if (row.empty()) return fmt::format("{}: nothing to audit", name_of(rule));
+  return fmt::format("{}: {}, {}, t = {:.6g} s: residual {:.2e}, scale {:.3g}, {:.1f} digits", name_of(rule), where,
+                     row, t, residual, scale, digits);
+}
+
+void Auditor::Row::take(double new_residual, double new_scale, double at_t) {
+  if (std::isnan(new_residual)) new_residual = std::numeric_limits<double>::infinity();
+  if (new_residual > residual) {
+    residual = new_residual;
+    t = at_t;
+  }
+  scale = std::max(scale, new_scale);
+}
+
+void Auditor::Entity::take(const VecX& residuals, double force, double torque, double at_t) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double residual = std::abs(residuals(static_cast<Eigen::Index>(r)));
+    rows[r].take(residual, rows[r].unit == Unit::force ? force : torque, at_t);
+  }
+}
+
+Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale()) {
+  const auto unit = [](int component) { return component < 3 ? Unit::force : Unit::torque; };
+  for (const Body& body : model.bodies) {
+    std::vector<MassPoint> of_rigid;
+    mass_points_.push_back(mass_points_of(body, of_rigid));
+    Entity& entity = bodies_.emplace_back(Entity{body.name, {}, false});
+    if (bodies_.size() == 1) continue;  // ground
+    for (int c = 0; c < 6; ++c) entity.rows.push_back({AuditRule::free_body, kComponentNames[c], unit(c)});
+    for (int mode = 1; mode <= body.n_modes(); ++mode) {
+      entity.rows.push_back({AuditRule::free_body, "mode " + std::to_string(mode), Unit::modal});
+    }
+  }
+  for (const Joint& joint : model.joints) {
+    Entity& entity = joints_.emplace_back(Entity{joint.name, {}, carries_nothing(joint)});
+    const auto add_rows = [&](AuditRule rule, const char* wrench, const char* side) {
+      for (int c = 0; c < 6; ++c) {
+        entity.rows.push_back({rule, fmt::format("{} of {}{}", kComponentNames[c], wrench, side), unit(c)});
+      }
+    };
+    // In the order of joint_rows().
+    const auto add_speeds = [&](AuditRule rule, const char* what) {
+      for (const bool turns : turning_speeds(*joint.type)) {
+        entity.rows.push_back({rule, what, turns ? Unit::torque : Unit::force});
+      }
+    };
+    // In the order of joint_rows().
+    for (const char* side : kSideNames) add_rows(AuditRule::workless, "reaction", side);
+    add_speeds(AuditRule::workless, "power of the reaction");
+    for (const char* wrench : {"reaction", "total"}) {
+      for (const char* side : kSideNames) add_rows(AuditRule::two_frames, wrench, side);
+    }
+    for (const char* wrench : {"reaction", "total"}) add_rows(AuditRule::both_sides, wrench, "");
+    add_speeds(AuditRule::drivers, "tau");
+    add_rows(AuditRule::drivers, "total minus reaction", " on child");
+    add_speeds(AuditRule::force_law, "tau");
+  }
+  for (const ForceElement& element : model.elements) {
+    Entity& entity = elements_.emplace_back(Entity{element.name, {}, false});
+    const auto add_rows = [&](AuditRule rule, const char* side) {
+      for (int c = 0; c < 6; ++c) {
+        entity.rows.push_back({rule, fmt::format("{}{}", kComponentNames[c], side), unit(c)});
+      }
+    };
+    // In the order of add_element().
+    for (const char* side : kSideNames) add_rows(AuditRule::force_law, side);
+    for (const char* side : kSideNames) add_rows(AuditRule::two_frames, side);
+    if (end_of(element, Side::parent) != nullptr) add_rows(AuditRule::both_sides, "");
+  }
+}
+
+void Auditor::add(const State& state, const Evaluation& evaluation) {
+  ++states_;
+  for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation.joints[k]);
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
+}
+
+void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
+  const BodyState& motion = state.bodies[body];
+  Balance balance =
+      inertia_and_stiffness(model_.bodies[body], mass_points_[body], model_.gravity, motion, evaluation.bodies[body]);
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment& attachment = model_.joints[k].on(side);
+      if (attachment.body != body) continue;
+      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, balance);
+    }
+  }
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* end = end_of(model_.elements[k], side);
+      if (end == nullptr || end->body != body) continue;
+      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
+    }
+  }
+  std::vector<Row>& rows = bodies_[body].rows;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto row = static_cast<Eigen::Index>(r);
+    rows[r].take(std::abs(balance.rows(row)), balance.scales(row), state.t);
+  }
+}
+
+void Auditor::add_joint(std::size_t index_of_joint, const State& state, const JointWrenches& wrenches) {
+  const Joint& joint = model_.joints[index_of_joint];
+  const std::array<PlacedFrame, 2> frames{place(joint.sides[0], state.bodies[joint.sides[0].body]),
+                                          place(joint.sides[1], state.bodies[joint.sides[1].body])};
+  const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
+  const JointPower power(joint, frames, wrenches, hint, state.t);
+  VecX residuals(joint_rows(*joint.type));
+  residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
+      frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
+      side_residuals(frames, wrenches.reaction), side_residuals(frames, wrenches.total), power.beyond_tau(),
+      power.outside_coordinates(length_), power.beyond_law();
+
+  const double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
+  const double torque = std::max({largest_torque(wrenches.total), largest_torque(wrenches.reaction), force * length_});
+  joints_[index_of_joint].take(residuals, force, torque, state.t);
+}
+
+void Auditor::add_element(std::size_t index_of_element, const State& state, const ElementWrenches& wrenches) {
+  const ForceElement& element = model_.elements[index_of_element];
+  const Attachment& child = *end_of(element, Side::child);
+  const Attachment* parent = end_of(element, Side::parent);
+  const PlacedFrame at_child = place(child, state.bodies[child.body]);
+  const std::array<PlacedFrame, 2> frames{parent != nullptr ? place(*parent, state.bodies[parent->body]) : at_child,
+                                          at_child};
+  VecX residuals(parent != nullptr ? 30 : 24);
+  residuals.head<12>() = law_residuals(element, state, wrenches);
+  residuals.segment<12>(12) = frame_residuals(frames, wrenches.on);
+  if (parent != nullptr) residuals.tail<6>() = side_residuals(frames, wrenches.on);
+  const double force = largest_force(wrenches.on);
+  elements_[index_of_element].take(residuals, force, std::max(largest_torque(wrenches.on), force * length_), state.t);
+}
+
+double Auditor::largest_of(Unit unit) const {
+  if (unit == Unit::modal) return 0.0;
+  double largest = 0.0;
+  for (const auto* entities : {&bodies_, &joints_, &elements_}) {
+    for (const Entity& entity : *entities) {
+      for (const Row& row : entity.rows) {
+        if (row.unit == unit) largest = std::max(largest, row.scale);
+      }
+    }
+  }
+  return largest;
+}
+
+AuditFinding Auditor::worst_of(const Entity& entity, AuditRule rule) const {
+  AuditFinding worst;
+  worst.rule = rule;
+  worst.where = entity.name;
+  for (const Row& row : entity.rows) {
+    if (row.rule != rule) continue;
+    const double floor = entity.is_idle ? largest_of(row.unit) : kSmallestScale * largest_of(row.unit);
+    const double scale = std::max(row.scale, floor);
+    keep_worse(worst, {matching_digits(row.residual, scale), row.residual, scale, row.t, rule, entity.name, row.name,
+                       row.scale < floor});
+  }
+  return worst;
+}
+
+AuditReport Auditor::report() const {
+  AuditReport report;
+  report.states = states_;
+  for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
+  const auto count = [&](const AuditFinding& finding) {
+    keep_worse(report.rules[static_cast<std::size_t>(finding.rule)], finding);
+    keep_worse(report.worst, finding);
+  };
+  for (const Entity& body : bodies_) {
+    report.bodies.push_back(worst_of(body, AuditRule::free_body));
+    count(report.bodies.back());
+  }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    AuditFinding& joint = report.joints.emplace_back();
+    joint.where = joints_[k].name;
+    for (const Attachment& side : model_.joints[k].sides) keep_worse(joint, report.bodies[side.body]);
+    for (const AuditRule rule : {AuditRule::workless, AuditRule::both_sides, AuditRule::two_frames, AuditRule::drivers,
+                                 AuditRule::force_law}) {
+      const AuditFinding finding = worst_of(joints_[k], rule);
+      keep_worse(joint, finding);
+      count(finding);
+    }
+  }
+  for (const Entity& entity : elements_) {
+    AuditFinding& element = report.elements.emplace_back();
+    element.where = entity.name;
+    for (const AuditRule rule : {AuditRule::force_law, AuditRule::both_sides, AuditRule::two_frames}) {
+      const AuditFinding finding = worst_of(entity, rule);
+      keep_worse(element, finding);
+      count(finding);
+    }
+  }
+  return report;
+}
+
+double mechanical_energy(const Model& model, const State& state) {
+  const Energies energies = energies_of(model, state);
+  return energies.kinetic + energies.potential;
+}
+
+namespace {
+
+double largest_force(const Evaluation& evaluation) {
+  double largest = 0.0;
+  for (const JointWrenches& joint : evaluation.joints) {
+    largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
+  }
+  for (const ElementWrenches& element : evaluation.elements) {
+    largest = std::max(largest, element.on_side(Side::child).in_C.force.norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
+  EnergyReport report;
+  if (trajectory.samples.empty()) return report;
+  const Energies start = energies_of(model, trajectory.samples.front().state);
+  double lowest = start.potential;
+  double highest = start.potential;
+  for (const Sample& sample : trajectory.samples) {
+    const Energies now = energies_of(model, sample.state);
+    lowest = std::min(lowest, now.potential);
+    highest = std::max(highest, now.potential);
+    report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
+                             kSmallestScale * model.length_scale() * largest_force(sample.evaluation)});
+    const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
+    const double error = std::abs(gained - sample.work);
+    if (!(error <= report.error)) {
+      report.error = error;
+      report.t = sample.state.t;
+    }
+  }
+  return report;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,101 @@
+#include "compare/joint_check/command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <ostream>
+#include <thread>
+
+#include "common/error.h"
+#include "common/joints/catalogue.h"
+#include "common/spelling.h"
+#include "compare/files.h"
+#include "compare/joint_check/sheet.h"
+
+namespace concord::compare::joint_check {
+
+namespace {
+
+std::vector<const JointType*> types_of(const JointCommand& command) {
+  if (command.all) return joints::catalogue();
+  std::vector<std::string> known;
+  for (const JointType* type : joints::catalogue()) known.push_back(type->name);
+  std::vector<const JointType*> types;
+  for (const std::string& name : command.names) {
+    types.push_back(joints::find(name));
+    if (types.back() != nullptr) continue;
+    throw InputError({"command line", 0, 0},
+                     fmt::format("no joint type '{}': {}", name, suggestion(name, known, "joint types")));
+  }
+  if (types.empty()) throw InputError({"command line", 0, 0}, "name a joint type, or say --all");
+  return types;
+}
+
+SheetOptions options_of(const JointCommand& command) {
+  SheetOptions options;
+  options.seed = command.seed;
+  if (command.pose) {
+    options.poses = {*command.pose};
+  } else {
+    for (int k = 0; k < command.poses; ++k) options.poses.push_back(k);
+  }
+  return options;
+}
+
+/// Sheets of all types, in their order, made side by side.
+std::vector<Sheet> check_all(const std::vector<const JointType*>& types, const SheetOptions& options) {
+  std::vector<Sheet> sheets(types.size());
+  std::vector<std::exception_ptr> troubles(types.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t k = next++; k < types.size(); k = next++) {
+      try {
+        sheets[k] = check_joint(*types[k], options);
+      } catch (...) {
+        troubles[k] = std::current_exception();
+      }
+    }
+  };
+  const std::size_t workers = std::min<std::size_t>(types.size(), std::max(1U, std::thread::hardware_concurrency()));
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 0; k < workers; ++k) threads.emplace_back(work);
+  }
+  for (const std::exception_ptr& trouble : troubles) {
+    if (trouble) std::rethrow_exception(trouble);
+  }
+  return sheets;
+}
+
+int check_and_tell(const JointCommand& command, const Console& console) {
+  const std::vector<Sheet> sheets = check_all(types_of(command), options_of(command));
+  bool all_hold = true;
+  for (const Sheet& sheet : sheets) {
+    const std::string text = format_sheet(sheet);
+    console.out << text << '\n';
+    all_hold = all_hold && sheet.holds();
+    if (command.out.empty()) continue;
+    write_file(command.out / (sheet.joint + ".sheet.txt"), text);
+    write_file(command.out / (sheet.joint + ".sheet.json"), format_sheet_json(sheet));
+  }
+  if (sheets.size() > 1) console.out << format_summary(sheets);
+  return all_hold ? kAgree : kDiffer;
+}
+
+}  // namespace
+
+int check_joints(const JointCommand& command, const Console& console) {
+  try {
+    return check_and_tell(command, console);
+  } catch (const InputError& error) {
+    console.err << error.what() << '\n';
+    return kBadInput;
+  } catch (const std::exception& error) {
+    console.err << "could not finish: " << error.what() << '\n';
+    return kCouldNotFinish;
+  }
+}
+
+}  // namespace concord::compare::joint_check

@@ -1,0 +1,197 @@
+#include "compare/joint_motion.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/joint_reader.h"
+#include "common/overloaded.h"
+#include "common/rotation.h"
+
+namespace concord::compare {
+
+namespace {
+
+Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
+
+/// Angle of v about `about`, right-handed from `from`.
+double bearing(const Vec3& v, Axis about, Axis from) {
+  return std::atan2(v.dot(unit(about).cross(unit(from))), v.dot(unit(from)));
+}
+
+/// The angle that differs from `angle` by whole turns and is nearest to `near`.
+double with_turns(double angle, double near) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  return angle + kTurn * std::round((near - angle) / kTurn);
+}
+
+/// Reads the coordinates of the words of a motion one after the other.
+class Reading {
+ public:
+  Reading(const RelativeMotion& relative, const VecX& hint, VecX& q) : relative_(relative), hint_(hint), q_(q) {}
+
+  void operator()(const joints::TurnOfChildAxis& word) {
+    put_turn(bearing(relative_.R * unit(word.of_child_axis), word.about, word.of_child_axis));
+  }
+  void operator()(const joints::TurnOfParentAxis& word) {
+    // Seen from the child, its own axis stands still and the parent's has turned back.
+    put_turn(-bearing(relative_.R.transpose() * unit(word.of_parent_axis), word.about, word.of_parent_axis));
+  }
+  void operator()(const joints::SlideAlong& word) { q_(next_++) = relative_.d.dot(unit(word.axis)); }
+  void operator()(const joints::OrientationOf&) {
+    const Eigen::Quaterniond turned(relative_.R);
+    q_.segment<4>(next_) << turned.w(), turned.vec();
+    next_ += 4;
+  }
+  void operator()(const joints::BearingOfGap& word) { put_turn(bearing(relative_.d, word.about, word.from)); }
+  void operator()(const joints::ElevationOfGap& word) {
+    const double rise = relative_.d.dot(unit(word.towards));
+    q_(next_++) = std::atan2(rise, relative_.d.cross(unit(word.towards)).norm());
+  }
+  void operator()(const joints::ByReading& word) {
+    joints::FunctionOfPlacement::Rows rows;
+    word.reading->evaluate({relative_.d, relative_.R}, relative_.v_rel, rows);
+    for (int k = 0; k < rows.n; ++k) {
+      if (word.turns[static_cast<std::size_t>(k)]) {
+        put_turn(rows.value(k));
+      } else {
+        q_(next_++) = rows.value(k);
+      }
+    }
+  }
+
+ private:
+  void put_turn(double angle) {
+    q_(next_) = hint_.size() == q_.size() ? with_turns(angle, hint_(next_)) : angle;
+    ++next_;
+  }
+
+  const RelativeMotion& relative_;
+  const VecX& hint_;
+  VecX& q_;
+  Eigen::Index next_ = 0;
+};
+
+/// Walks along the words of a motion and keeps the axis and the place of each turn: the child's velocity for a unit
+/// speed follows when the end is reached.
+class Walk {
+ public:
+  Walk(const joints::JointType& type, const VecX& q) : q_(q), S_(Mat6X::Zero(6, type.n_u())) {
+    for (const joints::Permit& word : type.permits) std::visit(*this, word);
+    finish();
+  }
+
+  void operator()(const joints::Turn& word) {
+    turns_.push_back({column_++, frame_ * unit(word.axis), place_});
+    frame_ = frame_ * rotation_about(word.axis, q_(next_++));
+  }
+  void operator()(const joints::Slide& word) {
+    const Vec3 along = frame_ * unit(word.axis);
+    S_.col(column_++).head<3>() = along;
+    place_ += q_(next_++) * along;
+  }
+  void operator()(const joints::Arm& word) { place_ += word.length * frame_ * unit(word.axis); }
+  void operator()(const joints::Ball&) {
+    S_.block<3, 3>(3, column_).setIdentity();
+    ends_with_ball_ = true;
+  }
+  void operator()(const joints::ByMotion& word) {
+    joints::FunctionOfCoordinates::Motion motion;
+    const VecX at_rest = VecX::Zero(q_.size());
+    word.motion->evaluate(q_.data(), at_rest.data(), motion);
+    S_ = motion.S.leftCols(S_.cols());
+  }
+
+  [[nodiscard]] const Mat6X& S() const { return S_; }
+
+ private:
+  struct Turned {
+    int column;
+    Vec3 axis;
+    Vec3 place;
+  };
+
+  /// A turn before a ball carries the arm's end, but not the child's orientation.
+  void finish() {
+    for (const Turned& turn : turns_) {
+      S_.col(turn.column).head<3>() = turn.axis.cross(place_ - turn.place);
+      if (!ends_with_ball_) S_.col(turn.column).tail<3>() = turn.axis;
+    }
+  }
+
+  const VecX& q_;
+  Mat6X S_;
+  std::vector<Turned> turns_;
+  Vec3 place_ = Vec3::Zero();
+  Mat3 frame_ = Mat3::Identity();
+  Eigen::Index next_ = 0;
+  int column_ = 0;
+  bool ends_with_ball_ = false;
+};
+
+const joints::ByReading* stated_reading(const joints::JointType& type) {
+  for (const joints::Read& word : type.reads) {
+    if (const auto* by = std::get_if<joints::ByReading>(&word)) return by;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
+  JointMotion motion;
+  motion.q = VecX::Zero(type.n_q());
+  Reading reading(relative, hint, motion.q);
+  for (const joints::Read& word : type.reads) std::visit(reading, word);
+  motion.S = Walk(type, motion.q).S();
+  motion.u = motion.S.cols() > 0 ? VecX(motion.S.colPivHouseholderQr().solve(relative.v_rel)) : VecX();
+  return motion;
+}
+
+Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S) {
+  const joints::ByReading* by_functions = stated_reading(type);
+  if (by_functions != nullptr && by_functions->wrenches != nullptr) {
+    return by_functions->wrenches({relative.d, relative.R});
+  }
+  return S;
+}
+
+VecX lawful_tau(const Joint& joint, const JointMotion& motion, double t) {
+  VecX tau = VecX::Zero(joint.type->n_u());
+  for (const JointSpring& spring : joint.springs) {
+    const int q = first_q(*joint.type, spring.word) + spring.component;
+    const int u = first_u(*joint.type, spring.word) + spring.component;
+    tau(u) += evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, motion.q(q), motion.u(u)).force;
+  }
+  for (const Driver& driver : joint.drivers) {
+    tau(first_u(*joint.type, driver.word) + driver.component) = std::numeric_limits<double>::quiet_NaN();
+  }
+  return tau;
+}
+
+std::vector<bool> turning_speeds(const joints::JointType& type) {
+  std::vector<bool> turning;
+  for (const joints::Permit& word : type.permits) {
+    std::visit(
+        Overloaded{[&](const joints::Slide&) { turning.push_back(false); },
+                   [&](const joints::ByMotion& by) { turning.insert(turning.end(), by.turns.begin(), by.turns.end()); },
+                   [&](const auto&) { turning.insert(turning.end(), static_cast<std::size_t>(n_u(word)), true); }},
+        word);
+  }
+  return turning;
+}
+
+std::vector<std::string> speed_names(const joints::JointType& type) {
+  std::vector<std::string> names;
+  for (const NamedCoordinate& coordinate : named_coordinates(type)) {
+    if (!std::holds_alternative<joints::Ball>(type.permits[coordinate.word])) {
+      names.push_back(coordinate.name);
+      continue;
+    }
+    for (const char* axis : {"_x", "_y", "_z"}) names.push_back(coordinate.name + axis);
+  }
+  return names;
+}
+
+}  // namespace concord::compare

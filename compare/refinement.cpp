@@ -1,0 +1,171 @@
+#include "compare/refinement.h"
+
+#include <algorithm>
+
+#include "compare/digits.h"
+
+namespace concord::compare {
+
+double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightest)); }
+
+const char* name_of(Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return "same state";
+    case Rung::same_run:
+      return "same run";
+    default:
+      return "refined";
+  }
+}
+
+namespace {
+
+constexpr std::optional<double> Row::*digits_at(Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return &Row::same_state;
+    case Rung::same_run:
+      return &Row::same_run;
+    default:
+      return &Row::refined;
+  }
+}
+
+RungSummary& summary_of(Verdict& verdict, Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return verdict.same_state;
+    case Rung::same_run:
+      return verdict.same_run;
+    default:
+      return verdict.refined;
+  }
+}
+
+/// The kinds whose worst digits stand for a rung.
+bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
+
+/// Uniqueness of a wrench component by both solvers; of global components and sums by all that enters them.
+bool is_unique(const Verdict& verdict, const Quantity& quantity) {
+  if (quantity.kind != Kind::reaction && quantity.kind != Kind::total && quantity.kind != Kind::reaction_global) {
+    return true;
+  }
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
+    const auto& flags = solver.rank.joints.at(static_cast<std::size_t>(quantity.owner)).unique[index(quantity.side)];
+    if (quantity.kind != Kind::reaction_global) return flags[quantity.component];
+    const auto first = flags.begin() + (quantity.component < 3 ? 0 : 3);
+    return std::all_of(first, first + 3, [](bool flag) { return flag; });
+  });
+}
+
+}  // namespace
+
+std::optional<double> digits_of(const Row& row, Rung rung) { return row.*digits_at(rung); }
+
+double need_of(const Row& row, Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return row.need.same_state;
+    case Rung::same_run:
+      return row.need.same_run;
+    default:
+      return row.need.refined;
+  }
+}
+
+bool climbs(const Row& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  if (!digits) return false;
+  if (*digits >= need_of(row, rung)) return true;
+  return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+}
+
+bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
+
+void make_rows(const Layout& layout, Verdict& verdict) {
+  const Model& model = layout.model();
+  for (const Quantity& quantity : layout.quantities()) {
+    Row row;
+    row.quantity = quantity;
+    row.unique = is_unique(verdict, quantity);
+    row.need = default_needs(model);
+    if (quantity.kind != Kind::reaction) {
+      verdict.others.push_back(row);
+      continue;
+    }
+    const Joint& joint = model.joints[quantity.owner];
+    if (!joints::carries(*joint.type, quantity.side, quantity.component)) continue;
+    row.need = needs_of(model, joint.name, component_names()[quantity.component]);
+    verdict.rows.push_back(row);
+  }
+}
+
+void record(const Layout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
+  const auto& quantities = layout.quantities();
+  std::size_t place = 0;
+  const auto fill = [&](Row& row) {
+    while (quantities[place] != row.quantity) ++place;  // rows keep the layout's order
+    const Measured& found = measured[place];
+    if (row.scale == 0.0) {
+      row.scale = found.scale;
+      row.floored = found.floored;
+    }
+    if (judges(rung, row.quantity.kind)) row.*digits_at(rung) = found.digits;
+  };
+  for (Row& row : verdict.rows) fill(row);
+  place = 0;
+  for (Row& row : verdict.others) fill(row);
+}
+
+bool has_judged(const Verdict& verdict) {
+  const auto is_judged_element = [](const Row& row) { return row.quantity.kind == Kind::element; };
+  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_element);
+}
+
+bool carries_something(const Verdict& verdict) {
+  const auto carries = [](const Row& row) {
+    return row.unique && row.scale > 0.0 && (row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element);
+  };
+  return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
+         std::any_of(verdict.others.begin(), verdict.others.end(), carries);
+}
+
+namespace {
+
+void sum_up(Rung rung, Verdict& verdict) {
+  RungSummary& summary = summary_of(verdict, rung);
+  summary.climbed = has_judged(verdict);
+  const auto take = [&](const Row& row) {
+    if (!row.unique || !judges(rung, row.quantity.kind)) return;
+    summary.climbed = summary.climbed && climbs(row, rung);
+    const auto digits = digits_of(row, rung);
+    if (!digits || !gives_digits(row.quantity.kind)) return;
+    summary.digits = std::min(summary.digits.value_or(kMostDigits), *digits);
+  };
+  for (const Row& row : verdict.rows) take(row);
+  for (const Row& row : verdict.others) take(row);
+}
+
+}  // namespace
+
+void judge(Verdict& verdict) {
+  const auto judge_row = [](Row& row) {
+    if (!row.unique) return;
+    row.judgement = Judgement::agree;
+    for (const Rung rung : kRungs) {
+      if (!judges(rung, row.quantity.kind) || climbs(row, rung)) continue;
+      if (digits_of(row, rung)) row.judgement = Judgement::differ;
+      // A rung that did not run condemns nobody and acquits nobody.
+      if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
+    }
+  };
+  for (Row& row : verdict.rows) judge_row(row);
+  for (Row& row : verdict.others) judge_row(row);
+  verdict.total = static_cast<int>(verdict.rows.size());
+  verdict.judged = static_cast<int>(
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return row.unique; }));
+  for (const Rung rung : kRungs) sum_up(rung, verdict);
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/agreement.h"
+#include "compare/verdict.h"
+
+/// From measured digits to judgements, rung by rung.
+namespace concord::compare {
+
+/// Tolerances are divided by this on the refined rung, but not below what double precision can hold.
+inline constexpr double kTighter = 100.0;
+inline constexpr double kTightest = 1e-14;
+
+/// Relative tolerance of the refined run.
+double refined_tolerance(double rtol);
+
+/// The rungs at which digits are judged, in the order of climbing.
+enum class Rung { same_state, same_run, refined };
+inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
+
+/// "same state", "same run", "refined".
+const char* name_of(Rung rung);
+
+std::optional<double> digits_of(const Row& row, Rung rung);
+double need_of(const Row& row, Rung rung);
+
+/// Whether a row reaches its need on a rung; refined: its need, or kRefinedRise above its same run. False if the rung
+/// did not run.
+bool climbs(const Row& row, Rung rung);
+
+/// Rungs that judge a quantity: all three, but accelerations at the same state only.
+bool judges(Rung rung, Kind kind);
+
+/// Rows of all quantities: reactions that the joints can carry in `rows`, the rest in `others`. Components that either
+/// solver finds not unique, and what follows from them, are not judged.
+void make_rows(const Layout& layout, Verdict& verdict);
+
+/// Fills the digits of one rung into all rows, and the scale where it is still missing.
+void record(const Layout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict);
+
+/// Whether anything was judged: a reaction component, or a force element where no joint carries anything.
+bool has_judged(const Verdict& verdict);
+
+/// Whether any joint or force element that is judged carries more than nothing.
+bool carries_something(const Verdict& verdict);
+
+/// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether climbed.
+void judge(Verdict& verdict);
+
+}  // namespace concord::compare

@@ -1,0 +1,97 @@
+#include "compare/report_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace concord::compare {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+
+Json digits(const std::optional<double>& value) {
+  if (!value) return nullptr;
+  return std::floor(*value * 100.0) / 100.0;
+}
+
+Json rung(const RungSummary& summary) { return {{"digits", digits(summary.digits)}}; }
+
+/// A row of a joint's reaction or of a force element's wrench; `owner` says which.
+Json wrench_row(const char* owner, const std::string& name, const Row& row) {
+  const auto judged = [&](const std::optional<double>& value) { return row.unique ? digits(value) : Json(nullptr); };
+  Json need{{"same_state", row.need.same_state}, {"same_run", row.need.same_run}, {"refined", row.need.refined}};
+  return {{owner, name},
+          {"side", row.quantity.side == Side::child ? "child" : "parent"},
+          {"component", describe_component(row.quantity)},
+          {"scale", row.scale},
+          {"unique", row.unique},
+          {"same_state_digits", judged(row.same_state)},
+          {"same_run_digits", judged(row.same_run)},
+          {"refined_digits", judged(row.refined)},
+          {"need", std::move(need)},
+          {"verdict", row.judgement == Judgement::agree    ? "agree"
+                      : row.judgement == Judgement::differ ? "differ"
+                                                           : "not_judged"}};
+}
+
+Json reference_row(const Model& model, const ReferenceRow& row) {
+  return {{"of", describe_owner(model, row.quantity)},
+          {"component", describe_component(row.quantity)},
+          {"peak", row.peak},
+          {"stated_error", row.allowed},
+          {"cartesian_off", row.differences[0]},
+          {"relative_off", row.differences[1]},
+          {"verdict", !row.is_judged ? "not_judged"
+                      : row.agrees   ? "agree"
+                                     : "differ"}};
+}
+
+Json solver(const SolverSummary& summary) {
+  return {{"wall_s", summary.statistics.wall_s},
+          {"steps", summary.statistics.steps},
+          {"evaluations", summary.statistics.evaluations},
+          {"max_constraint", summary.statistics.max_constraint},
+          {"energy_error", summary.energy_error ? Json(*summary.energy_error) : Json(nullptr)}};
+}
+
+Json document(const Model& model, const Verdict& verdict) {
+  Json joints = Json::array();
+  for (const Row& row : verdict.rows) {
+    joints.push_back(wrench_row("joint", model.joints[row.quantity.owner].name, row));
+  }
+  Json elements = Json::array();
+  for (const Row& row : verdict.others) {
+    if (row.quantity.kind != Kind::element) continue;
+    elements.push_back(wrench_row("element", model.elements[row.quantity.owner].name, row));
+  }
+  Json solvers;
+  solvers["cartesian"] = solver(verdict.solvers[0]);
+  solvers["relative"] = solver(verdict.solvers[1]);
+  Json said{{"format", kFormat},
+            {"verdict", to_string(verdict.outcome)},
+            {"judged", verdict.judged},
+            {"total", verdict.total},
+            {"same_state", rung(verdict.same_state)},
+            {"same_run", rung(verdict.same_run)},
+            {"refined", rung(verdict.refined)},
+            {"audit", rung(verdict.audit)},
+            {"joints", std::move(joints)},
+            {"solvers", std::move(solvers)}};
+  for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(model, row));
+  if (!elements.empty()) said["elements"] = std::move(elements);
+  return said;
+}
+
+}  // namespace
+
+std::string format_json(const Model& model, const Verdict& verdict) { return document(model, verdict).dump(2) + '\n'; }
+
+std::string format_json(const std::vector<std::pair<const Model*, const Verdict*>>& cases) {
+  Json all = Json::object();
+  for (const auto& [model, verdict] : cases) all[verdict->name] = document(*model, *verdict);
+  return all.dump(2) + '\n';
+}
+
+}  // namespace concord::compare

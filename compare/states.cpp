@@ -1,0 +1,173 @@
+#include "compare/states.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace concord::compare {
+
+namespace {
+
+constexpr int kTries = 30;
+/// Each try starts nearer to the run's state than the one before.
+constexpr double kShrink = 0.8;
+/// Deflection [of the machine's length] to shake a mode with that the run never moves.
+constexpr double kQuietDeflection = 1e-4;
+
+}  // namespace
+
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories) {
+  std::vector<OwnedState> states;
+  const auto rows_of = [&](int who) { return trajectories[who] != nullptr ? trajectories[who]->samples.size() : 0; };
+  const std::size_t rows = std::max(rows_of(0), rows_of(1));
+  const bool take_both = rows < kTrajectoryStates;
+  for (std::size_t k = 0; k < rows; ++k) {
+    const int turn = static_cast<int>(k % 2);
+    for (const int who : {turn, 1 - turn}) {
+      if (k >= rows_of(who)) continue;
+      states.push_back({trajectories[who]->samples[k].state, static_cast<Who>(who)});
+      if (!take_both) break;
+    }
+  }
+  return states;
+}
+
+Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
+    : generator_(seed), length_(model.length_scale()) {
+  modal_.reserve(model.bodies.size());
+  for (const Body& body : model.bodies) {
+    modal_.push_back(VecX::Zero(body.n_modes()));
+    modal_rate_.push_back(VecX::Zero(body.n_modes()));
+  }
+  for (const OwnedState& owned : run) {
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const BodyState& body = owned.state.bodies[i];
+      speed_ = std::max(speed_, body.v.norm());
+      turning_ = std::max(turning_, body.omega.norm());
+      modal_[i] = modal_[i].cwiseMax(body.a.cwiseAbs());
+      modal_rate_[i] = modal_rate_[i].cwiseMax(body.adot.cwiseAbs());
+    }
+  }
+  turning_ = std::max({turning_, speed_ / length_, 1.0});
+  speed_ = std::max(speed_, turning_ * length_);
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (!model.bodies[i].modal) continue;
+    for (int mode = 0; mode < model.bodies[i].n_modes(); ++mode) {
+      if (modal_[i](mode) > 0.0) continue;
+      double shape = 0.0;
+      for (const MassPoint& point : model.bodies[i].modal->mass_points) {
+        shape = std::max(shape, point.Psi_t_L.col(mode).norm());
+      }
+      modal_[i](mode) = shape > 0.0 ? kQuietDeflection * length_ / shape : 0.0;
+      modal_rate_[i](mode) = modal_[i](mode) * turning_;
+    }
+  }
+}
+
+double Shaker::uniform() {
+  // splitmix64: the same numbers on every machine.
+  std::uint64_t z = (generator_ += 0x9e3779b97f4a7c15ULL);
+  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
+  z ^= z >> 31U;
+  return std::ldexp(static_cast<double>(z >> 11U), -52) - 1.0;
+}
+
+Vec3 Shaker::uniform3() {
+  Vec3 v;
+  for (double& one : v) one = uniform();
+  return v;
+}
+
+VecX Shaker::within(const VecX& largest) {
+  VecX drawn = largest;
+  for (double& one : drawn) one *= uniform();
+  return drawn;
+}
+
+State Shaker::shake(const State& state, double amplitude) {
+  constexpr double kMove = 0.05;
+  constexpr double kTurn = 0.1;
+  State shaken = state;
+  for (std::size_t i = 1; i < shaken.bodies.size(); ++i) {
+    BodyState& body = shaken.bodies[i];
+    body.r += amplitude * kMove * length_ * uniform3();
+    const Vec3 turn = amplitude * kTurn * uniform3();
+    const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
+    const Eigen::Quaterniond after = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * before;
+    body.p << after.w(), after.x(), after.y(), after.z();
+    body.v += amplitude * kTurn * speed_ * uniform3();
+    body.omega += amplitude * kTurn * turning_ * uniform3();
+    body.a = within(modal_[i]);
+    body.adot = within(modal_rate_[i]);
+  }
+  return shaken;
+}
+
+SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run) {
+  SharedStates shared;
+  shared.states.reserve(run.size());
+  for (const OwnedState& owned : run) {
+    SharedState both{owned.state, {}};
+    bool accepted = true;
+    for (int who = 0; who < 2; ++who) {
+      try {
+        both.evaluations[who] = solvers[who]->evaluate(owned.state);
+      } catch (const SolverError& error) {
+        const bool own = who == index(owned.owner);
+        (own ? shared.failures : shared.refusals)
+            .push_back(fmt::format("{} does not accept {} state at t = {:.6g} s: {}", solvers[who]->name(),
+                                   own ? "its own" : fmt::format("{}'s", solvers[index(owned.owner)]->name()),
+                                   owned.state.t, error.what()));
+        accepted = false;
+      }
+    }
+    if (accepted) shared.states.push_back(std::move(both));
+  }
+  return shared;
+}
+
+namespace {
+
+/// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
+std::optional<State> neighbour(Solver& solver, Shaker& shaker, const State& base) {
+  double amplitude = 1.0;
+  for (int attempt = 0; attempt < kTries; ++attempt, amplitude *= kShrink) {
+    std::optional<State> closed = solver.close(shaker.shake(base, amplitude));
+    if (!closed) continue;
+    try {
+      solver.evaluate(*closed);
+    } catch (const SolverError&) {
+      continue;  // Newton's method found another branch
+    }
+    return closed;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
+                          std::uint64_t seed) {
+  SharedStates shared;
+  if (run.empty()) return shared;
+  Shaker shaker(model, run, seed);
+  std::vector<OwnedState> closed;
+  for (int k = 0; k < kRandomStates; ++k) {
+    const auto owner = static_cast<Who>(k % 2);
+    const State& base = run[static_cast<std::size_t>(k) * run.size() / kRandomStates].state;
+    if (auto state = neighbour(*solvers[index(owner)], shaker, base)) {
+      closed.push_back({std::move(*state), owner});
+    } else {
+      shared.failures.push_back(fmt::format("{} finds no consistent state near t = {:.6g} s in {} tries",
+                                            solvers[index(owner)]->name(), base.t, kTries));
+    }
+  }
+  SharedStates evaluated = share(solvers, closed);
+  evaluated.failures.insert(evaluated.failures.end(), shared.failures.begin(), shared.failures.end());
+  return evaluated;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/align.h"
+
+/// The states at which both solvers are asked the same question.
+namespace concord::compare {
+
+inline constexpr int kTrajectoryStates = 200;  // at least
+inline constexpr int kRandomStates = 50;
+inline constexpr std::uint64_t kSeed = 19971025;
+
+/// A state, and the solver that closed it.
+struct OwnedState {
+  State state;
+  Who owner = Who::cartesian;
+};
+
+/// States of a run from both trajectories in turn (the first from cartesian), t = 0 among them; both of each row if
+/// there are fewer rows than kTrajectoryStates. A missing trajectory (nullptr) leaves its turns to the other one.
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories);
+
+/// Makes generic neighbours of the states of a run, the same ones for the same seed.
+class Shaker {
+ public:
+  Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed);
+
+  /// `state` with every body moved, turned and set in motion, and with modal coordinates and rates drawn anew within
+  /// the largest of the run; not closed. Amplitude 1: a twentieth of the machine's length, 0.1 rad, and a tenth of the
+  /// run's largest speeds.
+  State shake(const State& state, double amplitude);
+
+ private:
+  double uniform();  // in [-1, 1)
+  Vec3 uniform3();
+  VecX within(const VecX& largest);
+
+  std::uint64_t generator_;
+  double length_;
+  double speed_ = 0.0;
+  double turning_ = 0.0;
+  std::vector<VecX> modal_;
+  std::vector<VecX> modal_rate_;
+};
+
+/// States evaluated by both solvers, and what stood in the way.
+struct SharedStates {
+  std::vector<SharedState> states;
+  /// A solver does not accept a state that the other one closed: a difference, in the solver's words.
+  std::vector<std::string> refusals;
+  /// A solver does not accept its own state, or finds none: no verdict.
+  std::vector<std::string> failures;
+};
+
+/// The states of a run, each handed once to both solvers.
+SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run);
+
+/// kRandomStates consistent states near those of a run, closed by the solvers in turn and handed once to both.
+SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
+                          std::uint64_t seed);
+
+}  // namespace concord::compare

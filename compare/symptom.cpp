@@ -1,0 +1,158 @@
+#include "compare/symptom.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace concord::compare {
+
+namespace {
+
+/// Part of the difference that a named pattern may leave unexplained.
+constexpr double kUnexplained = 1e-3;
+
+using Vectors = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// The three components to which a failing row belongs, of both solvers over all samples.
+struct Case {
+  const Layout& layout;
+  const Series& series;
+  Quantity quantity;
+  int first = 0;  // row of the vector's first component
+  std::array<Vectors, 2> vectors;
+  double difference = 0.0;  // Frobenius norm
+
+  [[nodiscard]] bool explains(const Vectors& predicted, int who) const {
+    return (vectors[who] - predicted).norm() <= kUnexplained * difference;
+  }
+  [[nodiscard]] Vectors rows(int row, int who) const { return series.values[who].middleRows<3>(row); }
+};
+
+constexpr std::array kNames{"cartesian", "relative"};
+
+std::string samples_of(const Series& series) { return fmt::format("all {} samples", series.times.size()); }
+
+/// The constant factor from cartesian to relative and what it explains, or an empty text.
+std::string factor_pattern(const Eigen::Ref<const MatX>& one, const Eigen::Ref<const MatX>& other,
+                           const Series& series) {
+  const double difference = (one - other).norm();
+  if (one.norm() <= kUnexplained * other.norm()) return fmt::format("cartesian gives zero in {}", samples_of(series));
+  if (other.norm() <= kUnexplained * one.norm()) return fmt::format("relative gives zero in {}", samples_of(series));
+  const double factor = (one.array() * other.array()).sum() / one.squaredNorm();
+  if ((other - factor * one).norm() > kUnexplained * difference) return "";
+  const auto is = [&](double value) { return std::abs(factor - value) < kUnexplained * std::abs(value); };
+  if (is(-1.0)) {
+    return fmt::format("same size, opposite sign in {}: check side, point and frame before the dynamics",
+                       samples_of(series));
+  }
+  if (is(2.0)) return fmt::format("factor two: relative is twice cartesian in {}", samples_of(series));
+  if (is(0.5)) return fmt::format("factor two: cartesian is twice relative in {}", samples_of(series));
+  return fmt::format("constant factor: relative is {:.6g} times cartesian in {}", factor, samples_of(series));
+}
+
+std::string other_frame_pattern(const Case& test) {
+  if (test.quantity.kind != Kind::reaction && test.quantity.kind != Kind::total) return "";
+  const int block = test.quantity.component < 3 ? 0 : 3;
+  const auto side_row = [&](Side side) {
+    return test.layout.first_row(test.quantity.kind, test.quantity.owner, side) + block;
+  };
+  const int global = test.layout.first_row(Kind::reaction_global, test.quantity.owner, test.quantity.side) + block;
+  const Side opposite = test.quantity.side == Side::child ? Side::parent : Side::child;
+  for (int who = 0; who < 2; ++who) {
+    if (test.explains(test.rows(global, 1 - who), who)) {
+      return fmt::format("other frame: {} gives components in global axes", kNames[who]);
+    }
+    const Vectors across = test.rows(side_row(opposite), 1 - who);
+    if (test.explains(across, who))
+      return fmt::format("other side: {} gives the wrench on the {}", kNames[who],
+                         opposite == Side::child ? "child" : "parent");
+    if (test.explains(-across, who)) {
+      return fmt::format("other frame: {} gives components in the {}'s joint frame", kNames[who],
+                         opposite == Side::child ? "child" : "parent");
+    }
+  }
+  return "";
+}
+
+/// The lever c (constant in the vectors' frame) with T_relative - T_cartesian = c x F, in the sense of least squares.
+Vec3 fit_lever(const Vectors& difference, const Vectors& force) {
+  Mat3 normal = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
+  for (Eigen::Index k = 0; k < force.cols(); ++k) {
+    const Vec3 F = force.col(k);
+    normal += F.squaredNorm() * Mat3::Identity() - F * F.transpose();
+    right += F.cross(difference.col(k));
+  }
+  return normal.completeOrthogonalDecomposition().solve(right);
+}
+
+std::string other_point_pattern(const Case& test) {
+  const bool is_torque = test.quantity.kind != Kind::acceleration && test.quantity.component >= 3;
+  if (!is_torque) return "";
+  const Vectors force = test.rows(test.first - 3, 0);
+  const Vectors other_force = test.rows(test.first - 3, 1);
+  if ((force - other_force).norm() > kUnexplained * force.norm()) return "";
+  const Vec3 lever = fit_lever(test.vectors[1] - test.vectors[0], force);
+  Vectors predicted = test.vectors[0];
+  for (Eigen::Index k = 0; k < force.cols(); ++k) predicted.col(k) += lever.cross(force.col(k));
+  if (!test.explains(predicted, 1)) return "";
+  return fmt::format("other point: the torques differ by lever x force, lever = ({:.6g}, {:.6g}, {:.6g}) m, in {}",
+                     lever(0), lever(1), lever(2), samples_of(test.series));
+}
+
+/// The rotation Q that turns cartesian's vectors best into relative's.
+Mat3 fit_rotation(const Vectors& from, const Vectors& to) {
+  const Mat3 correlation = to * from.transpose();
+  const Eigen::JacobiSVD<Mat3> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 signs = Vec3::Ones();
+  signs(2) = svd.matrixU().determinant() * svd.matrixV().determinant() > 0.0 ? 1.0 : -1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+std::string rotation_pattern(const Case& test) {
+  const Mat3 Q = fit_rotation(test.vectors[0], test.vectors[1]);
+  if (test.explains(Q * test.vectors[0], 1)) {
+    const double degrees = angle_between(Mat3::Identity(), Q) * 180.0 / std::numbers::pi;
+    return fmt::format("other frame: the same vectors, turned by {:.4g} deg, in {}", degrees, samples_of(test.series));
+  }
+  const Eigen::RowVectorXd norms = test.vectors[0].colwise().norm();
+  const Eigen::RowVectorXd others = test.vectors[1].colwise().norm();
+  if ((norms - others).norm() > kUnexplained * test.difference) return "";
+  return fmt::format("other frame: same size, other direction in {}: check frames and axes", samples_of(test.series));
+}
+
+/// No pattern: where the difference stands tells at least whether it grows.
+std::string growth_pattern(const Case& test) {
+  const Eigen::Index samples = test.vectors[0].cols();
+  const Eigen::Index early = std::max<Eigen::Index>(1, samples / 10);
+  const Vectors difference = test.vectors[1] - test.vectors[0];
+  if (difference.leftCols(early).norm() > 0.1 * difference.rightCols(early).norm()) {
+    return "no known pattern: not sign, factor, frame or point";
+  }
+  return "no known pattern: not sign, factor, frame or point; the difference grows along the samples";
+}
+
+}  // namespace
+
+std::string diagnose(const Layout& layout, const Series& series, int row) {
+  const Quantity quantity = layout.quantities()[row];
+  const auto line = [&](int who) { return series.values[who].row(row); };
+  if (quantity.kind == Kind::driver || (quantity.kind == Kind::acceleration && quantity.component >= 6)) {
+    const std::string text = factor_pattern(line(0), line(1), series);
+    return text.empty() ? "no known pattern: neither sign nor factor" : text;
+  }
+  const int first = row - quantity.component % 3;
+  Case test{layout, series, quantity, first, {}, 0.0};
+  for (int who = 0; who < 2; ++who) test.vectors[who] = test.rows(first, who);
+  test.difference = (test.vectors[0] - test.vectors[1]).norm();
+  std::string text = factor_pattern(test.vectors[0], test.vectors[1], series);
+  if (text.empty()) text = factor_pattern(line(0), line(1), series);
+  if (text.empty()) text = other_frame_pattern(test);
+  if (text.empty()) text = other_point_pattern(test);
+  if (text.empty()) text = rotation_pattern(test);
+  return text.empty() ? growth_pattern(test) : text;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,325 @@
+#include "compare/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "compare/digits.h"
+#include "compare/refinement.h"
+#include "compare/states.h"
+
+namespace concord::compare {
+
+std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right) {
+  std::vector<std::size_t> widths(right.size(), 0);
+  for (const auto& line : lines) {
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  }
+  std::string text;
+  for (std::size_t row = 0; row < lines.size(); ++row) {
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      const std::string& cell = lines[row][c];
+      text += right[c] ? fmt::format("| {:>{}} ", cell, widths[c]) : fmt::format("| {:<{}} ", cell, widths[c]);
+    }
+    text += "|\n";
+    if (row > 0) continue;
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      text += fmt::format("|{:-<{}}{}", "", widths[c] + 1, right[c] ? ":" : "-");
+    }
+    text += "|\n";
+  }
+  return text;
+}
+
+namespace {
+
+std::string plural(int count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string cuts_of(const SolverSummary& solver) {
+  return solver.cut_joints.empty() ? "" : fmt::format("{} cuts {}", solver.name, fmt::join(solver.cut_joints, ", "));
+}
+
+std::string head(const Verdict& verdict) {
+  std::string text = fmt::format("{}: {}, {}, {}", verdict.name, plural(verdict.bodies, "body", "bodies"),
+                                 plural(verdict.joints, "joint", "joints"), plural(verdict.loops, "loop", "loops"));
+  std::vector<std::string> cuts;
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (const std::string cut = cuts_of(solver); !cut.empty()) cuts.push_back(cut);
+  }
+  if (!cuts.empty()) text += fmt::format(" ({})", fmt::join(cuts, "; "));
+  text += fmt::format(", {} of which {} modal\n",
+                      plural(verdict.solvers[0].rank.degrees_of_freedom, "degree of freedom", "degrees of freedom"),
+                      verdict.modes);
+  text += "  constraints at the start:";
+  for (std::size_t who = 0; who < 2; ++who) {
+    const SolverSummary& solver = verdict.solvers[who];
+    text +=
+        fmt::format("{} {} {} of rank {}", who == 0 ? "" : ",", solver.name, solver.rank.constraints, solver.rank.rank);
+  }
+  text += fmt::format("\n  run: {:g} s, {} samples, rtol {:g}, refined {:g}, {} by {}, {} by {}\n", verdict.run.until,
+                      verdict.run.samples + 1, verdict.run.rtol, refined_tolerance(verdict.run.rtol),
+                      verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name,
+                      verdict.solvers[1].integrator);
+  text += fmt::format(
+      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}\n",
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit);
+  return text;
+}
+
+std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
+
+/// How far a row stands above its needs; the least of all rungs.
+double margin(const Row& row) {
+  double least = kMostDigits;
+  for (const Rung rung : kRungs) {
+    const std::optional<double> digits = digits_of(row, rung);
+    if (!digits) continue;
+    double above = *digits - need_of(row, rung);
+    if (rung == Rung::refined && row.same_run) above = std::max(above, *digits - (*row.same_run + kRefinedRise));
+    least = std::min(least, above);
+  }
+  return least;
+}
+
+/// Name of the joint or force element of a wrench, and of the body on which it acts.
+std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
+  if (quantity.kind == Kind::element) {
+    const ForceElement& element = model.elements[quantity.owner];
+    return {element.name, model.bodies[end_of(element, quantity.side)->body].name};
+  }
+  const Joint& joint = model.joints[quantity.owner];
+  return {joint.name, model.bodies[joint.on(quantity.side).body].name};
+}
+
+std::vector<std::string> cells(const Model& model, const Verdict& verdict, const Row& row) {
+  const auto [owner, body] = owner_names(model, row.quantity);
+  const bool is_judged = row.unique;
+  const auto shown = [&](const std::optional<double>& digits) { return is_judged ? digits_cell(digits) : "-"; };
+  std::string said = row.unique ? to_string(row.judgement) : "not unique, not judged";
+  if (!row.need.because.empty()) said += fmt::format(" (need lowered: {})", row.need.because);
+  return {verdict.name,
+          owner,
+          body,
+          describe_component(row.quantity),
+          fmt::format("{:.4g}{} {}", row.scale, row.floored ? " (floor)" : "", unit_of(model, row.quantity)),
+          shown(row.same_state),
+          shown(row.same_run),
+          shown(row.refined),
+          fmt::format("{:g} / {:g} / {:g}", row.need.same_state, row.need.same_run, row.need.refined),
+          said};
+}
+
+/// Of each joint and side: the judged row with the least margin, and each row whose need the model lowered; if none is
+/// judged there, the first row.
+std::vector<const Row*> compact(const std::vector<Row>& rows) {
+  std::vector<const Row*> chosen;
+  for (std::size_t first = 0; first < rows.size();) {
+    std::size_t end = first;
+    const auto is_same_side = [&](const Row& row) {
+      return row.quantity.owner == rows[first].quantity.owner && row.quantity.side == rows[first].quantity.side;
+    };
+    while (end < rows.size() && is_same_side(rows[end])) ++end;
+    const Row* worst = &rows[first];
+    for (std::size_t k = first; k < end; ++k) {
+      const bool better_known = rows[k].unique && !worst->unique;
+      if (better_known || (rows[k].unique && margin(rows[k]) < margin(*worst))) worst = &rows[k];
+    }
+    for (std::size_t k = first; k < end; ++k) {
+      if (&rows[k] == worst || !rows[k].need.because.empty()) chosen.push_back(&rows[k]);
+    }
+    first = end;
+  }
+  return chosen;
+}
+
+std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict, const std::vector<Row>& rows,
+                         bool all_rows) {
+  std::vector<std::vector<std::string>> lines{
+      {"case", owner, "on", "component", "scale", "same state", "same run", "refined", "need", "verdict"}};
+  if (all_rows) {
+    for (const Row& row : rows) lines.push_back(cells(model, verdict, row));
+  } else {
+    for (const Row* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
+  }
+  return format_table(lines, {false, false, false, false, true, true, true, true, false, false});
+}
+
+std::string reaction_table(const Model& model, const Verdict& verdict, bool all_rows) {
+  if (verdict.rows.empty()) return "";
+  return wrench_table("joint", model, verdict, verdict.rows, all_rows) + '\n';
+}
+
+std::string element_table(const Model& model, const Verdict& verdict, bool all_rows) {
+  std::vector<Row> rows;
+  std::copy_if(verdict.others.begin(), verdict.others.end(), std::back_inserter(rows),
+               [](const Row& row) { return row.quantity.kind == Kind::element; });
+  if (rows.empty()) return "";
+  return wrench_table("force element", model, verdict, rows, all_rows) + '\n';
+}
+
+/// Worst digits of each kind of the other quantities.
+std::string also_compared(const Verdict& verdict, Rung rung) {
+  constexpr std::array kKinds{
+      std::pair{Kind::total, "total wrenches"},    std::pair{Kind::reaction_global, "global axes"},
+      std::pair{Kind::driver, "driver forces"},    std::pair{Kind::element, "force elements"},
+      std::pair{Kind::body_sum, "sums on bodies"}, std::pair{Kind::acceleration, "accelerations"}};
+  std::string text;
+  for (const auto& [kind, name] : kKinds) {
+    std::optional<double> worst;
+    for (const Row& row : verdict.others) {
+      const auto digits = digits_of(row, rung);
+      if (row.quantity.kind == kind && row.unique && digits) worst = std::min(worst.value_or(kMostDigits), *digits);
+    }
+    if (worst) text += fmt::format("{} {} {}", text.empty() ? "" : ",", name, format_digits(*worst));
+  }
+  return text;
+}
+
+std::string not_unique(const Model& model, const Verdict& verdict) {
+  std::map<std::pair<int, int>, std::string> names;
+  for (const Row& row : verdict.rows) {
+    if (row.unique) continue;
+    std::string& line = names[{row.quantity.owner, index(row.quantity.side)}];
+    if (line.empty()) line = describe_owner(model, row.quantity) + ":";
+    line += " " + describe_component(row.quantity);
+  }
+  std::string text;
+  for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
+  return text;
+}
+
+std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v(0), v(1), v(2)); }
+
+std::string pair_sums(const Verdict& verdict) {
+  std::string text;
+  for (const PairSum& pair : verdict.pair_sums) {
+    text += fmt::format("sum of {}: {} digits at the same state; at the first state", pair.what,
+                        format_digits(pair.digits));
+    for (std::size_t who = 0; who < 2; ++who) {
+      text += fmt::format("{} {} F {} N, T {} N m", who == 0 ? "" : ";", verdict.solvers[who].name,
+                          vector_text(pair.at_start[who].force), vector_text(pair.at_start[who].torque));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string motion_text(const Verdict& verdict) {
+  std::string text;
+  const auto add = [&](const char* rung, const std::optional<MotionAgreement>& motion) {
+    if (!motion) return;
+    text += fmt::format("{} {} {}", text.empty() ? "motions, digits:" : ",", rung, format_digits(motion->digits));
+    if (!motion->worst.empty()) text += fmt::format(" ({}, t = {:.4g} s)", motion->worst, motion->t);
+  };
+  add("same run", verdict.motion);
+  add("refined", verdict.refined_motion);
+  return text.empty() ? text : text + '\n';
+}
+
+std::string rung_text(const char* name, const RungSummary& rung) {
+  return rung.digits ? fmt::format("{} {}", name, format_digits(*rung.digits)) : std::string(name);
+}
+
+bool keeps_energy(const Verdict& verdict) {
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
+    return solver.energy_error && *solver.energy_error <= kEnergyPerTolerance * verdict.run.rtol;
+  });
+}
+
+bool agrees_with_reference(const Verdict& verdict) {
+  return std::all_of(verdict.references.begin(), verdict.references.end(),
+                     [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
+}
+
+std::string audit_text(const Verdict& verdict) {
+  std::string text;
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
+  }
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (!solver.energy_error) continue;
+    text +=
+        fmt::format("{} {} {:.1e}", text.find("energy") == std::string::npos ? "energy balance, relative error:" : ",",
+                    solver.name, *solver.energy_error);
+  }
+  return text.empty() ? text : text + '\n';
+}
+
+std::string reference_table(const Model& model, const Verdict& verdict) {
+  if (verdict.references.empty()) return "";
+  std::vector<std::vector<std::string>> lines{{"against " + verdict.reference_file, "component", "peak", "stated error",
+                                               "cartesian off", "relative off", "verdict"}};
+  for (const ReferenceRow& row : verdict.references) {
+    lines.push_back({describe_owner(model, row.quantity), describe_component(row.quantity),
+                     fmt::format("{:.4g} {}", row.peak, unit_of(model, row.quantity)),
+                     fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
+                     fmt::format("{:.3g}", row.differences[1]),
+                     !row.is_judged ? "not unique, not judged"
+                     : row.agrees   ? "agree"
+                                    : "differ"});
+  }
+  return '\n' + format_table(lines, {false, false, true, true, true, true, false}) + '\n';
+}
+
+std::string last_line(const Verdict& verdict) {
+  std::vector<std::string> climbed;
+  std::vector<std::string> missed;
+  const auto sort = [&](bool is_climbed, std::string text) {
+    (is_climbed ? climbed : missed).push_back(std::move(text));
+  };
+  sort(verdict.rank_agrees, "rank");
+  sort(verdict.same_state.climbed, rung_text("same state", verdict.same_state));
+  sort(verdict.same_run.climbed, rung_text("same run", verdict.same_run));
+  sort(verdict.refined.climbed, rung_text("refined", verdict.refined));
+  sort(verdict.audit.climbed, rung_text("audit", verdict.audit));
+  sort(keeps_energy(verdict), "energy");
+  if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
+  std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
+                                 verdict.judged, verdict.total);
+  if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));
+  if (!missed.empty()) text += fmt::format("; not climbed: {}", fmt::join(missed, ", "));
+  return text + '\n';
+}
+
+std::string trouble(const Verdict& verdict, bool all_rows) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t k = 0; k < verdict.findings.size(); ++k) {
+    if (k == kShown && !all_rows) {
+      text += fmt::format("     and {} more: --all names them\n", verdict.findings.size() - k);
+      break;
+    }
+    const Finding& finding = verdict.findings[k];
+    text += fmt::format("FAIL {}: {}\n", verdict.name, finding.what);
+    const bool is_last_of_its_kind =
+        k + 1 == verdict.findings.size() || verdict.findings[k + 1].symptom != finding.symptom;
+    if (is_last_of_its_kind) text += fmt::format("     {}\n", finding.symptom);
+  }
+  for (const std::string& failure : verdict.failures) text += fmt::format("STOP {}: {}\n", verdict.name, failure);
+  return text;
+}
+
+}  // namespace
+
+std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
+  std::string text = head(verdict) + '\n';
+  text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
+  text += not_unique(model, verdict) + pair_sums(verdict);
+  for (const Rung rung : kRungs) {
+    const std::string others = also_compared(verdict, rung);
+    if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(rung), others);
+  }
+  text += motion_text(verdict) + audit_text(verdict);
+  if (verdict.same_state.samples > 0) {
+    text += fmt::format("states handed to both: {}, of which {} shaken with seed {}\n", verdict.same_state.samples,
+                        kRandomStates, kSeed);
+  }
+  text += reference_table(model, verdict);
+  for (const std::string& note : verdict.notes) text += fmt::format("note: {}\n", note);
+  return text + trouble(verdict, all_rows) + last_line(verdict);
+}
+
+}  // namespace concord::compare

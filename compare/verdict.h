@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/align.h"
+#include "compare/needs.h"
+#include "compare/observe.h"
+
+/// All that the comparator found about one model.
+namespace concord::compare {
+
+enum class Outcome { agree, differ, failed };
+enum class Judgement { agree, differ, not_judged };
+
+/// "agree", "differ", "failed"; "agree", "differ", "not judged".
+std::string to_string(Outcome outcome);
+std::string to_string(Judgement judgement);
+
+/// 0 agree, 1 differ, 3 could not finish.
+int exit_code(Outcome outcome);
+
+/// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
+struct Row {
+  Quantity quantity;
+  double scale = 0.0;
+  bool floored = false;
+  bool unique = true;
+  std::optional<double> same_state;
+  std::optional<double> same_run;
+  std::optional<double> refined;
+  Needs need;
+  Judgement judgement = Judgement::not_judged;
+};
+
+/// One rung over all judged components of reactions and of force elements.
+struct RungSummary {
+  std::optional<double> digits;  // worst, missing if the rung did not run
+  int samples = 0;
+  bool climbed = false;
+};
+
+/// A failing quantity in words: "joint D on slider, T_z, t = ...", and what it looks like.
+struct Finding {
+  std::string what;
+  std::string symptom;
+};
+
+struct SolverSummary {
+  std::string name;
+  std::string integrator;
+  std::vector<std::string> cut_joints;
+  RankReport rank;
+  SolverStatistics statistics;
+  std::optional<double> audit_digits;
+  std::string audit_worst;
+  std::optional<double> energy_error;
+};
+
+/// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
+/// point, in global axes, at t = 0.
+struct PairSum {
+  std::string what;
+  std::array<Wrench, 2> at_start;
+  double digits = 16.0;
+};
+
+/// One component against a reference from outside.
+struct ReferenceRow {
+  Quantity quantity;
+  double peak = 0.0;     // of the reference
+  double allowed = 0.0;  // the error that its source states, in the component's unit
+  /// Largest differences of both solvers from it, and the time of the larger one.
+  std::array<double, 2> differences{};
+  double t = 0.0;
+  bool agrees = false;
+  bool is_judged = true;  // false where the component is not unique
+};
+
+struct Verdict {
+  Outcome outcome = Outcome::failed;
+  std::string name;
+  int bodies = 0;
+  int joints = 0;
+  int loops = 0;
+  int modes = 0;
+  RunOptions run;
+  Needs need;
+  std::array<SolverSummary, 2> solvers;
+
+  std::vector<Row> rows;    // reaction components that the joints can carry
+  std::vector<Row> others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
+  int judged = 0;
+  int total = 0;
+
+  bool rank_agrees = false;
+  RungSummary same_state;
+  RungSummary same_run;
+  RungSummary refined;
+  RungSummary audit;
+  std::optional<MotionAgreement> motion;
+  std::optional<MotionAgreement> refined_motion;
+  std::vector<PairSum> pair_sums;
+  std::string reference_file;  // empty: none
+  std::vector<ReferenceRow> references;
+
+  std::vector<Finding> findings;      // differences, worst of each joint first
+  std::vector<std::string> notes;     // what the reader must know, no difference
+  std::vector<std::string> failures;  // why there is no verdict
+
+  /// Both trajectories of the same run; empty where a solver did not finish.
+  std::array<std::optional<Trajectory>, 2> trajectories;
+};
+
+}  // namespace concord::compare
