@@ -1,0 +1,235 @@
+#include "cartesian/applied_forces.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+
+#include "cartesian/closing.h"
+#include "cartesian/equations.h"
+#include "common/error.h"
+#include "common/joints/catalogue.h"
+#include "machines.h"
+
+namespace concord::cartesian {
+namespace {
+
+using testing::Numbers;
+
+ForceLaw spring_and_damper(double stiffness, double damping, double free) {
+  ForceLaw law;
+  law.stiffness = stiffness;
+  law.damping = damping;
+  law.free = free;
+  return law;
+}
+
+/// Two flexible bodies that a free joint and one element connect, somewhere and in motion.
+struct Pushed {
+  Model model;
+  Layout layout;
+  Constraints constraints;
+  AppliedForces applied;
+  VecX q;
+  VecX Y;
+
+  explicit Pushed(Model stated)
+      : model(std::move(stated)), layout(model), constraints(model, layout), applied(model, layout, constraints) {
+    Numbers numbers(4242);
+    q = numbers.matrix(layout.n_q(), 1, 0.3);
+    layout.normalize(q);
+    Y = numbers.matrix(layout.n_Y(), 1, 1.5);
+  }
+
+  const Actor& act(const VecX& at, double t = 0.3) {
+    constraints.place(at);
+    constraints.move(Y);
+    applied.update(t, at, Y);
+    return applied.actors().front();
+  }
+
+  VecX forces(const VecX& at) {
+    act(at);
+    VecX sum = VecX::Zero(layout.n_Y());
+    applied.add_to(sum);
+    return sum;
+  }
+};
+
+Model two_bodies_with(const std::function<ForceElement(Numbers&, const Model&)>& element) {
+  Model model = testing::make_pair(77, *joints::find("free"), 2, 1);
+  Numbers numbers(78);
+  model.elements.push_back(element(numbers, model));
+  return model;
+}
+
+std::array<Attachment, 2> both_ends(Numbers& numbers, const Model& model) {
+  return {testing::make_attachment(numbers, model, 1), testing::make_attachment(numbers, model, 2)};
+}
+
+/// Q against the slope of -energy, energy computed from the ends' markers alone.
+void expect_conservative(Pushed& rig, const std::function<double(const Actor&)>& energy) {
+  constexpr double kStep = 1e-5;
+  const VecX forces = rig.forces(rig.q);
+  ASSERT_GT(forces.norm(), 1.0);
+  for (int i = 1; i < rig.layout.n_bodies(); ++i) {
+    for (int c = 0; c < rig.layout.size_Y(i); ++c) {
+      const auto energy_at = [&](double size) {
+        VecX moved = rig.q;
+        rig.layout.displace_along(i, c, size, moved);
+        return energy(rig.act(moved));
+      };
+      // Fourth order.
+      const double slope =
+          (8.0 * (energy_at(kStep) - energy_at(-kStep)) - energy_at(2 * kStep) + energy_at(-2 * kStep)) /
+          (12.0 * kStep);
+      EXPECT_NEAR(forces(rig.layout.first_Y(i) + c), -slope, 1e-7 * forces.norm()) << "body " << i << ", " << c;
+    }
+  }
+}
+
+TEST(AppliedForces, LineSpringFollowsFromItsEnergy) {
+  Pushed rig(two_bodies_with([](Numbers& numbers, const Model& model) {
+    return ForceElement{"strut", LineSpring{both_ends(numbers, model), spring_and_damper(300.0, 0.0, 0.4)}, {}};
+  }));
+  expect_conservative(rig, [](const Actor& actor) {
+    const double length = (actor.markers[1].point - actor.markers[0].point).norm();
+    return 0.5 * 300.0 * (length - 0.4) * (length - 0.4);
+  });
+}
+
+TEST(AppliedForces, TurnSpringFollowsFromItsEnergyWhereAxesDoNotCoincide) {
+  Pushed rig(two_bodies_with([](Numbers& numbers, const Model& model) {
+    return ForceElement{"torsion", TurnSpring{both_ends(numbers, model), spring_and_damper(50.0, 0.0, 0.2)}, {}};
+  }));
+  expect_conservative(rig, [](const Actor& actor) {
+    const Mat3 R = actor.markers[0].A_joint.transpose() * actor.markers[1].A_joint;
+    const double angle = std::atan2(R(1, 0), R(0, 0));
+    return 0.5 * 50.0 * (angle - 0.2) * (angle - 0.2);
+  });
+}
+
+TEST(AppliedForces, BushingWithFullStiffnessAndPreloadFollowsFromItsEnergy) {
+  Numbers numbers(5);
+  const Mat6 root = numbers.matrix(6, 6);
+  const Mat6 stiffness = 100.0 * (root * root.transpose());
+  const Vec6 preload = numbers.matrix(6, 1, 30.0);
+  Pushed rig(two_bodies_with([&](Numbers& own, const Model& model) {
+    return ForceElement{"rubber", Bushing{both_ends(own, model), stiffness, Mat6::Zero(), preload}, {}};
+  }));
+  expect_conservative(rig, [&](const Actor& actor) {
+    const Mat3& A_parent = actor.markers[0].A_joint;
+    const Eigen::AngleAxisd turn(Mat3(A_parent.transpose() * actor.markers[1].A_joint));
+    Vec6 z;
+    z << A_parent.transpose() * (actor.markers[1].point - actor.markers[0].point), turn.angle() * turn.axis();
+    return 0.5 * z.dot(stiffness * z) - preload.dot(z);
+  });
+}
+
+TEST(AppliedForces, DampersTakeTheirPower) {
+  Pushed strut(two_bodies_with([](Numbers& numbers, const Model& model) {
+    return ForceElement{"strut", LineSpring{both_ends(numbers, model), spring_and_damper(0.0, 7.0, 0.0)}, {}};
+  }));
+  const Actor& ends = strut.act(strut.q);
+  const Vec3 along = (ends.markers[1].point - ends.markers[0].point).normalized();
+  const double rate = along.dot(ends.markers[1].velocity - ends.markers[0].velocity);
+  EXPECT_NEAR(strut.applied.power(strut.Y), -7.0 * rate * rate, 1e-12 * 7.0 * rate * rate);
+
+  Mat6 damping = Mat6::Zero();
+  damping.diagonal() << 3.0, 4.0, 5.0, 0.6, 0.7, 0.8;
+  Pushed rubber(two_bodies_with([&](Numbers& numbers, const Model& model) {
+    return ForceElement{"rubber", Bushing{both_ends(numbers, model), Mat6::Zero(), damping, Vec6::Zero()}, {}};
+  }));
+  const Actor& actor = rubber.act(rubber.q);
+  Vec6 v_rel;
+  v_rel << actor.motion.ddot, actor.motion.omega;
+  const double lost = v_rel.dot(damping * v_rel);
+  EXPECT_NEAR(rubber.applied.power(rubber.Y), -lost, 1e-12 * lost);
+}
+
+TEST(AppliedForces, LoadIsSaidInGlobalBodyOrFollowingAxes) {
+  const Vec3 force(3.0, -1.0, 2.0);
+  const Vec3 torque(0.4, 0.7, -0.2);
+  for (const LoadAxes axes : {LoadAxes::global, LoadAxes::body, LoadAxes::follower}) {
+    Pushed rig(two_bodies_with([&](Numbers& numbers, const Model& model) {
+      return ForceElement{
+          "push", Load{testing::make_attachment(numbers, model, 1), axes, force, torque, ConstantSpeed{0.0, 10.0}}, {}};
+    }));
+    const Actor& actor = rig.act(rig.q);
+    const Marker& marker = actor.markers[1];
+    const Mat3 A = axes == LoadAxes::global ? Mat3(Mat3::Identity())
+                   : axes == LoadAxes::body ? rig.constraints.rotation(1)
+                                            : marker.A_joint;
+    EXPECT_LE((actor.wrenches[1].force - 3.0 * A * force).norm(), 1e-13);  // the law is 10 t, t = 0.3 s
+    EXPECT_LE((actor.wrenches[1].torque - 3.0 * A * torque).norm(), 1e-13);
+    const double power =
+        actor.wrenches[1].force.dot(marker.velocity) + actor.wrenches[1].torque.dot(marker.angular_velocity);
+    EXPECT_NEAR(rig.applied.power(rig.Y), power, 1e-12 * std::abs(power));
+  }
+}
+
+TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
+  for (const joints::JointType* type : joints::catalogue()) {
+    for (std::size_t word = 0; word < type->permits.size(); ++word) {
+      if (joints::n_q(type->permits[word]) != 1) continue;
+      SCOPED_TRACE(type->name + ", word " + std::to_string(word));
+      Model model = testing::make_pair(31, *type, 2, 1);
+      model.joints.front().springs.push_back({static_cast<int>(word), spring_and_damper(20.0, 3.0, 0.1)});
+      Equations equations(model);
+      Numbers numbers(32);
+      VecX q;
+      VecX Y;
+      bool closed = false;
+      for (int guess = 0; guess < 10 && !closed; ++guess) {  // a guess far off may end on the branch of turned axes
+        q = numbers.matrix(equations.layout().n_q(), 1, 0.3);
+        Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
+        closed = close_machine(equations, 0.0, false, q, Y).closed;
+      }
+      ASSERT_TRUE(closed);
+      equations.update(0.0, q, Y);
+      const RelativeMotion& motion = equations.constraints().joint(0).motion;
+      const joints::Read& read = *read_of(*type, static_cast<int>(word));
+      const Row row = evaluate_read(read, 0, motion);
+      const double rate = row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
+      const double turns = reads_turn(read, 0) ? 4.0 * EIGEN_PI : 0.0;
+      VecX known = VecX::Zero(type->n_q());
+      known(first_q(*type, static_cast<int>(word))) = row.value + turns + 0.5;
+      equations.applied().count_turns_from({known});
+      equations.update(0.0, q, Y);
+      const double tau = -20.0 * (row.value + turns - 0.1) - 3.0 * rate;
+      const Actor& springs = *equations.applied().springs_of(0);
+      EXPECT_NEAR(springs.tau(first_u(*type, static_cast<int>(word))), tau, 1e-11 * std::abs(tau));
+      EXPECT_NEAR(equations.applied().power(Y), tau * rate, 1e-10 * (1.0 + std::abs(tau)));
+    }
+  }
+}
+
+TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
+  Model model = testing::make_pair(11, *joints::find("free"), 0, 0);
+  const Attachment at_origin{1, Vec3::Zero(), Mat3::Identity(), Mat3X(3, 0), Mat3X(3, 0)};
+  const Attachment on_ground{kGround, Vec3::Zero(), Mat3::Identity(), Mat3X(3, 0), Mat3X(3, 0)};
+  const auto refusal = [&](const ForceElement& element) {
+    model.elements = {element};
+    Pushed rig(model);
+    rig.q.setZero();
+    rig.layout.p(rig.q, 1) = Vec4(0.0, 0.0, 0.0, 1.0);  // turned by 180 deg about z
+    rig.layout.p(rig.q, 2) = Vec4(1.0, 0.0, 0.0, 0.0);
+    try {
+      rig.act(rig.q);
+    } catch (const SolverError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(refusal({"strut", LineSpring{{on_ground, at_origin}, {}}, {}}),
+            "cartesian: at t = 0.3 s the ends of line spring 'strut' meet: its force has no direction there");
+  EXPECT_EQ(
+      refusal({"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}}),
+      "cartesian: at t = 0.3 s turn spring 'torsion' is turned by 180.0 deg, allowed are 175 deg: let a spring of a "
+      "joint count turns instead");
+  EXPECT_EQ(refusal({"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}),
+            "cartesian: bushing 'rubber' is turned by 180.0 deg: its rotation vector ends at 180 deg; it is no joint");
+}
+
+}  // namespace
+}  // namespace concord::cartesian

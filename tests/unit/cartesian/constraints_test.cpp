@@ -1,0 +1,108 @@
+#include "cartesian/constraints.h"
+
+#include <gtest/gtest.h>
+
+#include "cartesian/euler_parameters.h"
+#include "common/joints/catalogue.h"
+#include "machines.h"
+
+namespace concord::cartesian {
+namespace {
+
+using testing::Numbers;
+
+struct Rig {
+  Model model;
+  Layout layout;
+  Constraints constraints;
+  VecX q;
+  VecX Y;
+
+  Rig(unsigned seed, const joints::JointType& type, int m_parent, int m_child)
+      : Rig(testing::make_pair(seed, type, m_parent, m_child), seed) {}
+
+  Rig(Model stated, unsigned seed) : model(std::move(stated)), layout(model), constraints(model, layout) {
+    Numbers numbers(seed + 1000);
+    q = numbers.matrix(layout.n_q(), 1, 0.4);
+    layout.normalize(q);
+    Y = numbers.matrix(layout.n_Y(), 1, 1.5);
+  }
+
+  /// Positions after time t with constant v, omega and adot.
+  [[nodiscard]] VecX carried(double t) const {
+    VecX moved = q;
+    for (int i = 1; i < layout.n_bodies(); ++i) {
+      const Vec3 omega = layout.omega(Y, i);
+      layout.r(moved, i) += t * layout.v(Y, i);
+      layout.p(moved, i) =
+          euler_parameters_of(rotation_about(omega.normalized(), omega.norm() * t) * rotation_of(layout.p(q, i)));
+      layout.a(moved, i) += t * layout.adot(Y, i);
+    }
+    return moved;
+  }
+
+  VecX residual(const VecX& at) {
+    constraints.place(at);
+    VecX value(constraints.n_rows());
+    constraints.write_residual(0.3, value);
+    return value;
+  }
+  VecX rate(const VecX& at) {
+    constraints.place(at);
+    constraints.move(Y);
+    VecX value(constraints.n_rows());
+    constraints.write_velocity_residual(0.3, value);
+    return value;
+  }
+};
+
+const joints::JointType& any_two(int k) { return *joints::catalogue()[k]; }
+
+/// Every type between a flexible parent and a flexible child: Jacobian and gamma against differences along a motion in
+/// which both bodies turn and deform.
+TEST(Constraints, VelocityRowsAndGammaFollowFromTheResidual) {
+  for (std::size_t k = 0; k < joints::catalogue().size(); ++k) {
+    SCOPED_TRACE(any_two(static_cast<int>(k)).name);
+    Rig rig(41 + static_cast<unsigned>(k), any_two(static_cast<int>(k)), 2, 3);
+    const double h = 1e-5;
+    const VecX velocity = rig.rate(rig.q);
+    VecX gamma(rig.constraints.n_rows());
+    rig.constraints.write_gamma(0.3, gamma);
+    const VecX by_residual = (rig.residual(rig.carried(h)) - rig.residual(rig.carried(-h))) / (2 * h);
+    EXPECT_LT((velocity - by_residual).norm(), 1e-7 * (1 + velocity.norm()));
+    const VecX by_rate = (rig.rate(rig.carried(h)) - rig.rate(rig.carried(-h))) / (2 * h);
+    EXPECT_LT((gamma + by_rate).norm(), 1e-6 * (1 + gamma.norm()));
+  }
+}
+
+TEST(Constraints, JacobianTimesVelocitiesIsTheVelocityResidual) {
+  for (const joints::JointType* type : joints::catalogue()) {
+    SCOPED_TRACE(type->name);
+    Rig rig(53, *type, 3, 2);
+    const VecX velocity = rig.rate(rig.q);
+    VecX product = VecX::Zero(rig.constraints.n_rows());
+    const JointEquations& joint = rig.constraints.joint(0);
+    for (const Side side : {Side::parent, Side::child}) {
+      const int body = rig.model.joints[0].on(side).body;
+      const auto Y_i = rig.Y.segment(rig.layout.first_Y(body), rig.layout.size_Y(body));
+      for (int row = 0; row < joint.n_rows; ++row)
+        product(row) += joint.Phi_Y_transposed[index(side)].col(row).dot(Y_i);
+    }
+    EXPECT_LT((velocity - product).norm(), 1e-13 * (1 + velocity.norm()));
+  }
+}
+
+TEST(Constraints, ADriverAddsItsLawToTheRowOfItsCoordinate) {
+  Model model = testing::make_pair(61, *joints::find("cylindrical"), 0, 2);
+  model.joints[0].drivers = {{1, Harmonic{0.2, 0.5, 3.0, 0.1}}, {0, Polynomial{{0.1, 0.2, -0.4}}}};
+  Rig rig(std::move(model), 61);
+  EXPECT_EQ(rig.constraints.n_rows(), 6);
+  const VecX driven = rig.residual(rig.q);
+  const Harmonic turn{0.2, 0.5, 3.0, 0.1};
+  const Row angle = evaluate_read(*read_of(*rig.model.joints[0].type, 1), 0, rig.constraints.joint(0).motion);
+  EXPECT_NEAR(std::sin(driven(4)), std::sin(angle.value - evaluate(turn, 0.3).f), 1e-14);
+  EXPECT_LE(std::abs(driven(4)), EIGEN_PI);
+}
+
+}  // namespace
+}  // namespace concord::cartesian

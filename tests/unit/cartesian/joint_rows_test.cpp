@@ -1,0 +1,146 @@
+#include "cartesian/joint_rows.h"
+
+#include <gtest/gtest.h>
+
+#include "common/joints/catalogue.h"
+#include "machines.h"
+
+namespace concord::cartesian {
+namespace {
+
+using testing::Numbers;
+
+/// The motion from (d, R) with constant ddot and omega, which has no accelerations of components.
+RelativeMotion carried(const RelativeMotion& from, double t) {
+  RelativeMotion motion = from;
+  motion.d += t * from.ddot;
+  motion.R = rotation_about(from.omega.normalized(), from.omega.norm() * t) * from.R;
+  return motion;
+}
+
+RelativeMotion generic_motion(Numbers& numbers) {
+  return {numbers.vector(), numbers.rotation(), numbers.vector(2.0), numbers.vector(2.0)};
+}
+
+double rate_of(const Row& row, const RelativeMotion& motion) {
+  return row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
+}
+
+/// First and second derivative of a row along the motion against differences of its value and its rate.
+void expect_derivatives(const std::function<Row(const RelativeMotion&)>& evaluate, const RelativeMotion& motion) {
+  const double h = 1e-5;
+  const Row row = evaluate(motion);
+  const Row after = evaluate(carried(motion, h));
+  const Row before = evaluate(carried(motion, -h));
+  EXPECT_NEAR((after.value - before.value) / (2 * h), rate_of(row, motion), 3e-8);
+  EXPECT_NEAR((rate_of(after, motion) - rate_of(before, motion)) / (2 * h), row.bias, 3e-7);
+}
+
+TEST(JointRows, GradientsAndBiasesOfAllThatIsForbidden) {
+  Numbers numbers(17);
+  for (const joints::JointType* type : joints::catalogue()) {
+    SCOPED_TRACE(type->name);
+    const RelativeMotion motion = generic_motion(numbers);
+    for (int k = 0; k < type->rows(); ++k) {
+      expect_derivatives(
+          [&](const RelativeMotion& at) {
+            Row rows[kMaxRows];
+            EXPECT_EQ(evaluate_forbids(*type, at, rows), type->rows());
+            return rows[k];
+          },
+          motion);
+    }
+  }
+}
+
+TEST(JointRows, GradientsAndBiasesOfAllCoordinates) {
+  Numbers numbers(19);
+  for (const joints::JointType* type : joints::catalogue()) {
+    SCOPED_TRACE(type->name);
+    for (std::size_t word = 0; word < type->reads.size(); ++word) {
+      const joints::Read& read = type->reads[word];
+      if (std::holds_alternative<joints::OrientationOf>(read)) continue;
+      expect_derivatives([&](const RelativeMotion& at) { return evaluate_read(read, 0, at); }, generic_motion(numbers));
+    }
+  }
+}
+
+TEST(JointRows, OrientationVanishesAtItsTargetAndLooksLikeARotationVectorThere) {
+  Numbers numbers(23);
+  const Mat3 target = numbers.rotation();
+  const Vec3 small = numbers.vector(1e-5);
+  RelativeMotion motion;
+  motion.R = rotation_about(small.normalized(), small.norm()) * target;
+  Row rows[3];
+  evaluate_orientation(target, motion, rows);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(rows[k].value, small(k), 1e-14);
+}
+
+TEST(JointRows, CoordinatesOfAUniversalJointReadWhatTheMotionSays) {
+  const double q1 = 1.9;
+  const double q2 = -2.4;
+  RelativeMotion motion;
+  motion.R = rotation_about(Axis::x, q1) * rotation_about(Axis::y, q2);
+  const joints::JointType& universal = *joints::find("universal");
+  EXPECT_NEAR(evaluate_read(universal.reads[0], 0, motion).value, q1, 1e-15);
+  EXPECT_NEAR(evaluate_read(universal.reads[1], 0, motion).value, q2, 1e-15);
+}
+
+TEST(JointRows, AnglesOfALinkReadWhatTheMotionSays) {
+  const double q1 = 2.1;
+  const double q2 = -0.7;
+  RelativeMotion motion;
+  motion.d = rotation_about(Axis::x, q1) * rotation_about(Axis::y, q2) * Vec3(0.0, 0.0, 0.4);
+  const joints::JointType& distance = *joints::find("distance");
+  EXPECT_NEAR(evaluate_read(distance.reads[0], 0, motion).value, q1, 1e-15);
+  EXPECT_NEAR(evaluate_read(distance.reads[1], 0, motion).value, q2, 1e-15);
+  motion.d = rotation_about(Axis::y, q1) * rotation_about(Axis::z, q2) * Vec3(0.4, 0.0, 0.0);
+  const joints::JointType& link = *joints::find("universal_spherical");
+  EXPECT_NEAR(evaluate_read(link.reads[0], 0, motion).value, q1, 1e-15);
+  EXPECT_NEAR(evaluate_read(link.reads[1], 0, motion).value, q2, 1e-15);
+}
+
+TEST(JointRows, CoordinateWrenchDoesTheWorkOfItsForcesOnly) {
+  Numbers numbers(29);
+  for (const joints::JointType* type : joints::catalogue()) {
+    if (type->n_u() == 0) continue;
+    SCOPED_TRACE(type->name);
+    const RelativeMotion motion = generic_motion(numbers);
+    const VecX tau = VecX::Random(type->n_u());
+    const Vec6 wrench = coordinate_wrench(*type, motion, tau);
+    int at_u = 0;
+    for (const joints::Read& read : type->reads) {
+      if (std::holds_alternative<joints::OrientationOf>(read)) {
+        EXPECT_LE((wrench.tail<3>() - tau.segment<3>(at_u)).norm(), 1e-14);
+        at_u += 3;
+        continue;
+      }
+      // What moves this coordinate at unit speed and no other: for slides and turns the wrench's own axis, for links
+      // the motion of the link's end.
+      if (std::holds_alternative<joints::BearingOfGap>(read) || std::holds_alternative<joints::ElevationOfGap>(read)) {
+        const Row row = evaluate_read(read, 0, motion);
+        const Vec3 along = row.over_d / row.over_d.squaredNorm();
+        EXPECT_NEAR(wrench.head<3>().dot(along), tau(at_u), 1e-13);
+      }
+      ++at_u;
+    }
+  }
+}
+
+RelativeMotion turned(const Mat3& R) {
+  RelativeMotion motion;
+  motion.R = R;
+  return motion;
+}
+
+TEST(JointRows, BranchTellsAHingeFromItsTurnedTwin) {
+  const joints::JointType& revolute = *joints::find("revolute");
+  const joints::JointType& weld = *joints::find("weld");
+  EXPECT_TRUE(on_branch(revolute, turned(rotation_about(Axis::z, 2.0))));
+  EXPECT_FALSE(on_branch(revolute, turned(rotation_about(Axis::x, EIGEN_PI))));
+  EXPECT_TRUE(on_branch(weld, turned(Mat3::Identity())));
+  EXPECT_FALSE(on_branch(weld, turned(rotation_about(Axis::y, EIGEN_PI))));
+}
+
+}  // namespace
+}  // namespace concord::cartesian

@@ -1,0 +1,69 @@
+#include "cartesian/stepper.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/joints/catalogue.h"
+#include "machines.h"
+
+namespace concord::cartesian {
+namespace {
+
+/// A free rigid body that tumbles without gravity: no constraints, so the method is seen alone.
+struct Tumbler {
+  Model model;
+  Equations equations;
+  Motion start;
+
+  Tumbler() : model(make()), equations(model) {
+    start.q = VecX::Zero(14);
+    start.q(3) = start.q(10) = 1.0;
+    start.Y = VecX::Zero(12);
+    start.Y.segment<3>(3) = Vec3(1.0, 2.5, -0.7);
+    start.Y.segment<3>(9) = Vec3(0.3, -0.2, 2.0);
+  }
+
+  static Model make() {
+    Model model = testing::make_pair(131, *joints::find("free"), 0, 0);
+    model.gravity.setZero();
+    return model;
+  }
+};
+
+Motion run(const Tumbler& tumbler, Equations& equations, double rtol, bool extrapolate, long* steps = nullptr) {
+  const auto stepper = extrapolate ? make_extrapolation_stepper(equations, tumbler.start, rtol)
+                                   : make_ida_stepper(equations, tumbler.start, rtol);
+  double reached = 0.0;
+  while (reached < 2.0) reached = stepper->step(2.0);
+  if (steps != nullptr) *steps = stepper->steps();
+  return stepper->motion();
+}
+
+/// With an order of p, the work of a tolerance 10^4 times smaller grows by 10^(4/p); order 10 steps twice to three
+/// times as often, order 4 ten times.
+TEST(Stepper, ExtrapolationConvergesAtAHighOrder) {
+  Tumbler tumbler;
+  const Motion exact = run(tumbler, tumbler.equations, 1e-14, true);
+  long coarse_steps = 0;
+  long fine_steps = 0;
+  const Motion coarse = run(tumbler, tumbler.equations, 1e-8, true, &coarse_steps);
+  const Motion fine = run(tumbler, tumbler.equations, 1e-12, true, &fine_steps);
+  const double coarse_error = (coarse.q - exact.q).norm();
+  const double fine_error = (fine.q - exact.q).norm();
+  EXPECT_LT(coarse_error, 1e-7);
+  EXPECT_LT(fine_error, 1e-11);
+  const double order = std::log(coarse_error / fine_error) / std::log(static_cast<double>(fine_steps) / coarse_steps);
+  RecordProperty("observed_order", static_cast<int>(order));
+  EXPECT_GT(order, 7.5);
+}
+
+TEST(Stepper, IdaConvergesToTheSameMotion) {
+  Tumbler tumbler;
+  const Motion exact = run(tumbler, tumbler.equations, 1e-14, true);
+  const Motion by_ida = run(tumbler, tumbler.equations, 1e-10, false);
+  EXPECT_LT((by_ida.q - exact.q).norm(), 1e-7);
+}
+
+}  // namespace
+}  // namespace concord::cartesian

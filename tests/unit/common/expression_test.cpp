@@ -1,0 +1,84 @@
+#include "common/expression.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace concord {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::string complaint_about(const std::string& expression, const Parameters& parameters = {}) {
+  try {
+    (void)parameters.evaluate(expression);
+  } catch (const ExpressionError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Expression, ReadsDegreesWithAndWithoutAProductSign) {
+  const Parameters none;
+  EXPECT_DOUBLE_EQ(none.evaluate("20 deg"), 20.0 * kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("20deg"), 20.0 * kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("20*deg"), 20.0 * kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("-1.5e1 deg"), -15.0 * kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("(10 + 20) deg"), 30.0 * kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("deg"), kDegree);
+  EXPECT_DOUBLE_EQ(none.evaluate("3. deg"), 3.0 * kDegree);
+}
+
+TEST(Expression, KnowsFunctionsAndPi) {
+  const Parameters none;
+  EXPECT_DOUBLE_EQ(none.evaluate("2*pi"), 2.0 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(none.evaluate("sin(30 deg) + sqrt(9)^2"), 9.5);
+  EXPECT_DOUBLE_EQ(none.evaluate("atan2(1, -1)"), std::atan2(1.0, -1.0));
+}
+
+TEST(Parameters, ResolveInAnyOrder) {
+  std::vector<Diagnostic> complaints;
+  const Parameters parameters({{"a", "2*b + c", {}}, {"b", "L/2", {}}, {"c", 5.0, {}}, {"L", "sin(30 deg)", {}}},
+                              complaints);
+  EXPECT_TRUE(complaints.empty());
+  EXPECT_DOUBLE_EQ(parameters.evaluate("a"), 5.5);
+  EXPECT_DOUBLE_EQ(parameters.evaluate("a deg"), 5.5 * kDegree);
+}
+
+TEST(Parameters, NameACircleAndStaySilentAboutItsConsequences) {
+  std::vector<Diagnostic> complaints;
+  const Parameters parameters({{"a", "b + 1", {}}, {"b", "2*c", {}}, {"c", "b^2", {}}, {"d", "a", {}}}, complaints);
+  ASSERT_EQ(complaints.size(), 1U);
+  EXPECT_EQ(complaints.front().message, "parameter 'c': goes round in a circle: b -> c -> b");
+  EXPECT_EQ(complaint_about("d", parameters), "");
+}
+
+TEST(Parameters, RefuseNamesThatMeanSomethingElse) {
+  std::vector<Diagnostic> complaints;
+  const Parameters parameters({{"pi", 3.0, {}}, {"cos", 1.0, {}}, {"a-b", 1.0, {}}}, complaints);
+  ASSERT_EQ(complaints.size(), 3U);
+  EXPECT_EQ(complaints[0].message, "parameter 'pi': the name already means something in expressions: choose another");
+  EXPECT_EQ(complaints[2].message,
+            "parameter 'a-b': the name must consist of letters, digits and underscores, not a digit first");
+}
+
+TEST(Expression, SaysWhatIsWrong) {
+  std::vector<Diagnostic> complaints;
+  const Parameters parameters({{"length", 2.0, {}}}, complaints);
+  EXPECT_EQ(complaint_about("lenght*2", parameters), "unknown name 'lenght' in 'lenght*2': did you mean 'length'?");
+  EXPECT_EQ(complaint_about("x"), "unknown name 'x' in 'x': there are no parameters");
+  EXPECT_EQ(complaint_about("1, 2"), "'1, 2' must be one number");
+  EXPECT_EQ(complaint_about("(1"), "cannot read '(1': Missing parenthesis");
+  EXPECT_EQ(complaint_about(""), "cannot read '': Expression is empty");
+  EXPECT_EQ(complaint_about("length = 3", parameters),
+            "cannot read 'length = 3': Unexpected operator \"=\" found at position 7");
+}
+
+TEST(Expression, WritesNumbersThatAreNotFinite) {
+  EXPECT_EQ(not_finite_text(std::sqrt(-1.0)), "nan");
+  EXPECT_EQ(not_finite_text(-1.0 / 0.0), "-inf");
+}
+
+}  // namespace
+}  // namespace concord

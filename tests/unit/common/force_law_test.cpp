@@ -1,0 +1,145 @@
+#include "common/force_law.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/force_elements.h"
+
+namespace concord {
+namespace {
+
+/// Everything at once: straight lines, curved tables, both stops.
+ForceLaw rich_law() {
+  ForceLaw law;
+  law.stiffness = 120.0;
+  law.damping = 3.0;
+  law.free = 0.4;
+  law.preload = 7.0;
+  law.spring_table = ForceTable({-0.3, -0.1, 0.05, 0.2, 0.5}, {-40.0, -9.0, 1.0, 8.0, 70.0});
+  law.damper_table = ForceTable({-2.0, -0.5, 0.0, 0.7, 1.5}, {-5.0, -3.0, 0.0, 2.0, 2.5});
+  law.lower = SmoothStop{.at = 0.2, .stiffness = 900.0, .damping = 11.0, .width = 0.03};
+  law.upper = SmoothStop{.at = 0.7, .stiffness = 700.0, .damping = 13.0, .width = 0.05};
+  return law;
+}
+
+/// Derivative by central differences of fourth order.
+template <class Function>
+double slope_of(const Function& f, double x) {
+  constexpr double h = 1e-3;
+  return (8.0 * (f(x + h) - f(x - h)) - (f(x + 2.0 * h) - f(x - 2.0 * h))) / (12.0 * h);
+}
+
+TEST(ForceLaw, SlopesAreThoseByDifferences) {
+  const ForceLaw law = rich_law();
+  // Below, inside and above the stops, outside the tables, away from the knots where differences see a kink.
+  for (const double x : {-0.5, 0.12, 0.185, 0.25, 0.41, 0.53, 0.65, 0.72, 0.8, 1.3}) {
+    for (const double xdot : {-3.1, -1.2, -0.3, 0.2, 1.1, 2.4}) {
+      const Resistance found = evaluate_resistance(law, x, xdot);
+      EXPECT_NEAR(found.over_x, slope_of([&](double z) { return evaluate_resistance(law, z, xdot).force; }, x), 2e-5)
+          << x << ", " << xdot;
+      EXPECT_NEAR(found.over_xdot, slope_of([&](double z) { return evaluate_resistance(law, x, z).force; }, xdot), 1e-8)
+          << x << ", " << xdot;
+    }
+  }
+}
+
+TEST(ForceLaw, AddsItsPartsUp) {
+  ForceLaw law = rich_law();
+  const Resistance whole = evaluate_resistance(law, 0.5, 0.7);
+  // Between the stops; the tables are met at a knot of the rate, and beyond the last one of the stretch.
+  EXPECT_NEAR(whole.force, 7.0 + 120.0 * 0.1 + 3.0 * 0.7 + law.spring_table->evaluate(0.1) + 2.0, 1e-13);
+  law.spring_table.reset();
+  law.damper_table.reset();
+  // Pressed fully: the straight part of a stop stands half its width behind its place.
+  EXPECT_NEAR(evaluate_resistance(law, 0.9, 2.0).force, 7.0 + 120.0 * 0.5 + 6.0 + 700.0 * (0.2 - 0.025) + 26.0, 1e-12);
+  EXPECT_NEAR(evaluate_resistance(law, 0.1, 2.0).force, 7.0 - 120.0 * 0.3 + 6.0 - 900.0 * (0.1 - 0.015) + 22.0, 1e-12);
+}
+
+TEST(ForceLaw, SaysNothingWhereNothingIsSaid) {
+  const Resistance none = evaluate_resistance({}, 0.3, -2.0);
+  EXPECT_EQ(none.force, 0.0);
+  EXPECT_EQ(none.over_x, 0.0);
+  EXPECT_EQ(none.over_xdot, 0.0);
+  EXPECT_EQ(evaluate_actuator({}, 1.0), 0.0);
+}
+
+/// Largest jump of a function between neighbours at a place, from both sides.
+template <class Function>
+double jump(const Function& f, double x) {
+  constexpr double h = 1e-9;
+  return std::abs(f(x + h) - f(x - h));
+}
+
+TEST(ForceLaw, StopsAreSmoothWhereTheyBeginAndWhereTheyAreFull) {
+  ForceLaw law;
+  law.lower = rich_law().lower;
+  law.upper = rich_law().upper;
+  const auto force = [&](double x) { return evaluate_resistance(law, x, 0.8).force; };
+  const auto stiffness = [&](double x) { return evaluate_resistance(law, x, 0.8).over_x; };
+  // At rest the slope of the stiffness exists too.
+  const auto bend = [&](double x) {
+    constexpr double h = 1e-7;
+    return (evaluate_resistance(law, x + h, 0.0).over_x - evaluate_resistance(law, x - h, 0.0).over_x) / (2.0 * h);
+  };
+  for (const double place : {0.2, 0.17, 0.7, 0.75}) {
+    EXPECT_LT(jump(force, place), 1e-5) << place;
+    EXPECT_LT(jump(stiffness, place), 1e-2) << place;
+    EXPECT_LT(std::abs(bend(place)), 1.0) << place << ": at its peak it is 1.5 k / w = 45000";
+  }
+  EXPECT_EQ(force(0.45), 0.0);
+  EXPECT_LT(force(0.1), 0.0) << "a lower stop pushes up";
+  EXPECT_GT(force(0.8), 0.0) << "an upper stop pulls down";
+}
+
+TEST(ForceLaw, StopsStoreWhatTheyReturn) {
+  // Without damping the force is the slope of an energy: pressed in and let out, no work is left.
+  ForceLaw law;
+  law.upper = SmoothStop{.at = 0.1, .stiffness = 500.0, .damping = 0.0, .width = 0.04};
+  for (const double x : {0.105, 0.12, 0.2}) {
+    EXPECT_EQ(evaluate_resistance(law, x, 1.0).force, evaluate_resistance(law, x, -1.0).force);
+  }
+}
+
+TEST(ForceTable, MeetsItsPointsAndGoesOnStraight) {
+  const std::vector<double> x{-0.3, -0.1, 0.05, 0.2, 0.5};
+  const std::vector<double> force{-40.0, -9.0, 1.0, 8.0, 70.0};
+  const ForceTable table(x, force);
+  for (std::size_t k = 0; k < x.size(); ++k) EXPECT_NEAR(table.evaluate(x[k]), force[k], 1e-13);
+  const auto value = [&](double z) { return table.evaluate(z); };
+  const auto slope = [&](double z) { return table.slope(z); };
+  for (const double end : {-0.3, 0.5}) {
+    EXPECT_LT(jump(value, end), 1e-6);
+    EXPECT_LT(jump(slope, end), 1e-4);
+  }
+  EXPECT_NEAR(table.evaluate(0.9), 70.0 + 0.4 * table.slope(0.5), 1e-12);
+  EXPECT_NEAR(table.evaluate(-0.8), -40.0 - 0.5 * table.slope(-0.3), 1e-12);
+  EXPECT_EQ(table.slope(3.0), table.slope(0.5));
+}
+
+TEST(ForceTable, IsExactForCubics) {
+  const auto cubic = [](double z) { return 2.0 - z + 3.0 * z * z - 5.0 * z * z * z; };
+  const std::vector<double> x{-1.0, -0.2, 0.3, 0.9, 1.4};
+  std::vector<double> force;
+  for (const double z : x) force.push_back(cubic(z));
+  const ForceTable table(x, force);
+  for (const double z : {-0.9, -0.1, 0.5, 1.3}) EXPECT_NEAR(table.evaluate(z), cubic(z), 1e-13);
+}
+
+TEST(ForceElement, NamesItsEnds) {
+  LineSpring spring;
+  spring.ends[0].body = 3;
+  spring.ends[1].body = 5;
+  const ForceElement line{.name = "coil", .what = spring, .where = {}};
+  EXPECT_EQ(end_of(line, Side::parent)->body, 3);
+  EXPECT_EQ(end_of(line, Side::child)->body, 5);
+  Load load;
+  load.at.body = 2;
+  const ForceElement push{.name = "push", .what = load, .where = {}};
+  EXPECT_EQ(end_of(push, Side::parent), nullptr);
+  EXPECT_EQ(end_of(push, Side::child)->body, 2);
+}
+
+}  // namespace
+}  // namespace concord

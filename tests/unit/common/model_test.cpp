@@ -1,0 +1,136 @@
+#include "common/model.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "common/joints/catalogue.h"
+#include "common/rotation.h"
+
+namespace concord {
+namespace {
+
+Attachment attach(int body, const Vec3& point, double tilt) {
+  Attachment side;
+  side.body = body;
+  side.point_L = point;
+  side.C = rotation_about(Vec3(0.3, -1.0, 0.6).normalized(), tilt);
+  return side;
+}
+
+WordStart value(StartRole role, std::initializer_list<double> q) {
+  WordStart start;
+  start.role_q = role;
+  start.q = VecX(static_cast<Eigen::Index>(q.size()));
+  std::copy(q.begin(), q.end(), start.q.begin());
+  return start;
+}
+
+Joint connect(const char* type, const Attachment& parent, const Attachment& child, std::vector<WordStart> start) {
+  Joint joint;
+  joint.type = joints::find(type);
+  joint.sides = {parent, child};
+  joint.start = std::move(start);
+  return joint;
+}
+
+/// Place and orientation of the child's joint frame in the parent's, from poses: eq. (10).
+Pose measured(const Joint& joint, const std::vector<Pose>& poses) {
+  const Attachment& parent = joint.on(Side::parent);
+  const Attachment& child = joint.on(Side::child);
+  const Pose& pose_j = poses[parent.body];
+  const Pose& pose_i = poses[child.body];
+  const Mat3 A_joint_j = pose_j.A * parent.C;
+  return {A_joint_j.transpose() * (pose_i.r + pose_i.A * child.point_L - pose_j.r - pose_j.A * parent.point_L),
+          A_joint_j.transpose() * pose_i.A * child.C};
+}
+
+Model chain_of_three() {
+  Model model;
+  model.bodies.resize(4);
+  model.joints = {
+      connect("universal", attach(kGround, {0.1, 0.4, -0.2}, 0.5), attach(1, {-0.3, 0.1, 0.2}, -0.8),
+              {value(StartRole::keep, {0.6}), value(StartRole::keep, {-0.4})}),
+      // Runs from body 2 to body 1: the child is reached first.
+      connect("cylindrical", attach(2, {0.2, 0.2, 0.5}, 1.1), attach(1, {0.3, -0.1, 0.0}, 0.3),
+              {value(StartRole::guess, {0.25}), value(StartRole::guess, {1.2})}),
+      connect("spherical", attach(2, {0.0, -0.6, 0.1}, -0.2), attach(3, {0.1, 0.1, 0.4}, 0.9),
+              {value(StartRole::keep, {0.5, 0.5, -0.5, 0.5})}),
+  };
+  return model;
+}
+
+TEST(Model, GuessedPosesHaveTheStartCoordinates) {
+  const Model model = chain_of_three();
+  const auto poses = guess_poses(model);
+  ASSERT_EQ(poses.size(), 4U);
+  const Pose universal = measured(model.joints[0], poses);
+  EXPECT_LT(universal.r.norm(), 1e-15);
+  EXPECT_LT((universal.A - rotation_about(Axis::x, 0.6) * rotation_about(Axis::y, -0.4)).norm(), 1e-14);
+  const Pose cylindrical = measured(model.joints[1], poses);
+  EXPECT_LT((cylindrical.r - Vec3(0.0, 0.0, 0.25)).norm(), 1e-14);
+  EXPECT_LT((cylindrical.A - rotation_about(Axis::z, 1.2)).norm(), 1e-14);
+  const Pose spherical = measured(model.joints[2], poses);
+  EXPECT_LT(spherical.r.norm(), 1e-14);
+  EXPECT_LT((spherical.A - Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5).toRotationMatrix()).norm(), 1e-14);
+}
+
+TEST(Model, AGuessOfABodysPoseIsTakenAsItIs) {
+  Model model = chain_of_three();
+  const Pose guess{{1.0, 2.0, 3.0}, rotation_about(Axis::y, 0.4)};
+  model.bodies[2].pose_guess = guess;
+  const auto poses = guess_poses(model);
+  EXPECT_EQ(poses[2].r, guess.r);
+  EXPECT_EQ(poses[2].A, guess.A);
+  EXPECT_LT(measured(model.joints[2], poses).r.norm(), 1e-14);
+}
+
+TEST(Model, ADriverSaysWhereItsCoordinateStarts) {
+  Model model = chain_of_three();
+  model.joints[0].drivers = {{1, ConstantSpeed{0.9, 3.0}}};
+  const Pose universal = measured(model.joints[0], guess_poses(model));
+  EXPECT_LT((universal.A - rotation_about(Axis::x, 0.6) * rotation_about(Axis::y, 0.9)).norm(), 1e-14);
+}
+
+TEST(Model, AJointThatSaysNothingIsBelievedLast) {
+  Model model = chain_of_three();
+  // Closes the loop from ground to body 3 and stands first in the file, without a start value.
+  model.joints.insert(model.joints.begin(),
+                      connect("revolute", attach(kGround, {5.0, 5.0, 5.0}, 0.0), attach(3, {0.0, 0.0, 0.0}, 0.7),
+                              {value(StartRole::unsaid, {0.0})}));
+  const auto poses = guess_poses(model);
+  EXPECT_LT(measured(model.joints[3], poses).r.norm(), 1e-14);
+  EXPECT_GT(measured(model.joints[0], poses).r.norm(), 1.0);
+}
+
+TEST(Model, WordsKnowWhereTheirNumbersStand) {
+  const joints::JointType& free = *joints::find("free");
+  EXPECT_EQ(first_q(free, 0), 0);
+  EXPECT_EQ(first_q(free, 3), 3);
+  EXPECT_EQ(first_u(free, 3), 3);
+  EXPECT_EQ(first_q(free, 4), 7);
+  EXPECT_EQ(first_u(free, 4), 6);
+}
+
+TEST(Model, DriversAreFoundByTheirWord) {
+  Joint joint = connect("cylindrical", attach(0, Vec3::Zero(), 0.0), attach(1, Vec3::Zero(), 0.0), {});
+  joint.drivers = {{1, Harmonic{0.0, 1.0, 2.0, 0.0}}};
+  EXPECT_EQ(driver_of(joint, 0), nullptr);
+  EXPECT_EQ(driver_of(joint, 1), &joint.drivers[0]);
+}
+
+TEST(Model, LengthScaleIsTheLargestDistanceOfJointPointsOfABody) {
+  EXPECT_EQ(Model{}.length_scale(), 1.0);
+  const Model model = chain_of_three();
+  EXPECT_DOUBLE_EQ(model.length_scale(), (Vec3(0.2, 0.2, 0.5) - Vec3(0.0, -0.6, 0.1)).norm());
+}
+
+TEST(Model, IsFlexibleIfABodyHasModes) {
+  Model model = chain_of_three();
+  EXPECT_FALSE(model.is_flexible());
+  model.bodies[2].modal.emplace();
+  EXPECT_TRUE(model.is_flexible());
+}
+
+}  // namespace
+}  // namespace concord

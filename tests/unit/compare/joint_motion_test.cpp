@@ -1,0 +1,118 @@
+#include "compare/joint_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "common/joints/catalogue.h"
+#include "common/rotation.h"
+
+namespace concord::compare {
+namespace {
+
+/// Where a motion of turns, slides, arms and a ball leads, and the ball's rotation: composed anew.
+RelativeMotion compose(const joints::JointType& type, const VecX& q) {
+  RelativeMotion reached{Vec3::Zero(), Mat3::Identity(), Vec6::Zero()};
+  int next = 0;
+  for (const joints::Permit& word : type.permits) {
+    if (const auto* turn = std::get_if<joints::Turn>(&word)) {
+      reached.R = reached.R * rotation_about(turn->axis, q(next));
+    } else if (const auto* slide = std::get_if<joints::Slide>(&word)) {
+      reached.d += q(next) * reached.R.col(index(slide->axis));
+    } else if (const auto* arm = std::get_if<joints::Arm>(&word)) {
+      reached.d += arm->length * reached.R.col(index(arm->axis));
+    } else if (std::holds_alternative<joints::Ball>(word)) {
+      reached.R = Eigen::Quaterniond(q(next), q(next + 1), q(next + 2), q(next + 3)).toRotationMatrix();
+    }
+    next += n_q(word);
+  }
+  return reached;
+}
+
+VecX generic_coordinates(const joints::JointType& type) {
+  VecX q(type.n_q());
+  int next = 0;
+  for (const joints::Permit& word : type.permits) {
+    if (std::holds_alternative<joints::Ball>(word)) {
+      q.segment<4>(next) = Vec4(0.8, 0.3, -0.4, 0.2).normalized();
+    } else {
+      for (int k = 0; k < n_q(word); ++k) q(next + k) = 0.5 - 0.17 * (next + k);
+    }
+    next += n_q(word);
+  }
+  return q;
+}
+
+bool is_by_functions(const joints::JointType& type) {
+  return std::holds_alternative<joints::ByMotion>(type.permits.empty() ? joints::Permit{} : type.permits.front());
+}
+
+TEST(JointMotion, CoordinatesSpeedsAndDirectionsOfEveryTypeAreThoseOfItsMotion) {
+  for (const joints::JointType* type : joints::catalogue()) {
+    if (is_by_functions(*type)) continue;
+    SCOPED_TRACE(type->name);
+    const VecX q = generic_coordinates(*type);
+    const RelativeMotion here = compose(*type, q);
+    const JointMotion motion = read_motion(*type, here, q);
+    EXPECT_LT((motion.q - q).norm(), 1e-14);
+    const double h = 1e-6;
+    int iq = 0;
+    int iu = 0;
+    for (const joints::Permit& word : type->permits) {
+      const bool is_ball = std::holds_alternative<joints::Ball>(word);
+      for (int k = 0; k < n_u(word) && !is_ball; ++k) {
+        VecX plus = q;
+        VecX minus = q;
+        plus(iq + k) += h;
+        minus(iq + k) -= h;
+        const RelativeMotion a = compose(*type, plus);
+        const RelativeMotion b = compose(*type, minus);
+        Vec6 column;
+        column << (a.d - b.d) / (2.0 * h), rotation_vector_of(a.R * b.R.transpose()) / (2.0 * h);
+        EXPECT_LT((column - motion.S.col(iu + k)).norm(), 1e-9);
+      }
+      if (is_ball) {
+        EXPECT_EQ((motion.S.block<3, 3>(3, iu)), Mat3(Mat3::Identity()));
+      }
+      iq += n_q(word);
+      iu += n_u(word);
+    }
+  }
+}
+
+TEST(JointMotion, TurnsAreCountedFromTheHintAndSpeedsAreRead) {
+  const joints::JointType& cylindrical = *joints::find("cylindrical");
+  RelativeMotion moved = compose(cylindrical, Eigen::Vector2d(0.3, 0.4));
+  moved.v_rel << 0, 0, 1.5, 0, 0, -2.5;
+  const JointMotion motion = read_motion(cylindrical, moved, Eigen::Vector2d(0.0, 14.0));
+  EXPECT_NEAR(motion.q(1), 0.4 + 4.0 * std::acos(-1.0), 1e-14);
+  EXPECT_NEAR(motion.u(0), 1.5, 1e-14);
+  EXPECT_NEAR(motion.u(1), -2.5, 1e-14);
+}
+
+TEST(JointMotion, LawfulTauIsActuatorMinusResistance) {
+  Joint joint;
+  joint.type = joints::find("cylindrical");
+  JointSpring spring;
+  spring.word = 1;
+  spring.law.stiffness = 10.0;
+  spring.law.damping = 2.0;
+  spring.law.free = 0.1;
+  spring.law.actuator = ConstantSpeed{3.0, 1.0};
+  joint.springs = {spring};
+  joint.drivers = {{0, ConstantSpeed{0.0, 1.0}}};
+  const JointMotion motion{Eigen::Vector2d(0.5, 0.4), Eigen::Vector2d(1.0, -1.5), Mat6X::Zero(6, 2)};
+  const VecX tau = lawful_tau(joint, motion, 0.5);
+  EXPECT_TRUE(std::isnan(tau(0)));
+  EXPECT_DOUBLE_EQ(tau(1), 3.5 - 10.0 * 0.3 + 2.0 * 1.5);
+}
+
+TEST(JointMotion, SpeedsHaveNamesAndUnits) {
+  const joints::JointType& free = *joints::find("free");
+  EXPECT_EQ(speed_names(free),
+            (std::vector<std::string>{"slide_x", "slide_y", "slide_z", "ball_x", "ball_y", "ball_z"}));
+  EXPECT_EQ(turning_speeds(free), (std::vector<bool>{false, false, false, true, true, true}));
+}
+
+}  // namespace
+}  // namespace concord::compare

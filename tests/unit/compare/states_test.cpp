@@ -1,0 +1,104 @@
+#include "compare/states.h"
+
+#include <gtest/gtest.h>
+
+#include "fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+class StatesTest : public ::testing::Test {
+ protected:
+  Trajectory run(int samples) {
+    return cartesian_.integrate({0.4, 1e-11, samples, ""}, [](double) {});
+  }
+
+  Model model_ = pendulum_model();
+  FakePendulum cartesian_{model_, "cartesian"};
+  FakePendulum relative_{model_, "relative"};
+  std::array<Solver*, 2> solvers_{&cartesian_, &relative_};
+};
+
+TEST_F(StatesTest, TrajectoriesTakeTurnsFromTheStart) {
+  const Trajectory one = run(300);
+  const std::vector<OwnedState> states = run_states({&one, &one});
+  ASSERT_EQ(states.size(), 301U);
+  EXPECT_EQ(states[0].state.t, 0.0);
+  EXPECT_EQ(states[0].owner, Who::cartesian);
+  EXPECT_EQ(states[1].owner, Who::relative);
+  EXPECT_DOUBLE_EQ(states[300].state.t, 0.4);
+}
+
+TEST_F(StatesTest, ShortRunsGiveBothStatesOfEachRow) {
+  const Trajectory one = run(120);
+  EXPECT_EQ(run_states({&one, &one}).size(), 242U);
+}
+
+TEST_F(StatesTest, AMissingTrajectoryLeavesItsTurns) {
+  const Trajectory one = run(300);
+  const std::vector<OwnedState> states = run_states({nullptr, &one});
+  EXPECT_GE(states.size(), 150U);
+  for (const OwnedState& state : states) EXPECT_EQ(state.owner, Who::relative);
+  EXPECT_TRUE(run_states({nullptr, nullptr}).empty());
+}
+
+TEST_F(StatesTest, TheSameSeedShakesTheSameWay) {
+  const Trajectory one = run(10);
+  const std::vector<OwnedState> states = run_states({&one, &one});
+  Shaker shaker(model_, states, kSeed);
+  Shaker again(model_, states, kSeed);
+  Shaker other(model_, states, kSeed + 1);
+  const State shaken = shaker.shake(states[3].state, 1.0);
+  EXPECT_EQ((shaken.bodies[1].r - again.shake(states[3].state, 1.0).bodies[1].r).norm(), 0.0);
+  EXPECT_GT((shaken.bodies[1].r - other.shake(states[3].state, 1.0).bodies[1].r).norm(), 1e-6);
+  EXPECT_NEAR(shaken.bodies[1].p.norm(), 1.0, 1e-15);
+  EXPECT_GT((shaken.bodies[1].omega - states[3].state.bodies[1].omega).norm(), 1e-3);
+  EXPECT_EQ(shaken.t, states[3].state.t);
+}
+
+TEST_F(StatesTest, ModesAreDrawnWithinTheirRangeEvenIfTheRunNeverMovesThem) {
+  ModalData modal;
+  modal.stiffness = modal.damping = MatX::Identity(2, 2);
+  modal.mass_points = {{1.0, Vec3::Zero(), Mat3X::Constant(3, 2, 2.0)}};
+  model_.bodies[1].modal = modal;
+  Trajectory one = run(10);
+  for (Sample& sample : one.samples) {
+    sample.state.bodies[1].a = sample.state.bodies[1].adot = VecX::Zero(2);
+    sample.state.bodies[1].a(0) = 0.01 * sample.state.t;
+  }
+  const std::vector<OwnedState> states = run_states({&one, &one});
+  Shaker shaker(model_, states, kSeed);
+  const State shaken = shaker.shake(states[0].state, 1.0);
+  EXPECT_NE(shaken.bodies[1].a(0), 0.0);
+  EXPECT_LE(std::abs(shaken.bodies[1].a(0)), 0.004);
+  EXPECT_NE(shaken.bodies[1].a(1), 0.0);
+  EXPECT_LE(std::abs(shaken.bodies[1].a(1)), 1e-4);
+  EXPECT_NE(shaken.bodies[1].adot(1), 0.0);
+}
+
+TEST_F(StatesTest, RandomStatesAreClosedInTurnAndEvaluatedByBoth) {
+  const Trajectory one = run(300);
+  const std::vector<OwnedState> states = run_states({&one, &one});
+  const SharedStates random = share_random(model_, solvers_, states, kSeed);
+  ASSERT_EQ(random.states.size(), static_cast<std::size_t>(kRandomStates));
+  EXPECT_TRUE(random.failures.empty() && random.refusals.empty());
+  for (const SharedState& shared : random.states) {
+    const Vec3 gap = joint_point(model_, shared.state, model_.joints[0], Side::child) -
+                     joint_point(model_, shared.state, model_.joints[0], Side::parent);
+    EXPECT_LT(gap.norm(), 1e-14);
+    EXPECT_EQ(shared.evaluations[0].joints.size(), 1U);
+    EXPECT_EQ(shared.evaluations[1].joints.size(), 1U);
+  }
+}
+
+TEST_F(StatesTest, ASolverThatFindsNoStateIsAFailure) {
+  const Trajectory one = run(300);
+  relative_.spoil = [](const State&, Evaluation&) { throw SolverError("relative: wrong branch"); };
+  const SharedStates random = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
+  EXPECT_EQ(random.failures.size(), static_cast<std::size_t>(kRandomStates / 2));
+  EXPECT_EQ(random.refusals.size(), static_cast<std::size_t>(kRandomStates / 2));
+  EXPECT_TRUE(random.states.empty());
+}
+
+}  // namespace
+}  // namespace concord::compare

@@ -1,0 +1,115 @@
+#include "relative/equations.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "machines.h"
+#include "relative/assembly.h"
+#include "relative/states.h"
+
+#if !defined(__SANITIZE_ADDRESS__)
+namespace {
+long allocations = 0;
+}
+extern "C" void* __libc_malloc(size_t size);
+/// Counts what the process allocates: glibc lets a program replace malloc.
+extern "C" void* malloc(size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace concord::relative {
+namespace {
+
+#if !defined(__SANITIZE_ADDRESS__)
+TEST(Equations, AllocateNothingInAnEvaluation) {
+  for (const bool flexible : {false, true}) {
+    std::vector<Model> machines{test::tree_of_all_joints(flexible), test::spatial_slider_crank(flexible)};
+    for (const char* type : {"distance", "knee"})
+      machines.push_back(test::pair(*test::type_named(type), flexible ? 3 : 0));
+    for (Model& model : machines) {
+      test::Numbers numbers(47);
+      test::add_force_elements(model, numbers);
+      for (Joint& joint : model.joints) test::add_springs(joint);
+      Equations equations(model);
+      const Coordinates start = Assembly(equations).start();
+      VecX qdot = VecX::Zero(equations.topology().n_q);
+      equations.compute_accelerations(0.0, start.q, start.u);
+      const long before = allocations;
+      equations.compute_accelerations(0.0, start.q, start.u);
+      equations.compute_reactions();
+      equations.compute_qdot(qdot);
+      EXPECT_EQ(allocations - before, 0) << model.name << (flexible ? ", flexible" : ", rigid");
+    }
+  }
+}
+#endif
+
+/// Driven only; pushed by everything too; and pushed with a sprung joint cut.
+class PowerOfMachine : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(PowerOfMachine, IsTheRateOfEnergy) {
+  // Power of drivers, springs and force elements minus dissipation equals the rate of kinetic, potential and strain
+  // energy along the motion.
+  Model model = test::spatial_slider_crank(true);
+  const std::string kind = GetParam();
+  if (kind != "driven") {
+    test::Numbers numbers(29);
+    test::add_force_elements(model, numbers);
+    for (Joint& joint : model.joints) test::add_springs(joint);
+    model.joints[2].named_as_cut = kind == "cut";
+  }
+  model.joints[0].start[0].role_q = StartRole::guess;
+  model.joints[0].start[0].role_u = StartRole::guess;
+  const double q = model.joints[0].start[0].q(0);
+  model.joints[0].drivers.push_back({0, Harmonic{q, 0.3, 4.0, 0.0}});
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  const auto energy_at = [&](double t) {
+    // One step of the classical fourth-order rule from the start.
+    Coordinates c = start;
+    const auto rates = [&](double time, const VecX& q_at, const VecX& u_at) {
+      equations.compute_accelerations(time, q_at, u_at);
+      VecX qdot = VecX::Zero(q_at.size());
+      equations.compute_qdot(qdot);
+      return std::pair(qdot, VecX(equations.udot()));
+    };
+    const auto k1 = rates(0, c.q, c.u);
+    const auto k2 = rates(t / 2, c.q + t / 2 * k1.first, c.u + t / 2 * k1.second);
+    const auto k3 = rates(t / 2, c.q + t / 2 * k2.first, c.u + t / 2 * k2.second);
+    const auto k4 = rates(t, c.q + t * k3.first, c.u + t * k3.second);
+    c.q += t / 6 * (k1.first + 2 * k2.first + 2 * k3.first + k4.first);
+    c.u += t / 6 * (k1.second + 2 * k2.second + 2 * k3.second + k4.second);
+    c.t = t;
+    equations.move(t, c.q, c.u);
+    return test::energy(model, States(equations).write(t, {}));
+  };
+  const double h = 1e-5;
+  const double rate = (energy_at(h) - energy_at(-h)) / (2 * h);
+  equations.compute_accelerations(0.0, start.q, start.u);
+  equations.compute_reactions();
+  EXPECT_NEAR(equations.power(), rate, 1e-6 * std::abs(rate));
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, PowerOfMachine, ::testing::Values("driven", "pushed", "cut"),
+                         [](const auto& tested) { return tested.param; });
+
+TEST(Equations, CoordinatesFollowSpeedsWithCutJointsAndModes) {
+  const Model model = test::spatial_slider_crank(true);
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  equations.move(0.0, start.q, start.u);
+  VecX qdot = VecX::Zero(equations.topology().n_q);
+  equations.compute_qdot(qdot);
+  const double h = 1e-6;
+  const VecX ahead = start.q + h * qdot;
+  equations.move(0.0, ahead, start.u);
+  // The measured coordinates of the cut joint agree with the integrated ones, and the loop stays closed, to order h^2.
+  EXPECT_LT((equations.q() - ahead).norm(), 1e-10);
+  EXPECT_LT(equations.closure().gap().norm(), 1e-10);
+}
+
+}  // namespace
+}  // namespace concord::relative

@@ -1,0 +1,99 @@
+#include "relative/loops.h"
+
+#include <gtest/gtest.h>
+
+#include "machines.h"
+#include "relative/assembly.h"
+
+namespace concord::relative {
+namespace {
+
+/// The dense Mbar of the opened tree from its accelerations: columns of responses to unit speeds are not at hand, so B
+/// is used.
+MatX dense_Mbar(const Equations& equations) {
+  const Kinematics& kinematics = equations.kinematics();
+  const MatX B = kinematics.explicit_B();
+  MatX M = MatX::Zero(B.rows(), B.rows());
+  for (std::size_t l = 0; l < equations.topology().links.size(); ++l) {
+    const BodyInertia& inertia = equations.inertias()[l];
+    const int row = kinematics.first_row(equations.topology().links[l].body);
+    const int m = inertia.flexible() == nullptr ? 0 : inertia.flexible()->n_modes();
+    Mat6 M_rr;
+    inertia.moments().fill(M_rr);
+    M.block<6, 6>(row, row) = M_rr;
+    if (m == 0) continue;
+    M.block(row, row + 6, 6, m) = inertia.flexible()->M_ra();
+    M.block(row + 6, row, m, 6) = inertia.flexible()->M_ra().transpose();
+    M.block(row + 6, row + 6, m, m) = inertia.flexible()->M_aa();
+  }
+  return B.transpose() * M * B;
+}
+
+/// Two loops that share links: the slider-crank with a further body between coupler and ground.
+Model two_loops(bool flexible) {
+  Model model = test::spatial_slider_crank(flexible);
+  test::Numbers numbers(77);
+  model.joints[3] = test::fitting_joint(model, "D", "cylindrical", 3, 0, Vec3(0.61, 0.11, 0.13), numbers);
+  model.bodies.push_back(test::rigid_body("rocker", numbers));
+  model.bodies.back().pose_guess = Pose{numbers.vector(0.4), numbers.rotation()};
+  model.joints.push_back(test::fitting_joint(model, "E", "spherical", 2, 4, Vec3(0.31, -0.2, 0.1), numbers));
+  model.joints.push_back(test::fitting_joint(model, "F", "universal", 4, 0, Vec3(0.25, -0.5, 0.3), numbers));
+  return model;
+}
+
+class ClosedLoops : public ::testing::TestWithParam<bool> {};
+
+TEST_P(ClosedLoops, MultipliersAndAccelerationsSolveTheBorderedSystem) {
+  const Model model = two_loops(GetParam());
+  Equations equations(model);
+  const Coordinates pose = Assembly(equations).start();
+  ASSERT_EQ(equations.closure().cuts().size(), 2u);
+  equations.compute_accelerations(0.0, pose.q, pose.u);
+  const VecX udot = equations.udot().head(equations.topology().n_tree_u);
+  const VecX lambda = equations.loops().lambda();
+  const MatX Phi = equations.closure().Phi_u();
+  const MatX Mbar = dense_Mbar(equations);
+  equations.compute_accelerations(0.0, pose.q, pose.u);
+
+  // The open tree: same pose with the loops' multipliers left out.
+  Elimination open(equations.kinematics(), equations.driven());
+  VecX free_udot = VecX::Zero(equations.topology().n_u);
+  open.inward(equations.inertias(), equations.applied_forces(), free_udot);
+  open.outward(free_udot);
+  const VecX gbar = Mbar * free_udot.head(udot.size());
+  EXPECT_LT((Mbar * udot + Phi.transpose() * lambda - gbar).norm(), 1e-11 * gbar.norm());
+  VecX residual(equations.closure().n_rows());
+  const auto acceleration = [&](int joint, Side side) {
+    return equations.elimination().acceleration_of_point(joint, side);
+  };
+  equations.closure().compute_acceleration_residual(acceleration, equations.udot(), residual);
+  EXPECT_LT(residual.norm(), 1e-11 * udot.norm());
+  EXPECT_GT(lambda.norm(), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, ClosedLoops, ::testing::Bool(),
+                         [](const auto& tested) { return tested.param ? "flexible" : "rigid"; });
+
+TEST(Loops, RefusesAPoseOfLowerRankByName) {
+  const Model model = test::four_bar(true);
+  Equations equations(model);
+  Assembly assembly(equations);
+  Coordinates folded{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    folded.q.segment(equations.topology().joints[k].first_q, 1) = model.joints[k].start[0].q;
+  }
+  assembly.choose_rows(folded);
+  EXPECT_EQ(equations.loops().kept_rows().size(), 2u);
+  try {
+    equations.compute_accelerations(0.0, folded.q, folded.u);
+    FAIL() << "a folded four-bar was accepted";
+  } catch (const SolverError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "relative: the 5 closure rows of the cut joints have rank 1 in this pose, 2 in a general one: the pose "
+        "is singular and the motion may branch");
+  }
+}
+
+}  // namespace
+}  // namespace concord::relative

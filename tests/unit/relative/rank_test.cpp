@@ -1,0 +1,133 @@
+#include "relative/rank.h"
+
+#include <gtest/gtest.h>
+
+#include "machines.h"
+#include "relative/solver.h"
+
+namespace concord::relative {
+namespace {
+
+RankReport report_of(const Model& model) {
+  Equations equations(model);
+  Assembly assembly(equations);
+  const Coordinates start = assembly.start();
+  return analyze_rank(equations, assembly.scales(), start);
+}
+
+std::string flags(const JointUniqueness& joint, Side side) {
+  std::string text;
+  for (const bool unique : joint.unique[index(side)]) text += unique ? 'u' : '-';
+  return text;
+}
+
+TEST(Rank, OfAFullLoopIsComplete) {
+  for (const bool flexible : {false, true}) {
+    const RankReport report = report_of(test::spatial_slider_crank(flexible));
+    EXPECT_EQ(report.constraints, 17);
+    EXPECT_EQ(report.rank, 17);
+    EXPECT_EQ(report.degrees_of_freedom, flexible ? 4 : 1);
+    EXPECT_FALSE(report.undecided);
+    for (const JointUniqueness& joint : report.joints) EXPECT_EQ(flags(joint, Side::child), "uuuuuu");
+  }
+}
+
+TEST(Rank, OfAFourBarLacksThreeAndLeavesThePlaneUnique) {
+  Model model = test::four_bar();
+  for (int cut = -1; cut < 4; ++cut) {
+    for (int k = 0; k < 4; ++k) model.joints[k].named_as_cut = k == cut;
+    const RankReport report = report_of(model);
+    EXPECT_EQ(report.constraints, 20);
+    EXPECT_EQ(report.rank, 17);
+    EXPECT_EQ(report.degrees_of_freedom, 1);
+    EXPECT_FALSE(report.undecided);
+    EXPECT_GT(report.smallest_kept, 1e-3);
+    EXPECT_LT(report.largest_dropped, 1e-14);
+    for (const JointUniqueness& joint : report.joints) {
+      // The hinge axis is z: forces in the plane are unique, and the torque about the hinge, which is zero.
+      EXPECT_EQ(flags(joint, Side::child), "uu---u") << cut;
+      EXPECT_EQ(flags(joint, Side::parent), "uu---u") << cut;
+    }
+  }
+}
+
+TEST(Rank, CountsDriversWithTheConstraints) {
+  for (const int driven : {0, 3}) {
+    Model model = test::spatial_slider_crank(false);
+    test::release(model.joints[0]);
+    const double q = model.joints[driven].start[0].q(0);
+    model.joints[driven].drivers.push_back({0, ConstantSpeed{q, 0.3}});
+    const RankReport report = report_of(model);
+    EXPECT_EQ(report.constraints, 18);
+    EXPECT_EQ(report.rank, 18);
+    EXPECT_EQ(report.degrees_of_freedom, 0);
+    const std::unique_ptr<Solver> solver = make_solver(model);
+    EXPECT_EQ(solver->tangent(solver->assemble()).cols(), 0);
+  }
+}
+
+TEST(Rank, OfATreeIsComplete) {
+  const Model model = test::tree_of_all_joints(true);
+  const RankReport report = report_of(model);
+  EXPECT_EQ(report.rank, report.constraints);
+  EXPECT_EQ(report.constraints, 5 + 5 + 4 + 3 + 4 + 0 + 6 + 5);
+  int modes = 0;
+  for (const Body& body : model.bodies) modes += body.n_modes();
+  EXPECT_EQ(report.degrees_of_freedom, 8 * 6 - report.constraints + modes);
+}
+
+/// Gives every body the velocities of one column, v in units of the length.
+void set_velocities(const Model& model, const VecX& column, double length, State& state) {
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    BodyState& body = state.bodies[i];
+    body.v = length * column.segment<3>(row);
+    body.omega = column.segment<3>(row + 3);
+    body.adot = column.segment(row + 6, body.adot.size());
+    row += 6 + body.adot.size();
+  }
+}
+
+class PermittedVelocities : public ::testing::TestWithParam<int> {
+ protected:
+  static Model machine() {
+    if (GetParam() == 0) return test::tree_of_all_joints(true);
+    if (GetParam() == 1) return test::four_bar();
+    if (GetParam() == 2) return test::pair(*test::type_named("spiral"), 3);
+    Model model = test::spatial_slider_crank(true);
+    if (GetParam() == 4) {
+      test::release(model.joints[0]);
+      model.joints[0].drivers.push_back({0, ConstantSpeed{model.joints[0].start[0].q(0), 3.0}});
+    }
+    return model;
+  }
+};
+
+TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
+  const Model model = machine();
+  const std::unique_ptr<Solver> solver = make_solver(model);
+  State state = solver->assemble();
+  const MatX V = solver->tangent(state);
+  ASSERT_EQ(V.cols(), solver->rank(state).degrees_of_freedom);
+  EXPECT_LT((V.transpose() * V - MatX::Identity(V.cols(), V.cols())).norm(), 1e-13);
+  Kinematics kinematics(model);
+  const Held driven = driven_speeds(model, kinematics.topology());
+  for (Eigen::Index c = 0; c < V.cols(); ++c) {
+    set_velocities(model, V.col(c), model.length_scale(), state);
+    kinematics.place(state.bodies);
+    for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+      const Span& span = kinematics.topology().joints[k];
+      JointMeasure measure(kinematics.motion(k), driven.data() + span.first_u);
+      VecX q = state.q[k];
+      VecX u = VecX::Zero(span.n_u);
+      measure.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(), false);
+      measure.find_u(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(), u.data());
+      EXPECT_LT(measure.slip().norm(), 1e-12) << model.joints[k].name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, PermittedVelocities, ::testing::Range(0, 5));
+
+}  // namespace
+}  // namespace concord::relative

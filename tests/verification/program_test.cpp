@@ -1,0 +1,263 @@
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+/// The program as its users meet it: exit codes, what it prints, what it writes, what it leaves behind.
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+const fs::path kModels = fs::path(CONCORD_DATA) / "models";
+
+std::string read(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+struct Told {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// A folder of its own for each test, and the program run in it.
+class Desk {
+ public:
+  Desk() : folder_(fs::temp_directory_path() / ("concord_program_test_" + std::to_string(getpid()))) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "work");
+  }
+  ~Desk() { fs::remove_all(folder_); }
+  Desk(const Desk&) = delete;
+  Desk& operator=(const Desk&) = delete;
+
+  [[nodiscard]] fs::path work() const { return folder_ / "work"; }
+
+  Told run(const std::string& arguments) const {
+    const std::string command = "cd '" + work().string() + "' && '" CONCORD_PROGRAM "' " + arguments + " > '" +
+                                (folder_ / "out").string() + "' 2> '" + (folder_ / "err").string() + "'";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), read(folder_ / "out"), read(folder_ / "err")};
+  }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(work() / name) << text;
+    return work() / name;
+  }
+
+  /// Names of all that lies in the working folder and below.
+  [[nodiscard]] std::vector<std::string> left_behind() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(work())) {
+      names.push_back(fs::relative(entry.path(), work()).string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+ private:
+  fs::path folder_;
+};
+
+std::string model(const std::string& name) { return "'" + (kModels / (name + ".toml")).string() + "'"; }
+
+const std::string kPendulum = R"(format = 1
+gravity = [0.3, -9.81, 0.2]
+
+[[body]]
+name = "bob"
+mass = 1.3
+center_of_mass = [0.2, 0.1, -0.05]
+inertia = [0.02, 0.03, 0.04]
+
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "bob"
+start.turn_z = { keep = 0.4, keep_speed = 2 }
+
+[run]
+until = 0.3
+)";
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::vector<std::string> keys(const Json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) names.push_back(name);
+  return names;
+}
+
+/// The only numbers that may change from run to run.
+Json without_wall_times(Json document) {
+  for (const char* solver : {"cartesian", "relative"}) document["solvers"][solver].erase("wall_s");
+  return document;
+}
+
+}  // namespace
+
+TEST_CASE("Agreement is exit 0, with a table and a JSON document", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  const Told told = desk.run("compare pendulum.toml --json verdict.json");
+  INFO(told.out << told.err);
+  REQUIRE(told.code == 0);
+  CHECK(contains(told.out, "| case     | joint | on     | component |"));
+  CHECK(contains(told.out, "\nagree pendulum: 10 of 10 components judged; climbed: rank, same state"));
+  const Json json = Json::parse(read(desk.work() / "verdict.json"));
+  CHECK(keys(json) == std::vector<std::string>{"format", "verdict", "judged", "total", "same_state", "same_run",
+                                               "refined", "audit", "joints", "solvers"});
+  CHECK(json["verdict"] == "agree");
+  CHECK(json["judged"] == json["total"]);
+  CHECK(json["joints"].size() == json["total"]);
+  CHECK(json["solvers"]["cartesian"]["wall_s"].get<double>() > 0.0);
+}
+
+TEST_CASE("A difference is exit 1 and says where", "[program]") {
+  const Desk desk;
+  desk.write("proud.toml", kPendulum + "\n[[need]]\njoint = \"hinge\"\ncomponent = \"F_x\"\nsame_run = 15.9\n");
+  const Told told = desk.run("compare proud.toml --json verdict.json");
+  CHECK(told.code == 1);
+  CHECK(contains(told.out, "FAIL proud: joint hinge on "));
+  CHECK(contains(told.out, "(need 15.9)"));
+  CHECK(Json::parse(read(desk.work() / "verdict.json"))["verdict"] == "differ");
+}
+
+TEST_CASE("A machine in which nothing can be judged is exit 3, never 0", "[program]") {
+  const Desk desk;
+  std::string text = kPendulum;
+  text.replace(text.find("\"revolute\""), 10, "\"free\"");
+  text.replace(text.find("start.turn_z"), text.find("\n[run]") - text.find("start.turn_z"), R"(
+start.slide_x = { keep = 0, keep_speed = 1 }
+start.slide_y = { keep = 0, keep_speed = 2 }
+start.slide_z = { keep = 0, keep_speed = 3 }
+start.ball = { keep = { x = [1, 0, 0], z = [0, 0, 1] }, keep_speed = [1, 2, 3] }
+)");
+  desk.write("thrown.toml", text);
+  const Told told = desk.run("compare thrown.toml --json verdict.json");
+  INFO(told.out << told.err);
+  CHECK(told.code == 3);
+  CHECK(contains(told.out, "no component was judged"));
+  CHECK(Json::parse(read(desk.work() / "verdict.json"))["verdict"] == "failed");
+}
+
+TEST_CASE("Bad input is exit 2, at its line, and leaves nothing behind", "[program]") {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {kPendulum + "colour = 3\n", "bad.toml:19:1: error: run: unknown key"},
+      {"format = 1\n[[body]\n", "bad.toml:2:"},
+      {kPendulum + "\n[[need]]\njoint = \"hinge\"\nsame_state = 3\n", "say why with because"},
+      {"format = 1\n[[body]]\nname = \"b\"\nmass = -1\ninertia = [1, 1, 1]\n[[joint]]\nname = \"j\"\ntype = "
+       "\"weld\"\nparent = \"ground\"\nchild = \"b\"\n",
+       "bad.toml:4:"},
+  };
+  for (const auto& [text, message] : cases) {
+    const Desk desk;
+    desk.write("bad.toml", text);
+    for (const char* command : {"compare bad.toml --out results --json verdict.json",
+                                "run bad.toml --solver relative --out results", "info bad.toml"}) {
+      const Told told = desk.run(command);
+      INFO(command << '\n' << text << '\n' << told.out << told.err);
+      if (contains(message, "because") && !contains(command, "compare")) continue;
+      CHECK(told.code == 2);
+      CHECK(told.out.empty());
+      CHECK(contains(told.err, message));
+      CHECK(desk.left_behind() == std::vector<std::string>{"bad.toml"});
+    }
+  }
+}
+
+TEST_CASE("A command line that cannot be is exit 2", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  for (const char* arguments :
+       {"", "compare", "frobnicate", "compare pendulum.toml --wrong", "compare absent.toml",
+        "compare pendulum.toml --until -1", "compare pendulum.toml --samples 0", "run pendulum.toml",
+        "run pendulum.toml --solver third", "run pendulum.toml --solver relative --integrator euler",
+        "compare pendulum.toml --cartesian-integrator euler",
+        "compare pendulum.toml --json pendulum.toml/below.json"}) {
+    const Told told = desk.run(arguments);
+    INFO(arguments << '\n' << told.out << told.err);
+    CHECK(told.code == 2);
+    CHECK_FALSE(told.err.empty());
+    CHECK(desk.left_behind() == std::vector<std::string>{"pendulum.toml"});
+  }
+}
+
+TEST_CASE("Help and version are exit 0", "[program]") {
+  const Desk desk;
+  CHECK(desk.run("--help").code == 0);
+  CHECK(contains(desk.run("--help").out, "Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish."));
+  CHECK(contains(desk.run("compare --help").out, "--samples"));
+  CHECK(contains(desk.run("--version").out, "concord "));
+}
+
+TEST_CASE("Everything but wall times is the same from run to run", "[program]") {
+  const Desk desk;
+  const std::string arguments = "compare " + model("slider_crank_rigid") + " --until 0.2 --all --out ";
+  const Told first = desk.run(arguments + "one --json one.json");
+  const Told second = desk.run(arguments + "two --json two.json");
+  REQUIRE(first.code == 0);
+  CHECK(first.out == second.out);
+  CHECK(contains(first.err, "wall time"));
+  CHECK(without_wall_times(Json::parse(read(desk.work() / "one.json"))) ==
+        without_wall_times(Json::parse(read(desk.work() / "two.json"))));
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(desk.work() / "one")) {
+    INFO(entry.path());
+    CHECK(read(entry.path()) == read(desk.work() / "two" / entry.path().filename()));
+    ++files;
+  }
+  CHECK(files >= 7);
+}
+
+TEST_CASE("Results hold the rows that were asked for", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  REQUIRE(desk.run("compare pendulum.toml --samples 30 --out results").code == 0);
+  for (const char* file : {"pendulum.cartesian.reactions.csv", "pendulum.relative.motion.csv"}) {
+    const std::string text = read(desk.work() / "results" / file);
+    CHECK(std::count(text.begin(), text.end(), '\n') == 32);
+  }
+  CHECK(fs::exists(desk.work() / "results" / "pendulum.table.txt"));
+  CHECK(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
+}
+
+TEST_CASE("Several models: the summary survives a failing one, the exit code is the worst", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  desk.write("second.toml", kPendulum);
+  desk.write("bad.toml", "format = 2\n");
+  const Told told = desk.run("compare pendulum.toml bad.toml second.toml --json all.json");
+  INFO(told.out << told.err);
+  CHECK(told.code == 2);
+  CHECK(contains(told.out, "| model    |"));
+  CHECK(contains(told.out, "| bad      |"));
+  CHECK(contains(told.out, "| bad input |"));
+  CHECK(contains(told.out, "agree second: "));
+  CHECK(keys(Json::parse(read(desk.work() / "all.json"))) == std::vector<std::string>{"pendulum", "second"});
+}
+
+TEST_CASE("run and info do what they say", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  const Told run = desk.run("run pendulum.toml --solver cartesian --out results");
+  INFO(run.out << run.err);
+  CHECK(run.code == 0);
+  CHECK(contains(run.out, "| hinge | bob    |"));
+  CHECK(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
+  CHECK_FALSE(fs::exists(desk.work() / "results" / "pendulum.relative.nc"));
+  const Told info = desk.run("info " + model("slider_crank_redundant"));
+  CHECK(info.code == 0);
+  CHECK(contains(info.out, "cartesian: 20 constraints of rank 17"));
+  CHECK(contains(info.out, "joint A on crank: F_z T_x T_y"));
+}
