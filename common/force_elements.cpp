@@ -1,15 +1,15 @@
 #include "common/force_elements.h"
 
+#include "common/overloaded.h"
+
 namespace concord {
 
 const Attachment* end_of(const ForceElement& element, Side side) {
-  if (const auto* load = std::get_if<Load>(&element.what)) return side == Side::child ? &load->at : nullptr;
-  return std::visit(
-      [side](const auto& what) -> const Attachment* {
-        if constexpr (requires { what.ends; }) return &what.ends[index(side)];
-        return nullptr;
-      },
-      element.what);
+  const auto on_child = [side](const Attachment& end) { return side == Side::child ? &end : nullptr; };
+  return std::visit(Overloaded{[&](const Load& load) -> const Attachment* { return on_child(load.at); },
+                               [&](const Tire& tire) -> const Attachment* { return on_child(tire.wheel); },
+                               [&](const auto& spring) { return &spring.ends[index(side)]; }},
+                    element.what);
 }
 
 }  // namespace concord

@@ -7,6 +7,7 @@
 #include "common/attachment.h"
 #include "common/error.h"
 #include "common/force_law.h"
+#include "common/tire.h"
 
 /// Force elements: what pushes and pulls on bodies and is no joint. Each is a statement; the solvers turn it into
 /// generalized forces, (32) with the third row by virtual work. Ends are places on bodies with frames, as for joints,
@@ -56,11 +57,11 @@ struct Bushing {
 
 struct ForceElement {
   std::string name;
-  std::variant<Load, LineSpring, TurnSpring, Bushing> what;
+  std::variant<Load, LineSpring, TurnSpring, Bushing, Tire> what;
   SourceLocation where;
 };
 
-/// The element's end on `side`; a load has only that of the child, its one body.
+/// The element's end on `side`; a load or a tire has only that of the child, its one body.
 const Attachment* end_of(const ForceElement& element, Side side);
 
 }  // namespace concord

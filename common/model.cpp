@@ -26,12 +26,17 @@ const Driver* driver_of(const Joint& joint, int word, int component) {
   return nullptr;
 }
 
-bool carries_nothing(const Joint& joint) {
-  return joint.type->rows() == 0 && joint.drivers.empty() && joint.springs.empty();
-}
-
 bool Model::is_flexible() const {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.modal.has_value(); });
+}
+
+bool Model::carries_nothing(int k) const {
+  const Joint& joint = joints[k];
+  if (joint.type->rows() + joint.type->slip_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
+    return false;
+  return std::none_of(couplings.begin(), couplings.end(), [k](const Coupling& coupling) {
+    return std::any_of(coupling.terms.begin(), coupling.terms.end(), [k](const auto& term) { return term.joint == k; });
+  });
 }
 
 double Model::length_scale() const {

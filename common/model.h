@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/coupling.h"
 #include "common/error.h"
 #include "common/force_elements.h"
 #include "common/joints/joint_type.h"
@@ -92,9 +93,6 @@ int first_u(const joints::JointType& type, int word);
 /// The driver of a coordinate of a word, or nullptr.
 const Driver* driver_of(const Joint& joint, int word, int component = 0);
 
-/// Whether the joint can pass no wrench at all: it forbids nothing, nothing drives it and it has no spring.
-bool carries_nothing(const Joint& joint);
-
 /// A change of the digits needed, made by the model: see compare/README.
 struct NeedOverride {
   std::string joint;      // empty: every joint
@@ -121,11 +119,14 @@ struct Model {
   /// bodies[kGround] is ground: no mass, fixed.
   std::vector<Body> bodies;
   std::vector<Joint> joints;
+  std::vector<Coupling> couplings;
   std::vector<ForceElement> elements;
   RunSettings run;
   std::vector<NeedOverride> needs;
 
   [[nodiscard]] bool is_flexible() const;
+  /// Whether joint k can pass no wrench at all: it forbids nothing, nothing drives or couples it and it has no spring.
+  [[nodiscard]] bool carries_nothing(int k) const;
   /// Largest distance between the joint points of a body, over all bodies, undeformed [m]; the ends of force elements
   /// count like joint points; 1 m if there is none.
   [[nodiscard]] double length_scale() const;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/body_reader.h"
+#include "common/coupling_reader.h"
 #include "common/force_element_reader.h"
 #include "common/joint_reader.h"
 #include "common/model_checks.h"
@@ -98,11 +99,11 @@ JointsReading read_joints(const TableReader& document, const std::vector<BodyRea
   return result;
 }
 
-/// Complains of names that joints and force elements share: they stand in one table of results.
+/// Complains of names that joints, couplings and force elements share: they stand in one table of results.
 void check_names(const TableReader& document, FileReading& reading) {
   NameBook names(reading);
   KnownKeys kinds = force_element_keys();
-  kinds.insert(kinds.begin(), "joint");
+  kinds.insert(kinds.begin(), {"joint", "coupling"});
   for (const std::string_view kind : kinds) {
     const toml::array* owners = document.has(kind) ? document.node(kind)->as_array() : nullptr;
     if (owners == nullptr) continue;
@@ -195,7 +196,7 @@ Model parse_model(std::string_view text, const std::filesystem::path& file) {
   FileReading reading;
   reading.file = file.generic_string();
   const toml::table root = parse_toml(text, reading.file);
-  KnownKeys known{"format", "name", "gravity", "parameters", "body", "joint", "run", "need"};
+  KnownKeys known{"format", "name", "gravity", "parameters", "body", "joint", "coupling", "run", "need"};
   known.insert(known.end(), force_element_keys().begin(), force_element_keys().end());
   const TableReader document(root, "", known, reading);
   check_format(document, kFormat);
@@ -211,6 +212,7 @@ Model parse_model(std::string_view text, const std::filesystem::path& file) {
   const bool has_bodies = bodies.size() > 1;
   JointsReading joints = has_bodies ? read_joints(document, bodies, reading) : JointsReading{};
   model.joints = std::move(joints.joints);
+  if (has_bodies) model.couplings = read_couplings(document, model.joints, joints.names);
   if (has_bodies) model.elements = read_force_elements(document, bodies);
   check_names(document, reading);
   model.needs = read_needs(document, joints.names);

@@ -53,13 +53,13 @@ struct SideWrench {
   Wrench in_global;
 };
 
-/// Wrenches of one joint. Reaction = total minus the coordinate wrenches of drivers, springs and actuators of the
-/// joint: the total holds all that passes through it.
+/// Wrenches of one joint. Reaction = total minus the coordinate wrenches of drivers, springs, actuators and couplings
+/// on the joint: the total holds all that passes through it.
 struct JointWrenches {
   std::array<SideWrench, 2> reaction;
   std::array<SideWrench, 2> total;
-  /// Coordinate force of driver, spring and actuator on each joint speed (n_u numbers): tau > 0 pushes the speed to
-  /// grow [N, N m]; zero where there is none.
+  /// Coordinate force of driver, spring, actuator and couplings on each joint speed (n_u numbers): tau > 0 pushes the
+  /// speed to grow [N, N m]; zero where there is none.
   VecX tau;
 
   [[nodiscard]] const SideWrench& reaction_on(Side side) const { return reaction[index(side)]; }
@@ -67,7 +67,7 @@ struct JointWrenches {
 };
 
 /// What a force element exerts: on the child at its end P_i and on the parent at P_j, each in its end's frame A' and in
-/// global axes. A load has no parent: zero there.
+/// global axes. A load and a tire have no parent: zero there.
 struct ElementWrenches {
   std::array<SideWrench, 2> on;
 
@@ -86,6 +86,8 @@ struct Evaluation {
   std::vector<BodyAcceleration> bodies;  // ground included
   std::vector<JointWrenches> joints;
   std::vector<ElementWrenches> elements;
+  /// Force f of each coupling: it adds factor_k f to the coordinate force of every coordinate that it relates.
+  std::vector<double> couplings;
 };
 
 struct Sample {

@@ -94,7 +94,7 @@ class Scales {
     const Model& model = layout_.model();
     std::vector<bool> is_held(model.bodies.size(), false);
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const bool idle = carries_nothing(model.joints[k]);
+      const bool idle = model.carries_nothing(static_cast<int>(k));
       for (const Side side : {Side::parent, Side::child}) {
         if (!idle) {
           is_held[model.joints[k].on(side).body] = true;

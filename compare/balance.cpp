@@ -286,8 +286,9 @@ Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale
       entity.rows.push_back({AuditRule::free_body, "mode " + std::to_string(mode), Unit::modal});
     }
   }
-  for (const Joint& joint : model.joints) {
-    Entity& entity = joints_.emplace_back(Entity{joint.name, {}, carries_nothing(joint)});
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    const Joint& joint = model.joints[k];
+    Entity& entity = joints_.emplace_back(Entity{joint.name, {}, model.carries_nothing(k)});
     const auto add_rows = [&](AuditRule rule, const char* wrench, const char* side) {
       for (int c = 0; c < 6; ++c) {
         entity.rows.push_back({rule, fmt::format("{} of {}{}", kComponentNames[c], wrench, side), unit(c)});

@@ -3,8 +3,10 @@
 #include "common/joints/cylindrical.h"
 #include "common/joints/distance.h"
 #include "common/joints/free.h"
+#include "common/joints/knife_edge.h"
 #include "common/joints/revolute.h"
 #include "common/joints/revolute_spherical.h"
+#include "common/joints/rolling_ball.h"
 #include "common/joints/screw.h"
 #include "common/joints/spherical.h"
 #include "common/joints/translational.h"
@@ -17,8 +19,8 @@ namespace concord::joints {
 const std::vector<const JointType*>& catalogue() {
   static const std::vector<const JointType*> types = [] {
     std::vector<const JointType*> all{
-        &weld, &revolute, &translational,      &cylindrical,         &spherical, &universal,
-        &free, &distance, &revolute_spherical, &universal_spherical, &screw,
+        &weld,     &revolute,           &translational,       &cylindrical, &spherical,  &universal,    &free,
+        &distance, &revolute_spherical, &universal_spherical, &screw,       &knife_edge, &rolling_ball,
     };
     for (const JointType* extra : extra_types()) all.push_back(extra);
     return all;

@@ -25,8 +25,15 @@ struct JointType {
   std::vector<Parameter> parameters = {};
   JointType (*with_parameters)(const std::vector<double>& values) = nullptr;
 
-  /// Number of constraint rows of `forbids`.
+  /// What the type forbids, and then permits, of the velocity alone; empty for most types. With them the motion's q
+  /// reaches more places than its speeds have directions.
+  std::vector<ForbidSpeed> forbids_speeds = {};
+  std::vector<PermitSpeed> permits_speeds = {};
+
+  /// Number of constraint rows of `forbids`, which hold for places and velocities.
   [[nodiscard]] int rows() const;
+  /// Number of constraint rows of `forbids_speeds`, which hold for velocities alone.
+  [[nodiscard]] int slip_rows() const { return static_cast<int>(forbids_speeds.size()); }
   /// Number of joint coordinates q and of joint speeds u of `permits`.
   [[nodiscard]] int n_q() const;
   [[nodiscard]] int n_u() const;

@@ -56,6 +56,39 @@ struct ByResidual {
 using Forbid =
     std::variant<Coincide, NoGapAlong, Perpendicular, SameDirection, SameOrientation, KeepDistance, ByResidual>;
 
+// What a joint forbids of the velocity alone, beside what it forbids of places: rates linear in v_rel = [ddot;
+// omega_rel] (both in the parent's joint frame) that vanish, and from which no relation of places follows.
+
+/// The child's material point at d - below e_z, e_z the parent's z, does not slip over the parent along e, an axis of
+/// the parent or of the child: e . (ddot + omega_rel x (-below e_z)) = 0. 1 row. A wheel or a ball of radius `below`
+/// that rolls (its centre is the child's joint point), or with below = 0 the edge of a skate.
+struct NoSlip {
+  Side axis_of;
+  Axis axis;
+  double below = 0.0;  // m
+};
+
+using ForbidSpeed = std::variant<NoSlip>;
+
+// What a joint then permits of the velocity: directions that span all v_rel that are possible in a pose. Needed only
+// with a ForbidSpeed; the motion above says the places that can be reached.
+
+/// v_rel = [e; 0], e an axis of the parent or of the child.
+struct SpeedAlong {
+  Side axis_of;
+  Axis axis;
+};
+
+/// Rotation about e, an axis of the parent or of the child, through the point d - below e_z, which rests:
+/// v_rel = [below e x e_z; e].
+struct SpeedAbout {
+  Side axis_of;
+  Axis axis;
+  double below = 0.0;  // m
+};
+
+using PermitSpeed = std::variant<SpeedAlong, SpeedAbout>;
+
 // What a joint permits: motions, composed left to right from the parent's joint frame. A Slide moves along an axis of
 // the frame reached so far, a Turn rotates that frame about its own axis. d is the place reached, R the orientation.
 

@@ -1,0 +1,59 @@
+#include "common/tire.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace concord {
+
+namespace {
+
+/// Slip forces below the friction limit.
+TireForces evaluate_linear(const Tire& tire, const TireContact& contact) {
+  const double V = std::hypot(contact.V_x, tire.speed_scale);
+  return {tire.stiffness * contact.delta + tire.damping * contact.deltadot, -tire.slip_stiffness * contact.s_x / V,
+          -tire.cornering_stiffness * contact.V_y / V};
+}
+
+}  // namespace
+
+TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  if (!regime.pushes) return {};
+  TireForces forces = evaluate_linear(tire, contact);
+  if (!regime.slides) return forces;
+  const double scale = tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
+  forces.F_x *= scale;
+  forces.F_y *= scale;
+  return forces;
+}
+
+TireRegime regime_at(const Tire& tire, const TireContact& contact) {
+  TireRegime regime;
+  regime.stretch = stretch_at(*tire.road, contact.x);
+  regime.touches = contact.delta > 0.0;
+  if (!regime.touches) return regime;
+  const TireForces forces = evaluate_linear(tire, contact);
+  regime.pushes = forces.N > 0.0;
+  regime.slides = regime.pushes && std::hypot(forces.F_x, forces.F_y) > tire.friction * forces.N;
+  return regime;
+}
+
+double margin_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  double margin = std::numeric_limits<double>::infinity();
+  const auto end = [&margin](double distance) { margin = std::min(margin, distance); };
+  const auto holds = [](bool inside, double value) { return inside ? value : -value; };
+  const std::vector<double> edges = edges_of(*tire.road);
+  if (regime.stretch > 0) end((contact.x - edges[regime.stretch - 1]) / tire.radius);
+  if (regime.stretch < static_cast<int>(edges.size())) end((edges[regime.stretch] - contact.x) / tire.radius);
+  end(holds(regime.touches, contact.delta / tire.radius));
+  if (!regime.touches) return margin;
+  const double force_scale = tire.stiffness * tire.radius;
+  const TireForces forces = evaluate_linear(tire, contact);
+  end(holds(regime.pushes, forces.N / force_scale));
+  if (!regime.pushes) return margin;
+  const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
+  end(holds(regime.slides, beyond / force_scale));
+  return margin;
+}
+
+}  // namespace concord
