@@ -15,17 +15,17 @@ bool applies(const NeedOverride& change, const std::string& joint, const std::st
   return (change.joint.empty() || change.joint == joint) && (change.component.empty() || change.component == component);
 }
 
-struct Rung {
+struct NeededRung {
   const char* name;
   std::optional<double> NeedOverride::*asked;
   double Needs::*need;
 };
-constexpr std::array kRungs{Rung{"same_state", &NeedOverride::same_state, &Needs::same_state},
-                            Rung{"same_run", &NeedOverride::same_run, &Needs::same_run},
-                            Rung{"refined", &NeedOverride::refined, &Needs::refined}};
+constexpr std::array kNeededRungs{NeededRung{"same_state", &NeedOverride::same_state, &Needs::same_state},
+                                  NeededRung{"same_run", &NeedOverride::same_run, &Needs::same_run},
+                                  NeededRung{"refined", &NeedOverride::refined, &Needs::refined}};
 
 bool lowers(const NeedOverride& change, const Needs& standard) {
-  return std::any_of(kRungs.begin(), kRungs.end(), [&](const Rung& rung) {
+  return std::any_of(kNeededRungs.begin(), kNeededRungs.end(), [&](const NeededRung& rung) {
     return (change.*rung.asked).value_or(standard.*rung.need) < standard.*rung.need;
   });
 }
@@ -54,7 +54,7 @@ Needs needs_of(const Model& model, const std::string& joint, const std::string& 
   Needs needs = standard;
   for (const NeedOverride& change : model.needs) {
     if (!applies(change, joint, component)) continue;
-    for (const Rung& rung : kRungs) needs.*rung.need = (change.*rung.asked).value_or(needs.*rung.need);
+    for (const NeededRung& rung : kNeededRungs) needs.*rung.need = (change.*rung.asked).value_or(needs.*rung.need);
     if (lowers(change, standard)) needs.because = change.because;
   }
   return needs;
@@ -65,7 +65,7 @@ void check_needs(const Model& model) {
   std::vector<Diagnostic> complaints;
   for (const NeedOverride& change : model.needs) {
     check_names(model, change, complaints);
-    for (const Rung& rung : kRungs) {
+    for (const NeededRung& rung : kNeededRungs) {
       const double need = standard.*rung.need;
       const double asked = (change.*rung.asked).value_or(need);
       if (asked >= need || !change.because.empty()) continue;

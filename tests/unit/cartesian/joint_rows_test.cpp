@@ -22,10 +22,6 @@ RelativeMotion generic_motion(Numbers& numbers) {
   return {numbers.vector(), numbers.rotation(), numbers.vector(2.0), numbers.vector(2.0)};
 }
 
-double rate_of(const Row& row, const RelativeMotion& motion) {
-  return row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
-}
-
 /// First and second derivative of a row along the motion against differences of its value and its rate.
 void expect_derivatives(const std::function<Row(const RelativeMotion&)>& evaluate, const RelativeMotion& motion) {
   const double h = 1e-5;
