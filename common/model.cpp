@@ -34,8 +34,13 @@ bool Model::carries_nothing(int k) const {
   const Joint& joint = joints[k];
   if (joint.type->rows() + joint.type->slip_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
     return false;
-  return std::none_of(couplings.begin(), couplings.end(), [k](const Coupling& coupling) {
-    return std::any_of(coupling.terms.begin(), coupling.terms.end(), [k](const auto& term) { return term.joint == k; });
+  return !is_coupled(k);
+}
+
+bool Model::is_coupled(int k) const {
+  return std::any_of(couplings.begin(), couplings.end(), [k](const Coupling& coupling) {
+    return std::any_of(coupling.terms.begin(), coupling.terms.end(),
+                       [k](const CouplingTerm& term) { return term.joint == k; });
   });
 }
 

@@ -125,6 +125,8 @@ struct Model {
   std::vector<NeedOverride> needs;
 
   [[nodiscard]] bool is_flexible() const;
+  /// Whether a coupling relates a coordinate of joint k.
+  [[nodiscard]] bool is_coupled(int k) const;
   /// Whether joint k can pass no wrench at all: it forbids nothing, nothing drives or couples it and it has no spring.
   [[nodiscard]] bool carries_nothing(int k) const;
   /// Largest distance between the joint points of a body, over all bodies, undeformed [m]; the ends of force elements

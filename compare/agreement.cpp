@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compare/digits.h"
+#include "compare/joint_motion.h"
 
 namespace concord::compare {
 
@@ -85,7 +86,22 @@ class Scales {
       enlarge(wrench_floor_, scale);
     }
     hold_idle_joints_against_the_machine(wrench_floor_);
+    collect_couplings();
     wrench_floor_ = {kScaleFloor * wrench_floor_.linear, kScaleFloor * wrench_floor_.angular};
+  }
+
+  /// The force that would explain all that passes through the joints of a coupling.
+  void collect_couplings() {
+    const Model& model = layout_.model();
+    for (const Coupling& coupling : model.couplings) {
+      double scale = 0.0;
+      for (const CouplingTerm& term : coupling.terms) {
+        const BlockScale& total = totals_[2 * term.joint + index(Side::child)];
+        const bool turns = turning_speeds(*model.joints[term.joint].type)[speed_of(model, term)];
+        scale = std::max(scale, (turns ? total.angular : total.linear) / std::abs(term.factor));
+      }
+      couplings_.push_back({scale, scale});
+    }
   }
 
   /// A joint that can carry nothing has no scale of its own, nor has a body that only such joints hold: their round-off
@@ -135,6 +151,8 @@ class Scales {
         return on_body_[quantity.owner];
       case Kind::element:
         return elements_[quantity.owner];
+      case Kind::coupling:
+        return couplings_[quantity.owner];
       case Kind::total:
       case Kind::driver:
         return totals_[block];
@@ -149,6 +167,7 @@ class Scales {
   std::vector<BlockScale> reactions_;  // joint-major, parent then child
   std::vector<BlockScale> totals_;
   std::vector<BlockScale> elements_;
+  std::vector<BlockScale> couplings_;
   std::vector<BlockScale> on_body_;
   std::vector<BlockScale> accelerations_;
   std::vector<double> modal_;

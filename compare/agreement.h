@@ -24,7 +24,8 @@ struct Measured {
 
 /// One entry for each row of the series. Scale of a force: the joint's peak |F| over the series, the larger of both
 /// solvers'; of a torque: max(peak |T|, peak |F| l), l the machine's length; both floored. A force on a
-/// joint speed takes the scale of its joint's total wrench; a force element's wrench its own; a body's sum that of the
+/// joint speed takes the scale of its joint's total wrench, that of a coupling the largest of its joints' divided by
+/// their factors; a force element's wrench its own; a body's sum that of the
 /// largest wrench in it; an acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l), angular the same over l;
 /// modal accelerations the body's largest.
 std::vector<Measured> measure(const Layout& layout, const Series& series);

@@ -110,7 +110,10 @@ void subtract_wrench(const Attachment& side, const BodyState& state, const Wrenc
 
 /// Number of rows of all rules of a joint: workless (components, directions), two frames (reaction, total), both sides
 /// (same), drivers (tau, coordinate wrench), force law.
-int joint_rows(const joints::JointType& type) { return 12 + type.n_u() + 2 * 12 + 2 * 6 + type.n_u() + 6 + type.n_u(); }
+int joint_rows(const joints::JointType& type) {
+  const auto free = static_cast<int>(turning_free_speeds(type).size());
+  return 12 + free + 2 * 12 + 2 * 6 + free + 6 + type.n_u();
+}
 
 /// Reaction components, parent's and child's, that the joint cannot carry; zero in place of the others.
 VecX workless_residuals(const joints::JointType& type, const JointWrenches& wrenches) {
@@ -149,21 +152,22 @@ VecX side_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<S
 /// What passes through a joint, as the permitted directions see it.
 class JointPower {
  public:
+  /// `coupled`: tau of the couplings on the joint.
   JointPower(const Joint& joint, const std::array<PlacedFrame, 2>& frames, const JointWrenches& wrenches,
-             const VecX& hint, double t)
+             const VecX& coupled, const VecX& hint, double t)
       : relative_(relative_motion(frames[index(Side::parent)], frames[index(Side::child)])),
         motion_(read_motion(*joint.type, relative_, hint)),
         total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
         reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
         tau_(wrenches.tau),
-        lawful_tau_(lawful_tau(joint, motion_, t)),
+        lawful_tau_(lawful_tau(joint, motion_, t) + coupled),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
-  /// S^T [F; T] of the reaction.
-  [[nodiscard]] VecX of_reaction() const { return motion_.S.transpose() * reaction_; }
+  /// S^T [F; T] of the reaction, along the speeds that are possible.
+  [[nodiscard]] VecX of_reaction() const { return motion_.free.transpose() * (motion_.S.transpose() * reaction_); }
 
-  /// S^T [F; T] - tau, with the total wrench.
-  [[nodiscard]] VecX beyond_tau() const { return motion_.S.transpose() * total_ - tau_; }
+  /// S^T [F; T] - tau, with the total wrench, along the speeds that are possible.
+  [[nodiscard]] VecX beyond_tau() const { return motion_.free.transpose() * (motion_.S.transpose() * total_ - tau_); }
 
   /// What of total minus reaction is no coordinate wrench; lengths in units of `length`.
   [[nodiscard]] Vec6 outside_coordinates(double length) const {
@@ -175,7 +179,7 @@ class JointPower {
     return rest;
   }
 
-  /// tau minus what springs and actuators exert by their laws; zero where a driver acts.
+  /// tau minus what springs and actuators exert by their laws and couplings by their forces; zero where a driver acts.
   [[nodiscard]] VecX beyond_law() const {
     return lawful_tau_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - lawful_tau_);
   }
@@ -294,22 +298,21 @@ Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale
         entity.rows.push_back({rule, fmt::format("{} of {}{}", kComponentNames[c], wrench, side), unit(c)});
       }
     };
-    // In the order of joint_rows().
-    const auto add_speeds = [&](AuditRule rule, const char* what) {
-      for (const bool turns : turning_speeds(*joint.type)) {
+    const auto add_speeds = [&](AuditRule rule, const char* what, const std::vector<bool>& speeds) {
+      for (const bool turns : speeds) {
         entity.rows.push_back({rule, what, turns ? Unit::torque : Unit::force});
       }
     };
     // In the order of joint_rows().
     for (const char* side : kSideNames) add_rows(AuditRule::workless, "reaction", side);
-    add_speeds(AuditRule::workless, "power of the reaction");
+    add_speeds(AuditRule::workless, "power of the reaction", turning_free_speeds(*joint.type));
     for (const char* wrench : {"reaction", "total"}) {
       for (const char* side : kSideNames) add_rows(AuditRule::two_frames, wrench, side);
     }
     for (const char* wrench : {"reaction", "total"}) add_rows(AuditRule::both_sides, wrench, "");
-    add_speeds(AuditRule::drivers, "tau");
+    add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type));
     add_rows(AuditRule::drivers, "total minus reaction", " on child");
-    add_speeds(AuditRule::force_law, "tau");
+    add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type));
   }
   for (const ForceElement& element : model.elements) {
     Entity& entity = elements_.emplace_back(Entity{element.name, {}, false});
@@ -328,7 +331,7 @@ Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale
 void Auditor::add(const State& state, const Evaluation& evaluation) {
   ++states_;
   for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation.joints[k]);
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation);
   for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
 }
 
@@ -357,12 +360,14 @@ void Auditor::add_body(int body, const State& state, const Evaluation& evaluatio
   }
 }
 
-void Auditor::add_joint(std::size_t index_of_joint, const State& state, const JointWrenches& wrenches) {
+void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Evaluation& evaluation) {
+  const JointWrenches& wrenches = evaluation.joints[index_of_joint];
   const Joint& joint = model_.joints[index_of_joint];
   const std::array<PlacedFrame, 2> frames{place(joint.sides[0], state.bodies[joint.sides[0].body]),
                                           place(joint.sides[1], state.bodies[joint.sides[1].body])};
   const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
-  const JointPower power(joint, frames, wrenches, hint, state.t);
+  const VecX coupled = coupled_tau(model_, static_cast<int>(index_of_joint), evaluation.couplings);
+  const JointPower power(joint, frames, wrenches, coupled, hint, state.t);
   VecX residuals(joint_rows(*joint.type));
   residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
       frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),

@@ -19,7 +19,8 @@ enum class AuditRule {
   both_sides,  // F_j = -F_i, T_j = -(T_i + (r_Pi - r_Pj) x F_i), of joints and of force elements
   two_frames,  // components in the joint frame (or an element's end frame) and in global axes are one vector
   drivers,     // S^T [F; T] of the total wrench on the child is tau; total minus reaction is its coordinate wrench
-  force_law    // each element's wrench, and tau of joint springs and actuators, is what its law says of the state
+  force_law    // each element's wrench is what its law says of the state, and tau what springs, actuators and couplings
+               // add
 };
 inline constexpr int kAuditRules = 6;
 
@@ -94,7 +95,7 @@ class Auditor {
   };
 
   void add_body(int body, const State& state, const Evaluation& evaluation);
-  void add_joint(std::size_t joint, const State& state, const JointWrenches& wrenches);
+  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
   void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
   [[nodiscard]] double largest_of(Unit unit) const;
   [[nodiscard]] AuditFinding worst_of(const Entity& entity, AuditRule rule) const;

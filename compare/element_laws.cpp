@@ -70,6 +70,36 @@ BothSides exert(const Bushing& bushing, const State& state) {
   return {Wrench{-A * F, -A * (T + relative.d.cross(F))}, Wrench{A * F, A * T}};
 }
 
+/// The contact is the foot of the perpendicular from the wheel's centre to the road's tangent plane below it. With the
+/// height z of the centre over the profile, D = z cos(b), tan(b) = h', and bdot = h'' cos(b)^2 xdot.
+BothSides exert(const Tire& tire, const State& state) {
+  const PlacedFrame wheel = place(tire.wheel, state.bodies[tire.wheel.body]);
+  TireContact contact;
+  contact.x = wheel.r_P.x();
+  const RoadHeight road = evaluate(*tire.road, stretch_at(*tire.road, contact.x), contact.x);
+  const double incline = std::atan(road.slope);
+  const Vec3 normal(-std::sin(incline), 0.0, std::cos(incline));
+  const double above = wheel.r_P.z() - road.h;
+  const double distance = above * std::cos(incline);
+  const double incline_rate = road.curvature * std::cos(incline) * std::cos(incline) * wheel.v_P.x();
+  const double distance_rate =
+      (wheel.v_P.z() - road.slope * wheel.v_P.x()) * std::cos(incline) - above * std::sin(incline) * incline_rate;
+  contact.delta = tire.radius - distance;
+  contact.deltadot = -distance_rate;
+
+  const Vec3 forward = wheel.A_joint.col(1).cross(normal).normalized();
+  const Vec3 sideways = normal.cross(forward);
+  const Vec3 lever = -distance * normal;
+  contact.V_x = wheel.v_P.dot(forward);
+  contact.V_y = wheel.v_P.dot(sideways);
+  contact.s_x = (wheel.v_P + wheel.omega_joint.cross(lever)).dot(forward);
+  const TireForces forces = evaluate(tire, regime_at(tire, contact), contact);
+  const Vec3 force = forces.N * normal + forces.F_x * forward + forces.F_y * sideways;
+  BothSides wrenches;
+  wrenches[kChild] = {force, lever.cross(force)};
+  return wrenches;
+}
+
 }  // namespace
 
 std::array<Wrench, 2> lawful_wrenches(const ForceElement& element, const State& state) {

@@ -23,10 +23,11 @@ struct Shortfall {
   double missing;
 };
 
-enum class OwnerKind { joint, element, body };
+enum class OwnerKind { joint, coupling, element, body };
 
 OwnerKind owner_kind(const Quantity& quantity) {
   if (quantity.kind == Kind::acceleration || quantity.kind == Kind::body_sum) return OwnerKind::body;
+  if (quantity.kind == Kind::coupling) return OwnerKind::coupling;
   return quantity.kind == Kind::element ? OwnerKind::element : OwnerKind::joint;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compare/joint_motion.h"
 #include "compare/observe.h"
 #include "compare/table.h"
 
@@ -46,7 +47,7 @@ std::string joint_table(const Model& model, const std::array<SolverView, 2>& sol
 }
 
 std::string kind_of(const ForceElement& element) {
-  constexpr std::array kKinds{"load", "line spring", "turn spring", "bushing"};
+  constexpr std::array kKinds{"load", "line spring", "turn spring", "bushing", "tire"};
   return kKinds.at(element.what.index());
 }
 
@@ -59,6 +60,21 @@ std::string element_table(const Model& model) {
                      model.bodies[end_of(element, Side::child)->body].name});
   }
   return format_table(lines, {false, false, false, false}) + '\n';
+}
+
+std::string coupling_table(const Model& model) {
+  if (model.couplings.empty()) return "";
+  Lines lines{{"coupling", "sum", "offset"}};
+  for (const Coupling& coupling : model.couplings) {
+    std::string sum;
+    for (const CouplingTerm& term : coupling.terms) {
+      const Joint& joint = model.joints[term.joint];
+      const std::string name = speed_names(*joint.type).at(static_cast<std::size_t>(speed_of(model, term)));
+      sum += fmt::format("{}{:g} {}.{}", sum.empty() ? "" : " + ", term.factor, joint.name, name);
+    }
+    lines.push_back({coupling.name, sum, fmt::format("{:g}", coupling.offset)});
+  }
+  return format_table(lines, {false, false, true}) + '\n';
 }
 
 std::string not_unique(const Model& model, const SolverView& solver) {
@@ -103,7 +119,7 @@ std::string format_info(const Model& model, const std::array<SolverView, 2>& sol
   std::string text =
       fmt::format("{}: {} moving bodies, {} joints, {} loops, gravity ({:g}, {:g}, {:g}) m/s2\n\n", model.name, bodies,
                   joints, joints - bodies, model.gravity(0), model.gravity(1), model.gravity(2));
-  text += body_table(model) + '\n' + joint_table(model, solvers) + '\n' + element_table(model);
+  text += body_table(model) + '\n' + joint_table(model, solvers) + '\n' + coupling_table(model) + element_table(model);
   for (const SolverView& solver : solvers) text += rank_text(model, solver);
   return text;
 }

@@ -130,6 +130,26 @@ class Walk {
   bool ends_with_ball_ = false;
 };
 
+/// v_rel of what a type permits of velocities alone.
+class PermittedSpeed {
+ public:
+  explicit PermittedSpeed(const Mat3& R) : R_(R) {}
+
+  Vec6 operator()(const joints::SpeedAlong& word) const {
+    return (Vec6() << axis(word.axis_of, word.axis), Vec3::Zero()).finished();
+  }
+  /// The point below d - below e_z rests: ddot + e x (-below e_z) = 0.
+  Vec6 operator()(const joints::SpeedAbout& word) const {
+    const Vec3 e = axis(word.axis_of, word.axis);
+    return (Vec6() << word.below * e.cross(Vec3::UnitZ()), e).finished();
+  }
+
+ private:
+  [[nodiscard]] Vec3 axis(Side of, Axis axis) const { return of == Side::parent ? unit(axis) : Vec3(R_ * unit(axis)); }
+
+  const Mat3& R_;
+};
+
 const joints::ByReading* stated_reading(const joints::JointType& type) {
   for (const joints::Read& word : type.reads) {
     if (const auto* by = std::get_if<joints::ByReading>(&word)) return by;
@@ -139,12 +159,22 @@ const joints::ByReading* stated_reading(const joints::JointType& type) {
 
 }  // namespace
 
+MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
+  if (type.permits_speeds.empty()) return MatX::Identity(S.cols(), S.cols());
+  Mat6X possible(6, type.permits_speeds.size());
+  for (Eigen::Index k = 0; k < possible.cols(); ++k) {
+    possible.col(k) = std::visit(PermittedSpeed(R), type.permits_speeds[static_cast<std::size_t>(k)]);
+  }
+  return S.colPivHouseholderQr().solve(possible);
+}
+
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
   JointMotion motion;
   motion.q = VecX::Zero(type.n_q());
   Reading reading(relative, hint, motion.q);
   for (const joints::Read& word : type.reads) std::visit(reading, word);
   motion.S = Walk(type, motion.q).S();
+  motion.free = free_speeds(type, relative.R, motion.S);
   motion.u = motion.S.cols() > 0 ? VecX(motion.S.colPivHouseholderQr().solve(relative.v_rel)) : VecX();
   return motion;
 }
@@ -170,6 +200,17 @@ VecX lawful_tau(const Joint& joint, const JointMotion& motion, double t) {
   return tau;
 }
 
+VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces) {
+  const joints::JointType& type = *model.joints[k].type;
+  VecX tau = VecX::Zero(type.n_u());
+  for (std::size_t c = 0; c < model.couplings.size(); ++c) {
+    for (const CouplingTerm& term : model.couplings[c].terms) {
+      if (term.joint == k) tau(first_u(type, term.word) + term.component) += term.factor * forces[c];
+    }
+  }
+  return tau;
+}
+
 std::vector<bool> turning_speeds(const joints::JointType& type) {
   std::vector<bool> turning;
   for (const joints::Permit& word : type.permits) {
@@ -178,6 +219,15 @@ std::vector<bool> turning_speeds(const joints::JointType& type) {
                    [&](const joints::ByMotion& by) { turning.insert(turning.end(), by.turns.begin(), by.turns.end()); },
                    [&](const auto&) { turning.insert(turning.end(), static_cast<std::size_t>(n_u(word)), true); }},
         word);
+  }
+  return turning;
+}
+
+std::vector<bool> turning_free_speeds(const joints::JointType& type) {
+  if (type.permits_speeds.empty()) return turning_speeds(type);
+  std::vector<bool> turning;
+  for (const joints::PermitSpeed& word : type.permits_speeds) {
+    turning.push_back(std::holds_alternative<joints::SpeedAbout>(word));
   }
   return turning;
 }

@@ -16,7 +16,12 @@ struct JointMotion {
   VecX u;
   /// v_rel = S u, 6 x n_u, in the parent's joint frame.
   Mat6X S;
+  /// The speeds that are possible, u = free w: identity but where the type forbids velocities alone (n_u rows).
+  MatX free;
 };
+
+/// JointMotion::free of a type where its child stands turned by R and its speeds have the columns S.
+MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S);
 
 /// Reads a joint's motion from where its frames are. `hint`: coordinates near the wanted ones, which fix the number of
 /// turns; an empty one means none.
@@ -28,11 +33,16 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
 Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S);
 
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
-/// where a driver acts, whose force no law tells [n_u numbers].
+/// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out.
 VecX lawful_tau(const Joint& joint, const JointMotion& motion, double t);
+
+/// tau that the couplings of a model exert on the speeds of joint k, given their forces (one for each coupling).
+VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces);
 
 /// Whether each joint speed is an angular one [rad/s] or else a velocity [m/s].
 std::vector<bool> turning_speeds(const joints::JointType& type);
+/// The same of the columns of JointMotion::free.
+std::vector<bool> turning_free_speeds(const joints::JointType& type);
 
 /// Names of the joint speeds: "slide_z", "turn_x", "ball_x" for the three of a ball.
 std::vector<std::string> speed_names(const joints::JointType& type);

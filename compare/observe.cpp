@@ -22,6 +22,7 @@ void check_complete(const Model& model, const State& state, const Evaluation& ev
   require(state.bodies.size(), model.bodies.size(), "bodies in the state");
   require(evaluation.bodies.size(), model.bodies.size(), "bodies in the evaluation");
   require(evaluation.joints.size(), model.joints.size(), "joints in the evaluation");
+  require(evaluation.couplings.size(), model.couplings.size(), "couplings in the evaluation");
   require(evaluation.elements.size(), model.elements.size(), "force elements in the evaluation");
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const auto modes = static_cast<std::size_t>(model.bodies[i].n_modes());
@@ -40,12 +41,25 @@ void add_speeds(const Joint& joint, const Actors& actors, std::set<int>& speeds)
   for (const auto& actor : actors) speeds.insert(first_u(*joint.type, actor.word) + actor.component);
 }
 
-bool is_only_sprung(const Joint& joint, int speed) {
+std::vector<CouplingTerm> coupled_in(const Model& model, int k) {
+  std::vector<CouplingTerm> terms;
+  for (const Coupling& coupling : model.couplings) {
+    std::copy_if(coupling.terms.begin(), coupling.terms.end(), std::back_inserter(terms),
+                 [k](const CouplingTerm& term) { return term.joint == k; });
+  }
+  return terms;
+}
+
+/// What acts on a joint speed: "driver" if there is one among others, "spring" if there is nothing but springs, else
+/// "couplings".
+const char* actor_on(const Model& model, int k, int speed) {
+  const Joint& joint = model.joints[k];
   std::set<int> driven;
   std::set<int> sprung;
   add_speeds(joint, joint.drivers, driven);
   add_speeds(joint, joint.springs, sprung);
-  return sprung.contains(speed) && !driven.contains(speed);
+  if (driven.contains(speed)) return "driver";
+  return sprung.contains(speed) ? "spring" : "couplings";
 }
 
 }  // namespace
@@ -64,10 +78,9 @@ Layout::Layout(const Model& model) : model_(&model) {
     }
   }
   for (int k = 0; k < joints; ++k) {
-    for (const int speed : forced_speeds(model.joints[k])) {
-      quantities_.push_back({Kind::driver, k, Side::child, speed});
-    }
+    for (const int speed : forced_speeds(model, k)) quantities_.push_back({Kind::driver, k, Side::child, speed});
   }
+  for (int k = 0; k < static_cast<int>(model.couplings.size()); ++k) add_block(Kind::coupling, k, Side::child, 1);
   for (std::size_t k = 0; k < model.elements.size(); ++k) {
     for (const Side side : kSides) {
       if (end_of(model.elements[k], side) != nullptr) add_block(Kind::element, static_cast<int>(k), side, 6);
@@ -105,9 +118,10 @@ VecX Layout::observe(const State& state, const Evaluation& evaluation) const {
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_C; });
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_global; });
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.total_on(side).in_C; });
-  for (std::size_t k = 0; k < model_->joints.size(); ++k) {
-    for (const int speed : forced_speeds(model_->joints[k])) values(row++) = evaluation.joints[k].tau(speed);
+  for (int k = 0; k < static_cast<int>(model_->joints.size()); ++k) {
+    for (const int speed : forced_speeds(*model_, k)) values(row++) = evaluation.joints[k].tau(speed);
   }
+  for (const double force : evaluation.couplings) values(row++) = force;
   for (std::size_t k = 0; k < model_->elements.size(); ++k) {
     for (const Side side : kSides) {
       if (end_of(model_->elements[k], side) == nullptr) continue;
@@ -128,13 +142,14 @@ VecX Layout::observe(const State& state, const Evaluation& evaluation) const {
 std::string describe_owner(const Model& model, const Quantity& quantity) {
   if (quantity.kind == Kind::acceleration) return fmt::format("body {}", model.bodies[quantity.owner].name);
   if (quantity.kind == Kind::body_sum) return fmt::format("all joints on {}", model.bodies[quantity.owner].name);
+  if (quantity.kind == Kind::coupling) return fmt::format("coupling {}", model.couplings[quantity.owner].name);
   if (quantity.kind == Kind::element) {
     const ForceElement& element = model.elements[quantity.owner];
     return fmt::format("force element {} on {}", element.name, model.bodies[end_of(element, quantity.side)->body].name);
   }
   const Joint& joint = model.joints[quantity.owner];
   if (quantity.kind == Kind::driver) {
-    return fmt::format("{} of joint {}", is_only_sprung(joint, quantity.component) ? "spring" : "driver", joint.name);
+    return fmt::format("{} of joint {}", actor_on(model, quantity.owner, quantity.component), joint.name);
   }
   const std::string& body = model.bodies[joint.on(quantity.side).body].name;
   const std::string owner = fmt::format("joint {} on {}", joint.name, body);
@@ -146,6 +161,7 @@ std::string describe_owner(const Model& model, const Quantity& quantity) {
 std::string describe_component(const Quantity& quantity) {
   constexpr std::array kAxes{'x', 'y', 'z'};
   if (quantity.kind == Kind::driver) return fmt::format("tau_{}", quantity.component + 1);
+  if (quantity.kind == Kind::coupling) return "force";
   if (quantity.kind != Kind::acceleration) return component_names()[quantity.component];
   if (quantity.component < 3) return fmt::format("vdot_{}", kAxes[quantity.component]);
   if (quantity.component < 6) return fmt::format("omegadot_{}", kAxes[quantity.component - 3]);
@@ -156,17 +172,27 @@ std::string unit_of(const Model& model, const Quantity& quantity) {
   if (quantity.kind == Kind::acceleration) {
     return quantity.component < 3 ? "m/s2" : quantity.component < 6 ? "rad/s2" : "1/s2";
   }
+  const auto turns = [&](int joint, int speed) {
+    return turning_speeds(*model.joints[joint].type).at(static_cast<std::size_t>(speed));
+  };
   bool is_torque = quantity.component >= 3;
-  if (quantity.kind == Kind::driver) {
-    is_torque = turning_speeds(*model.joints[quantity.owner].type).at(static_cast<std::size_t>(quantity.component));
+  if (quantity.kind == Kind::driver) is_torque = turns(quantity.owner, quantity.component);
+  if (quantity.kind == Kind::coupling) {
+    const CouplingTerm& first = model.couplings[quantity.owner].terms.front();
+    is_torque = turns(first.joint, speed_of(model, first));
   }
   return is_torque ? "N m" : "N";
 }
 
-std::vector<int> forced_speeds(const Joint& joint) {
+int speed_of(const Model& model, const CouplingTerm& term) {
+  return first_u(*model.joints[term.joint].type, term.word) + term.component;
+}
+
+std::vector<int> forced_speeds(const Model& model, int k) {
   std::set<int> speeds;
-  add_speeds(joint, joint.drivers, speeds);
-  add_speeds(joint, joint.springs, speeds);
+  add_speeds(model.joints[k], model.joints[k].drivers, speeds);
+  add_speeds(model.joints[k], model.joints[k].springs, speeds);
+  for (const CouplingTerm& term : coupled_in(model, k)) speeds.insert(speed_of(model, term));
   return {speeds.begin(), speeds.end()};
 }
 

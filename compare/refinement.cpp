@@ -46,8 +46,15 @@ RungSummary& summary_of(Verdict& verdict, Rung rung) {
 /// The kinds whose worst digits stand for a rung.
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
-/// Uniqueness of a wrench component by both solvers; of global components and sums by all that enters them.
-bool is_unique(const Verdict& verdict, const Quantity& quantity) {
+bool constraints_are_independent(const SolverSummary& solver) { return solver.rank.rank == solver.rank.constraints; }
+
+/// Uniqueness of a wrench component by both solvers; of global components and sums by all that enters them. Of the
+/// forces of couplings nothing is known where constraints depend on each other.
+bool is_unique(const Model& model, const Verdict& verdict, const Quantity& quantity) {
+  const bool by_coupling = quantity.kind == Kind::driver && model.is_coupled(quantity.owner);
+  if (quantity.kind == Kind::coupling || by_coupling) {
+    return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), constraints_are_independent);
+  }
   if (quantity.kind != Kind::reaction && quantity.kind != Kind::total && quantity.kind != Kind::reaction_global) {
     return true;
   }
@@ -88,7 +95,7 @@ void make_rows(const Layout& layout, Verdict& verdict) {
   for (const Quantity& quantity : layout.quantities()) {
     Row row;
     row.quantity = quantity;
-    row.unique = is_unique(verdict, quantity);
+    row.unique = is_unique(model, verdict, quantity);
     row.need = default_needs(model);
     if (quantity.kind != Kind::reaction) {
       verdict.others.push_back(row);

@@ -152,6 +152,7 @@ class TrajectoryWriter {
     define_dimensions();
     define_motion();
     define_joints();
+    define_couplings();
     define_elements();
     for (const auto& fill : fills_) fill();
   }
@@ -239,8 +240,23 @@ class TrajectoryWriter {
           [](const Sample& sample, std::size_t k) { return sample.state.q[k]; });
     joint("joint_speeds", "see speed_units", "joint speeds", speed_, n_u_,
           [](const Sample& sample, std::size_t k) { return sample.state.u[k]; });
-    joint("driver_force", "see driver_force_units", "force of driver, spring and actuator on the joint speed", speed_,
-          n_u_, [](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].tau; });
+    joint("driver_force", "see driver_force_units",
+          "force of driver, spring, actuator and couplings on the joint speed", speed_, n_u_,
+          [](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].tau; });
+  }
+
+  void define_couplings() {
+    if (model_.couplings.empty()) return;
+    std::vector<std::string> names;
+    for (const Coupling& coupling : model_.couplings) names.push_back(coupling.name);
+    const int variable =
+        numbers("coupling_force", "see driver_force_units",
+                "force of the coupling; times a term's factor it is its part of the driver force there",
+                {time_, named({"coupling", names})});
+    const auto one = [](const Sample& sample, std::size_t k) {
+      return VecX(VecX::Constant(1, sample.evaluation.couplings[k]));
+    };
+    fills_.emplace_back([this, variable, one] { fill(variable, 0, model_.couplings.size(), 1, one); });
   }
 
   void define_elements() {

@@ -139,7 +139,8 @@ std::string growth_pattern(const Case& test) {
 std::string diagnose(const Layout& layout, const Series& series, int row) {
   const Quantity quantity = layout.quantities()[row];
   const auto line = [&](int who) { return series.values[who].row(row); };
-  if (quantity.kind == Kind::driver || (quantity.kind == Kind::acceleration && quantity.component >= 6)) {
+  if (quantity.kind == Kind::driver || quantity.kind == Kind::coupling ||
+      (quantity.kind == Kind::acceleration && quantity.component >= 6)) {
     const std::string text = factor_pattern(line(0), line(1), series);
     return text.empty() ? "no known pattern: neither sign nor factor" : text;
   }

@@ -163,9 +163,10 @@ std::string element_table(const Model& model, const Verdict& verdict, bool all_r
 /// Worst digits of each kind of the other quantities.
 std::string also_compared(const Verdict& verdict, Rung rung) {
   constexpr std::array kKinds{
-      std::pair{Kind::total, "total wrenches"},    std::pair{Kind::reaction_global, "global axes"},
-      std::pair{Kind::driver, "driver forces"},    std::pair{Kind::element, "force elements"},
-      std::pair{Kind::body_sum, "sums on bodies"}, std::pair{Kind::acceleration, "accelerations"}};
+      std::pair{Kind::total, "total wrenches"},      std::pair{Kind::reaction_global, "global axes"},
+      std::pair{Kind::driver, "driver forces"},      std::pair{Kind::coupling, "couplings"},
+      std::pair{Kind::element, "force elements"},    std::pair{Kind::body_sum, "sums on bodies"},
+      std::pair{Kind::acceleration, "accelerations"}};
   std::string text;
   for (const auto& [kind, name] : kKinds) {
     std::optional<double> worst;

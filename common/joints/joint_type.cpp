@@ -96,6 +96,7 @@ int JointType::n_u() const {
 }
 
 bool carries(const JointType& type, Side side, int component) {
+  if (!type.forbids_speeds.empty()) return true;
   const Directions permitted = directions_of(type);
   const auto axis = static_cast<Axis>(component % 3);
   return component < 3 ? carries_force(permitted, side, axis) : carries_torque(permitted, side, axis);

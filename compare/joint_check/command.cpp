@@ -12,25 +12,34 @@
 #include "common/joints/catalogue.h"
 #include "common/spelling.h"
 #include "compare/files.h"
+#include "compare/joint_check/coupling_check.h"
 #include "compare/joint_check/sheet.h"
 
 namespace concord::compare::joint_check {
 
 namespace {
 
-std::vector<const JointType*> types_of(const JointCommand& command) {
-  if (command.all) return joints::catalogue();
+/// A joint type, or nullptr: couplings.
+using Subject = const JointType*;
+
+std::vector<Subject> subjects_of(const JointCommand& command) {
+  std::vector<Subject> subjects;
+  if (command.all) {
+    subjects = joints::catalogue();
+    subjects.push_back(nullptr);
+    return subjects;
+  }
   std::vector<std::string> known;
   for (const JointType* type : joints::catalogue()) known.push_back(type->name);
-  std::vector<const JointType*> types;
+  known.emplace_back(kCouplings);
   for (const std::string& name : command.names) {
-    types.push_back(joints::find(name));
-    if (types.back() != nullptr) continue;
+    subjects.push_back(joints::find(name));
+    if (subjects.back() != nullptr || name == kCouplings) continue;
     throw InputError({"command line", 0, 0},
                      fmt::format("no joint type '{}': {}", name, suggestion(name, known, "joint types")));
   }
-  if (types.empty()) throw InputError({"command line", 0, 0}, "name a joint type, or say --all");
-  return types;
+  if (subjects.empty()) throw InputError({"command line", 0, 0}, "name a joint type, or say --all");
+  return subjects;
 }
 
 SheetOptions options_of(const JointCommand& command) {
@@ -44,21 +53,21 @@ SheetOptions options_of(const JointCommand& command) {
   return options;
 }
 
-/// Sheets of all types, in their order, made side by side.
-std::vector<Sheet> check_all(const std::vector<const JointType*>& types, const SheetOptions& options) {
-  std::vector<Sheet> sheets(types.size());
-  std::vector<std::exception_ptr> troubles(types.size());
+/// Sheets of all subjects, in their order, made side by side.
+std::vector<Sheet> check_all(const std::vector<Subject>& subjects, const SheetOptions& options) {
+  std::vector<Sheet> sheets(subjects.size());
+  std::vector<std::exception_ptr> troubles(subjects.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
-    for (std::size_t k = next++; k < types.size(); k = next++) {
+    for (std::size_t k = next++; k < subjects.size(); k = next++) {
       try {
-        sheets[k] = check_joint(*types[k], options);
+        sheets[k] = subjects[k] != nullptr ? check_joint(*subjects[k], options) : check_couplings(options);
       } catch (...) {
         troubles[k] = std::current_exception();
       }
     }
   };
-  const std::size_t workers = std::min<std::size_t>(types.size(), std::max(1U, std::thread::hardware_concurrency()));
+  const std::size_t workers = std::min<std::size_t>(subjects.size(), std::max(1U, std::thread::hardware_concurrency()));
   {
     std::vector<std::jthread> threads;
     for (std::size_t k = 0; k < workers; ++k) threads.emplace_back(work);
@@ -70,7 +79,7 @@ std::vector<Sheet> check_all(const std::vector<const JointType*>& types, const S
 }
 
 int check_and_tell(const JointCommand& command, const Console& console) {
-  const std::vector<Sheet> sheets = check_all(types_of(command), options_of(command));
+  const std::vector<Sheet> sheets = check_all(subjects_of(command), options_of(command));
   bool all_hold = true;
   for (const Sheet& sheet : sheets) {
     const std::string text = format_sheet(sheet);

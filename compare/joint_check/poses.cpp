@@ -5,6 +5,7 @@
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/joint_check/referee.h"
+#include "compare/joint_motion.h"
 
 namespace concord::compare::joint_check {
 
@@ -135,11 +136,30 @@ VecX PoseSource::draw_q(Numbers& numbers) const {
   return q;
 }
 
+VecX nearest_possible(const JointType& type, const VecX& q, const VecX& u, const std::vector<SpeedValue>& known) {
+  if (type.permits_speeds.empty()) return u;
+  const joints::FunctionOfCoordinates::Motion motion = referee_permits(type, q, u);
+  const MatX free = free_speeds(type, motion.placement.R, motion.S.leftCols(type.n_u()));
+  const auto n = free.cols();
+  const auto n_known = static_cast<Eigen::Index>(known.size());
+  MatX conditions = MatX::Zero(n + n_known, n + n_known);
+  VecX right(n + n_known);
+  conditions.topLeftCorner(n, n) = free.transpose() * free;
+  right.head(n) = free.transpose() * u;
+  for (Eigen::Index k = 0; k < n_known; ++k) {
+    const SpeedValue& one = known[static_cast<std::size_t>(k)];
+    conditions.row(n + k).head(n) = free.row(one.speed);
+    conditions.col(n + k).head(n) = free.row(one.speed).transpose();
+    right(n + k) = one.value;
+  }
+  return free * conditions.fullPivLu().solve(right).head(n);
+}
+
 MotionPose PoseSource::pose(int number) const {
   Numbers numbers(seed_, streams::kFirstPose + static_cast<std::uint32_t>(number));
   MotionPose pose{number, draw_q(numbers), {}};
   for (int tries = 0; tries < kMostTries && !is_regular(pose.q); ++tries) pose.q = draw_q(numbers);
-  pose.u = numbers.vector(type_->n_u(), kSpeed);
+  pose.u = nearest_possible(*type_, pose.q, numbers.vector(type_->n_u(), kSpeed));
   return pose;
 }
 

@@ -74,6 +74,16 @@ class PoseSource {
   double least_rank_value_ = 0.0;
 };
 
+/// A speed of a joint whose value is known.
+struct SpeedValue {
+  int speed = 0;
+  double value = 0.0;
+};
+
+/// The speeds nearest to u that the type permits at q, the known ones exactly; u itself for a type that forbids no
+/// velocity alone.
+VecX nearest_possible(const JointType& type, const VecX& q, const VecX& u, const std::vector<SpeedValue>& known = {});
+
 /// Smallest singular value of the columns S at q; 1 if the type permits nothing.
 double rank_value(const JointType& type, const VecX& q);
 

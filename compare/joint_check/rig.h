@@ -79,6 +79,7 @@ class Rig {
   void close_loops(Numbers& numbers);
   State write_state(double t, const VecX& q, const VecX& u, Numbers& numbers);
   [[nodiscard]] VecX on_laws(double t, VecX q) const;
+  [[nodiscard]] std::vector<SpeedValue> speeds_on_laws(double t) const;
 
   const JointType& type_;
   Arrangement arrangement_;

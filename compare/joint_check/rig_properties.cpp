@@ -150,18 +150,20 @@ void note_largest(const Rig& rig, const Opinions& opinions, Largest& largest) {
   }
 }
 
-bool is_by_functions(const JointType& type) {
-  return std::any_of(type.permits.begin(), type.permits.end(),
-                     [](const joints::Permit& word) { return std::holds_alternative<joints::ByMotion>(word); });
+bool says_nothing_of_components(const JointType& type) {
+  return type.slip_rows() > 0 || std::any_of(type.permits.begin(), type.permits.end(), [](const joints::Permit& word) {
+           return std::holds_alternative<joints::ByMotion>(word);
+         });
 }
 
-/// Of a type by functions the page does not say which components vanish: every one may appear, none must.
+/// Of a type by functions, or one that forbids velocities alone, the page does not say which components vanish: every
+/// one may appear, none must.
 void require_carried(const JointType& type, const Largest& largest, Property& property) {
   for (const Side side : {Side::parent, Side::child}) {
     for (int component = 0; component < 6; ++component) {
       const double found = largest[index(side)](component);
       const bool said = joints::carries(type, side, component);
-      const bool right = said ? found > kAppears || is_by_functions(type) : found < kVanishes;
+      const bool right = said ? found > kAppears || says_nothing_of_components(type) : found < kVanishes;
       property.require(right, -1, [&] {
         return fmt::format("{} on the {} is {} be carried, but reaches {:.3g} of the rig's weight",
                            component_names()[component], side == Side::parent ? "parent" : "child",
@@ -273,8 +275,8 @@ void require_rank(Rig& rig, const Arrangement& arrangement, int pose, Property& 
   const State open = rig.state(pose);
   for (std::size_t who = 0; who < kOpinions; ++who) {
     const int ball = in_loop(who) ? 3 : 0;
-    const int rows = joint.type->rows() + drivers + ball;
-    const int freedom = 6 + joint.type->n_u() - drivers - ball + modes;
+    const int rows = joint.type->rows() + joint.type->slip_rows() + drivers + ball;
+    const int freedom = 6 + joint.type->n_u() - joint.type->slip_rows() - drivers - ball + modes;
     const RankReport report = solver_of(rig, who)->rank(state_of(rig, who, open));
     bool unique = true;
     for (const auto& side : report.joints[Rig::kTested].unique) {
@@ -293,12 +295,15 @@ void require_rank(Rig& rig, const Arrangement& arrangement, int pose, Property& 
 
 // All of it ----------------------------------------------------------------------------------------------------------
 
-/// Loads of all coordinates, for one column of the table; several where the driven coordinate is one of many.
-std::vector<std::vector<Load>> loads_of(std::size_t column, std::size_t coordinates) {
+/// Loads of all coordinates, for one column of the table; several where the driven coordinate is one of many. No more
+/// are driven than there are speeds to drive.
+std::vector<std::vector<Load>> loads_of(std::size_t column, const JointType& type) {
+  const std::size_t coordinates = coordinates_of(type).size();
   if (column == 0) return {std::vector<Load>(coordinates, Load::none)};
   if (coordinates == 0) return {};
   if (column == 1) return {std::vector<Load>(coordinates, Load::spring)};
   if (column == 2) return {std::vector<Load>(coordinates, Load::motor)};
+  if (column == 3 && static_cast<int>(coordinates) > type.n_u() - type.slip_rows()) return {};
   if (column == 3) return {std::vector<Load>(coordinates, Load::driver)};
   std::vector<std::vector<Load>> mixed;
   for (std::size_t driven = 0; driven < coordinates && coordinates > 1; ++driven) {
@@ -349,7 +354,7 @@ class RigCheck {
     for (int pair = 0; pair < WrenchTable::kPairs; ++pair) {
       for (const bool against : {false, true}) {
         for (int column = 0; column < WrenchTable::kLoads; ++column) {
-          for (const std::vector<Load>& loads : loads_of(column, coordinates_of(type_).size())) {
+          for (const std::vector<Load>& loads : loads_of(column, type_)) {
             build_in({pair >= 2, pair % 2 == 1, against, loads}, pair, column);
           }
         }

@@ -108,6 +108,11 @@ std::string last_line(const Sheet& sheet) {
 /// The least digits of the properties that are measured in digits, apart from those by differences.
 double least_digits(const Sheet& sheet) {
   double least = kMostDigits;
+  if (sheet.wrenches.cells.empty()) {  // couplings: all is measured as one
+    for (const Property& property : sheet.properties) {
+      if (property.looked && property.need) least = std::min(least, property.digits);
+    }
+  }
   for (const Property& cell : sheet.wrenches.cells) {
     if (cell.looked) least = std::min(least, cell.digits);
   }
@@ -124,6 +129,11 @@ Json json_of(const Property& property) {
   json["pose"] = property.looked && property.pose >= 0 ? Json(property.pose) : Json();
   json["where"] = property.where;
   return json;
+}
+
+/// "5", or "2 + 1" with the rows of velocities alone.
+std::string rows_of(const Sheet& sheet) {
+  return fmt::format("{}", sheet.rows) + (sheet.slip_rows > 0 ? fmt::format(" + {}", sheet.slip_rows) : "");
 }
 
 }  // namespace
@@ -146,6 +156,7 @@ Sheet check_joint(const JointType& type, const SheetOptions& options) {
   Sheet sheet;
   sheet.joint = type.name;
   sheet.rows = type.rows();
+  sheet.slip_rows = type.slip_rows();
   sheet.options = options;
   for (const joints::Permit& word : type.permits) std::visit(Namer{sheet.coordinates}, word);
   sheet.properties = check_statement(type);
@@ -160,7 +171,8 @@ Sheet check_joint(const JointType& type, const SheetOptions& options) {
 
 std::string format_sheet(const Sheet& sheet) {
   std::string text =
-      fmt::format("joint {}: forbids {} directions, permits {}; seed {}, {}\n\n", sheet.joint, sheet.rows,
+      fmt::format("joint {}: forbids {} directions{}, permits {}; seed {}, {}\n\n", sheet.joint, sheet.rows,
+                  sheet.slip_rows > 0 ? fmt::format(" and {} velocities", sheet.slip_rows) : "",
                   sheet.coordinates.empty() ? "nothing" : fmt::format("{}", fmt::join(sheet.coordinates, ", ")),
                   sheet.options.seed, poses_in_words(sheet.options));
   text += property_table(sheet) + '\n';
@@ -174,7 +186,7 @@ std::string format_sheet(const Sheet& sheet) {
 std::string format_summary(const std::vector<Sheet>& sheets) {
   std::vector<std::vector<std::string>> lines{{"joint", "rows", "coordinates", "properties", "wrenches", "verdict"}};
   for (const Sheet& sheet : sheets) {
-    lines.push_back({sheet.joint, fmt::format("{}", sheet.rows), fmt::format("{}", fmt::join(sheet.coordinates, ", ")),
+    lines.push_back({sheet.joint, rows_of(sheet), fmt::format("{}", fmt::join(sheet.coordinates, ", ")),
                      fmt::format("{} of {}", sheet.held(), sheet.looked()), format_digits(least_digits(sheet)),
                      sheet.holds() ? "holds" : "FAILS"});
   }
@@ -187,6 +199,7 @@ std::string format_sheet_json(const Sheet& sheet) {
   json["joint"] = sheet.joint;
   json["verdict"] = sheet.holds() ? "holds" : "fails";
   json["rows"] = sheet.rows;
+  json["slip_rows"] = sheet.slip_rows;
   json["coordinates"] = sheet.coordinates;
   json["seed"] = sheet.options.seed;
   json["poses"] = sheet.options.poses;

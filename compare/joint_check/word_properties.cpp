@@ -13,7 +13,9 @@
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/joint_check/referee.h"
+#include "compare/joint_motion.h"
 #include "relative/motions.h"
+#include "relative/permitted_speeds.h"
 
 namespace concord::compare::joint_check {
 
@@ -254,6 +256,78 @@ void rates_of_readings_are_the_speeds(const Sight& sight, Property& property) {
   }
 }
 
+void note_difference(Property& property, const Sight& sight, const char* what, std::size_t row, double found,
+                     double expected, double scale) {
+  property.note((found - expected) / scale, sight.pose.number,
+                [&] { return fmt::format("{} {}: {:.12g}, expected {:.12g}", what, row + 1, found, expected); });
+}
+
+std::vector<Row> forbidden_speeds(const JointType& type, const RelativeMotion& motion) {
+  std::vector<Row> rows(cartesian::kMaxRows);
+  rows.resize(cartesian::evaluate_forbidden_speeds(type, motion, rows.data()));
+  return rows;
+}
+
+/// S of the speeds that are possible, 6 x n, as the third opinion reads them from what the page permits.
+MatX possible(const Sight& sight) { return sight.S() * free_speeds(sight.type, sight.at.R, sight.S()); }
+
+void possible_velocities_do_not_slip(const Sight& sight, Property& property) {
+  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double error = (possible(sight).transpose() * gradient_of(rows[k])).lpNorm<Eigen::Infinity>();
+    property.note(error, sight.pose.number, in_row("row", k, error, 0.0));
+  }
+}
+
+/// What a page permits of velocities is what its motion permits, less what it forbids of velocities: nothing is lost.
+void velocities_fill_space(const Sight& sight, Property& property) {
+  if (sight.type.slip_rows() == 0) return;
+  MatX directions(6, 6);
+  Eigen::Index column = 0;
+  for (const Row& row : sight.forbidden) directions.col(column++) = gradient_of(row);
+  for (const Row& row : forbidden_speeds(sight.type, sight.motion)) directions.col(column++) = gradient_of(row);
+  directions.rightCols(6 - column) = possible(sight);
+  directions.colwise().normalize();
+  const double least = directions.jacobiSvd().singularValues().minCoeff();
+  property.require(
+      least > kIndependent, sight.pose.number,
+      in_words("least singular value {:.3g} of unit columns, more than {:g} expected", least, kIndependent));
+}
+
+/// The relative solver's rows on the speeds, from what is permitted, against the Cartesian ones, from what is
+/// forbidden: the same velocities, and the same accelerations.
+void solvers_forbid_the_same_speeds(const Sight& sight, Property& property) {
+  if (sight.type.slip_rows() == 0) return;
+  relative::PermittedSpeeds permitted(sight.type, sight.words);
+  permitted.evaluate(sight.permitted, sight.type.name);
+  const MatX C = permitted.C().leftCols(permitted.n_rows());
+  const MatX free = free_speeds(sight.type, sight.at.R, sight.S());
+  const double error = (C.transpose() * free).lpNorm<Eigen::Infinity>() / free.norm();
+  property.note(error, sight.pose.number,
+                in_words("a velocity that is permitted slips by {:.3g} in relative, {:g} expected", error, 0.0));
+  const VecX udot = -C * (C.transpose() * C).fullPivLu().solve(VecX(permitted.bias().head(permitted.n_rows())));
+  const Vec6 a_rel = sight.S() * udot + sight.permitted.Sdot_u;
+  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double found = gradient_of(rows[k]).dot(a_rel) + rows[k].bias;
+    property.note(found / (sight.speed() * sight.speed()), sight.pose.number,
+                  in_row("acceleration of row", k, found, 0.0));
+  }
+}
+
+/// gamma of what is forbidden of velocities alone, by differences of the rows' rates.
+void rates_of_forbidden_speeds(const Sight& sight, Property& property) {
+  const Vec6& v_rel = sight.permitted.v_rel;
+  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double expected = differentiate([&](double h) {
+      const RelativeMotion later = relative_motion(after(sight.at, v_rel, h), v_rel);
+      return gradient_of(forbidden_speeds(sight.type, later)[k]).dot(v_rel);
+    });
+    note_difference(property, sight, "row", k, rows[k].bias, expected, sight.speed() * sight.speed());
+  }
+}
+
 void coordinate_wrenches_work_on_their_coordinate(const Sight& sight, Property& property) {
   VecX tau = VecX::Zero(sight.type.n_u());
   for (Eigen::Index k = 0; k < tau.size(); ++k) {
@@ -273,12 +347,6 @@ void coordinate_wrenches_work_on_their_coordinate(const Sight& sight, Property& 
 }
 
 // Derivatives by differences -----------------------------------------------------------------------------------------
-
-void note_difference(Property& property, const Sight& sight, const char* what, std::size_t row, double found,
-                     double expected, double scale) {
-  property.note((found - expected) / scale, sight.pose.number,
-                [&] { return fmt::format("{} {}: {:.12g}, expected {:.12g}", what, row + 1, found, expected); });
-}
 
 template <class RowsAt>
 void rows_by_differences(const Sight& sight, const std::vector<Row>& rows, const RowsAt& rows_at,
@@ -379,6 +447,10 @@ const std::vector<Look>& single_looks() {
       {"nothing else nearby is allowed", {}, nothing_else_nearby_is_allowed},
       {"each coordinate's wrench works on it alone, by both solvers", kExact,
        coordinate_wrenches_work_on_their_coordinate},
+      {"velocities: what is permitted does not slip", kExact, possible_velocities_do_not_slip},
+      {"velocities: permitted and forbidden ones have full rank", {}, velocities_fill_space},
+      {"velocities: both solvers forbid the same, and its accelerations", kExact, solvers_forbid_the_same_speeds},
+      {"velocities: gamma of what is forbidden, by differences", kByDifferences, rates_of_forbidden_speeds},
   };
   return looks;
 }
@@ -386,6 +458,12 @@ const std::vector<Look>& single_looks() {
 // The numbers of a statement -----------------------------------------------------------------------------------------
 
 std::string rows_and_speeds(const JointType& type) {
+  const auto permitted = static_cast<int>(type.permits_speeds.size());
+  if (type.slip_rows() + permitted > 0 && type.rows() + type.slip_rows() + permitted != 6) {
+    return fmt::format(
+        "{} rows are forbidden, {} of velocities alone, and {} velocities permitted; together they must be 6",
+        type.rows(), type.slip_rows(), permitted);
+  }
   if (type.rows() + type.n_u() == 6) return {};
   return fmt::format("{} rows are forbidden and {} speeds permitted; together they must be 6", type.rows(), type.n_u());
 }
