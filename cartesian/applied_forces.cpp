@@ -47,6 +47,7 @@ struct Push {
   const std::string& name;
   double t;
   const Mat3& A_body;  // of the child
+  bool sets_regimes;   // tires take the regime that they are in by themselves
 
   void operator()(const Load& load) const {
     const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
@@ -106,6 +107,33 @@ struct Push {
     on_parent() = opposite(on_child(), child().point - parent().point);
   }
 
+  void operator()(const Tire& tire) const {
+    const Vec3& c = child().point;
+    const Vec3& v = child().velocity;
+    if (sets_regimes) actor.regime.stretch = stretch_at(*tire.road, c.x());
+    const RoadHeight road = evaluate(*tire.road, actor.regime.stretch, c.x());
+    const double n_z = 1.0 / std::sqrt(1.0 + road.slope * road.slope);
+    const Vec3 n(-road.slope * n_z, 0.0, n_z);
+    const double rise = c.z() - road.h;
+    const double distance = rise * n_z;
+    const double n_z_rate = -road.slope * road.curvature * v.x() * n_z * n_z * n_z;
+    const double distance_rate = (v.z() - road.slope * v.x()) * n_z + rise * n_z_rate;
+    const Vec3 across = child().A_joint.col(1).cross(n);
+    if (!(across.norm() > 1e-6)) {
+      throw SolverError(fmt::format(
+          "cartesian: at t = {:.6g} s tire '{}' has no forward direction: its spin axis stands upright on the road", t,
+          name));
+    }
+    const Vec3 forward = across.normalized();
+    const Vec3 sideways = n.cross(forward);
+    const Vec3 slip = v - distance * child().angular_velocity.cross(n);
+    actor.contact = {c.x(), tire.radius - distance, -distance_rate, v.dot(forward), v.dot(sideways), slip.dot(forward)};
+    if (sets_regimes) actor.regime = regime_at(tire, actor.contact);
+    const TireForces forces = evaluate(tire, actor.regime, actor.contact);
+    const Vec3 force = forces.N * n + forces.F_x * forward + forces.F_y * sideways;
+    on_child() = {force, -distance * n.cross(force)};
+  }
+
  private:
   [[nodiscard]] const Marker& child() const { return actor.markers[index(Side::child)]; }
   [[nodiscard]] const Marker& parent() const { return actor.markers[index(Side::parent)]; }
@@ -161,7 +189,7 @@ void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>&
     place_ends(actor, q, Y);
     const ForceElement& element = model_.elements[actor.element];
     const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
-    std::visit(Push{actor, element.name, t, A_body}, element.what);
+    std::visit(Push{actor, element.name, t, A_body, true}, element.what);
   } else {
     push_by_springs(actor, t);
   }

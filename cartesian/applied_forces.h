@@ -18,6 +18,8 @@ struct Actor {
   std::array<const Attachment*, 2> ends{nullptr, nullptr};
   std::array<Marker, 2> markers;  // of an element; a joint has its own
   RelativeMotion motion;          // of an element: the child's end seen from the parent's
+  TireRegime regime;              // of a tire
+  TireContact contact;
   /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
   /// ground).
   std::array<Wrench, 2> wrenches;
@@ -38,7 +40,8 @@ class AppliedForces {
 
   /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, after place() and move() of
   /// the constraints. Throws SolverError, naming the element, where its law has no direction: a line spring of no
-  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi.
+  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi, a tire whose axis
+  /// stands upright on the road.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
 
