@@ -19,7 +19,6 @@ struct Actor {
   std::array<Marker, 2> markers;  // of an element; a joint has its own
   RelativeMotion motion;          // of an element: the child's end seen from the parent's
   TireRegime regime;              // of a tire
-  TireContact contact;
   /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
   /// ground).
   std::array<Wrench, 2> wrenches;
@@ -45,6 +44,18 @@ class AppliedForces {
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
 
+  /// Whether tires keep the regimes that they are in (an integrator does so during a step); else every update() takes
+  /// the regime that each is in by itself.
+  void hold_regimes(bool hold) { holds_regimes_ = hold; }
+  [[nodiscard]] bool has_tires() const;
+  /// How far the tires are inside their regimes (margin_of) at positions q and velocities Y: the smallest, and the
+  /// element that has it.
+  struct Margin {
+    double size;
+    int element;
+  };
+  Margin margin(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
 
@@ -62,6 +73,8 @@ class AppliedForces {
   void count_turns_from(const std::vector<VecX>& q);
 
  private:
+  void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
+                 const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
   void push_by_springs(Actor& actor, double t) const;
 
@@ -70,6 +83,7 @@ class AppliedForces {
   const Constraints& constraints_;
   std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
   std::vector<int> springs_of_joint_;
+  bool holds_regimes_ = false;
 };
 
 }  // namespace concord::cartesian

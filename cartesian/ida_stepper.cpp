@@ -82,7 +82,7 @@ ForceSlopes make_slopes(const Actor& actor, const Layout& layout) {
 class IdaStepper : public Stepper {
  public:
   IdaStepper(Equations& equations, const Motion& start, double rtol)
-      : equations_(equations), layout_(equations.layout()) {
+      : Stepper(equations, start), layout_(equations.layout()), glanced_(start) {
     for (int row = 0; row < equations.constraints().n_rows(); ++row) {
       const bool is_active = equations.is_active(row);
       place_of_row_.push_back(is_active ? n_active_++ : -1);
@@ -105,35 +105,43 @@ class IdaStepper : public Stepper {
     set_up(start, rtol);
   }
 
+ protected:
   /// IDA steps past `stop` and looks back: its formulas interpolate to their own order, and a stop would cost them it.
-  double step(double stop) override {
-    if (reached_ < stop) {
-      const int code = IDASolve(memory_.get(), stop, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
-      if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
-    }
-    const double at = std::min(reached_, stop);
-    check(IDAGetDky(memory_.get(), at, 0, dense_.get()), "IDAGetDky", messages_);
-    const auto x = view(dense_.get());
-    motion_.q = x.head(first_Y_);
-    motion_.Y = x.segment(first_Y_, layout_.n_Y());
-    motion_.work = x(at_work_);
-    return at;
+  void advance(double stop) override {
+    // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
+    const double toward = std::max(stop, reached_ + last_step_);
+    const int code = IDASolve(memory_.get(), toward, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
+    if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
+    ++steps_;
   }
 
-  [[nodiscard]] const Motion& motion() override { return motion_; }
-  [[nodiscard]] long steps() const override {
-    long count = 0;
-    IDAGetNumSteps(memory_.get(), &count);
-    return count;
+  const Motion& glance(double t) override {
+    read(t, glanced_);
+    return glanced_;
   }
-  [[nodiscard]] long evaluations() const override { return evaluations_; }
+
+  void look_back(double t) override { read(t, motion_); }
+
+  void restart(double t) override {
+    check(IDAGetLastStep(memory_.get(), &last_step_), "IDAGetLastStep", messages_);
+    write_start(t, motion_);
+    check(IDAReInit(memory_.get(), t, x_.get(), xdot_.get()), "IDAReInit", messages_);
+  }
 
  private:
+  void read(double t, Motion& motion) {
+    check(IDAGetDky(memory_.get(), t, 0, dense_.get()), "IDAGetDky", messages_);
+    const auto x = view(dense_.get());
+    motion.q = x.head(first_Y_);
+    motion.Y = x.segment(first_Y_, layout_.n_Y());
+    motion.work = x(at_work_);
+  }
+
   void set_up(const Motion& start, double rtol) {
     for (sundials::Vector* vector : {&x_, &xdot_, &dense_, &tolerances_, &id_}) {
       *vector = sundials::make_vector(size_, context_);
     }
-    write_start(start);
+    write_start(0.0, start);
     write_tolerances(start, rtol);
     view(id_.get()).head(first_lambda_).setOnes();
     view(id_.get())(at_work_) = 1.0;
@@ -163,11 +171,13 @@ class IdaStepper : public Stepper {
     linear_solver_->ops->free = &RefinedLu::free;
   }
 
-  void write_start(const Motion& start) {
-    equations_.update(0.0, start.q, start.Y);
+  void write_start(double t, const Motion& start) {
+    equations_.update(t, start.q, start.Y);
     equations_.solve(true);
     auto x = view(x_.get());
     auto xdot = view(xdot_.get());
+    x.setZero();
+    xdot.setZero();
     x.head(first_Y_) = start.q;
     x.segment(first_Y_, layout_.n_Y()) = start.Y;
     for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
@@ -494,7 +504,6 @@ class IdaStepper : public Stepper {
     void operator()(void* memory) const { IDAFree(&memory); }
   };
 
-  Equations& equations_;
   const Layout& layout_;
   std::vector<int> place_of_row_;
   std::vector<int> place_of_mu_;
@@ -517,9 +526,8 @@ class IdaStepper : public Stepper {
   std::vector<int> slots_;
   std::vector<sunindextype> starts_;
   std::vector<sunindextype> rows_;
-  sunrealtype reached_ = 0.0;
-  Motion motion_;
-  long evaluations_ = 0;
+  sunrealtype last_step_ = 0.0;  // before the last restart
+  Motion glanced_;
   std::string why_;
   sundials::MessageRecord messages_;
   sundials::Context context_;

@@ -25,6 +25,16 @@ constexpr double kClosureAllowed = 1e-12;
 
 double largest_of(const VecX& values) { return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>(); }
 
+/// Holds the regimes that tires are in for the time of a run.
+struct HeldRegimes {
+  AppliedForces& applied;
+
+  explicit HeldRegimes(AppliedForces& forces) : applied(forces) { applied.hold_regimes(true); }
+  ~HeldRegimes() { applied.hold_regimes(false); }
+  HeldRegimes(const HeldRegimes&) = delete;
+  HeldRegimes& operator=(const HeldRegimes&) = delete;
+};
+
 class CartesianSolver : public Solver {
  public:
   explicit CartesianSolver(const Model& model)
@@ -102,6 +112,7 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(start.q);
     motion_.work = 0.0;
     equations_.update(0.0, motion_.q, motion_.Y);
+    const HeldRegimes held(equations_.applied());
     equations_.solve(true);
     const Motion first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
