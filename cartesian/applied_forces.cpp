@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "cartesian/euler_parameters.h"
@@ -41,12 +42,52 @@ Mat3 inverse_transposed_tangent(const Vec3& theta) {
   return Mat3::Identity() + 0.5 * theta_skew + c * theta_skew * theta_skew;
 }
 
+/// A tire above the tangent plane of its road: unit vectors, the centre's distance from the plane, and the contact.
+struct TireOnRoad {
+  Vec3 normal;
+  Vec3 forward;
+  Vec3 sideways;
+  double distance;
+  TireContact contact;
+};
+
+/// Throws SolverError where the spin axis is normal to the road.
+TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, const std::string& name, double t) {
+  const Vec3& c = wheel.point;
+  const Vec3& v = wheel.velocity;
+  const RoadHeight road = evaluate(*tire.road, stretch, c.x());
+  const double n_z = 1.0 / std::sqrt(1.0 + road.slope * road.slope);
+  const double n_z_rate = -road.slope * road.curvature * v.x() * n_z * n_z * n_z;
+  const double rise = c.z() - road.h;
+  const double distance_rate = (v.z() - road.slope * v.x()) * n_z + rise * n_z_rate;
+  TireOnRoad at;
+  at.normal = Vec3(-road.slope * n_z, 0.0, n_z);
+  at.distance = rise * n_z;
+  const Vec3 across = wheel.A_joint.col(1).cross(at.normal);
+  if (!(across.norm() > 1e-6)) {
+    throw SolverError(fmt::format(
+        "cartesian: at t = {:.6g} s tire '{}' has no forward direction: its spin axis stands upright on the road", t,
+        name));
+  }
+  at.forward = across.normalized();
+  at.sideways = at.normal.cross(at.forward);
+  const Vec3 slip = v - at.distance * wheel.angular_velocity.cross(at.normal);
+  at.contact = {.x = c.x(),
+                .delta = tire.radius - at.distance,
+                .deltadot = -distance_rate,
+                .V_x = v.dot(at.forward),
+                .V_y = v.dot(at.sideways),
+                .s_x = slip.dot(at.forward)};
+  return at;
+}
+
 /// Writes the wrenches of one element on its ends; placed and moved before.
 struct Push {
   Actor& actor;
   const std::string& name;
   double t;
   const Mat3& A_body;  // of the child
+  bool sets_regimes;   // tires take the regime that they are in by themselves
 
   void operator()(const Load& load) const {
     const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
@@ -106,6 +147,15 @@ struct Push {
     on_parent() = opposite(on_child(), child().point - parent().point);
   }
 
+  void operator()(const Tire& tire) const {
+    if (sets_regimes) actor.regime.stretch = stretch_at(*tire.road, child().point.x());
+    const TireOnRoad at = place_on_road(tire, actor.regime.stretch, child(), name, t);
+    if (sets_regimes) actor.regime = regime_at(tire, at.contact);
+    const TireForces forces = evaluate(tire, actor.regime, at.contact);
+    const Vec3 force = forces.N * at.normal + forces.F_x * at.forward + forces.F_y * at.sideways;
+    on_child() = {force, -at.distance * at.normal.cross(force)};
+  }
+
  private:
   [[nodiscard]] const Marker& child() const { return actor.markers[index(Side::child)]; }
   [[nodiscard]] const Marker& parent() const { return actor.markers[index(Side::parent)]; }
@@ -161,7 +211,7 @@ void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>&
     place_ends(actor, q, Y);
     const ForceElement& element = model_.elements[actor.element];
     const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
-    std::visit(Push{actor, element.name, t, A_body}, element.what);
+    std::visit(Push{actor, element.name, t, A_body, !holds_regimes_}, element.what);
   } else {
     push_by_springs(actor, t);
   }
@@ -174,14 +224,19 @@ void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>&
   }
 }
 
+void AppliedForces::place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
+                              const Eigen::Ref<const VecX>& Y) const {
+  const Attachment& end = *actor.ends[index(side)];
+  Marker& marker = actor.markers[index(side)];
+  place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
+  move(end, A, layout_.v(Y, end.body), layout_.omega(Y, end.body), layout_.adot(Y, end.body), marker);
+}
+
 void AppliedForces::place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const {
   for (const Side side : {Side::parent, Side::child}) {
-    if (!actor.sits_on_moving_body(side)) continue;
-    const Attachment& end = *actor.ends[index(side)];
-    const Mat3& A = constraints_.rotation(end.body);
-    Marker& marker = actor.markers[index(side)];
-    place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
-    move(end, A, layout_.v(Y, end.body), layout_.omega(Y, end.body), layout_.adot(Y, end.body), marker);
+    if (actor.sits_on_moving_body(side)) {
+      place_end(actor, side, constraints_.rotation(actor.ends[index(side)]->body), q, Y);
+    }
   }
   const Marker& parent = actor.markers[index(Side::parent)];
   const Marker& child = actor.markers[index(Side::child)];
@@ -208,6 +263,29 @@ void AppliedForces::push_by_springs(Actor& actor, double t) const {
   Wrench& on_child = actor.wrenches[index(Side::child)];
   on_child = {A_joint * in_C.head<3>(), A_joint * in_C.tail<3>()};
   actor.wrenches[index(Side::parent)] = opposite(on_child, joint.gap);
+}
+
+bool AppliedForces::has_tires() const {
+  return std::any_of(model_.elements.begin(), model_.elements.end(),
+                     [](const ForceElement& element) { return std::holds_alternative<Tire>(element.what); });
+}
+
+AppliedForces::Margin AppliedForces::margin(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+  Margin smallest{HUGE_VAL, -1};
+  for (Actor& actor : actors_) {
+    if (actor.element < 0) continue;
+    const ForceElement& element = model_.elements[actor.element];
+    const auto* tire = std::get_if<Tire>(&element.what);
+    if (tire == nullptr) continue;
+    if (actor.sits_on_moving_body(Side::child)) {
+      place_end(actor, Side::child, rotation_of(layout_.p(q, tire->wheel.body).normalized()), q, Y);
+    }
+    const Marker& wheel = actor.markers[index(Side::child)];
+    const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, wheel, element.name, 0.0);
+    const double own = margin_of(*tire, actor.regime, at.contact);
+    if (!(own >= smallest.size)) smallest = {own, actor.element};
+  }
+  return smallest;
 }
 
 void AppliedForces::add_to(Eigen::Ref<VecX> forces) const {

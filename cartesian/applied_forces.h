@@ -18,6 +18,7 @@ struct Actor {
   std::array<const Attachment*, 2> ends{nullptr, nullptr};
   std::array<Marker, 2> markers;  // of an element; a joint has its own
   RelativeMotion motion;          // of an element: the child's end seen from the parent's
+  TireRegime regime;              // of a tire
   /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
   /// ground).
   std::array<Wrench, 2> wrenches;
@@ -38,9 +39,22 @@ class AppliedForces {
 
   /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, after place() and move() of
   /// the constraints. Throws SolverError, naming the element, where its law has no direction: a line spring of no
-  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi.
+  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi, a tire whose axis
+  /// stands upright on the road.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
+
+  /// Whether tires keep the regimes that they are in (an integrator does so during a step); else every update() takes
+  /// the regime that each is in by itself.
+  void hold_regimes(bool hold) { holds_regimes_ = hold; }
+  [[nodiscard]] bool has_tires() const;
+  /// How far the tires are inside their regimes (margin_of) at positions q and velocities Y: the smallest, and the
+  /// element that has it.
+  struct Margin {
+    double size;
+    int element;
+  };
+  Margin margin(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -59,6 +73,8 @@ class AppliedForces {
   void count_turns_from(const std::vector<VecX>& q);
 
  private:
+  void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
+                 const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
   void push_by_springs(Actor& actor, double t) const;
 
@@ -67,6 +83,7 @@ class AppliedForces {
   const Constraints& constraints_;
   std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
   std::vector<int> springs_of_joint_;
+  bool holds_regimes_ = false;
 };
 
 }  // namespace concord::cartesian

@@ -62,20 +62,21 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   return kept;
 }
 
-/// Jacobian over the rigid velocities, v columns by `length`: constraints first, then the kept rows.
-SparseMatrix rigid_jacobian(const Equations& equations, const std::vector<KeptRow>& kept, double length) {
+/// Jacobian over the rigid velocities, v columns by `length`: constraints first, then the kept rows. For coordinates
+/// the rows that hold for velocities alone are empty, as is their residual.
+SparseMatrix rigid_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept, double length) {
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
   std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
   const auto add = [&](int row, int body, const auto& column) {
     for (int c = 0; c < 6; ++c) entries.emplace_back(row, 6 * (body - 1) + c, column(c) * (c < 3 ? length : 1.0));
   };
-  constraints.each_moving_side([&](int k, Side side, int body) {
-    const JointEquations& joint = constraints.joint(k);
-    for (int row = 0; row < joint.n_rows; ++row) {
-      add(joint.first_row + row, body, joint.Phi_Y_transposed[index(side)].col(row));
+  for (const RowBlock& block : constraints.blocks()) {
+    for (int row = 0; row < block.n_rows; ++row) {
+      const bool counts = what == Kept::speeds || constraints.holds_positions(block.first_row + row);
+      if (counts) add(block.first_row + row, block.body, constraints.columns(block).col(row));
     }
-  });
+  }
   for (std::size_t k = 0; k < kept.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
       const int body = equations.model().joints[kept[k].joint].on(side).body;
@@ -119,10 +120,8 @@ VecX velocity_residual(const Equations& equations, const std::vector<KeptRow>& k
 
 double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 
-std::vector<std::string> names_of_open(const Equations& equations, const std::vector<KeptRow>& kept,
-                                       const VecX& residual) {
+void name_open(const Equations& equations, const std::vector<KeptRow>& kept, const VecX& residual, Closing& closing) {
   const Model& model = equations.model();
-  std::vector<std::string> names;
   const double large = 0.05 * size_of(residual);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const JointEquations& joint = equations.constraints().joint(static_cast<int>(k));
@@ -131,9 +130,12 @@ std::vector<std::string> names_of_open(const Equations& equations, const std::ve
       if (kept[row].joint != static_cast<int>(k)) continue;
       own = std::max(own, std::abs(residual(equations.constraints().n_rows() + row)));
     }
-    if (own >= large) names.push_back(model.joints[k].name);
+    if (own >= large) closing.joints_left_open.push_back(model.joints[k].name);
   }
-  return names;
+  for (std::size_t g = 0; g < model.couplings.size(); ++g) {
+    const double own = std::abs(residual(equations.constraints().coupling(static_cast<int>(g)).row));
+    if (own >= large) closing.couplings_left_open.push_back(model.couplings[g].name);
+  }
 }
 
 /// Whether another Newton step is worth while: not yet closed, or still falling.
@@ -151,7 +153,7 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
 
   Closing closing;
   layout.normalize(q);
-  const auto closed = [&] { return kClosed * std::max(1.0, size_of(q)); };
+  const auto closed = [&] { return kClosed * std::max({1.0, size_of(q), equations.constraints().largest_coupled()}); };
   equations.update(t, q, Y);
   VecX residual = position_residual(equations, kept(Kept::coordinates));
   VecX best_q = q;
@@ -159,11 +161,13 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
   double last = HUGE_VAL;
   for (int step = 0; step < kMaxSteps && goes_on(size_of(residual), last, closed()); ++step) {
     last = size_of(residual);
-    VecX move = solve_shortest(rigid_jacobian(equations, kept(Kept::coordinates), length), -residual);
+    VecX move =
+        solve_shortest(rigid_jacobian(equations, Kept::coordinates, kept(Kept::coordinates), length), -residual);
     if (!move.allFinite()) break;
     move *= std::min(1.0, kLargestTurn / (1e-300 + size_of(move)));
     layout.displace(over_Y(layout, move, length), q);
     equations.update(t, q, Y);
+    equations.constraints().follow_turns();
     residual = position_residual(equations, kept(Kept::coordinates));
     if (size_of(residual) <= best) {
       best = size_of(residual);
@@ -175,7 +179,7 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
   residual = position_residual(equations, kept(Kept::coordinates));
   closing.position_residual = size_of(residual);
   if (!(closing.position_residual <= closed())) {
-    closing.joints_left_open = names_of_open(equations, kept(Kept::coordinates), residual);
+    name_open(equations, kept(Kept::coordinates), residual, closing);
     return closing;
   }
   if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
@@ -188,13 +192,14 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
   const double speed = 1.0 + size_of(residual) + size_of(Y);
   for (int step = 0; step < 4 && size_of(residual) > 1e-16 * speed && size_of(residual) < 0.5 * last; ++step) {
     last = size_of(residual);
-    Y += over_Y(layout, solve_shortest(rigid_jacobian(equations, kept(Kept::speeds), length), -residual), length);
+    const SparseMatrix jacobian = rigid_jacobian(equations, Kept::speeds, kept(Kept::speeds), length);
+    Y += over_Y(layout, solve_shortest(jacobian, -residual), length);
     equations.update(t, q, Y);
     residual = velocity_residual(equations, kept(Kept::speeds));
   }
   closing.velocity_residual = size_of(residual);
   closing.closed = closing.velocity_residual <= kClosed * (1.0 + size_of(Y));
-  if (!closing.closed) closing.joints_left_open = names_of_open(equations, kept(Kept::speeds), residual);
+  if (!closing.closed) name_open(equations, kept(Kept::speeds), residual, closing);
   return closing;
 }
 
@@ -202,8 +207,8 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   equations.update(t, q, Y);
   const double length = equations.model().length_scale();
   const int columns = 6 * (equations.layout().n_bodies() - 1);
-  const auto rank_with = [&](const std::vector<KeptRow>& kept) {
-    SparseMatrix jacobian = rigid_jacobian(equations, kept, length);
+  const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
+    SparseMatrix jacobian = rigid_jacobian(equations, what, kept, length);
     VecX norms = VecX::Zero(jacobian.rows());
     for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
       for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
@@ -215,13 +220,16 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);
-  const int constrained = rank_with({});
+  const int constrained = rank_with(Kept::coordinates, {});
+  const bool has_slip_rows = equations.constraints().has_slip_rows();
+  const int speeds_constrained = has_slip_rows ? rank_with(Kept::speeds, {}) : constrained;
   KeptCount count;
   count.coordinates = static_cast<int>(coordinates.size());
   count.speeds = static_cast<int>(speeds.size());
-  count.rigid_freedom = columns - constrained;
-  count.independent_coordinates = rank_with(coordinates) - constrained;
-  count.independent_speeds = rank_with(speeds) - constrained;
+  count.coordinate_freedom = columns - constrained;
+  count.speed_freedom = columns - speeds_constrained;
+  count.independent_coordinates = rank_with(Kept::coordinates, coordinates) - constrained;
+  count.independent_speeds = rank_with(Kept::speeds, speeds) - speeds_constrained;
   return count;
 }
 

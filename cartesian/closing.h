@@ -13,19 +13,22 @@ struct Closing {
   double position_residual = 0.0;
   double velocity_residual = 0.0;
   std::vector<std::string> joints_left_open;  // those with the largest residuals, if not closed
+  std::vector<std::string> couplings_left_open;
 };
 
 /// Moves the rigid coordinates of q and Y by the shortest steps until all constraints hold as far as round-off lets (at
-/// most 1e-13, or 1e-13 of the largest coordinate beyond 1 m), at time t; modal coordinates and rates stay. With
-/// `keep_start` the coordinates and speeds that the model keeps are rows as well.
+/// most 1e-13, or 1e-13 of the largest coordinate beyond 1 m), at time t; modal coordinates and rates stay. Rows that
+/// hold for velocities alone restrict no place. Turns of coupled coordinates are counted on the way, from those that
+/// `equations` count from. With `keep_start` the coordinates and speeds that the model keeps are rows as well.
 Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, VecX& Y);
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints
-/// leave free.
+/// leave free. Rows that hold for velocities alone leave more freedom to coordinates than to speeds.
 struct KeptCount {
   int coordinates = 0;
   int speeds = 0;
-  int rigid_freedom = 0;  // rigid degrees of freedom at the state, modal coordinates held
+  int coordinate_freedom = 0;  // rigid degrees of freedom at the state, modal coordinates held
+  int speed_freedom = 0;
   int independent_coordinates = 0;
   int independent_speeds = 0;
 };

@@ -1,5 +1,6 @@
 #include "cartesian/constraints.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "cartesian/euler_parameters.h"
@@ -25,11 +26,35 @@ void write_row(const JointEquations& joint, Side side, const Row& row, Column&& 
 }
 
 void evaluate_rows(const Joint& stated, JointEquations& joint) {
-  evaluate_forbids(*stated.type, joint.motion, joint.rows.data());
+  const int n_forbids = evaluate_forbids(*stated.type, joint.motion, joint.rows.data());
+  evaluate_forbidden_speeds(*stated.type, joint.motion, joint.rows.data() + n_forbids);
   for (std::size_t j = 0; j < stated.drivers.size(); ++j) {
-    joint.rows[joint.n_forbids + j] =
+    joint.rows[joint.first_driver + j] =
         evaluate_read(*read_of(*stated.type, stated.drivers[j].word), stated.drivers[j].component, joint.motion);
   }
+  for (std::size_t j = 0; j < joint.coupled.size(); ++j) {
+    joint.rows[joint.n_rows + j] = evaluate_read(*joint.coupled[j].read, joint.coupled[j].component, joint.motion);
+  }
+}
+
+/// A coupled coordinate at the last place(), turns counted.
+double value_of(const JointEquations& joint, int row) {
+  const CoupledCoordinate& coordinate = joint.coupled[row - joint.n_rows];
+  return value_near(*coordinate.read, coordinate.component, joint.rows[row], coordinate.known);
+}
+
+/// What gradient . a_rel + bias is without the accelerations Ydot.
+double bias_of(const JointEquations& joint, const Row& row) {
+  return row.over_d.dot(joint.linear_bias) + row.over_rho.dot(joint.angular_bias) + row.bias;
+}
+
+double rate_of_coupling(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+  double sum = 0.0;
+  for (const auto& term : coupling.terms) {
+    const JointEquations& joint = joints[term.joint];
+    sum += term.factor * rate_of(joint.rows[term.row], joint.motion);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -51,25 +76,148 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     JointEquations equations;
     equations.first_row = n_rows_;
     equations.n_forbids = joint.type->rows();
-    equations.n_rows = equations.n_forbids + static_cast<int>(joint.drivers.size());
+    equations.first_driver = equations.n_forbids + joint.type->slip_rows();
+    equations.n_rows = equations.first_driver + static_cast<int>(joint.drivers.size());
+    for (int row = 0; row < equations.n_rows; ++row) {
+      holds_positions_.push_back(row < equations.n_forbids || equations.is_driver(row));
+    }
     n_rows_ += equations.n_rows;
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment& attachment = joint.on(side);
       equations.markers[index(side)] = make_marker(attachment);
-      if (attachment.body != kGround) {
-        equations.Phi_Y_transposed[index(side)].setZero(layout.size_Y(attachment.body), kMaxRows);
-      }
       const VecX none;
       concord::cartesian::place(attachment, Vec3::Zero(), Mat3::Identity(), none.head(0),
                                 equations.markers[index(side)]);
     }
     joints_.push_back(std::move(equations));
   }
+  add_couplings();
+  give_room();
+}
+
+void Constraints::add_couplings() {
+  for (const Coupling& stated : model_.couplings) {
+    CouplingEquations coupling;
+    coupling.row = n_rows_++;
+    holds_positions_.push_back(true);
+    coupling.offset = stated.offset;
+    for (const CouplingTerm& term : stated.terms) {
+      coupling.terms.push_back({term.joint, find_coupled(term), term.factor});
+      for (const Attachment& side : model_.joints[term.joint].sides) {
+        const bool is_new = std::count(coupling.bodies.begin(), coupling.bodies.end(), side.body) == 0;
+        if (side.body != kGround && is_new) coupling.bodies.push_back(side.body);
+      }
+    }
+    for (const int body : coupling.bodies) coupling.Phi_Y_transposed.emplace_back(MatX::Zero(layout_.size_Y(body), 1));
+    couplings_.push_back(std::move(coupling));
+  }
+}
+
+/// Row of a coupled coordinate among its joint's, a new one if no coupling relates it yet.
+int Constraints::find_coupled(const CouplingTerm& term) {
+  JointEquations& joint = joints_[term.joint];
+  const joints::JointType& type = *model_.joints[term.joint].type;
+  const auto found = std::find_if(joint.coupled.begin(), joint.coupled.end(), [&](const CoupledCoordinate& other) {
+    return other.word == term.word && other.component == term.component;
+  });
+  const int row = joint.n_rows + static_cast<int>(found - joint.coupled.begin());
+  if (found == joint.coupled.end()) {
+    const int place = first_q(type, term.word) + term.component;
+    joint.coupled.push_back({read_of(type, term.word), term.word, term.component, place, 0.0});
+  }
+  return row;
+}
+
+void Constraints::give_room() {
+  for (int k = 0; k < n_joints(); ++k) {
+    JointEquations& joint = joints_[k];
+    joint.rows.resize(joint.n_rows + joint.coupled.size());
+    for (const Side side : {Side::parent, Side::child}) {
+      const int body = model_.joints[k].on(side).body;
+      if (body == kGround) continue;
+      joint.Phi_Y_transposed[index(side)].setZero(layout_.size_Y(body), static_cast<Eigen::Index>(joint.rows.size()));
+      if (joint.n_rows > 0) blocks_.push_back({body, joint.first_row, joint.n_rows, k, side, -1, -1});
+    }
+  }
+  for (int g = 0; g < n_couplings(); ++g) {
+    const CouplingEquations& coupling = couplings_[g];
+    for (std::size_t share = 0; share < coupling.bodies.size(); ++share) {
+      blocks_.push_back({coupling.bodies[share], coupling.row, 1, -1, Side::child, g, static_cast<int>(share)});
+    }
+  }
+}
+
+bool Constraints::has_slip_rows() const {
+  return std::find(holds_positions_.begin(), holds_positions_.end(), false) != holds_positions_.end();
 }
 
 void Constraints::place(const Eigen::Ref<const VecX>& q) {
   for (int i = 1; i < layout_.n_bodies(); ++i) place_body(i, q);
   for (int k = 0; k < n_joints(); ++k) place_joint(k, q);
+  place_couplings();
+}
+
+/// A body may sit in several of the coupled joints: its columns add up.
+void Constraints::place_couplings() {
+  for (CouplingEquations& coupling : couplings_) {
+    for (MatX& columns : coupling.Phi_Y_transposed) columns.setZero();
+    for (const CouplingEquations::Term& term : coupling.terms) {
+      for (const Side side : {Side::parent, Side::child}) {
+        const int body = model_.joints[term.joint].on(side).body;
+        if (body == kGround) continue;
+        const auto share = std::find(coupling.bodies.begin(), coupling.bodies.end(), body) - coupling.bodies.begin();
+        coupling.Phi_Y_transposed[share].col(0) +=
+            term.factor * joints_[term.joint].Phi_Y_transposed[index(side)].col(term.row);
+      }
+    }
+  }
+}
+
+void Constraints::count_turns_from(const std::vector<VecX>& q) {
+  for (int k = 0; k < n_joints(); ++k) {
+    for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k](coordinate.place);
+  }
+}
+
+void Constraints::follow_turns() {
+  for (JointEquations& joint : joints_) {
+    for (std::size_t c = 0; c < joint.coupled.size(); ++c) {
+      joint.coupled[c].known = value_of(joint, joint.n_rows + static_cast<int>(c));
+    }
+  }
+}
+
+void Constraints::write_turns(std::vector<VecX>& q) const {
+  for (int k = 0; k < n_joints(); ++k) {
+    for (const CoupledCoordinate& coordinate : joints_[k].coupled) q[k](coordinate.place) = coordinate.known;
+  }
+}
+
+double Constraints::largest_coupled() const {
+  double largest = 0.0;
+  for (const CouplingEquations& coupling : couplings_) {
+    for (const CouplingEquations::Term& term : coupling.terms) {
+      largest = std::max(largest, std::abs(term.factor * value_of(joints_[term.joint], term.row)));
+    }
+  }
+  return largest;
+}
+
+Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {
+  if (block.joint < 0) return couplings_[block.coupling].Phi_Y_transposed[block.share];
+  return joints_[block.joint].Phi_Y_transposed[index(block.side)].leftCols(block.n_rows);
+}
+
+VecX Constraints::joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const {
+  const JointEquations& joint = joints_[k];
+  VecX own = VecX::Zero(static_cast<Eigen::Index>(joint.rows.size()));
+  own.head(joint.n_rows) = lambda.segment(joint.first_row, joint.n_rows);
+  for (const CouplingEquations& coupling : couplings_) {
+    for (const CouplingEquations::Term& term : coupling.terms) {
+      if (term.joint == k) own(term.row) += term.factor * lambda(coupling.row);
+    }
+  }
+  return own;
 }
 
 void Constraints::place_body(int body, const Eigen::Ref<const VecX>& q) {
@@ -96,7 +244,9 @@ void Constraints::place_joint(int k, const Eigen::Ref<const VecX>& q) {
   for (const Side side : {Side::parent, Side::child}) {
     if (stated.on(side).body == kGround) continue;
     auto& Phi_Y_transposed = joint.Phi_Y_transposed[index(side)];
-    for (int row = 0; row < joint.n_rows; ++row) write_row(joint, side, joint.rows[row], Phi_Y_transposed.col(row));
+    for (std::size_t row = 0; row < joint.rows.size(); ++row) {
+      write_row(joint, side, joint.rows[row], Phi_Y_transposed.col(static_cast<Eigen::Index>(row)));
+    }
   }
 }
 
@@ -133,13 +283,18 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
   for (int k = 0; k < n_joints(); ++k) {
     const JointEquations& joint = joints_[k];
     const Joint& stated = model_.joints[k];
-    for (int row = 0; row < joint.n_forbids; ++row) residual(joint.first_row + row) = joint.rows[row].value;
-    for (int row = joint.n_forbids; row < joint.n_rows; ++row) {
-      const Driver& driver = stated.drivers[row - joint.n_forbids];
+    for (int row = 0; row < joint.first_driver; ++row) residual(joint.first_row + row) = joint.rows[row].value;
+    for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      const Driver& driver = stated.drivers[row - joint.first_driver];
       const double error = joint.rows[row].value - evaluate(driver.law, t).f;
       residual(joint.first_row + row) =
           reads_turn(*read_of(*stated.type, driver.word), driver.component) ? std::remainder(error, kFullTurn) : error;
     }
+  }
+  for (const CouplingEquations& coupling : couplings_) {
+    double sum = -coupling.offset;
+    for (const auto& term : coupling.terms) sum += term.factor * value_of(joints_[term.joint], term.row);
+    residual(coupling.row) = sum;
   }
 }
 
@@ -148,16 +303,31 @@ void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) c
     const JointEquations& joint = joints_[k];
     const Joint& stated = model_.joints[k];
     for (int row = 0; row < joint.n_rows; ++row) {
-      double rate = row_rate(k, row);
-      if (row >= joint.n_forbids) rate -= evaluate(stated.drivers[row - joint.n_forbids].law, t).fdot;
+      double rate = rate_of(joint.rows[row], joint.motion);
+      if (joint.is_driver(row)) rate -= evaluate(stated.drivers[row - joint.first_driver].law, t).fdot;
       residual(joint.first_row + row) = rate;
     }
   }
+  for (const CouplingEquations& coupling : couplings_) residual(coupling.row) = rate_of_coupling(coupling, joints_);
 }
 
-double Constraints::row_rate(int k, int row) const {
-  const JointEquations& joint = joints_[k];
+double Constraints::row_rate(const RowBlock& block, int row) const {
+  if (block.joint < 0) return rate_of_coupling(couplings_[block.coupling], joints_);
+  const JointEquations& joint = joints_[block.joint];
   return rate_of(joint.rows[row], joint.motion);
+}
+
+void Constraints::place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q,
+                                 const Eigen::Ref<const VecX>& Y) {
+  const auto put = [&](int k) {
+    place_joint(k, q);
+    move_joint(k, Y);
+  };
+  if (block.joint >= 0) {
+    put(block.joint);
+  } else {
+    for (const CouplingEquations::Term& term : couplings_[block.coupling].terms) put(term.joint);
+  }
 }
 
 void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
@@ -165,11 +335,18 @@ void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
     const JointEquations& joint = joints_[k];
     const Joint& stated = model_.joints[k];
     for (int row = 0; row < joint.n_rows; ++row) {
-      const Row& gradient = joint.rows[row];
-      double rest = gradient.over_d.dot(joint.linear_bias) + gradient.over_rho.dot(joint.angular_bias) + gradient.bias;
-      if (row >= joint.n_forbids) rest -= evaluate(stated.drivers[row - joint.n_forbids].law, t).fddot;
+      double rest = bias_of(joint, joint.rows[row]);
+      if (joint.is_driver(row)) rest -= evaluate(stated.drivers[row - joint.first_driver].law, t).fddot;
       gamma(joint.first_row + row) = -rest;
     }
+  }
+  for (const CouplingEquations& coupling : couplings_) {
+    double rest = 0.0;
+    for (const auto& term : coupling.terms) {
+      const JointEquations& joint = joints_[term.joint];
+      rest += term.factor * bias_of(joint, joint.rows[term.row]);
+    }
+    gamma(coupling.row) = -rest;
   }
 }
 

@@ -8,14 +8,24 @@
 #include "cartesian/marker_kinematics.h"
 #include "common/model.h"
 
-/// Constraint equations of all joints: residuals, Jacobians over the body velocities, gamma.
+/// Constraint equations of all joints and couplings: residuals, Jacobians over the body velocities, gamma.
 namespace concord::cartesian {
 
 /// The child's marker seen from the parent's: (d, R), and after that their rates.
 void place_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);
 void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);
 
-/// One joint at the current state. Rows: first what the type forbids, then its drivers in the order of the model.
+/// A joint coordinate that couplings relate, and the value that its turns are counted from.
+struct CoupledCoordinate {
+  const joints::Read* read = nullptr;
+  int word = 0;
+  int component = 0;
+  int place = 0;  // among the joint's q
+  double known = 0.0;
+};
+
+/// One joint at the current state. Rows: first what the type forbids, then what it forbids of speeds alone, then its
+/// drivers in the order of the model. Behind them, no constraints of their own, the coordinates that couplings relate.
 struct JointEquations {
   std::array<Marker, 2> markers;
   RelativeMotion motion;
@@ -24,13 +34,41 @@ struct JointEquations {
   Vec3 angular_bias = Vec3::Zero();
   int first_row = 0;
   int n_forbids = 0;
+  int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
-  std::array<Row, kMaxRows> rows;
+  std::vector<CoupledCoordinate> coupled;
+  std::vector<Row> rows;  // n_rows and one for each coupled coordinate
   /// Column k: transposed Jacobian of row k over Y of the side's body, (6 + m) numbers: the generalized force of the
   /// row taken as a wrench at the side's point.
-  std::array<Eigen::Matrix<double, Eigen::Dynamic, kMaxRows>, 2> Phi_Y_transposed;
+  std::array<MatX, 2> Phi_Y_transposed;
 
   [[nodiscard]] const Marker& marker(Side side) const { return markers[index(side)]; }
+  [[nodiscard]] bool is_driver(int row) const { return row >= first_driver; }
+};
+
+/// One coupling at the current state: its row is the weighted sum of the rows of the coordinates that it relates.
+struct CouplingEquations {
+  struct Term {
+    int joint;
+    int row;  // among the joint's rows
+    double factor;
+  };
+  int row = 0;
+  double offset = 0.0;
+  std::vector<Term> terms;
+  std::vector<int> bodies;             // moving ones, each once
+  std::vector<MatX> Phi_Y_transposed;  // by body: one column
+};
+
+/// Constraint rows that follow each other and stand on one moving body: those of a joint on a side, or a coupling's.
+struct RowBlock {
+  int body;
+  int first_row;
+  int n_rows;
+  int joint;  // -1: a coupling
+  Side side;
+  int coupling;
+  int share;  // of the coupling's bodies
 };
 
 class Constraints {
@@ -38,38 +76,52 @@ class Constraints {
   Constraints(const Model& model, const Layout& layout);
 
   [[nodiscard]] int n_rows() const { return n_rows_; }
+  /// Whether a row holds for positions too, and not for velocities alone.
+  [[nodiscard]] bool holds_positions(int row) const { return holds_positions_[row]; }
+  [[nodiscard]] bool has_slip_rows() const;
   [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
   [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
+  [[nodiscard]] const CouplingEquations& coupling(int g) const { return couplings_[g]; }
+  [[nodiscard]] int n_couplings() const { return static_cast<int>(couplings_.size()); }
   [[nodiscard]] const Mat3& rotation(int body) const { return rotations_[body]; }
 
   /// Points, frames, residuals and Jacobians at positions q: all of them, or of one body and of one joint after its
   /// bodies.
   void place(const Eigen::Ref<const VecX>& q);
+  void place_couplings();
   void place_body(int body, const Eigen::Ref<const VecX>& q);
   void place_joint(int k, const Eigen::Ref<const VecX>& q);
   /// Velocities and accelerations at Ydot = 0, for velocities Y; after place().
   void move(const Eigen::Ref<const VecX>& Y);
   void move_joint(int k, const Eigen::Ref<const VecX>& Y);
 
-  /// Phi(q, t); turn angles of drivers modulo full turns.
+  /// Joint coordinates (by joint) from which the turns of coupled angles are counted: at most half a turn away.
+  void count_turns_from(const std::vector<VecX>& q);
+  /// Counts on from the last place().
+  void follow_turns();
+  /// Writes the coupled coordinates that turns are counted from, others untouched.
+  void write_turns(std::vector<VecX>& q) const;
+  /// The largest term of a coupling, in m or rad: what its residual's round-off is relative to.
+  [[nodiscard]] double largest_coupled() const;
+
+  /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone.
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
   /// Phi_Y Y + Phi_t; after move().
   void write_velocity_residual(double t, Eigen::Ref<VecX> residual) const;
-  /// Phi_Y Y of one row of a joint; after move() or move_joint().
-  [[nodiscard]] double row_rate(int k, int row) const;
+  /// Phi_Y Y of row `row` of a block; after move() or move_joint() of the block's joints.
+  [[nodiscard]] double row_rate(const RowBlock& block, int row) const;
+  /// Places and moves the joints that a block's rows depend on; after place_body().
+  void place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   /// gamma of Phi_Y Ydot = gamma; after move().
   void write_gamma(double t, Eigen::Ref<VecX> gamma) const;
 
-  /// Calls visit(k, side, body) for every side of every joint that sits on a moving body.
-  template <class Visit>
-  void each_moving_side(const Visit& visit) const {
-    for (int k = 0; k < n_joints(); ++k) {
-      for (const Side side : {Side::parent, Side::child}) {
-        const int body = model_.joints[k].on(side).body;
-        if (body != kGround) visit(k, side, body);
-      }
-    }
-  }
+  /// All rows on all moving bodies; together they are Phi_Y.
+  [[nodiscard]] const std::vector<RowBlock>& blocks() const { return blocks_; }
+  /// Transposed Jacobian of a block over Y of its body: (6 + m) x its rows.
+  [[nodiscard]] Eigen::Ref<const MatX> columns(const RowBlock& block) const;
+
+  /// Multipliers of all rows of joint k and, behind them, of its coupled coordinates, from those of all constraints.
+  [[nodiscard]] VecX joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const;
 
   /// Transposed Jacobian over Y of the side's body of any row of a joint, for rows that are no constraints: (6 + m).
   void write_transposed(int joint, Side side, const Row& row, Eigen::Ref<VecX> column) const;
@@ -78,9 +130,16 @@ class Constraints {
   [[nodiscard]] int first_joint_off_branch() const;
 
  private:
+  void add_couplings();
+  int find_coupled(const CouplingTerm& term);
+  void give_room();
+
   const Model& model_;
   const Layout& layout_;
   std::vector<JointEquations> joints_;
+  std::vector<CouplingEquations> couplings_;
+  std::vector<RowBlock> blocks_;
+  std::vector<bool> holds_positions_;
   std::vector<Mat3> rotations_;
   int n_rows_ = 0;
 };

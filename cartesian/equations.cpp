@@ -45,6 +45,10 @@ void Equations::use_rows(const std::vector<bool>& active) {
     if (active[row]) place_of_row_[row] = place++;
   }
   unknowns_ = VecX::Zero(place);
+  is_slip_place_.assign(place, false);
+  for (std::size_t row = 0; row < active.size(); ++row) {
+    if (active[row]) is_slip_place_[place_of_row_[row]] = !constraints_.holds_positions(static_cast<int>(row));
+  }
   lay_out();
 }
 
@@ -58,17 +62,20 @@ void Equations::lay_out() {
       }
     }
   }
-  constraints_.each_moving_side([&](int k, Side, int body) {
-    const JointEquations& joint = constraints_.joint(k);
-    for (int row = joint.first_row; row < joint.first_row + joint.n_rows; ++row) {
+  for (const RowBlock& block : constraints_.blocks()) {
+    for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
       const int place = place_of_row_[row];
       if (place < 0) continue;
-      for (int c = 0; c < layout_.size_Y(body); ++c) {
-        columns[layout_.first_Y(body) + c].push_back(place);
-        columns[place].push_back(layout_.first_Y(body) + c);
+      for (int c = 0; c < layout_.size_Y(block.body); ++c) {
+        columns[layout_.first_Y(block.body) + c].push_back(place);
+        columns[place].push_back(layout_.first_Y(block.body) + c);
       }
     }
-  });
+  }
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    // Room for the unit rows of the position matrix.
+    if (is_active(row) && !constraints_.holds_positions(row)) columns[place_of_row_[row]].push_back(place_of_row_[row]);
+  }
   std::vector<int> starts{0};
   std::vector<int> rows;
   for (auto& column : columns) {
@@ -76,7 +83,8 @@ void Equations::lay_out() {
     rows.insert(rows.end(), column.begin(), column.end());
     starts.push_back(static_cast<int>(rows.size()));
   }
-  matrix_ = std::make_unique<SparseLu>(std::move(starts), std::move(rows));
+  matrix_ = std::make_unique<SparseLu>(starts, rows);
+  position_matrix_ = constraints_.has_slip_rows() ? std::make_unique<SparseLu>(starts, rows) : nullptr;
 
   mass_entries_.assign(layout_.n_bodies(), {});
   for (int i = 1; i < layout_.n_bodies(); ++i) {
@@ -84,21 +92,27 @@ void Equations::lay_out() {
       mass_entries_[i].push_back(matrix_->find(layout_.first_Y(i), layout_.first_Y(i) + column));
     }
   }
-  Phi_Y_entries_.assign(constraints_.n_joints(), {});
-  transposed_entries_.assign(constraints_.n_rows(), {-1, -1});
-  constraints_.each_moving_side([&](int k, Side side, int body) {
-    const JointEquations& joint = constraints_.joint(k);
+  Phi_Y_entries_.assign(constraints_.blocks().size(), {});
+  transposed_entries_.assign(constraints_.blocks().size(), {});
+  for (std::size_t b = 0; b < constraints_.blocks().size(); ++b) {
+    const RowBlock& block = constraints_.blocks()[b];
+    const int first_Y = layout_.first_Y(block.body);
     int first_active = -1;
-    for (int row = joint.first_row; row < joint.first_row + joint.n_rows; ++row) {
-      if (place_of_row_[row] < 0) continue;
-      if (first_active < 0) first_active = place_of_row_[row];
-      transposed_entries_[row][index(side)] = matrix_->find(layout_.first_Y(body), place_of_row_[row]);
+    for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
+      const int place = place_of_row_[row];
+      transposed_entries_[b].push_back(place < 0 ? -1 : matrix_->find(first_Y, place));
+      if (first_active < 0) first_active = place;
     }
-    if (first_active < 0) return;
-    for (int c = 0; c < layout_.size_Y(body); ++c) {
-      Phi_Y_entries_[k][index(side)].push_back(matrix_->find(first_active, layout_.first_Y(body) + c));
+    if (first_active < 0) continue;
+    for (int c = 0; c < layout_.size_Y(block.body); ++c) {
+      Phi_Y_entries_[b].push_back(matrix_->find(first_active, first_Y + c));
     }
-  });
+  }
+}
+
+void Equations::count_turns_from(const std::vector<VecX>& q) {
+  applied_.count_turns_from(q);
+  constraints_.count_turns_from(q);
 }
 
 void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
@@ -132,21 +146,20 @@ void Equations::fill_matrix() {
       std::copy_n(mass_matrices_[i].col(column).data(), size, values + mass_entries_[i][column]);
     }
   }
-  constraints_.each_moving_side([&](int k, Side side, int) {
-    const JointEquations& joint = constraints_.joint(k);
-    const auto& entries = Phi_Y_entries_[k][index(side)];
-    if (entries.empty()) return;
-    const auto& Phi_Y_transposed = joint.Phi_Y_transposed[index(side)];
+  for (std::size_t b = 0; b < constraints_.blocks().size(); ++b) {
+    const auto& entries = Phi_Y_entries_[b];
+    if (entries.empty()) continue;
+    const Eigen::Ref<const MatX> Phi_Y_transposed = constraints_.columns(constraints_.blocks()[b]);
     const int size = static_cast<int>(entries.size());
     int active = 0;
-    for (int row = 0; row < joint.n_rows; ++row) {
-      const int start = transposed_entries_[joint.first_row + row][index(side)];
+    for (Eigen::Index row = 0; row < Phi_Y_transposed.cols(); ++row) {
+      const int start = transposed_entries_[b][row];
       if (start < 0) continue;
       std::copy_n(Phi_Y_transposed.col(row).data(), size, values + start);
       for (int c = 0; c < size; ++c) values[entries[c] + active] = Phi_Y_transposed(c, row);
       ++active;
     }
-  });
+  }
 }
 
 void Equations::solve(bool fresh_pivots) {
@@ -179,12 +192,30 @@ void Equations::solve(bool fresh_pivots) {
   }
 }
 
-void Equations::solve_constraint_step(const VecX& residual) {
+/// From the numbers of the last fill_matrix(): rows and columns of what holds for velocities alone become those of the
+/// identity, so that they neither restrict a step nor push it.
+void Equations::factor_position_matrix() {
+  const std::vector<int>& starts = matrix_->column_starts();
+  const std::vector<int>& rows = matrix_->row_indices();
+  const double* from = matrix_->values();
+  double* to = position_matrix_->values();
+  for (int column = 0; column < matrix_->size(); ++column) {
+    for (int entry = starts[column]; entry < starts[column + 1]; ++entry) {
+      const bool is_slip = is_slip_place_[column] || is_slip_place_[rows[entry]];
+      to[entry] = is_slip ? (rows[entry] == column ? 1.0 : 0.0) : from[entry];
+    }
+  }
+  if (!position_matrix_->refactor()) {
+    throw SolverError(fmt::format("cartesian: at t = {:.6g} s the equations of position are singular", t_));
+  }
+}
+
+void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {
   unknowns_.head(layout_.n_Y()).setZero();
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     if (place_of_row_[row] >= 0) unknowns_(place_of_row_[row]) = -residual(row);
   }
-  matrix_->solve(unknowns_);
+  matrix.solve(unknowns_);
   step_ = unknowns_.head(layout_.n_Y());
 }
 
@@ -193,7 +224,12 @@ std::string Equations::name_of_largest(const VecX& residual) const {
   residual.cwiseAbs().maxCoeff(&largest);
   for (int k = 0; k < constraints_.n_joints(); ++k) {
     const JointEquations& joint = constraints_.joint(k);
-    if (largest >= joint.first_row && largest < joint.first_row + joint.n_rows) return model_.joints[k].name;
+    if (largest >= joint.first_row && largest < joint.first_row + joint.n_rows) {
+      return fmt::format("joint '{}'", model_.joints[k].name);
+    }
+  }
+  for (int g = 0; g < constraints_.n_couplings(); ++g) {
+    if (largest == constraints_.coupling(g).row) return fmt::format("coupling '{}'", model_.couplings[g].name);
   }
   return {};
 }
@@ -204,6 +240,8 @@ void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   constexpr double kAllowed = 1e-9;
   layout_.normalize(q);
   if (constraints_.n_rows() == 0) return;
+  if (position_matrix_) factor_position_matrix();
+  SparseLu& position_matrix = position_matrix_ ? *position_matrix_ : *matrix_;
   double last = HUGE_VAL;
   for (int step = 0; step < kMaxSteps; ++step) {
     constraints_.place(q);
@@ -211,12 +249,12 @@ void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
     const double size = residual_.lpNorm<Eigen::Infinity>();
     if (size <= kRoundOff || (size < kAllowed && size > 0.5 * last)) break;
     last = size;
-    solve_constraint_step(residual_);
+    solve_constraint_step(position_matrix, residual_);
     layout_.displace(step_, q);
   }
   if (!(residual_.lpNorm<Eigen::Infinity>() <= kAllowed)) {
     throw SolverError(fmt::format(
-        "cartesian: at t = {:.6g} s joint '{}' will not close: gap {:.3g} (m or rad), allowed {:.3g}; it was closed at "
+        "cartesian: at t = {:.6g} s {} will not close: gap {:.3g} (m or rad), allowed {:.3g}; it was closed at "
         "the start: tighten the tolerance",
         t, name_of_largest(residual_), residual_.lpNorm<Eigen::Infinity>(), kAllowed));
   }
@@ -228,20 +266,19 @@ void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
     const double size = velocity_residual_.lpNorm<Eigen::Infinity>();
     if (size <= kRoundOff * speed || (size < kAllowed * speed && size > 0.5 * last)) return;
     last = size;
-    solve_constraint_step(velocity_residual_);
+    solve_constraint_step(*matrix_, velocity_residual_);
     Y += step_;
   }
-  throw SolverError(
-      fmt::format("cartesian: at t = {:.6g} s the velocities of joint '{}' will not close: residual {:.3g}", t,
-                  name_of_largest(velocity_residual_), velocity_residual_.lpNorm<Eigen::Infinity>()));
+  throw SolverError(fmt::format("cartesian: at t = {:.6g} s the velocities of {} will not close: residual {:.3g}", t,
+                                name_of_largest(velocity_residual_), velocity_residual_.lpNorm<Eigen::Infinity>()));
 }
 
 double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {
   double sum = applied_.power(Y_);
   for (int k = 0; k < constraints_.n_joints(); ++k) {
     const JointEquations& joint = constraints_.joint(k);
-    for (int row = joint.n_forbids; row < joint.n_rows; ++row) {
-      const Driver& driver = model_.joints[k].drivers[row - joint.n_forbids];
+    for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
       sum -= lambda(joint.first_row + row) * evaluate(driver.law, t_).fdot;
     }
   }
@@ -250,14 +287,14 @@ double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {
 }
 
 void Equations::add_Phi_Y_transposed_times(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> sum) const {
-  constraints_.each_moving_side([&](int k, Side side, int body) {
-    const JointEquations& joint = constraints_.joint(k);
-    for (int row = 0; row < joint.n_rows; ++row) {
-      if (!is_active(joint.first_row + row)) continue;
-      sum.segment(layout_.first_Y(body), layout_.size_Y(body)) +=
-          x(joint.first_row + row) * joint.Phi_Y_transposed[index(side)].col(row);
+  for (const RowBlock& block : constraints_.blocks()) {
+    const Eigen::Ref<const MatX> Phi_Y_transposed = constraints_.columns(block);
+    for (int row = 0; row < block.n_rows; ++row) {
+      if (!is_active(block.first_row + row)) continue;
+      sum.segment(layout_.first_Y(block.body), layout_.size_Y(block.body)) +=
+          x(block.first_row + row) * Phi_Y_transposed.col(row);
     }
-  });
+  }
 }
 
 void Equations::write_mass_times(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> product) const {

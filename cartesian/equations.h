@@ -31,6 +31,10 @@ class Equations {
   void use_rows(const std::vector<bool>& active);
   [[nodiscard]] bool is_active(int row) const { return place_of_row_[row] >= 0; }
 
+  /// Joint coordinates (by joint) from which the turns of sprung and coupled angles are counted: at most half a turn
+  /// away.
+  void count_turns_from(const std::vector<VecX>& q);
+
   /// Everything that follows from positions and velocities; t in s.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
@@ -45,11 +49,12 @@ class Equations {
   [[nodiscard]] const VecX& residual() const { return residual_; }
   [[nodiscard]] const VecX& velocity_residual() const { return velocity_residual_; }
 
-  /// Name of the joint that has the largest of these rows.
+  /// The joint or coupling that has the largest of these rows: "joint 'A'".
   [[nodiscard]] std::string name_of_largest(const VecX& residual) const;
 
   /// Brings q and Y onto the constraints, nearest in the sense of the mass matrix, with the factors of the last
-  /// solve(). Newton's method until the residuals stop falling. Throws SolverError if they stay above 1e-9.
+  /// solve(); rows that hold for velocities alone do not restrict positions. Newton's method until the residuals stop
+  /// falling. Throws SolverError if they stay above 1e-9.
   void project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y);
 
   /// Power of drivers, joint springs and force elements less that of modal damping [W] at the updated state; with the
@@ -70,7 +75,8 @@ class Equations {
  private:
   void lay_out();
   void fill_matrix();
-  void solve_constraint_step(const VecX& residual);
+  void factor_position_matrix();
+  void solve_constraint_step(SparseLu& matrix, const VecX& residual);
 
   const Model& model_;
   Layout layout_;
@@ -79,12 +85,16 @@ class Equations {
   AppliedForces applied_;
   std::vector<MatX> mass_matrices_;  // by body
   std::vector<int> place_of_row_;    // column of an active row in the matrix; -1
+  std::vector<bool> is_slip_place_;  // by column of the matrix: a row that holds for velocities alone
   std::unique_ptr<SparseLu> matrix_;
-  /// Where blocks go in the matrix's values: by body the first entry of each column of M; by joint, side and column of
-  /// the body the first of the joint's rows; by row and side the first of the body's entries in the row's column.
+  /// The matrix with unit rows for what holds for velocities alone; nullptr: there is no such row.
+  std::unique_ptr<SparseLu> position_matrix_;
+  /// Where blocks go in the matrix's values: by body the first entry of each column of M; by block of rows and column
+  /// of the body the first of the block's rows; by block and row the first of the body's entries in the row's column
+  /// (-1: the row takes no part).
   std::vector<std::vector<int>> mass_entries_;
-  std::vector<std::array<std::vector<int>, 2>> Phi_Y_entries_;
-  std::vector<std::array<int, 2>> transposed_entries_;
+  std::vector<std::vector<int>> Phi_Y_entries_;
+  std::vector<std::vector<int>> transposed_entries_;
 
   double t_ = 0.0;
   VecX Y_;

@@ -66,11 +66,13 @@ Table make_table(const std::vector<int>& substeps) {
 class ExtrapolationStepper : public Stepper {
  public:
   ExtrapolationStepper(Equations& equations, const Motion& start, double rtol)
-      : equations_(equations),
+      : Stepper(equations, start),
         n_q_(equations.layout().n_q()),
         n_Y_(equations.layout().n_Y()),
-        motion_(start),
+        before_(start),
+        glanced_(start),
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
+        dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
     write(start, view(y_.get()));
     view(tolerances_.get()) = absolute_tolerances(equations, start, rtol);
@@ -83,26 +85,55 @@ class ExtrapolationStepper : public Stepper {
     check(ERKStepSetUserData(erk, this), "ERKStepSetUserData", messages_);
     check(ERKStepSetPostprocessStepFn(erk, &project), "ERKStepSetPostprocessStepFn", messages_);
     check(ERKStepSetMaxHnilWarns(erk, -1), "ERKStepSetMaxHnilWarns", messages_);
+    // For glances into a step: of degree 3, which needs no evaluation inside it.
+    check(ERKStepSetInterpolantDegree(erk, 3), "ERKStepSetInterpolantDegree", messages_);
   }
 
-  double step(double stop) override {
-    check(ERKStepSetStopTime(memory_.get(), stop), "ERKStepSetStopTime", messages_);
-    sunrealtype reached = 0.0;
-    const int code = ERKStepEvolve(memory_.get(), stop, y_.get(), &reached, ARK_ONE_STEP);
-    if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last + (why_.empty() ? "" : "; " + why_));
-    read(view(y_.get()), motion_);
-    return reached;
+ protected:
+  void advance(double stop) override {
+    started_ = reached_;
+    before_ = motion_;
+    evolve(stop);
   }
 
-  [[nodiscard]] const Motion& motion() override { return motion_; }
-  [[nodiscard]] long steps() const override {
-    long count = 0;
-    ERKStepGetNumSteps(memory_.get(), &count);
-    return count;
+  const Motion& glance(double t) override {
+    if (t == reached_) return motion_;
+    check(ERKStepGetDky(memory_.get(), t, 0, dense_.get()), "ERKStepGetDky", messages_);
+    read(view(dense_.get()), glanced_);
+    return glanced_;
   }
-  [[nodiscard]] long evaluations() const override { return evaluations_; }
+
+  /// Repeats the step, shortened: what lies inside a step is known to a lower order only.
+  void look_back(double t) override {
+    if (t == reached_) return;
+    motion_ = before_;
+    restart(started_);
+    reached_ = started_;
+    if (t <= started_) return;
+    check(ERKStepSetInitStep(memory_.get(), t - started_), "ERKStepSetInitStep", messages_);
+    while (reached_ < t) evolve(t);
+    check(ERKStepSetInitStep(memory_.get(), 0.0), "ERKStepSetInitStep", messages_);
+  }
+
+  void restart(double t) override {
+    write(motion_, view(y_.get()));
+    check(ERKStepReInit(memory_.get(), &right_side, t, y_.get()), "ERKStepReInit", messages_);
+  }
 
  private:
+  void evolve(double stop) {
+    constexpr double kTooClose = 1e-14;  // of the time: ARKODE refuses such steps, and nothing moves in them
+    if (stop - reached_ <= kTooClose * stop) {
+      reached_ = stop;
+      return;
+    }
+    check(ERKStepSetStopTime(memory_.get(), stop), "ERKStepSetStopTime", messages_);
+    const int code = ERKStepEvolve(memory_.get(), stop, y_.get(), &reached_, ARK_ONE_STEP);
+    if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last + (why_.empty() ? "" : "; " + why_));
+    ++steps_;
+    read(view(y_.get()), motion_);
+  }
+
   template <class Numbers>
   void read(const Numbers& y, Motion& motion) const {
     motion.q = y.head(n_q_);
@@ -155,15 +186,16 @@ class ExtrapolationStepper : public Stepper {
     void operator()(void* memory) const { ERKStepFree(&memory); }
   };
 
-  Equations& equations_;
   Eigen::Index n_q_;
   Eigen::Index n_Y_;
-  Motion motion_;
-  long evaluations_ = 0;
+  double started_ = 0.0;  // the last step, at
+  Motion before_;
+  Motion glanced_;
   std::string why_;
   sundials::MessageRecord messages_;
   sundials::Context context_;
   sundials::Vector y_;
+  sundials::Vector dense_;
   sundials::Vector tolerances_;
   std::unique_ptr<void, FreeMemory> memory_;
 };

@@ -12,6 +12,7 @@
 /// Stabilized index-2 equations (Gear, Gupta, Leimkuhler), over x = [q; Y; lambda; mu; nu; work]:
 ///   qdot = N(q) (Y + Phi_Y^T mu) + p nu,   M Ydot + Phi_Y^T lambda = Q - S - U,
 ///   Phi_Y Y + Phi_t = 0,   Phi = 0,   (p.p - 1)/2 = 0,   workdot = power.
+/// mu stands on the rows that hold for positions; rows that hold for velocities alone have none.
 namespace concord::cartesian {
 
 namespace {
@@ -81,60 +82,66 @@ ForceSlopes make_slopes(const Actor& actor, const Layout& layout) {
 class IdaStepper : public Stepper {
  public:
   IdaStepper(Equations& equations, const Motion& start, double rtol)
-      : equations_(equations), layout_(equations.layout()) {
+      : Stepper(equations, start), layout_(equations.layout()), glanced_(start) {
     for (int row = 0; row < equations.constraints().n_rows(); ++row) {
-      place_of_row_.push_back(equations.is_active(row) ? n_active_++ : -1);
+      const bool is_active = equations.is_active(row);
+      place_of_row_.push_back(is_active ? n_active_++ : -1);
+      place_of_mu_.push_back(is_active && equations.constraints().holds_positions(row) ? n_mu_++ : -1);
     }
     first_Y_ = layout_.n_q();
     first_lambda_ = first_Y_ + layout_.n_Y();
     first_mu_ = first_lambda_ + n_active_;
-    first_nu_ = first_mu_ + n_active_;
+    first_nu_ = first_mu_ + n_mu_;
     at_work_ = first_nu_ + layout_.n_bodies() - 1;
     size_ = at_work_ + 1;
     all_rows_ = VecX::Zero(equations.constraints().n_rows());
     quasi_ = VecX::Zero(layout_.n_Y());
     momentum_ = VecX::Zero(layout_.n_Y());
-    for (int k = 0; k < equations.constraints().n_joints(); ++k) {
-      rates_over_q_.emplace_back();
-      for (const Side side : {Side::parent, Side::child}) {
-        const int body = equations.model().joints[k].on(side).body;
-        rates_over_q_.back()[index(side)].setZero(equations.constraints().joint(k).n_rows, layout_.size_Y(body));
-      }
+    for (const RowBlock& block : equations.constraints().blocks()) {
+      rates_over_q_.emplace_back(MatX::Zero(block.n_rows, layout_.size_Y(block.body)));
     }
     for (const Actor& actor : equations.applied().actors()) slopes_.push_back(make_slopes(actor, layout_));
     lay_out_jacobian(start);
     set_up(start, rtol);
   }
 
+ protected:
   /// IDA steps past `stop` and looks back: its formulas interpolate to their own order, and a stop would cost them it.
-  double step(double stop) override {
-    if (reached_ < stop) {
-      const int code = IDASolve(memory_.get(), stop, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
-      if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
-    }
-    const double at = std::min(reached_, stop);
-    check(IDAGetDky(memory_.get(), at, 0, dense_.get()), "IDAGetDky", messages_);
-    const auto x = view(dense_.get());
-    motion_.q = x.head(first_Y_);
-    motion_.Y = x.segment(first_Y_, layout_.n_Y());
-    motion_.work = x(at_work_);
-    return at;
+  void advance(double stop) override {
+    // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
+    const double toward = std::max(stop, reached_ + last_step_);
+    const int code = IDASolve(memory_.get(), toward, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
+    if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
+    ++steps_;
   }
 
-  [[nodiscard]] const Motion& motion() override { return motion_; }
-  [[nodiscard]] long steps() const override {
-    long count = 0;
-    IDAGetNumSteps(memory_.get(), &count);
-    return count;
+  const Motion& glance(double t) override {
+    read(t, glanced_);
+    return glanced_;
   }
-  [[nodiscard]] long evaluations() const override { return evaluations_; }
+
+  void look_back(double t) override { read(t, motion_); }
+
+  void restart(double t) override {
+    check(IDAGetLastStep(memory_.get(), &last_step_), "IDAGetLastStep", messages_);
+    write_start(t, motion_);
+    check(IDAReInit(memory_.get(), t, x_.get(), xdot_.get()), "IDAReInit", messages_);
+  }
 
  private:
+  void read(double t, Motion& motion) {
+    check(IDAGetDky(memory_.get(), t, 0, dense_.get()), "IDAGetDky", messages_);
+    const auto x = view(dense_.get());
+    motion.q = x.head(first_Y_);
+    motion.Y = x.segment(first_Y_, layout_.n_Y());
+    motion.work = x(at_work_);
+  }
+
   void set_up(const Motion& start, double rtol) {
     for (sundials::Vector* vector : {&x_, &xdot_, &dense_, &tolerances_, &id_}) {
       *vector = sundials::make_vector(size_, context_);
     }
-    write_start(start);
+    write_start(0.0, start);
     write_tolerances(start, rtol);
     view(id_.get()).head(first_lambda_).setOnes();
     view(id_.get())(at_work_) = 1.0;
@@ -164,11 +171,13 @@ class IdaStepper : public Stepper {
     linear_solver_->ops->free = &RefinedLu::free;
   }
 
-  void write_start(const Motion& start) {
-    equations_.update(0.0, start.q, start.Y);
+  void write_start(double t, const Motion& start) {
+    equations_.update(t, start.q, start.Y);
     equations_.solve(true);
     auto x = view(x_.get());
     auto xdot = view(xdot_.get());
+    x.setZero();
+    xdot.setZero();
     x.head(first_Y_) = start.q;
     x.segment(first_Y_, layout_.n_Y()) = start.Y;
     for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
@@ -194,10 +203,10 @@ class IdaStepper : public Stepper {
     tolerances(at_work_) = motion(motion.size() - 1);
   }
 
-  /// x's multipliers of the active rows, spread over all rows.
-  void spread(const Eigen::Ref<const VecX>& active) {
-    for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
-      all_rows_(row) = place_of_row_[row] >= 0 ? active(place_of_row_[row]) : 0.0;
+  /// x's multipliers, spread from their places over all rows.
+  void spread(const std::vector<int>& places, const Eigen::Ref<const VecX>& multipliers) {
+    for (std::size_t row = 0; row < places.size(); ++row) {
+      all_rows_(row) = places[row] >= 0 ? multipliers(places[row]) : 0.0;
     }
   }
 
@@ -222,7 +231,7 @@ class IdaStepper : public Stepper {
     equations_.update(t, unit_q_, Y);
 
     quasi_ = Y;
-    spread(x.segment(first_mu_, n_active_));
+    spread(place_of_mu_, x.segment(first_mu_, n_mu_));
     equations_.add_Phi_Y_transposed_times(all_rows_, quasi_);
     layout_.write_qdot(q, quasi_, F.head(first_Y_));
     for (int i = 1; i < layout_.n_bodies(); ++i) {
@@ -235,42 +244,40 @@ class IdaStepper : public Stepper {
     equations_.fill_mass_matrices();
     equations_.write_mass_times(xdot.segment(first_Y_, layout_.n_Y()), momentum_);
     momentum_ -= equations_.forces();
-    spread(x.segment(first_lambda_, n_active_));
+    spread(place_of_row_, x.segment(first_lambda_, n_active_));
     equations_.add_Phi_Y_transposed_times(all_rows_, momentum_);
     F.segment(first_Y_, layout_.n_Y()) = momentum_;
     for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
-      if (place_of_row_[row] < 0) continue;
-      F(first_lambda_ + place_of_row_[row]) = equations_.velocity_residual()(row);
-      F(first_mu_ + place_of_row_[row]) = equations_.residual()(row);
+      if (place_of_row_[row] >= 0) F(first_lambda_ + place_of_row_[row]) = equations_.velocity_residual()(row);
+      if (place_of_mu_[row] >= 0) F(first_mu_ + place_of_mu_[row]) = equations_.residual()(row);
     }
     F(at_work_) = xdot(at_work_) - equations_.power_of(all_rows_);
   }
 
-  /// How Phi_Y Y of each joint's rows changes with the positions of its bodies, by central differences of the joint
-  /// alone: small entries, but Newton's method on the velocity rows needs them, since velocities follow positions at
-  /// once.
+  /// How Phi_Y Y of each block's rows changes with the positions of its body, by central differences of the joints
+  /// concerned alone: small entries, but Newton's method on the velocity rows needs them, since velocities follow
+  /// positions at once.
   void differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y) {
-    equations_.constraints().each_moving_side(
-        [&](int k, Side side, int body) { differentiate_rates(k, body, q, Y, rates_over_q_[k][index(side)]); });
+    const auto& blocks = std::as_const(equations_).constraints().blocks();
+    for (std::size_t b = 0; b < blocks.size(); ++b) differentiate_rates(blocks[b], q, Y, rates_over_q_[b]);
   }
 
-  void differentiate_rates(int k, int body, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates) {
+  void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates) {
     constexpr double kStep = 1e-6;
     Constraints& constraints = equations_.constraints();
     const auto put = [&](const VecX& at) {
-      constraints.place_body(body, at);
-      constraints.place_joint(k, at);
-      constraints.move_joint(k, Y);
+      constraints.place_body(block.body, at);
+      constraints.place_and_move(block, at, Y);
     };
     displaced_q_ = q;
-    for (int c = 0; c < layout_.size_Y(body); ++c) {
+    for (int c = 0; c < layout_.size_Y(block.body); ++c) {
       rates.col(c).setZero();
       for (const double sign : {1.0, -1.0}) {
-        layout_.displace_along(body, c, sign * kStep, displaced_q_);
+        layout_.displace_along(block.body, c, sign * kStep, displaced_q_);
         put(displaced_q_);
         for (int row = 0; row < rates.rows(); ++row)
-          rates(row, c) += sign * constraints.row_rate(k, row) / (2.0 * kStep);
-        layout_.copy_body(body, q, displaced_q_);
+          rates(row, c) += sign * constraints.row_rate(block, row) / (2.0 * kStep);
+        layout_.copy_body(block.body, q, displaced_q_);
       }
     }
     put(q);
@@ -340,8 +347,8 @@ class IdaStepper : public Stepper {
     const auto q = x.head(first_Y_);
     const auto Y = x.segment(first_Y_, layout_.n_Y());
     for (int i = 1; i < layout_.n_bodies(); ++i) each_body_entry(i, c, q, Y, visit);
-    equations_.constraints().each_moving_side(
-        [&](int k, Side side, int body) { each_row_entry(k, side, body, q, visit); });
+    const auto& blocks = std::as_const(equations_).constraints().blocks();
+    for (std::size_t b = 0; b < blocks.size(); ++b) each_row_entry(blocks[b], rates_over_q_[b], q, visit);
     const auto& actors = equations_.applied().actors();
     for (std::size_t a = 0; a < actors.size(); ++a) each_force_entry(actors[a], slopes_[a], q, visit);
     visit(at_work_, at_work_, c);
@@ -386,17 +393,17 @@ class IdaStepper : public Stepper {
   }
 
   template <class Q, class Visit>
-  void each_row_entry(int k_joint, Side side, int body, const Q& q, const Visit& visit) const {
-    const JointEquations& joint = std::as_const(equations_).constraints().joint(k_joint);
-    const MatX& rates = rates_over_q_[k_joint][index(side)];
+  void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const {
+    const Eigen::Ref<const MatX> Phi_Y_transposed = std::as_const(equations_).constraints().columns(block);
+    const int body = block.body;
     const int at_q = layout_.first_q(body);
     const int at_Y = first_Y_ + layout_.first_Y(body);
     const int m = layout_.n_modes(body);
     const Mat34 E = compute_E(layout_.p(q, body));
-    for (int row = 0; row < joint.n_rows; ++row) {
-      const int place = place_of_row_[joint.first_row + row];
+    for (int row = 0; row < block.n_rows; ++row) {
+      const int place = place_of_row_[block.first_row + row];
       if (place < 0) continue;
-      const auto Phi_Y = joint.Phi_Y_transposed[index(side)].col(row);
+      const auto Phi_Y = Phi_Y_transposed.col(row);
       for (int k = 0; k < 6 + m; ++k) {
         visit(at_Y + k, first_lambda_ + place, Phi_Y(k));
         visit(first_lambda_ + place, at_Y + k, Phi_Y(k));
@@ -407,12 +414,14 @@ class IdaStepper : public Stepper {
       for (int k = 0; k < 3; ++k) visit(first_lambda_ + place, at_q + k, rate(k));
       for (int k = 0; k < 4; ++k) visit(first_lambda_ + place, at_q + 3 + k, rate_over_p(k));
       for (int k = 0; k < m; ++k) visit(first_lambda_ + place, at_q + 7 + k, rate(6 + k));
-      for (int k = 0; k < 3; ++k) visit(first_mu_ + place, at_q + k, Phi_Y(k));
-      for (int k = 0; k < 4; ++k) visit(first_mu_ + place, at_q + 3 + k, over_p(k));
-      for (int k = 0; k < m; ++k) visit(first_mu_ + place, at_q + 7 + k, Phi_Y(6 + k));
-      for (int k = 0; k < 3; ++k) visit(at_q + k, first_mu_ + place, -Phi_Y(k));
-      for (int k = 0; k < 4; ++k) visit(at_q + 3 + k, first_mu_ + place, -0.25 * over_p(k));
-      for (int k = 0; k < m; ++k) visit(at_q + 7 + k, first_mu_ + place, -Phi_Y(6 + k));
+      if (place_of_mu_[block.first_row + row] < 0) continue;
+      const int at_mu = first_mu_ + place_of_mu_[block.first_row + row];
+      for (int k = 0; k < 3; ++k) visit(at_mu, at_q + k, Phi_Y(k));
+      for (int k = 0; k < 4; ++k) visit(at_mu, at_q + 3 + k, over_p(k));
+      for (int k = 0; k < m; ++k) visit(at_mu, at_q + 7 + k, Phi_Y(6 + k));
+      for (int k = 0; k < 3; ++k) visit(at_q + k, at_mu, -Phi_Y(k));
+      for (int k = 0; k < 4; ++k) visit(at_q + 3 + k, at_mu, -0.25 * over_p(k));
+      for (int k = 0; k < m; ++k) visit(at_q + 7 + k, at_mu, -Phi_Y(6 + k));
     }
   }
 
@@ -495,10 +504,11 @@ class IdaStepper : public Stepper {
     void operator()(void* memory) const { IDAFree(&memory); }
   };
 
-  Equations& equations_;
   const Layout& layout_;
   std::vector<int> place_of_row_;
+  std::vector<int> place_of_mu_;
   int n_active_ = 0;
+  int n_mu_ = 0;
   int first_Y_ = 0;
   int first_lambda_ = 0;
   int first_mu_ = 0;
@@ -509,16 +519,15 @@ class IdaStepper : public Stepper {
   VecX unit_q_;
   VecX displaced_q_;
   VecX displaced_Y_;
-  std::vector<ForceSlopes> slopes_;                // by actor
-  std::vector<std::array<MatX, 2>> rates_over_q_;  // by joint and side: rows x (6 + m)
+  std::vector<ForceSlopes> slopes_;  // by actor
+  std::vector<MatX> rates_over_q_;   // by block of rows: rows x (6 + m)
   VecX quasi_;
   VecX momentum_;
   std::vector<int> slots_;
   std::vector<sunindextype> starts_;
   std::vector<sunindextype> rows_;
-  sunrealtype reached_ = 0.0;
-  Motion motion_;
-  long evaluations_ = 0;
+  sunrealtype last_step_ = 0.0;  // before the last restart
+  Motion glanced_;
   std::string why_;
   sundials::MessageRecord messages_;
   sundials::Context context_;

@@ -13,6 +13,7 @@ using joints::Coincide;
 using joints::ElevationOfGap;
 using joints::KeepDistance;
 using joints::NoGapAlong;
+using joints::NoSlip;
 using joints::OrientationOf;
 using joints::Perpendicular;
 using joints::SameDirection;
@@ -125,6 +126,19 @@ int write(const ByResidual& word, const RelativeMotion& motion, Row* rows) {
   return found.n;
 }
 
+/// e . (ddot + omega x c), c = -below e_z fixed on the parent; e fixed there or carried by the child.
+Row write(const NoSlip& word, const RelativeMotion& motion) {
+  const Vec3 contact = -word.below * Vec3::UnitZ();
+  const bool turns = word.axis_of == Side::child;
+  const Vec3 e = turns ? Vec3(motion.R * unit(word.axis)) : unit(word.axis);
+  const Vec3 edot = turns ? Vec3(motion.omega.cross(e)) : Vec3(Vec3::Zero());
+  Row row;
+  row.over_d = e;
+  row.over_rho = contact.cross(e);
+  row.bias = edot.dot(motion.ddot + motion.omega.cross(contact));
+  return row;
+}
+
 bool branch(const Coincide&, const RelativeMotion&) { return true; }
 bool branch(const NoGapAlong&, const RelativeMotion&) { return true; }
 bool branch(const Perpendicular&, const RelativeMotion&) { return true; }
@@ -217,6 +231,14 @@ int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion
   int count = 0;
   for (const joints::Forbid& word : type.forbids) {
     count += std::visit([&](const auto& forbidden) { return write(forbidden, motion, rows + count); }, word);
+  }
+  return count;
+}
+
+int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, Row* rows) {
+  int count = 0;
+  for (const joints::ForbidSpeed& word : type.forbids_speeds) {
+    rows[count++] = std::visit([&](const auto& forbidden) { return write(forbidden, motion); }, word);
   }
   return count;
 }

@@ -23,11 +23,15 @@ struct Row {
   double bias = 0.0;
 };
 
-/// Room for the rows of one joint: a type forbids at most 6 directions.
+/// Room for the rows of one type: it forbids at most 6 directions.
 inline constexpr int kMaxRows = 6;
 
 /// Rows of all words of `type.forbids`, written to `rows`; returns their number.
 int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
+
+/// Rows of all words of `type.forbids_speeds`, written to `rows`; returns their number. They have no value: only their
+/// rate vanishes.
+int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
 
 /// Whether the placement is on the branch that the words mean (a hinge's axes point the same way).
 bool on_branch(const joints::JointType& type, const RelativeMotion& motion);

@@ -97,7 +97,7 @@ VecX column_scales(const Equations& equations) {
 }
 
 /// A component is unique if no multiplier of the null space moves it: relative to what unit multipliers do to the
-/// joint's force or torque.
+/// joint's force or torque. `null_space` holds the joint's own multipliers and those of its coupled coordinates.
 void mark_uniqueness(const Joint& stated, const JointEquations& joint, const MatX& null_space,
                      JointUniqueness& uniqueness) {
   constexpr double kZero = 1e-9;
@@ -106,8 +106,8 @@ void mark_uniqueness(const Joint& stated, const JointEquations& joint, const Mat
   };
   for (const Side side : {Side::parent, Side::child}) {
     Vec6 of_units = Vec6::Zero();
-    for (int row = 0; row < joint.n_rows; ++row) {
-      of_units = of_units.cwiseMax(components(VecX::Unit(joint.n_rows, row), side));
+    for (Eigen::Index row = 0; row < null_space.rows(); ++row) {
+      of_units = of_units.cwiseMax(components(VecX::Unit(null_space.rows(), row), side));
     }
     Vec6 of_null_space = Vec6::Zero();
     for (Eigen::Index column = 0; column < null_space.cols(); ++column) {
@@ -160,15 +160,15 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
   VecX row_norm_squared = VecX::Zero(constraints.n_rows());
   const auto each_entry = [&](const auto& visit) {
-    constraints.each_moving_side([&](int k, Side side, int body) {
-      const JointEquations& joint = constraints.joint(k);
-      for (int row = 0; row < joint.n_rows; ++row) {
-        for (int c = 0; c < layout.size_Y(body); ++c) {
-          const int column = layout.first_Y(body) + c;
-          visit(joint.first_row + row, column, joint.Phi_Y_transposed[index(side)](c, row) * columns(column));
+    for (const RowBlock& block : constraints.blocks()) {
+      const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
+      for (int row = 0; row < block.n_rows; ++row) {
+        for (int c = 0; c < layout.size_Y(block.body); ++c) {
+          const int column = layout.first_Y(block.body) + c;
+          visit(block.first_row + row, column, Phi_Y_transposed(c, row) * columns(column));
         }
       }
-    });
+    }
   };
   each_entry([&](int row, int, double value) { row_norm_squared(row) += value * value; });
   ScaledJacobian scaled;
@@ -178,6 +178,40 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   scaled.matrix = SparseMatrix(constraints.n_rows(), layout.n_Y());
   scaled.matrix.setFromTriplets(entries.begin(), entries.end());
   return scaled;
+}
+
+std::vector<bool> independent_rows(const Equations& equations) {
+  const Constraints& constraints = equations.constraints();
+  const SparseMatrix all = scaled_jacobian(equations).matrix;
+  const RankDecision decision = decide_rank(all);
+  if (decision.rank == all.rows() || !constraints.has_slip_rows()) {
+    return decision.rank == all.rows() ? std::vector<bool>(all.rows(), true) : decision.independent;
+  }
+  std::vector<int> chosen;
+  const auto decide_chosen = [&] {
+    std::vector<Eigen::Triplet<double, SuiteSparse_long>> picks;
+    for (std::size_t k = 0; k < chosen.size(); ++k) picks.emplace_back(k, chosen[k], 1.0);
+    SparseMatrix pick(static_cast<Eigen::Index>(chosen.size()), all.rows());
+    pick.setFromTriplets(picks.begin(), picks.end());
+    return decide_rank(SparseMatrix(pick * all));
+  };
+  for (int row = 0; row < all.rows(); ++row) {
+    if (constraints.holds_positions(row)) chosen.push_back(row);
+  }
+  const RankDecision of_positions = decide_chosen();
+  std::vector<int> kept;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (of_positions.independent[k]) kept.push_back(chosen[k]);
+  }
+  chosen = kept;
+  for (int row = 0; row < all.rows(); ++row) {
+    if (constraints.holds_positions(row)) continue;
+    chosen.push_back(row);
+    if (decide_chosen().rank < static_cast<int>(chosen.size())) chosen.pop_back();
+  }
+  std::vector<bool> independent(all.rows(), false);
+  for (const int row : chosen) independent[row] = true;
+  return independent;
 }
 
 MatX permitted_velocities(const Equations& equations) {
@@ -215,8 +249,11 @@ RankReport report_rank(const Equations& equations) {
   const MatX null_space = scaled.row_scale.asDiagonal() * decision.left_null_space;
   for (int k = 0; k < constraints.n_joints(); ++k) {
     const JointEquations& joint = constraints.joint(k);
-    mark_uniqueness(equations.model().joints[k], joint, null_space.middleRows(joint.first_row, joint.n_rows),
-                    report.joints[k]);
+    MatX own(static_cast<Eigen::Index>(joint.rows.size()), null_space.cols());
+    for (Eigen::Index z = 0; z < null_space.cols(); ++z) {
+      own.col(z) = constraints.joint_multipliers(k, null_space.col(z));
+    }
+    mark_uniqueness(equations.model().joints[k], joint, own, report.joints[k]);
   }
   return report;
 }

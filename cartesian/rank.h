@@ -35,6 +35,10 @@ struct ScaledJacobian {
 };
 ScaledJacobian scaled_jacobian(const Equations& equations);
 
+/// A largest independent set of the constraint rows at the last update of `equations`; of rows that depend on each
+/// other those that hold for positions come before those that hold for velocities alone.
+std::vector<bool> independent_rows(const Equations& equations);
+
 /// Orthonormal columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows
 /// permit at the last update of `equations`, drivers at rest.
 MatX permitted_velocities(const Equations& equations);

@@ -22,7 +22,7 @@ Wrench from_columns(const Marker& marker, const Eigen::Ref<const MatX>& Phi_Y_tr
 Wrench on_ground(const JointEquations& joint, Side side, const Eigen::Ref<const VecX>& lambda) {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();
-  for (int row = 0; row < joint.n_rows; ++row) {
+  for (Eigen::Index row = 0; row < lambda.size(); ++row) {
     force -= lambda(row) * joint.rows[row].over_d;
     torque -= lambda(row) * joint.rows[row].over_rho;
   }
@@ -51,27 +51,31 @@ Wrench difference(const Wrench& total, const Wrench& part) {
 JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
                                const Actor* springs) {
   const VecX none = VecX::Zero(stated.type->n_u());
-  VecX driver_tau = none;
+  VecX row_tau = none;
   for (std::size_t k = 0; k < stated.drivers.size(); ++k) {
     const Driver& driver = stated.drivers[k];
-    driver_tau(first_u(*stated.type, driver.word) + driver.component) =
-        -lambda(joint.n_forbids + static_cast<Eigen::Index>(k));
+    row_tau(first_u(*stated.type, driver.word) + driver.component) =
+        -lambda(joint.first_driver + static_cast<Eigen::Index>(k));
+  }
+  for (std::size_t k = 0; k < joint.coupled.size(); ++k) {
+    const CoupledCoordinate& coordinate = joint.coupled[k];
+    row_tau(first_u(*stated.type, coordinate.word) + coordinate.component) -=
+        lambda(joint.n_rows + static_cast<Eigen::Index>(k));
   }
   JointWrenches wrenches;
-  wrenches.tau = springs == nullptr ? driver_tau : VecX(driver_tau + springs->tau);
-  const bool is_driven = !stated.drivers.empty();
-  const auto by_drivers = is_driven ? coordinate_wrenches(stated, joint, driver_tau) : std::array<Wrench, 2>{};
+  wrenches.tau = springs == nullptr ? row_tau : VecX(row_tau + springs->tau);
+  const bool is_driven = !stated.drivers.empty() || !joint.coupled.empty();
+  const auto by_rows = is_driven ? coordinate_wrenches(stated, joint, row_tau) : std::array<Wrench, 2>{};
   for (const Side side : {Side::parent, Side::child}) {
     const Marker& marker = joint.marker(side);
-    // All rows, the drivers' included; springs stand among the applied forces.
-    const Wrench of_rows =
-        stated.on(side).body == kGround
-            ? on_ground(joint, side, lambda)
-            : from_columns(marker, joint.Phi_Y_transposed[index(side)].leftCols(joint.n_rows), lambda);
+    // All rows, those of drivers and couplings included; springs stand among the applied forces.
+    const Wrench of_rows = stated.on(side).body == kGround
+                               ? on_ground(joint, side, lambda)
+                               : from_columns(marker, joint.Phi_Y_transposed[index(side)], lambda);
     Wrench total = of_rows;
     if (springs != nullptr) total += springs->wrenches[index(side)];
     wrenches.total[index(side)] = seen_from(marker.A_joint, total);
-    wrenches.reaction[index(side)] = seen_from(marker.A_joint, difference(of_rows, by_drivers[index(side)]));
+    wrenches.reaction[index(side)] = seen_from(marker.A_joint, difference(of_rows, by_rows[index(side)]));
   }
   return wrenches;
 }

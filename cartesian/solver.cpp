@@ -25,6 +25,16 @@ constexpr double kClosureAllowed = 1e-12;
 
 double largest_of(const VecX& values) { return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>(); }
 
+/// Holds the regimes that tires are in for the time of a run.
+struct HeldRegimes {
+  AppliedForces& applied;
+
+  explicit HeldRegimes(AppliedForces& forces) : applied(forces) { applied.hold_regimes(true); }
+  ~HeldRegimes() { applied.hold_regimes(false); }
+  HeldRegimes(const HeldRegimes&) = delete;
+  HeldRegimes& operator=(const HeldRegimes&) = delete;
+};
+
 class CartesianSolver : public Solver {
  public:
   explicit CartesianSolver(const Model& model)
@@ -39,19 +49,21 @@ class CartesianSolver : public Solver {
   State assemble() override {
     if (start_) return *start_;
     guess_start();
+    std::vector<VecX> turns = start_coordinates(model_);
+    equations_.count_turns_from(turns);
     const Closing closing = close_machine(equations_, 0.0, true, motion_.q, motion_.Y);
+    equations_.constraints().write_turns(turns);
     const KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y);
     refuse_wrong_count(kept, closing);
     if (!closing.closed) {
-      throw InputError(
-          first_place(closing.joints_left_open),
-          fmt::format("the start values contradict each other: with what is kept and driven, joints {} do "
-                      "not close (position residual {:.2g}, velocity residual {:.2g}); correct the kept "
-                      "values, or give guesses that choose the branch",
-                      fmt::join(closing.joints_left_open, ", "), closing.position_residual, closing.velocity_residual));
+      throw InputError(first_place(closing.joints_left_open),
+                       fmt::format("the start values contradict each other: with what is kept and driven, {} do "
+                                   "not close (position residual {:.2g}, velocity residual {:.2g}); correct the kept "
+                                   "values, or give guesses that choose the branch",
+                                   named_open(closing), closing.position_residual, closing.velocity_residual));
     }
     refuse_dependent(kept);
-    State state = packed(0.0, start_coordinates(model_));
+    State state = packed(0.0, turns);
     use_independent_rows(state);
     start_ = state;
     return state;
@@ -60,18 +72,21 @@ class CartesianSolver : public Solver {
   std::optional<State> close(const State& guess) override {
     require_rows();
     equations_.layout().unpack(guess, motion_.q, motion_.Y);
+    equations_.count_turns_from(guess.q);
     try {
       if (!close_machine(equations_, guess.t, false, motion_.q, motion_.Y).closed) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
     }
-    return packed(guess.t, guess.q);
+    std::vector<VecX> turns = guess.q;
+    equations_.constraints().write_turns(turns);
+    return packed(guess.t, turns);
   }
 
   Evaluation evaluate(const State& state) override {
     require_rows();
     equations_.layout().unpack(state, motion_.q, motion_.Y);
-    equations_.applied().count_turns_from(state.q);
+    equations_.count_turns_from(state.q);
     equations_.update(state.t, motion_.q, motion_.Y);
     refuse_open(state);
     equations_.solve(true);
@@ -94,9 +109,10 @@ class CartesianSolver : public Solver {
     const auto began = std::chrono::steady_clock::now();
     const State start = assemble();
     equations_.layout().unpack(start, motion_.q, motion_.Y);
-    equations_.applied().count_turns_from(start.q);
+    equations_.count_turns_from(start.q);
     motion_.work = 0.0;
     equations_.update(0.0, motion_.q, motion_.Y);
+    const HeldRegimes held(equations_.applied());
     equations_.solve(true);
     const Motion first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
@@ -148,19 +164,37 @@ class CartesianSolver : public Solver {
     return {model_.file, 0, 0};
   }
 
+  static std::string named_open(const Closing& closing) {
+    std::string names = fmt::format("joints {}", fmt::join(closing.joints_left_open, ", "));
+    if (closing.joints_left_open.empty()) names.clear();
+    for (const std::string& coupling : closing.couplings_left_open) {
+      names += fmt::format("{}coupling '{}'", names.empty() ? "" : " and ", coupling);
+    }
+    return names;
+  }
+
   void refuse_wrong_count(const KeptCount& kept, const Closing& closing) const {
     // Off the constraints redundant rows look independent: count only where the machine closed.
     if (!closing.closed) return;
-    if (kept.coordinates == kept.rigid_freedom && kept.speeds == kept.rigid_freedom) return;
+    if (kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom) return;
+    const std::string found = fmt::format(
+        "the start keeps {} joint coordinates and {} joint speeds, but the machine has", kept.coordinates, kept.speeds);
+    if (kept.coordinate_freedom == kept.speed_freedom) {
+      throw InputError({model_.file, 0, 0},
+                       fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
+                                   "{} of each",
+                                   found, kept.coordinate_freedom, kept.coordinate_freedom));
+    }
     throw InputError(
         {model_.file, 0, 0},
-        fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has {} "
-                    "independent ones (its rigid degrees of freedom, drivers off): keep exactly {} of each",
-                    kept.coordinates, kept.speeds, kept.rigid_freedom, kept.rigid_freedom));
+        fmt::format("{} {} independent coordinates and {} independent speeds (its rigid degrees of freedom, "
+                    "drivers off; what must not slip restricts speeds alone): keep exactly as many",
+                    found, kept.coordinate_freedom, kept.speed_freedom));
   }
 
   void refuse_dependent(const KeptCount& kept) const {
-    if (kept.independent_coordinates == kept.rigid_freedom && kept.independent_speeds == kept.rigid_freedom) return;
+    const bool fixes_places = kept.independent_coordinates == kept.coordinate_freedom;
+    if (fixes_places && kept.independent_speeds == kept.speed_freedom) return;
     std::vector<std::string> names;
     for (const Joint& joint : model_.joints) {
       const auto keeps = [](const WordStart& word) {
@@ -179,10 +213,9 @@ class CartesianSolver : public Solver {
   void use_independent_rows(const State& state) {
     equations_.layout().unpack(state, motion_.q, motion_.Y);
     equations_.update(state.t, motion_.q, motion_.Y);
-    const ScaledJacobian scaled = scaled_jacobian(equations_);
-    const RankDecision decision = decide_rank(scaled.matrix);
-    has_dependent_rows_ = decision.rank < equations_.constraints().n_rows();
-    if (has_dependent_rows_) equations_.use_rows(decision.independent);
+    const std::vector<bool> independent = independent_rows(equations_);
+    has_dependent_rows_ = std::find(independent.begin(), independent.end(), false) != independent.end();
+    if (has_dependent_rows_) equations_.use_rows(independent);
   }
 
   void require_rows() {
@@ -192,7 +225,7 @@ class CartesianSolver : public Solver {
   /// Refuses a state that its own constraints do not call closed: rows in m and rad, far from the origin relative to
   /// the distance, whose round-off they carry; velocities relative to the largest.
   void refuse_open(const State& state) const {
-    double distance = 1.0;
+    double distance = std::max(1.0, equations_.constraints().largest_coupled());
     for (const BodyState& body : state.bodies) distance = std::max(distance, body.r.lpNorm<Eigen::Infinity>());
     const double gap = largest_of(equations_.residual()) / distance;
     const double speed = largest_of(equations_.velocity_residual()) / (1.0 + largest_of(motion_.Y));
@@ -200,7 +233,7 @@ class CartesianSolver : public Solver {
     for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
     if (gap <= kClosureAllowed && speed <= kClosureAllowed && stretch <= kClosureAllowed) return;
     throw SolverError(
-        fmt::format("cartesian: the state at t = {:.6g} s is not closed: joint '{}' gap {:.2g} (m or rad), velocities "
+        fmt::format("cartesian: the state at t = {:.6g} s is not closed: {} gap {:.2g} (m or rad), velocities "
                     "{:.2g} of the "
                     "largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
                     state.t, equations_.name_of_largest(equations_.residual()), gap, speed, stretch, kClosureAllowed));
@@ -216,9 +249,12 @@ class CartesianSolver : public Solver {
     }
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
       const JointEquations& joint = equations_.constraints().joint(static_cast<int>(k));
-      result.joints.push_back(compute_wrenches(model_.joints[k], joint,
-                                               equations_.lambda().segment(joint.first_row, joint.n_rows),
-                                               equations_.applied().springs_of(static_cast<int>(k))));
+      const VecX lambda = equations_.constraints().joint_multipliers(static_cast<int>(k), equations_.lambda());
+      result.joints.push_back(
+          compute_wrenches(model_.joints[k], joint, lambda, equations_.applied().springs_of(static_cast<int>(k))));
+    }
+    for (int g = 0; g < equations_.constraints().n_couplings(); ++g) {
+      result.couplings.push_back(-equations_.lambda()(equations_.constraints().coupling(g).row));
     }
     for (std::size_t e = 0; e < model_.elements.size(); ++e) {
       result.elements.push_back(equations_.applied().element(static_cast<int>(e)));
@@ -249,7 +285,7 @@ class CartesianSolver : public Solver {
   void count_turns(double t, std::vector<VecX>& turns, std::vector<VecX>& speeds) {
     equations_.update(t, motion_.q, motion_.Y);
     read_joint_coordinates(model_, equations_.constraints(), turns, speeds);
-    equations_.applied().count_turns_from(turns);
+    equations_.count_turns_from(turns);
   }
 
   std::unique_ptr<Stepper> make_stepper(const RunOptions& options, const Motion& first) {

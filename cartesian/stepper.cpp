@@ -1,7 +1,12 @@
 #include "cartesian/stepper.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "common/error.h"
 
 namespace concord::cartesian {
 
@@ -18,7 +23,106 @@ Mode mode_of(const ModalData& modal, int k) {
   return {mass, std::sqrt(std::abs(modal.stiffness(k, k)) / mass)};
 }
 
+constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
+
 }  // namespace
+
+Stepper::Stepper(Equations& equations, const Motion& start)
+    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_tires()), kink_(HUGE_VAL) {}
+
+double Stepper::step(double stop) {
+  if (reached_ <= time_) {
+    const double from = time_;
+    const double margin_before = margin(motion_);
+    advance(stop);
+    kink_ = has_regimes_ ? find_kink(from, margin_before, stop) : HUGE_VAL;
+  }
+  if (kink_ <= stop) {
+    pass_kink(stop);
+  } else {
+    time_ = std::min(reached_, stop);
+    look_back(time_);
+  }
+  return time_;
+}
+
+/// How far the tires are inside their regimes.
+double Stepper::margin(const Motion& motion) {
+  if (!has_regimes_) return HUGE_VAL;
+  const AppliedForces::Margin smallest = equations_.applied().margin(motion.q, motion.Y);
+  at_margin_ = smallest.element;
+  return smallest.size;
+}
+
+double Stepper::margin_at(double t) {
+  look_back(t);
+  return margin(motion_);
+}
+
+/// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
+/// at several times, so that no regime that comes and goes within the step is missed; Illinois' rule between them.
+double Stepper::find_kink(double from, double margin_before, double stop) {
+  constexpr int kLooks = 16;
+  constexpr double kSharp = 1e-13;  // of the time of the run
+  if (!(margin_before >= 0.0)) return from;
+  const double step = reached_ - from;
+  if (step <= kSharp * stop) return HUGE_VAL;
+  double inside = from;
+  double outside = HUGE_VAL;
+  for (int k = 1; k <= kLooks && outside == HUGE_VAL; ++k) {
+    const double t = k == kLooks ? reached_ : from + step * k / kLooks;
+    if (margin(glance(t)) < 0.0) outside = t;
+  }
+  if (outside == HUGE_VAL) return HUGE_VAL;
+  double past = margin_at(outside);
+  if (!(past < 0.0)) return HUGE_VAL;
+  double before = margin_before;
+  const double sharp = std::max(kSharp * stop, 64.0 * kRoundOff * outside);
+  for (int round = 0; outside - inside > sharp; ++round) {
+    const double part = round % 4 == 3 ? 0.5 : before / (before - past);
+    const double t = std::clamp(inside + part * (outside - inside), inside + 0.5 * sharp, outside - 0.5 * sharp);
+    const double found = margin_at(t);
+    if (found < 0.0) {
+      outside = t;
+      past = found;
+      before *= 0.5;
+    } else {
+      inside = t;
+      before = found;
+      past *= 0.5;
+    }
+  }
+  return outside;
+}
+
+void Stepper::pass_kink(double stop) {
+  look_back(kink_);
+  (void)margin(motion_);  // names the tire
+  equations_.update(kink_, motion_.q, motion_.Y);
+  equations_.solve(true);
+  equations_.project(kink_, motion_.q, motion_.Y);
+  equations_.applied().hold_regimes(false);
+  equations_.update(kink_, motion_.q, motion_.Y);
+  equations_.applied().hold_regimes(true);
+  restart(kink_);
+  time_ = reached_ = kink_;
+  kink_ = HUGE_VAL;
+  refuse_chatter(stop);
+}
+
+void Stepper::refuse_chatter(double stop) {
+  constexpr double kWindow = 1e-3;  // of the time of the run
+  constexpr int kMaxKinks = 1000;
+  if (time_ - kinks_since_ > kWindow * stop) {
+    kinks_since_ = time_;
+    kinks_ = 0;
+  }
+  if (++kinks_ <= kMaxKinks) return;
+  throw SolverError(
+      fmt::format("cartesian: at t = {:.6g} s tire '{}' changes its regime without end: {} times within {:.2g} s; its "
+                  "laws leave no motion there: look at its friction, its road's edges and its damping",
+                  time_, equations_.model().elements[at_margin_].name, kinks_, time_ - kinks_since_));
+}
 
 VecX absolute_tolerances(const Equations& equations, const Motion& start, double rtol) {
   const Model& model = equations.model();

@@ -15,18 +15,56 @@ struct Motion {
   double work = 0.0;  // of drivers and modal damping since the start, J
 };
 
-/// Carries the motion from t = 0 one internal step at a time, through SUNDIALS.
+/// Carries the motion from t = 0 one internal step at a time, through SUNDIALS. The regimes of tires, which the caller
+/// holds, stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew, and the
+/// integration starts again.
 class Stepper {
  public:
   virtual ~Stepper() = default;
+  Stepper(const Stepper&) = delete;
+  Stepper& operator=(const Stepper&) = delete;
 
-  /// One internal step, not past `stop`, which does not fall from call to call; returns the time reached [s].
-  virtual double step(double stop) = 0;
+  /// One internal step, not past `stop`, which does not fall from call to call; returns the time reached [s]. Throws
+  /// SolverError where no step succeeds, or where regimes change without end.
+  double step(double stop);
   /// The motion at the time reached; to be projected by whoever needs it closed to round-off.
-  [[nodiscard]] virtual const Motion& motion() = 0;
-  [[nodiscard]] virtual long steps() const = 0;
+  [[nodiscard]] const Motion& motion() const { return motion_; }
+  [[nodiscard]] long steps() const { return steps_; }
   /// Evaluations of the equations of motion so far.
-  [[nodiscard]] virtual long evaluations() const = 0;
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+
+ protected:
+  Stepper(Equations& equations, const Motion& start);
+
+  /// One step of the method from reached_ on, which it moves; it may pass `stop` if look_back() then finds the way.
+  virtual void advance(double stop) = 0;
+  /// The motion at a time within the last step, good enough to see what happens there.
+  virtual const Motion& glance(double t) = 0;
+  /// Sets motion_ to that at a time within the last step, as exact as the step. A method that must repeat the step for
+  /// it moves reached_ there.
+  virtual void look_back(double t) = 0;
+  /// Starts the method again at time t from motion_.
+  virtual void restart(double t) = 0;
+
+  Equations& equations_;
+  Motion motion_;
+  double reached_ = 0.0;  // by the method; time_ may lag behind
+  long steps_ = 0;
+  long evaluations_ = 0;
+
+ private:
+  double margin(const Motion& motion);
+  double margin_at(double t);
+  double find_kink(double from, double margin_before, double stop);
+  void pass_kink(double stop);
+  void refuse_chatter(double stop);
+
+  bool has_regimes_;
+  double time_ = 0.0;
+  double kink_;  // in the last step, not yet passed; HUGE_VAL: none
+  int at_margin_ = -1;
+  double kinks_since_ = 0.0;
+  int kinks_ = 0;
 };
 
 /// Absolute tolerances over [q; Y; work] that follow from rtol and the sizes of the machine: its length, the speed and

@@ -52,7 +52,8 @@ TEST(Closing, CountsKeptCoordinatesAgainstTheFreedom) {
   const KeptCount kept = count_kept(equations, 0.0, q, Y);
   EXPECT_EQ(kept.coordinates, 2);
   EXPECT_EQ(kept.speeds, 1);
-  EXPECT_EQ(kept.rigid_freedom, 2);
+  EXPECT_EQ(kept.coordinate_freedom, 2);
+  EXPECT_EQ(kept.speed_freedom, 2);
   EXPECT_EQ(kept.independent_coordinates, 2);
   EXPECT_EQ(kept.independent_speeds, 1);
 }

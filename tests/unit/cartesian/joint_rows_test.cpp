@@ -49,6 +49,38 @@ TEST(JointRows, GradientsAndBiasesOfAllThatIsForbidden) {
   }
 }
 
+/// By the definition: the child's material point at d - below e_z, followed for a moment.
+TEST(JointRows, ForbiddenSpeedsAreTheSlipOfTheMaterialPoint) {
+  Numbers numbers(18);
+  int found = 0;
+  for (const joints::JointType* type : joints::catalogue()) {
+    for (int k = 0; k < type->slip_rows(); ++k) {
+      SCOPED_TRACE(type->name);
+      ++found;
+      const auto& word = std::get<joints::NoSlip>(type->forbids_speeds[k]);
+      const auto evaluate = [&](const RelativeMotion& at) {
+        Row rows[kMaxRows];
+        EXPECT_EQ(evaluate_forbidden_speeds(*type, at, rows), type->slip_rows());
+        return rows[k];
+      };
+      const RelativeMotion motion = generic_motion(numbers);
+      const Row row = evaluate(motion);
+      const Vec3 point = motion.d - word.below * Vec3::UnitZ();
+      const Vec3 in_child = motion.R.transpose() * (point - motion.d);
+      const double h = 1e-5;
+      const auto place = [&](double t) { return Vec3(carried(motion, t).d + carried(motion, t).R * in_child); };
+      const Vec3 e = Vec3::Unit(index(word.axis));
+      const Vec3 axis = word.axis_of == Side::child ? Vec3(motion.R * e) : e;
+      EXPECT_NEAR(rate_of(row, motion), axis.dot(place(h) - place(-h)) / (2 * h), 1e-8);
+      EXPECT_EQ(row.value, 0.0);
+      const double after = rate_of(evaluate(carried(motion, h)), motion);
+      const double before = rate_of(evaluate(carried(motion, -h)), motion);
+      EXPECT_NEAR((after - before) / (2 * h), row.bias, 3e-7);
+    }
+  }
+  EXPECT_GE(found, 3);
+}
+
 TEST(JointRows, GradientsAndBiasesOfAllCoordinates) {
   Numbers numbers(19);
   for (const joints::JointType* type : joints::catalogue()) {
