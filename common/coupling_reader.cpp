@@ -13,11 +13,11 @@ namespace {
 /// The joint of a name, -1 if there is none or if it could not be read; complains of a name that no joint has.
 int find_joint(const TableReader& table, const std::string& name, const std::vector<Joint>& joints,
                const std::vector<std::string>& names) {
-  const auto found = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
+  const std::string wanted = table.reading().name_in_model("joint", name);
+  const auto found =
+      std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == wanted; });
   if (found != joints.end()) return static_cast<int>(found - joints.begin());
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    table.complain("joint", fmt::format("unknown joint '{}': {}", name, suggestion(name, names, "joints")));
-  }
+  check_joint_name(table, name, names);
   return -1;
 }
 

@@ -29,14 +29,20 @@ LoadAxes read_axes(const TableReader& table) {
   return static_cast<LoadAxes>(found - kNames.begin());
 }
 
-std::optional<What> read_load(const TableReader& table, const std::vector<BodyReading>& bodies) {
+/// What force elements refer to.
+struct Surroundings {
+  const std::vector<BodyReading>& bodies;
+  const std::vector<RoadReading>& roads;
+};
+
+std::optional<What> read_load(const TableReader& table, const Surroundings& around) {
   if (!table.has("force") && !table.has("torque")) table.complain("exerts nothing: give a 'force' or a 'torque'");
   Load load;
   load.axes = read_axes(table);
   load.force = table.vector3("force").value_or(Vec3::Zero());
   load.torque = table.vector3("torque").value_or(Vec3::Zero());
   if (auto law = read_law_or_number(table, "law")) load.law = std::move(*law);
-  const auto at = read_attachment(table, bodies);
+  const auto at = read_attachment(table, around.bodies);
   if (!at) return std::nullopt;
   if (at->body == kGround) table.complain("body", "a load on ground moves nothing: name a moving body");
   load.at = *at;
@@ -49,17 +55,17 @@ void require_free_length(const TableReader& table) {
   table.complain("missing key 'free': the length [m] at which the spring rests");
 }
 
-std::optional<What> read_line_spring(const TableReader& table, const std::vector<BodyReading>& bodies) {
+std::optional<What> read_line_spring(const TableReader& table, const Surroundings& around) {
   require_free_length(table);
   ForceLaw law = read_force_law(table);
-  const auto ends = read_ends(table, bodies);
+  const auto ends = read_ends(table, around.bodies);
   if (!ends) return std::nullopt;
   return LineSpring{*ends, std::move(law)};
 }
 
-std::optional<What> read_turn_spring(const TableReader& table, const std::vector<BodyReading>& bodies) {
+std::optional<What> read_turn_spring(const TableReader& table, const Surroundings& around) {
   ForceLaw law = read_force_law(table);
-  const auto ends = read_ends(table, bodies);
+  const auto ends = read_ends(table, around.bodies);
   if (!ends) return std::nullopt;
   return TurnSpring{*ends, std::move(law)};
 }
@@ -82,7 +88,7 @@ Mat6 read_symmetric(const TableReader& table, std::string_view key) {
   return *matrix;
 }
 
-std::optional<What> read_bushing(const TableReader& table, const std::vector<BodyReading>& bodies) {
+std::optional<What> read_bushing(const TableReader& table, const Surroundings& around) {
   if (!table.has("stiffness") && !table.has("damping") && !table.has("preload")) {
     table.complain("exerts nothing: give a 'stiffness', a 'damping' or a 'preload'");
   }
@@ -93,35 +99,72 @@ std::optional<What> read_bushing(const TableReader& table, const std::vector<Bod
     table.complain("damping", fmt::format("'damping' must not give energy, but {}", *complaint));
   }
   if (const auto preload = table.vector("preload", 6)) bushing.preload = *preload;
-  const auto ends = read_ends(table, bodies);
+  const auto ends = read_ends(table, around.bodies);
   if (!ends) return std::nullopt;
   bushing.ends = *ends;
   return bushing;
 }
 
+/// The road that the tire names; nothing if it is not known or could not be read.
+std::shared_ptr<const Road> find_road(const TableReader& table, const std::vector<RoadReading>& roads) {
+  const auto name = table.text("road");
+  if (!name) return nullptr;
+  const FileReading& reading = table.reading();
+  std::vector<std::string> names;
+  for (const RoadReading& one : roads) {
+    if (one.name == reading.name_in_model("road", *name)) return one.road;
+    names.push_back(reading.name_in_file("road", one.name));
+  }
+  table.complain("road", fmt::format("unknown road '{}': {}", *name, suggestion(*name, names, "roads")));
+  return nullptr;
+}
+
+std::optional<What> read_tire(const TableReader& table, const Surroundings& around) {
+  const bool complete =
+      table.require({"road", "radius", "stiffness", "slip_stiffness", "cornering_stiffness", "friction"});
+  Tire tire;
+  tire.radius = table.positive_number("radius").value_or(0.0);
+  tire.stiffness = table.positive_number("stiffness").value_or(0.0);
+  tire.damping = table.number_not_negative("damping").value_or(0.0);
+  tire.slip_stiffness = table.number_not_negative("slip_stiffness").value_or(0.0);
+  tire.cornering_stiffness = table.number_not_negative("cornering_stiffness").value_or(0.0);
+  tire.friction = table.number_not_negative("friction").value_or(0.0);
+  tire.speed_scale = table.positive_number("speed_scale").value_or(tire.speed_scale);
+  tire.road = find_road(table, around.roads);
+  const auto wheel = read_attachment(table, around.bodies);
+  if (!complete || !tire.road || !wheel) return std::nullopt;
+  if (wheel->body == kGround) table.complain("body", "ground has no tire: it is the road; name a moving body");
+  tire.wheel = *wheel;
+  return tire;
+}
+
 struct Kind {
   std::string_view key;
   KnownKeys known;
-  std::optional<What> (*read)(const TableReader&, const std::vector<BodyReading>&);
+  std::optional<What> (*read)(const TableReader&, const Surroundings&);
 };
 
-const std::array<Kind, 4>& kinds() {
-  static const std::array<Kind, 4> kKinds{
+const std::array<Kind, 5>& kinds() {
+  static const std::array<Kind, 5> kKinds{
       Kind{"load", with_attachment({"name", "axes", "force", "torque", "law"}), read_load},
       Kind{"line_spring", with_force_law(with_ends({"name"})), read_line_spring},
       Kind{"turn_spring", with_force_law(with_ends({"name"})), read_turn_spring},
-      Kind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing}};
+      Kind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing},
+      Kind{"tire",
+           with_attachment({"name", "road", "radius", "stiffness", "damping", "slip_stiffness", "cornering_stiffness",
+                            "friction", "speed_scale"}),
+           read_tire}};
   return kKinds;
 }
 
-void read_kind(const Kind& kind, const TableReader& document, const std::vector<BodyReading>& bodies,
+void read_kind(const Kind& kind, const TableReader& document, const Surroundings& around,
                std::vector<ForceElement>& elements) {
   for (const toml::table* found : document.tables(kind.key)) {
     const TableReader table(*found, title_with_name(*found, kind.key), kind.known, document.reading());
     ForceElement element;
     element.name = table.name();
     element.where = table.where();
-    if (auto what = kind.read(table, bodies)) {
+    if (auto what = kind.read(table, around)) {
       element.what = std::move(*what);
       elements.push_back(std::move(element));
     }
@@ -139,9 +182,10 @@ const KnownKeys& force_element_keys() {
   return kKeys;
 }
 
-std::vector<ForceElement> read_force_elements(const TableReader& document, const std::vector<BodyReading>& bodies) {
+std::vector<ForceElement> read_force_elements(const TableReader& document, const std::vector<BodyReading>& bodies,
+                                              const std::vector<RoadReading>& roads) {
   std::vector<ForceElement> elements;
-  for (const Kind& kind : kinds()) read_kind(kind, document, bodies, elements);
+  for (const Kind& kind : kinds()) read_kind(kind, document, {bodies, roads}, elements);
   std::stable_sort(elements.begin(), elements.end(), [](const ForceElement& a, const ForceElement& b) {
     return std::pair(a.where.line, a.where.column) < std::pair(b.where.line, b.where.column);
   });

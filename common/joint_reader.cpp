@@ -268,4 +268,12 @@ std::optional<Joint> read_joint(const toml::table& found, const std::vector<Body
   return joint;
 }
 
+void check_joint_name(const TableReader& table, const std::string& name, const std::vector<std::string>& joints) {
+  const FileReading& reading = table.reading();
+  if (std::find(joints.begin(), joints.end(), reading.name_in_model("joint", name)) != joints.end()) return;
+  std::vector<std::string> known;
+  for (const std::string& one : joints) known.push_back(reading.name_in_file("joint", one));
+  table.complain("joint", fmt::format("unknown joint '{}': {}", name, suggestion(name, known, "joints")));
+}
+
 }  // namespace concord

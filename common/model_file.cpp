@@ -10,110 +10,110 @@
 #include "common/force_element_reader.h"
 #include "common/joint_reader.h"
 #include "common/model_checks.h"
+#include "common/model_parts.h"
+#include "common/road_reader.h"
 #include "common/spelling.h"
-#include "common/toml_reader.h"
 
 namespace concord {
 
 namespace {
 
-constexpr int kFormat = 1;
 constexpr std::string_view kGroundName = "ground";
-
-void read_parameters(const TableReader& document, FileReading& reading) {
-  const toml::table* found = document.table("parameters");
-  if (found == nullptr) return;
-  std::vector<ParameterDefinition> definitions;
-  for (const auto& [key, value] : *found) {
-    const SourceLocation where = reading.at(value.source());
-    if (value.is_number()) {
-      definitions.push_back({std::string(key.str()), *value.value<double>(), where});
-    } else if (value.is_string()) {
-      definitions.push_back({std::string(key.str()), **value.as_string(), where});
-    } else {
-      definitions.push_back({std::string(key.str()), std::monostate{}, where});
-      reading.complain(where, fmt::format("parameter '{}': must be a number or an expression, found {}", key.str(),
-                                          type_name(value)));
-    }
-  }
-  std::sort(definitions.begin(), definitions.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.where.line, a.where.column) < std::pair(b.where.line, b.where.column);
-  });
-  reading.parameters = Parameters(definitions, reading.complaints);
-}
 
 /// Names that are taken, with the place of their owner.
 class NameBook {
  public:
-  explicit NameBook(FileReading& reading) : reading_(&reading) {}
-
-  /// Complains if the name is taken.
-  void enter(std::string_view kind, const std::string& name, const SourceLocation& where) {
-    if (name.empty()) return;
-    const auto [entry, is_new] = owners_.emplace(name, where);
-    if (is_new) return;
-    reading_->complain(
-        where, fmt::format("{} '{}': line {} has the same name: choose another", kind, name, entry->second.line));
+  /// Complains if the name, to which the file's prefix is added, is taken; true if not.
+  bool enter(std::string_view kind, const std::string& name, const SourceLocation& where, FileReading& reading) {
+    if (name.empty()) return true;
+    const auto [entry, is_new] = owners_.emplace(reading.prefix + name, where);
+    if (is_new) return true;
+    const SourceLocation& other = entry->second;
+    const bool is_same = other.file == where.file && other.line == where.line && other.column == where.column;
+    const std::string place =
+        other.file == where.file ? fmt::format("line {}", other.line) : fmt::format("{}:{}", other.file, other.line);
+    reading.complain(where,
+                     fmt::format("{} '{}': {}", kind, entry->first,
+                                 is_same ? "the file is included twice: give each [[include]] a prefix of its own"
+                                         : place + " has the same name: choose another"));
+    return false;
   }
 
  private:
-  FileReading* reading_;
   std::map<std::string, SourceLocation> owners_;
 };
 
-std::vector<BodyReading> read_bodies(const TableReader& document, FileReading& reading) {
-  std::vector<BodyReading> bodies(1);
-  bodies.front().body.name = kGroundName;
-  NameBook names(reading);
-  for (const toml::table* table : document.tables("body")) {
-    bodies.push_back(read_body(*table, reading));
-    const Body& body = bodies.back().body;
-    if (body.name == kGroundName) {
-      reading.complain(body.where, "body 'ground': ground is there already and stands still: choose another name");
-    } else {
-      names.enter("body", body.name, body.where);
-    }
-  }
-  if (!document.has("body")) document.complain("there is no body: write at least one [[body]]");
-  return bodies;
-}
-
-struct JointsReading {
+/// What has been read of a model's files so far.
+struct Reading {
+  std::vector<BodyReading> bodies = std::vector<BodyReading>(1);
+  std::vector<RoadReading> roads;
   std::vector<Joint> joints;
   /// Names of all joints, of those that could not be read too.
-  std::vector<std::string> names;
-  bool is_complete = true;
+  std::vector<std::string> joint_names;
+  /// Every body and every joint is what its name says: a gap in their graph is no consequence of another fault.
+  bool graph_is_complete = true;
 };
 
-JointsReading read_joints(const TableReader& document, const std::vector<BodyReading>& bodies, FileReading& reading) {
-  JointsReading result;
-  for (const toml::table* table : document.tables("joint")) {
-    const toml::node* name = table->get("name");
-    if (name != nullptr && name->is_string()) result.names.push_back(**name->as_string());
-    if (auto joint = read_joint(*table, bodies, reading)) {
-      result.joints.push_back(std::move(*joint));
-    } else {
-      result.is_complete = false;
+void read_bodies(ModelPart& part, NameBook& names, Reading& result) {
+  for (const toml::table* table : part.document->tables("body")) {
+    result.bodies.push_back(read_body(*table, part.reading));
+    const Body& body = result.bodies.back().body;
+    const std::string name = body.name.substr(std::min(part.reading.prefix.size(), body.name.size()));
+    if (name == kGroundName || body.name == kGroundName) {
+      part.reading.complain(body.where, "body 'ground': ground is there already and stands still: choose another name");
+    } else if (!names.enter("body", name, body.where, part.reading)) {
+      result.graph_is_complete = false;
     }
   }
-  return result;
+}
+
+void read_all_bodies(ModelParts& parts, Reading& result) {
+  result.bodies.front().body.name = kGroundName;
+  NameBook names;
+  for (ModelPart& part : parts) read_bodies(part, names, result);
+  const bool has_body =
+      std::any_of(parts.begin(), parts.end(), [](const ModelPart& part) { return part.document->has("body"); });
+  if (!has_body) parts.front().document->complain("there is no body: write at least one [[body]]");
+}
+
+void read_joints(ModelPart& part, Reading& result) {
+  for (const NamedPlace& one : names_in(part, "joint")) {
+    result.joint_names.push_back(part.reading.prefix + one.name);
+  }
+  for (const toml::table* table : part.document->tables("joint")) {
+    if (auto joint = read_joint(*table, result.bodies, part.reading)) {
+      result.joints.push_back(std::move(*joint));
+    } else {
+      result.graph_is_complete = false;
+    }
+  }
+}
+
+/// Appends what one part of the model has of a kind.
+template <class Item>
+void append(std::vector<Item> more, std::vector<Item>& all) {
+  std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
 /// Complains of names that joints, couplings and force elements share: they stand in one table of results.
-void check_names(const TableReader& document, FileReading& reading) {
-  NameBook names(reading);
+void check_names(ModelParts& parts) {
+  NameBook names;
+  NameBook roads;
   KnownKeys kinds = force_element_keys();
   kinds.insert(kinds.begin(), {"joint", "coupling"});
-  for (const std::string_view kind : kinds) {
-    const toml::array* owners = document.has(kind) ? document.node(kind)->as_array() : nullptr;
-    if (owners == nullptr) continue;
-    for (const toml::node& owner : *owners) {
-      const toml::node* name = owner.is_table() ? owner.as_table()->get("name") : nullptr;
-      if (name != nullptr && name->is_string()) {
-        names.enter(kind, **name->as_string(), reading.at(name->source()));
-      }
+  for (ModelPart& part : parts) {
+    for (const std::string_view kind : kinds) {
+      for (const auto& [name, where] : names_in(part, kind)) names.enter(kind, name, where, part.reading);
     }
+    for (const auto& [name, where] : names_in(part, "road")) roads.enter("road", name, where, part.reading);
   }
+}
+
+/// The first file of the model that has the key; nothing if none has.
+const TableReader* first_with(std::string_view key, const ModelParts& parts) {
+  const auto found =
+      std::find_if(parts.begin(), parts.end(), [&](const ModelPart& one) { return one.document->has(key); });
+  return found == parts.end() ? nullptr : &*found->document;
 }
 
 RunSettings read_run(const TableReader& document) {
@@ -131,11 +131,6 @@ RunSettings read_run(const TableReader& document) {
     }
   }
   return run;
-}
-
-void check_joint_name(const TableReader& need, const std::string& name, const std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  need.complain("joint", fmt::format("unknown joint '{}': {}", name, suggestion(name, names, "joints")));
 }
 
 void check_component(const TableReader& need, const std::string& name) {
@@ -160,9 +155,10 @@ std::vector<NeedOverride> read_needs(const TableReader& document, const std::vec
                             document.reading());
     NeedOverride need;
     need.where = table.where();
-    need.joint = table.text("joint").value_or("");
+    const std::string joint = table.text("joint").value_or("");
+    if (!joint.empty()) check_joint_name(table, joint, joints);
+    need.joint = document.reading().name_in_model("joint", joint);
     need.component = table.text("component").value_or("");
-    if (!need.joint.empty()) check_joint_name(table, need.joint, joints);
     if (!need.component.empty()) check_component(table, need.component);
     need.same_state = read_digits(table, "same_state");
     need.same_run = read_digits(table, "same_run");
@@ -176,16 +172,18 @@ std::vector<NeedOverride> read_needs(const TableReader& document, const std::vec
   return needs;
 }
 
-/// Complains of bodies that nothing connects to ground. Only for a graph whose joints could all be read: else its gaps
-/// are consequences.
-void check_graph(const Model& model, FileReading& reading) {
+/// Complains of bodies that nothing connects to ground, where the first of them stands.
+void check_graph(const Model& model, ModelParts& parts) {
   std::vector<std::string> names;
   for (const int i : bodies_without_ground(model)) names.push_back(model.bodies[i].name);
   if (names.empty()) return;
   const SourceLocation where = model.bodies[bodies_without_ground(model).front()].where;
-  reading.complain(where, fmt::format("no chain of joints connects to ground: {}: add a joint, of type \"free\" if "
-                                      "nothing holds it",
-                                      join_names(names)));
+  const auto part =
+      std::find_if(parts.begin(), parts.end(), [&](const ModelPart& one) { return one.reading.file == where.file; });
+  part->reading.complain(where,
+                         fmt::format("no chain of joints connects to ground: {}: add a joint, of type \"free\" if "
+                                     "nothing holds it",
+                                     join_names(names)));
 }
 
 }  // namespace
@@ -193,32 +191,34 @@ void check_graph(const Model& model, FileReading& reading) {
 Model read_model(const std::filesystem::path& file) { return parse_model(read_text_file(file), file); }
 
 Model parse_model(std::string_view text, const std::filesystem::path& file) {
-  FileReading reading;
-  reading.file = file.generic_string();
-  const toml::table root = parse_toml(text, reading.file);
-  KnownKeys known{"format", "name", "gravity", "parameters", "body", "joint", "coupling", "run", "need"};
+  KnownKeys known{"name", "gravity", "body", "joint", "coupling", "road", "run", "need"};
   known.insert(known.end(), force_element_keys().begin(), force_element_keys().end());
-  const TableReader document(root, "", known, reading);
-  check_format(document, kFormat);
-  read_parameters(document, reading);
+  ModelParts parts = read_model_parts(text, file, known);
 
   Model model;
-  model.file = reading.file;
-  model.name = document.text("name").value_or(file.stem().string());
-  model.gravity = document.vector3("gravity").value_or(Vec3::Zero());
-  model.run = read_run(document);
-  std::vector<BodyReading> bodies = read_bodies(document, reading);
+  model.file = file.generic_string();
+  model.name = parts.front().document->text("name").value_or(file.stem().string());
+  if (const TableReader* one = first_with("gravity", parts))
+    model.gravity = one->vector3("gravity").value_or(Vec3::Zero());
+  if (const TableReader* one = first_with("run", parts)) model.run = read_run(*one);
+  Reading found;
+  read_all_bodies(parts, found);
+  for (const ModelPart& part : parts) append(read_roads(*part.document), found.roads);
   // Without any body every joint would only repeat that.
-  const bool has_bodies = bodies.size() > 1;
-  JointsReading joints = has_bodies ? read_joints(document, bodies, reading) : JointsReading{};
-  model.joints = std::move(joints.joints);
-  if (has_bodies) model.couplings = read_couplings(document, model.joints, joints.names);
-  if (has_bodies) model.elements = read_force_elements(document, bodies);
-  check_names(document, reading);
-  model.needs = read_needs(document, joints.names);
-  for (BodyReading& one : bodies) model.bodies.push_back(std::move(one.body));
-  if (has_bodies && joints.is_complete) check_graph(model, reading);
-  reading.throw_if_any();
+  const bool has_bodies = found.bodies.size() > 1;
+  if (has_bodies) {
+    for (ModelPart& part : parts) read_joints(part, found);
+    for (const ModelPart& part : parts) {
+      append(read_couplings(*part.document, found.joints, found.joint_names), model.couplings);
+      append(read_force_elements(*part.document, found.bodies, found.roads), model.elements);
+    }
+  }
+  check_names(parts);
+  for (const ModelPart& part : parts) append(read_needs(*part.document, found.joint_names), model.needs);
+  model.joints = std::move(found.joints);
+  for (BodyReading& one : found.bodies) model.bodies.push_back(std::move(one.body));
+  if (has_bodies && found.graph_is_complete) check_graph(model, parts);
+  throw_if_any(parts);
   return model;
 }
 

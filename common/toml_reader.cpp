@@ -37,11 +37,30 @@ void FileReading::complain(const SourceLocation& where, std::string message) {
   complaints.push_back({where, std::move(message)});
 }
 
-void FileReading::throw_if_any() {
-  if (complaints.empty()) return;
-  std::stable_sort(complaints.begin(), complaints.end(),
+std::vector<Diagnostic> FileReading::sorted_complaints() const {
+  std::vector<Diagnostic> sorted = complaints;
+  std::stable_sort(sorted.begin(), sorted.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return in_order(a.where, b.where); });
-  throw InputError(complaints);
+  return sorted;
+}
+
+void FileReading::throw_if_any() const {
+  if (!complaints.empty()) throw InputError(sorted_complaints());
+}
+
+bool FileReading::defines(std::string_view kind, const std::string& name) const {
+  const auto own = own_names.find(kind);
+  return own != own_names.end() && own->second.contains(name);
+}
+
+std::string FileReading::name_in_model(std::string_view kind, const std::string& name) const {
+  if (defines(kind, name)) return prefix + name;
+  return includer != nullptr ? includer->name_in_model(kind, name) : name;
+}
+
+std::string FileReading::name_in_file(std::string_view kind, const std::string& name) const {
+  if (name.starts_with(prefix) && defines(kind, name.substr(prefix.size()))) return name.substr(prefix.size());
+  return includer != nullptr ? includer->name_in_file(kind, name) : name;
 }
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
@@ -214,7 +233,7 @@ std::string TableReader::name() const {
   if (!require({"name"})) return "";
   const auto value = text("name");
   if (value && value->empty()) complain("name", "'name' must not be empty");
-  return value.value_or("");
+  return value && !value->empty() ? reading_->prefix + *value : "";
 }
 
 std::optional<bool> TableReader::flag(std::string_view key) const {

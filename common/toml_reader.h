@@ -3,7 +3,9 @@
 #include <toml++/toml.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,12 +23,26 @@ struct FileReading {
   std::string file;
   Parameters parameters;
   std::vector<Diagnostic> complaints;
+  /// What stands in the model before the names that an included file defines; empty for the model file.
+  std::string prefix;
+  /// Names that the file, or a file that it includes, defines, as this file spells them: for "body", "joint", "road".
+  std::map<std::string, std::set<std::string>, std::less<>> own_names;
+  /// The file that includes this one; nullptr for the model file.
+  const FileReading* includer = nullptr;
+
+  /// The name in the model of what the file refers to as `name`: its own has the prefix, any other is the includer's.
+  [[nodiscard]] std::string name_in_model(std::string_view kind, const std::string& name) const;
+  /// How the file refers to what the model calls `name`.
+  [[nodiscard]] std::string name_in_file(std::string_view kind, const std::string& name) const;
+  [[nodiscard]] bool defines(std::string_view kind, const std::string& name) const;
 
   [[nodiscard]] SourceLocation at(const toml::source_region& region) const;
   void complain(const SourceLocation& where, std::string message);
 
-  /// Throws InputError with all complaints in the order of the file, if there are any.
-  void throw_if_any();
+  /// All complaints in the order of the file.
+  [[nodiscard]] std::vector<Diagnostic> sorted_complaints() const;
+  /// Throws InputError with these, if there are any.
+  void throw_if_any() const;
 };
 
 /// The document; throws InputError where TOML's own grammar is broken.
@@ -59,7 +75,7 @@ class TableReader {
   /// A whole number of at least `smallest`.
   [[nodiscard]] std::optional<int> count(std::string_view key, int smallest) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-  /// The text of `name`, which must be there and not be empty; empty after a complaint.
+  /// The text of `name`, which must be there and not be empty, after the file's prefix; empty after a complaint.
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
   /// A list of numbers; of `length` numbers if that is not negative.

@@ -873,6 +873,312 @@ length = 0.2)~",
 length = 0.2
 start.arm = { guess = 0.2 })~",
        "39:7: error: joint 'B' (distance), start: unknown key 'arm': known keys: turn_x, turn_y, ball"},
+      {"tire_on_ground", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+body = "ground"
+road = "track"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+
+[run])~",
+       R"~(13:8: error: tire 'wheel': ground has no tire: it is the road; name a moving body)~"},
+      {"tire_road_unknown", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+body = "crank"
+road = "trak"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+
+[run])~",
+       R"~(14:8: error: tire 'wheel': unknown road 'trak': did you mean 'track'?)~"},
+      {"tire_without_any_road", "[run]", R"~([[tire]]
+name = "wheel"
+body = "crank"
+road = "track"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+
+[run])~",
+       R"~(11:8: error: tire 'wheel': unknown road 'track': there are no roads)~"},
+      {"tire_without_its_numbers", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+body = "crank"
+
+[run])~",
+       R"~(11:1: error: tire 'wheel': missing key 'road'
+11:1: error: tire 'wheel': missing key 'radius'
+11:1: error: tire 'wheel': missing key 'stiffness'
+11:1: error: tire 'wheel': missing key 'slip_stiffness'
+11:1: error: tire 'wheel': missing key 'cornering_stiffness'
+11:1: error: tire 'wheel': missing key 'friction')~"},
+      {"tire_without_a_body", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+road = "track"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+
+[run])~",
+       R"~(11:1: error: tire 'wheel': missing key 'body')~"},
+      {"tire_numbers_out_of_range", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+body = "crank"
+road = "track"
+radius = 0
+stiffness = -1
+slip_stiffness = -2
+cornering_stiffness = -3
+friction = -4
+damping = -5
+speed_scale = 0
+
+[run])~",
+       R"~(15:10: error: tire 'wheel': 'radius' must be positive, found 0
+16:13: error: tire 'wheel': 'stiffness' must be positive, found -1
+17:18: error: tire 'wheel': 'slip_stiffness' must not be negative, found -2
+18:23: error: tire 'wheel': 'cornering_stiffness' must not be negative, found -3
+19:12: error: tire 'wheel': 'friction' must not be negative, found -4
+20:11: error: tire 'wheel': 'damping' must not be negative, found -5
+21:15: error: tire 'wheel': 'speed_scale' must be positive, found 0)~"},
+      {"tire_with_an_unknown_key", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[tire]]
+name = "wheel"
+body = "crank"
+road = "track"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+frction = 2
+
+[run])~",
+       R"~(20:1: error: tire 'wheel': unknown key 'frction': did you mean 'friction'?)~"},
+      {"tire_on_a_road_at_fault_is_not_told_again", "[run]", R"~([[road]]
+name = "track"
+profile = "half_sine"
+[[tire]]
+name = "wheel"
+body = "crank"
+road = "track"
+radius = 0.3
+stiffness = 1e5
+slip_stiffness = 1e4
+cornering_stiffness = 1e4
+friction = 1
+
+[run])~",
+       R"~(8:1: error: road 'track': missing key 'start'
+8:1: error: road 'track': missing key 'length'
+8:1: error: road 'track': missing key 'height')~"},
+      {"road_without_a_name", "[run]", R"~([[road]]
+profile = "flat"
+
+[run])~",
+       R"~(8:1: error: road: missing key 'name')~"},
+      {"road_without_a_profile", "[run]", R"~([[road]]
+name = "track"
+
+[run])~",
+       R"~(8:1: error: road 'track': missing key 'profile')~"},
+      {"road_profile_unknown", "[run]", R"~([[road]]
+name = "track"
+profile = "half_sin"
+length = 1
+
+[run])~",
+       R"~(10:11: error: road 'track': unknown profile 'half_sin': did you mean 'half_sine'?)~"},
+      {"road_profile_a_number", "[run]", R"~([[road]]
+name = "track"
+profile = 3
+
+[run])~",
+       R"~(10:11: error: road 'track': 'profile' must be a string, found a number)~"},
+      {"road_with_a_key_of_another_profile", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+length = 1
+
+[run])~",
+       R"~(11:1: error: road 'track': unknown key 'length': known keys: name, profile, height)~"},
+      {"road_of_no_length", "[run]", R"~([[road]]
+name = "track"
+profile = "half_sine"
+start = 1
+length = 0
+height = "half"
+
+[run])~",
+       R"~(12:10: error: road 'track': 'length' must be positive, found 0)~"},
+      {"road_height_a_list", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+height = [1]
+
+[run])~",
+       R"~(11:10: error: road 'track': 'height' must be a number or an expression, found a list)~"},
+      {"road_table_of_three_points", "[run]", R"~([[road]]
+name = "track"
+profile = "table"
+x = [0, 1, 2]
+height = [0, 1, 0]
+
+[run])~",
+       R"~(11:5: error: road 'track': a spline takes at least 4 points, found 3)~"},
+      {"road_table_that_goes_back", "[run]", R"~([[road]]
+name = "track"
+profile = "table"
+x = [0, 1, 1, 2]
+height = [0, 1, 0, 1]
+
+[run])~",
+       R"~(11:5: error: road 'track': 'x' must rise, but after 1 m comes 1 m)~"},
+      {"road_table_without_heights", "[run]", R"~([[road]]
+name = "track"
+profile = "table"
+x = [0, 1, 2, 3]
+
+[run])~",
+       R"~(8:1: error: road 'track': missing key 'height')~"},
+      {"roads_of_same_name", "[run]", R"~([[road]]
+name = "track"
+profile = "flat"
+[[road]]
+name = "track"
+profile = "flat"
+
+[run])~",
+       R"~(12:8: error: road 'track': line 9 has the same name: choose another)~"},
+      {"road_may_have_the_name_of_a_joint_but_not_be_a_table", "[run]", R"~([road]
+name = "A"
+
+[run])~",
+       R"~(8:1: error: 'road' must be a list of tables, found a table: write [[road]])~"},
+      {"coupling_without_terms", "[run]", R"~([[coupling]]
+name = "gears"
+
+[run])~",
+       R"~(8:1: error: coupling 'gears': missing key 'terms')~"},
+      {"coupling_of_one_term", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 }]
+
+[run])~",
+       R"~(10:9: error: coupling 'gears': a coupling relates at least two coordinates, found 1: write terms = [{ joint = "A", coordinate = "turn_z", factor = 1 }, ...])~"},
+      {"coupling_terms_a_number", "[run]", R"~([[coupling]]
+name = "gears"
+terms = 3
+
+[run])~",
+       R"~(10:9: error: coupling 'gears': 'terms' must be a list of tables, found a number: write [[terms]]
+10:9: error: coupling 'gears': a coupling relates at least two coordinates, found 0: write terms = [{ joint = "A", coordinate = "turn_z", factor = 1 }, ...])~"},
+      {"coupling_without_a_name", "[run]", R"~([[coupling]]
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 }, { joint = "D", coordinate = "turn_z", factor = -1 }]
+
+[run])~",
+       R"~(8:1: error: coupling: missing key 'name')~"},
+      {"coupling_joint_unknown", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "Dd", coordinate = "turn_z", factor = -1 }]
+
+[run])~",
+       R"~(11:11: error: coupling 'gears', term 2: unknown joint 'Dd': known joints: A, B, D)~"},
+      {"coupling_coordinate_unknown", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "D", coordinate = "turn_x", factor = -1 }]
+
+[run])~",
+       R"~(11:29: error: coupling 'gears', term 2: joint 'D' (cylindrical) has no coordinate 'turn_x': did you mean 'turn_z'?)~"},
+      {"coupling_of_a_ball", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "B", coordinate = "ball", factor = 1 }]
+
+[run])~",
+       R"~(11:29: error: coupling 'gears', term 2: a ball cannot be coupled: only a turn or a slide can)~"},
+      {"coupling_factor_zero", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "D", coordinate = "turn_z", factor = "L - 0.3" }]
+
+[run])~",
+       R"~(11:48: error: coupling 'gears', term 2: 'factor' must not be zero: leave the term out)~"},
+      {"coupling_with_a_coordinate_twice", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "A", coordinate = "turn_z", factor = 2 }]
+
+[run])~",
+       R"~(11:1: error: coupling 'gears', term 2: this coordinate stands in the coupling already: add the factors)~"},
+      {"coupling_term_without_factor", "[run]", R"~([[coupling]]
+name = "gears"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 },
+{ joint = "D", coordinate = "turn_z", facto = 1 }]
+
+[run])~",
+       R"~(11:1: error: coupling 'gears', term 2: missing key 'factor'
+11:39: error: coupling 'gears', term 2: unknown key 'facto': did you mean 'factor'?)~"},
+      {"coupling_of_the_name_of_a_joint", "[run]", R"~([[coupling]]
+name = "D"
+offset = "half"
+terms = [{ joint = "A", coordinate = "turn_z", factor = 2 }, { joint = "D", coordinate = "turn_z", factor = -1 }]
+
+[run])~",
+       R"~(9:8: error: coupling 'D': line 47 has the same name: choose another)~"},
+      {"include_without_a_file", "[run]", R"~([[include]]
+prefix = "a_"
+
+[run])~",
+       R"~(8:1: error: include: missing key 'file')~"},
+      {"include_of_no_file", "[run]", R"~([[include]]
+file = "nowhere/x.toml"
+
+[run])~",
+       R"~(9:8: error: include: there is no file 'nowhere/x.toml')~"},
+      {"include_with_an_unknown_key", "[run]", R"~([[include]]
+file = "nowhere/x.toml"
+prefx = "a"
+
+[run])~",
+       R"~(9:8: error: include: there is no file 'nowhere/x.toml'
+10:1: error: include: unknown key 'prefx': did you mean 'prefix'?)~"},
+      {"include_parameters_a_number", "[run]", R"~([[include]]
+file = "x.toml"
+parameters = 3
+
+[run])~",
+       R"~(9:8: error: include: there is no file 'x.toml'
+10:14: error: include: 'parameters' must be a table, found a number)~"},
       {"five_faults_of_forces_at_once", "[run]", R"~([[load]]
 name = "push"
 body = "crnk"

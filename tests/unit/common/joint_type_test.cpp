@@ -30,7 +30,9 @@ TEST(JointType, CountsRowsCoordinatesAndSpeeds) {
                                      {"distance", 1, 6, 5},
                                      {"revolute_spherical", 2, 5, 4},
                                      {"universal_spherical", 1, 6, 5},
-                                     {"screw", 5, 1, 1}};
+                                     {"screw", 5, 1, 1},
+                                     {"knife_edge", 3, 3, 3},
+                                     {"rolling_ball", 1, 6, 5}};
   ASSERT_EQ(catalogue().size(), expected.size());
   for (const Counts& one : expected) {
     const JointType* type = find(one.name);
@@ -44,9 +46,26 @@ TEST(JointType, CountsRowsCoordinatesAndSpeeds) {
 TEST(JointType, ForbidsWhatItDoesNotPermit) {
   for (const JointType* type : catalogue()) {
     EXPECT_EQ(type->rows() + type->n_u(), 6) << type->name;
+    const auto n_speeds = static_cast<int>(type->permits_speeds.size());
+    EXPECT_EQ(n_speeds > 0, type->slip_rows() > 0) << type->name;
+    if (n_speeds > 0) {
+      EXPECT_EQ(type->rows() + type->slip_rows() + n_speeds, 6) << type->name;
+    }
     const auto has_coordinates = [](const Permit& word) { return n_q(word) > 0; };
     EXPECT_EQ(type->reads.size(), std::ranges::count_if(type->permits, has_coordinates)) << type->name;
   }
+}
+
+TEST(JointType, ForbidsTheVelocityOfSkatesAndRollingBallsBesideTheirPlace) {
+  EXPECT_EQ(find("knife_edge")->slip_rows(), 1);
+  EXPECT_EQ(find("rolling_ball")->slip_rows(), 2);
+  EXPECT_EQ(find("free")->slip_rows(), 0);
+}
+
+TEST(JointType, RollsOnTheRadiusThatAJointGives) {
+  const JointType ball = find("rolling_ball")->with_parameters({0.4});
+  for (const ForbidSpeed& word : ball.forbids_speeds) EXPECT_EQ(std::get<NoSlip>(word).below, 0.4);
+  for (const int k : {0, 1}) EXPECT_EQ(std::get<SpeedAbout>(ball.permits_speeds[k]).below, 0.4);
 }
 
 TEST(JointType, IsFoundByItsNameOnly) {
@@ -106,6 +125,50 @@ PermittedPose random_pose(const JointType& type, std::mt19937& generator) {
   return pose;
 }
 
+/// An axis of the parent or of the child in the pose, in the parent's joint frame.
+Vec3 axis_in(const PermittedPose& pose, Side axis_of, Axis axis) {
+  return axis_of == Side::parent ? Vec3::Unit(index(axis)) : Vec3(pose.R.col(index(axis)));
+}
+
+Vec6 direction_of(const PermitSpeed& word, const PermittedPose& pose) {
+  Vec6 direction;
+  if (const auto* along = std::get_if<SpeedAlong>(&word)) {
+    direction << axis_in(pose, along->axis_of, along->axis), Vec3::Zero();
+  } else {
+    const auto& about = std::get<SpeedAbout>(word);
+    const Vec3 axis = axis_in(pose, about.axis_of, about.axis);
+    direction << about.below * axis.cross(Vec3::UnitZ()), axis;
+  }
+  return direction;
+}
+
+/// Rate at which the child's material point below the joint point slips.
+double slip_of(const NoSlip& word, const PermittedPose& pose, const Vec6& v_rel) {
+  const Vec3 lever = -word.below * Vec3::UnitZ();
+  return axis_in(pose, word.axis_of, word.axis).dot(v_rel.head<3>() + Vec3(v_rel.tail<3>()).cross(lever));
+}
+
+TEST(JointType, VelocitiesThatArePermittedDoNotSlipAndReachNoFurtherThanTheMotion) {
+  std::mt19937 generator(5);
+  for (const char* name : {"knife_edge", "rolling_ball"}) {
+    const JointType& type = *find(name);
+    for (int trial = 0; trial < 10; ++trial) {
+      const PermittedPose pose = random_pose(type, generator);
+      Mat6X S(6, 0);
+      for (const PermitSpeed& word : type.permits_speeds) {
+        S.conservativeResize(6, S.cols() + 1);
+        S.rightCols<1>() = direction_of(word, pose);
+        for (const ForbidSpeed& slip : type.forbids_speeds) {
+          EXPECT_NEAR(slip_of(std::get<NoSlip>(slip), pose, S.rightCols<1>()), 0.0, 1e-15) << name;
+        }
+      }
+      EXPECT_EQ(S.colPivHouseholderQr().rank(), S.cols()) << name;
+      const Mat6X outside = S - pose.S * pose.S.colPivHouseholderQr().solve(S);
+      EXPECT_LT(outside.norm(), 1e-14) << name;
+    }
+  }
+}
+
 /// Largest magnitude that a component can have among the unit ideal wrenches (S^T w = 0) of one pose.
 double largest_component(const PermittedPose& pose, Side side, int component) {
   const MatX ideal = pose.S.cols() == 0 ? MatX(Mat6::Identity()) : MatX(pose.S.transpose().fullPivLu().kernel());
@@ -131,7 +194,14 @@ TEST(JointType, CarriesExactlyWhatSomeIdealWrenchHasAtSomePose) {
       for (int component = 0; component < 6; ++component) {
         double largest = 0.0;
         for (int trial = 0; trial < 20; ++trial) {
-          const PermittedPose pose = random_pose(*type, generator);
+          PermittedPose pose = random_pose(*type, generator);
+          if (type->slip_rows() > 0) {
+            pose.S.resize(6, 0);
+            for (const PermitSpeed& word : type->permits_speeds) {
+              const Vec6 direction = direction_of(word, pose);
+              pose.add(direction.head<3>(), direction.tail<3>());
+            }
+          }
           if (pose.S.cols() < 6) largest = std::max(largest, largest_component(pose, side, component));
         }
         EXPECT_EQ(carries(*type, side, component), largest > 1e-10)
@@ -147,6 +217,9 @@ TEST(JointType, CarriesNoForceAlongASlideAndNoTorqueAboutAHinge) {
   EXPECT_TRUE(carries(*find("translational"), Side::child, 5));
   EXPECT_FALSE(carries(*find("universal"), Side::parent, 3));
   EXPECT_TRUE(carries(*find("universal"), Side::parent, 4));
+  EXPECT_FALSE(carries(*find("knife_edge"), Side::child, 0));
+  EXPECT_TRUE(carries(*find("knife_edge"), Side::child, 1));
+  EXPECT_TRUE(carries(*find("knife_edge"), Side::parent, 0));
   EXPECT_FALSE(carries(*find("universal"), Side::child, 4));
   EXPECT_TRUE(carries(*find("universal"), Side::child, 3));
 }

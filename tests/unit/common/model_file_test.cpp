@@ -304,6 +304,117 @@ preload = [6, 5, 4, 3, 2, 1]
   EXPECT_EQ(mount.preload(0), 6.0);
 }
 
+TEST(ModelFile, ReadsTiresOnRoadsOfEveryProfile) {
+  const Model model = with_forces(R"(
+[[tire]]
+name = "front"
+body = "crank"
+point = [0.1, 0.2, 0.3]
+axis = [1, 0, 0]
+angle = 0.25
+road = "bump"
+radius = "L"
+stiffness = 2e5
+damping = 300
+slip_stiffness = 5e4
+cornering_stiffness = 4e4
+friction = 0.9
+speed_scale = 0.2
+[[tire]]
+name = "rear"
+body = "rod"
+node = "last"
+road = "level"
+radius = 0.2
+stiffness = 1e5
+slip_stiffness = 0
+cornering_stiffness = 0
+friction = 0
+[[road]]
+name = "bump"
+profile = "half_sine"
+start = "10*L"
+length = 0.5
+height = 0.02
+[[road]]
+name = "level"
+profile = "flat"
+height = -0.1
+[[road]]
+name = "front"  # roads have names of their own
+profile = "table"
+x = [0, 1, 2, 3]
+height = [0, 0.1, 0.1, 0]
+)");
+  ASSERT_EQ(model.elements.size(), 2U);
+  const auto& front = std::get<Tire>(model.elements[0].what);
+  EXPECT_EQ(front.wheel.body, 1);
+  EXPECT_EQ(front.wheel.point_L, Vec3(0.1, 0.2, 0.3));
+  EXPECT_LT((front.wheel.C - rotation_about(Axis::x, 0.25)).norm(), 1e-15);
+  EXPECT_EQ(front.radius, 0.3);
+  EXPECT_EQ(front.stiffness, 2e5);
+  EXPECT_EQ(front.damping, 300.0);
+  EXPECT_EQ(front.slip_stiffness, 5e4);
+  EXPECT_EQ(front.cornering_stiffness, 4e4);
+  EXPECT_EQ(front.friction, 0.9);
+  EXPECT_EQ(front.speed_scale, 0.2);
+  const auto& bump = std::get<HalfSineBump>(front.road->profile);
+  EXPECT_DOUBLE_EQ(bump.start, 3.0);
+  EXPECT_EQ(bump.length, 0.5);
+  EXPECT_EQ(bump.height, 0.02);
+  const auto& rear = std::get<Tire>(model.elements[1].what);
+  EXPECT_EQ(rear.wheel.Psi_t_L.cols(), 2);
+  EXPECT_EQ(rear.damping, 0.0);
+  EXPECT_EQ(rear.speed_scale, 0.1);
+  EXPECT_EQ(std::get<FlatRoad>(rear.road->profile).height, -0.1);
+}
+
+TEST(ModelFile, ReadsARoadFromATable) {
+  const Model model = with_forces(R"(
+[[road]]
+name = "hill"
+profile = "table"
+x = [0, 1, 2, "10*L"]
+height = [0, 0.1, 0.2, 0.3]
+[[tire]]
+name = "wheel"
+body = "crank"
+road = "hill"
+radius = 0.2
+stiffness = 1e5
+slip_stiffness = 1
+cornering_stiffness = 1
+friction = 1
+)");
+  const Road& hill = *std::get<Tire>(model.elements.front().what).road;
+  EXPECT_EQ(hill.name, "hill");
+  EXPECT_EQ(edges_of(hill), (std::vector<double>{0.0, 3.0}));
+  EXPECT_NEAR(evaluate(hill, 1, 1.5).h, 0.15, 1e-15);
+}
+
+TEST(ModelFile, ReadsCouplingsOfTurnsAndSlides) {
+  const Model model = with_forces(R"(
+[[coupling]]
+name = "rack"
+offset = "half"
+terms = [{ joint = "D", coordinate = "slide_z", factor = 1 }, { joint = "D", coordinate = "turn_z", factor = 4 },
+         { joint = "A", coordinate = "turn_z", factor = "-L" }]
+)");
+  ASSERT_EQ(model.couplings.size(), 1U);
+  const Coupling& rack = model.couplings.front();
+  EXPECT_EQ(rack.name, "rack");
+  EXPECT_EQ(rack.offset, 0.15);
+  EXPECT_GT(rack.where.line, 1);
+  ASSERT_EQ(rack.terms.size(), 3U);
+  EXPECT_EQ(rack.terms[0].joint, 2);
+  EXPECT_EQ(rack.terms[0].word, 0);
+  EXPECT_EQ(rack.terms[1].word, 1);
+  EXPECT_EQ(rack.terms[1].factor, 4.0);
+  EXPECT_EQ(rack.terms[2].joint, 0);
+  EXPECT_EQ(rack.terms[2].component, 0);
+  EXPECT_EQ(rack.terms[2].factor, -0.3);
+}
+
 TEST(ModelFile, ReadsJointSpringsByTheWordsOfTheMotion) {
   std::string text = kSoundModel;
   text += "spring.turn_z = { stiffness = 4, damping = 0.5, free = \"20 deg\", actuator = 3 }\n";

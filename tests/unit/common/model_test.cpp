@@ -125,6 +125,34 @@ TEST(Model, LengthScaleIsTheLargestDistanceOfJointPointsOfABody) {
   EXPECT_DOUBLE_EQ(model.length_scale(), (Vec3(0.2, 0.2, 0.5) - Vec3(0.0, -0.6, 0.1)).norm());
 }
 
+TEST(Model, AFreeJointCarriesNothingUnlessSomethingActsInIt) {
+  const auto with = [](const char* type) {
+    Model model = chain_of_three();
+    model.joints.push_back(connect(type, attach(0, Vec3::Zero(), 0.0), attach(3, Vec3::Zero(), 0.3), {}));
+    return model;
+  };
+  Model model = with("free");
+  EXPECT_TRUE(model.carries_nothing(3));
+  EXPECT_FALSE(model.carries_nothing(2));
+  Coupling coupling;
+  coupling.terms = {{.joint = 2, .word = 0, .factor = 1.0}, {.joint = 1, .word = 0, .factor = 1.0}};
+  model.couplings = {coupling};
+  EXPECT_TRUE(model.carries_nothing(3)) << "coupled are others";
+  model.couplings.front().terms[1].joint = 3;
+  EXPECT_FALSE(model.carries_nothing(3));
+  model = with("free");
+  model.joints[3].drivers = {{0, ConstantSpeed{}}};
+  EXPECT_FALSE(model.carries_nothing(3));
+  model = with("free");
+  model.joints[3].springs = {{0, ForceLaw{}}};
+  EXPECT_FALSE(model.carries_nothing(3));
+  joints::JointType rolls_anywhere = *joints::find("free");
+  rolls_anywhere.forbids_speeds = {joints::NoSlip{.axis_of = Side::parent, .axis = Axis::x}};
+  model = with("free");
+  model.joints[3].type = &rolls_anywhere;
+  EXPECT_FALSE(model.carries_nothing(3));
+}
+
 TEST(Model, IsFlexibleIfABodyHasModes) {
   Model model = chain_of_three();
   EXPECT_FALSE(model.is_flexible());

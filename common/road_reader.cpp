@@ -1,0 +1,100 @@
+#include "common/road_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "common/driver_reader.h"
+#include "common/spelling.h"
+
+namespace concord {
+
+namespace {
+
+using Profile = decltype(Road::profile);
+
+std::optional<Profile> read_flat(const TableReader& table) {
+  if (!table.has("height")) return FlatRoad{};
+  const auto height = table.number("height");
+  if (!height) return std::nullopt;
+  return FlatRoad{*height};
+}
+
+std::optional<Profile> read_half_sine(const TableReader& table) {
+  if (!table.require({"start", "length", "height"})) return std::nullopt;
+  const auto start = table.number("start");
+  const auto length = table.positive_number("length");
+  const auto height = table.number("height");
+  if (!start || !length || !height) return std::nullopt;
+  return HalfSineBump{.start = *start, .length = *length, .height = *height};
+}
+
+std::optional<Profile> read_table(const TableReader& table) {
+  auto points = read_points(table, "x", "height", " m");
+  if (!points) return std::nullopt;
+  const double first = points->x.front();
+  const double last = points->x.back();
+  return RoadTable{SplineTable(std::move(points->x), std::move(points->y)), first, last};
+}
+
+struct Kind {
+  std::string_view name;
+  KnownKeys keys;
+  std::optional<Profile> (*read)(const TableReader&);
+};
+
+const std::array<Kind, 3>& kinds() {
+  static const std::array<Kind, 3> kKinds{Kind{"flat", {"height"}, read_flat},
+                                          Kind{"half_sine", {"start", "length", "height"}, read_half_sine},
+                                          Kind{"table", {"x", "height"}, read_table}};
+  return kKinds;
+}
+
+/// Keys of a road of that kind; while the kind is not known, those of all.
+KnownKeys keys_of(const Kind* kind) {
+  if (kind == nullptr) return {"name", "profile", "start", "length", "x", "height"};
+  KnownKeys keys{"name", "profile"};
+  keys.insert(keys.end(), kind->keys.begin(), kind->keys.end());
+  return keys;
+}
+
+/// The kind that a road names, if there is such a kind.
+const Kind* named_kind(const toml::table& road) {
+  const toml::node* said = road.get("profile");
+  const auto name = said == nullptr ? std::nullopt : said->value_exact<std::string>();
+  const auto found = std::find_if(kinds().begin(), kinds().end(), [&](const Kind& one) { return name == one.name; });
+  return found == kinds().end() ? nullptr : &*found;
+}
+
+/// Complains of the profile, which is missing or not known.
+void refuse_profile(const TableReader& table) {
+  if (!table.require({"profile"})) return;
+  const auto name = table.text("profile");
+  if (!name) return;
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+  table.complain("profile", fmt::format("unknown profile '{}': {}", *name, suggestion(*name, names, "profiles")));
+}
+
+RoadReading read_road(const toml::table& found, FileReading& reading) {
+  const Kind* kind = named_kind(found);
+  const TableReader table(found, title_with_name(found, "road"), keys_of(kind), reading);
+  RoadReading result{table.name(), nullptr};
+  if (kind == nullptr) {
+    refuse_profile(table);
+  } else if (auto profile = kind->read(table)) {
+    result.road = std::make_shared<const Road>(Road{result.name, std::move(*profile)});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<RoadReading> read_roads(const TableReader& document) {
+  std::vector<RoadReading> roads;
+  for (const toml::table* found : document.tables("road")) roads.push_back(read_road(*found, document.reading()));
+  return roads;
+}
+
+}  // namespace concord

@@ -1,0 +1,75 @@
+#include "common/road.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace concord {
+namespace {
+
+const Road kFlat{"flat", FlatRoad{-0.3}};
+const Road kBump{"bump", HalfSineBump{.start = 2.0, .length = 0.8, .height = 0.05}};
+
+Road table_road() {
+  return {"table", RoadTable{SplineTable({-1.0, 0.0, 0.5, 1.5, 2.0}, {0.1, 0.3, 0.2, 0.25, -0.1}), -1.0, 2.0}};
+}
+
+/// Derivative by central differences of fourth order.
+template <class Function>
+double slope_of(const Function& f, double x) {
+  constexpr double h = 1e-3;
+  return (8.0 * (f(x + h) - f(x - h)) - (f(x + 2.0 * h) - f(x - 2.0 * h))) / (12.0 * h);
+}
+
+TEST(Road, DerivativesOfEveryStretchAreThoseByDifferences) {
+  const Road table = table_road();
+  for (const Road* road : {&kFlat, &kBump, &table}) {
+    for (int stretch = 0; stretch <= static_cast<int>(edges_of(*road).size()); ++stretch) {
+      // Beyond the edges too: there the stretch's own function goes on. No knot of the table is near.
+      for (const double x : {-1.7, 0.22, 0.9, 1.93, 2.31, 2.77, 4.0}) {
+        const RoadHeight found = evaluate(*road, stretch, x);
+        EXPECT_NEAR(found.slope, slope_of([&](double z) { return evaluate(*road, stretch, z).h; }, x), 1e-9)
+            << road->name << " " << stretch << " " << x;
+        EXPECT_NEAR(found.curvature, slope_of([&](double z) { return evaluate(*road, stretch, z).slope; }, x), 1e-8)
+            << road->name << " " << stretch << " " << x;
+      }
+    }
+  }
+}
+
+TEST(Road, IsContinuousAtItsEdgesWhichBelongToTheStretchBehind) {
+  const Road table = table_road();
+  EXPECT_TRUE(edges_of(kFlat).empty());
+  EXPECT_EQ(edges_of(kBump), (std::vector<double>{2.0, 2.8}));
+  EXPECT_EQ(edges_of(table), (std::vector<double>{-1.0, 2.0}));
+  for (const Road* road : {&kBump, &table}) {
+    const std::vector<double> edges = edges_of(*road);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_EQ(stretch_at(*road, edges[k]), k + 1) << road->name;
+      EXPECT_EQ(stretch_at(*road, std::nextafter(edges[k], -9.0)), k) << road->name;
+      EXPECT_NEAR(evaluate(*road, k, edges[k]).h, evaluate(*road, k + 1, edges[k]).h, 1e-16) << road->name;
+      EXPECT_GT(std::abs(evaluate(*road, k, edges[k]).slope - evaluate(*road, k + 1, edges[k]).slope), 0.1)
+          << road->name << ": a kink";
+    }
+  }
+  EXPECT_EQ(stretch_at(kFlat, 1e9), 0);
+}
+
+TEST(Road, HasTheHeightsOfItsProfile) {
+  EXPECT_EQ(evaluate(kFlat, 0, 7.0).h, -0.3);
+  EXPECT_EQ(evaluate(kFlat, 0, 7.0).slope, 0.0);
+  EXPECT_NEAR(evaluate(kBump, 1, 2.4).h, 0.05, 1e-17);
+  EXPECT_NEAR(evaluate(kBump, 1, 2.2).h, 0.05 * std::numbers::sqrt2 / 2.0, 1e-16);
+  EXPECT_NEAR(evaluate(kBump, 1, 2.0).slope, 0.05 * std::numbers::pi / 0.8, 1e-16);
+  EXPECT_EQ(evaluate(kBump, 0, 2.4).h, 0.0);
+  EXPECT_EQ(evaluate(kBump, 2, 2.4).h, 0.0);
+  const Road table = table_road();
+  EXPECT_NEAR(evaluate(table, 1, 0.5).h, 0.2, 1e-16);
+  EXPECT_NEAR(evaluate(table, 0, -8.0).h, 0.1, 1e-16);
+  EXPECT_NEAR(evaluate(table, 2, 8.0).h, -0.1, 1e-16);
+}
+
+}  // namespace
+}  // namespace concord

@@ -1,0 +1,234 @@
+#include "common/tire.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "common/force_elements.h"
+
+namespace concord {
+namespace {
+
+Tire make_tire() {
+  Tire tire;
+  tire.road = std::make_shared<const Road>(Road{"bump", HalfSineBump{.start = 3.0, .length = 0.5, .height = 0.02}});
+  tire.radius = 0.3;
+  tire.stiffness = 2e5;
+  tire.damping = 400.0;
+  tire.slip_stiffness = 5e4;
+  tire.cornering_stiffness = 3e4;
+  tire.friction = 0.9;
+  tire.speed_scale = 0.1;
+  return tire;
+}
+
+/// Rolls on the road before the bump; both slips are small.
+const TireContact kRolling{.x = 1.0, .delta = 0.015, .deltadot = -0.2, .V_x = 8.0, .V_y = 0.1, .s_x = 0.05};
+
+const TireRegime kGrips{.stretch = 0, .touches = true, .pushes = true, .slides = false};
+const TireRegime kSlides{.stretch = 0, .touches = true, .pushes = true, .slides = true};
+
+double limit(const Tire& tire, double N) { return tire.friction * N; }
+
+TEST(Tire, HasTheForcesOfItsLawsByHand) {
+  const Tire tire = make_tire();
+  EXPECT_EQ(regime_at(tire, kRolling), kGrips);
+  const TireForces forces = evaluate(tire, kGrips, kRolling);
+  EXPECT_NEAR(forces.N, 2e5 * 0.015 - 400.0 * 0.2, 1e-11);
+  const double V = std::sqrt(64.0 + 0.01);
+  EXPECT_NEAR(forces.F_x, -5e4 * 0.05 / V, 1e-11);
+  EXPECT_NEAR(forces.F_y, -3e4 * 0.1 / V, 1e-11);
+}
+
+TEST(Tire, SlidesAtTheFrictionLimitInTheDirectionOfTheLinearForces) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  contact.s_x = -1.1;
+  contact.V_y = 0.7;
+  EXPECT_EQ(regime_at(tire, contact), kSlides);
+  const TireForces linear = evaluate(tire, kGrips, contact);
+  const TireForces forces = evaluate(tire, kSlides, contact);
+  EXPECT_EQ(forces.N, linear.N);
+  EXPECT_NEAR(std::hypot(forces.F_x, forces.F_y), limit(tire, forces.N), 1e-11);
+  EXPECT_NEAR(forces.F_x * linear.F_y, forces.F_y * linear.F_x, 1e-6 * std::abs(linear.F_x * linear.F_y));
+  EXPECT_GT(forces.F_x, 0.0);
+  EXPECT_LT(forces.F_y, 0.0);
+}
+
+TEST(Tire, OpposesTheMotionOfEitherDirection) {
+  const Tire tire = make_tire();
+  for (const double sign : {1.0, -1.0}) {
+    TireContact contact = kRolling;
+    contact.V_x = 8.0 * -sign;
+    contact.V_y = 0.1 * sign;
+    contact.s_x = 0.05 * sign;
+    const TireForces forces = evaluate(tire, kGrips, contact);
+    EXPECT_LT(forces.F_x * sign, 0.0);
+    EXPECT_LT(forces.F_y * sign, 0.0);
+  }
+}
+
+TEST(Tire, NeitherTouchesInTheAirNorPullsOnRebound) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  contact.delta = -0.001;
+  contact.deltadot = 5.0;  // falls: the damper alone would push
+  EXPECT_EQ(regime_at(tire, contact), (TireRegime{.stretch = 0}));
+  contact.delta = 0.001;
+  contact.deltadot = -1.0;  // springs back faster than the spring follows
+  const TireRegime regime = regime_at(tire, contact);
+  EXPECT_EQ(regime, (TireRegime{.stretch = 0, .touches = true}));
+  const TireForces forces = evaluate(tire, regime, contact);
+  EXPECT_EQ(forces.N, 0.0);
+  EXPECT_EQ(forces.F_x, 0.0);
+  EXPECT_EQ(forces.F_y, 0.0);
+}
+
+TEST(Tire, IsRegularAtStandstill) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  contact.V_x = contact.V_y = contact.s_x = 0.0;
+  EXPECT_EQ(regime_at(tire, contact), kGrips);
+  const TireForces rest = evaluate(tire, kGrips, contact);
+  EXPECT_EQ(rest.F_x, 0.0);
+  EXPECT_EQ(rest.F_y, 0.0);
+  contact.s_x = 1e-3;
+  contact.V_y = -1e-3;
+  EXPECT_NEAR(evaluate(tire, kGrips, contact).F_x, -5e4 * 1e-3 / 0.1, 1e-11) << "over the speed scale";
+  EXPECT_NEAR(evaluate(tire, kGrips, contact).F_y, 3e4 * 1e-3 / 0.1, 1e-11);
+}
+
+TEST(Tire, ForcesOfARegimeGoOnSmoothlyBeyondItsEnds) {
+  const Tire tire = make_tire();
+  constexpr double h = 1e-6;
+  for (const TireRegime& regime : {kGrips, kSlides}) {
+    // Through the friction limit, and through zero deflection.
+    for (const double s_x : {0.2, 0.43, 0.8}) {
+      for (const double delta : {0.015, 0.0, -0.002}) {
+        TireContact contact = kRolling;
+        contact.s_x = s_x;
+        contact.delta = delta;
+        const auto at = [&](double step) {
+          TireContact moved = contact;
+          moved.s_x += step;
+          moved.delta += 0.01 * step;
+          return evaluate(tire, regime, moved);
+        };
+        const TireForces before = at(-h);
+        const TireForces here = at(0.0);
+        const TireForces behind = at(h);
+        EXPECT_NEAR(before.N - 2.0 * here.N + behind.N, 0.0, 1e-9);
+        EXPECT_NEAR(before.F_x - 2.0 * here.F_x + behind.F_x, 0.0, 1e-5) << "no kink at " << s_x << ", " << delta;
+        EXPECT_NEAR(before.F_y - 2.0 * here.F_y + behind.F_y, 0.0, 1e-5) << "no kink at " << s_x << ", " << delta;
+      }
+    }
+  }
+}
+
+/// Where a regime ends along s: the place where its margin vanishes, by bisection between a place inside and one
+/// outside.
+template <class Contact>
+double end_between(const Tire& tire, const TireRegime& regime, double inside, double outside, const Contact& at) {
+  EXPECT_GT(margin_of(tire, regime, at(inside)), 0.0);
+  EXPECT_LT(margin_of(tire, regime, at(outside)), 0.0);
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (inside + outside);
+    (margin_of(tire, regime, at(middle)) > 0.0 ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+void expect_same_forces(const TireForces& a, const TireForces& b) {
+  EXPECT_NEAR(a.N, b.N, 1e-8);
+  EXPECT_NEAR(a.F_x, b.F_x, 1e-8);
+  EXPECT_NEAR(a.F_y, b.F_y, 1e-8);
+}
+
+TEST(Tire, GripEndsAtTheFrictionLimitWithAKink) {
+  const Tire tire = make_tire();
+  const auto at = [](double s_x) {
+    TireContact contact = kRolling;
+    contact.s_x = s_x;
+    return contact;
+  };
+  const double end = end_between(tire, kGrips, 0.05, 1.0, at);
+  EXPECT_NEAR(end_between(tire, kSlides, 1.0, 0.05, at), end, 1e-12) << "both regimes end there";
+  expect_same_forces(evaluate(tire, kGrips, at(end)), evaluate(tire, kSlides, at(end)));
+  const TireForces forces = evaluate(tire, kGrips, at(end));
+  EXPECT_NEAR(std::hypot(forces.F_x, forces.F_y), limit(tire, forces.N), 1e-8);
+  constexpr double h = 1e-5;
+  const double grip_slope = (evaluate(tire, kGrips, at(end + h)).F_x - forces.F_x) / h;
+  const double slide_slope = (evaluate(tire, kSlides, at(end + h)).F_x - forces.F_x) / h;
+  EXPECT_LT(grip_slope, 10.0 * slide_slope) << "the force stops to grow";
+}
+
+TEST(Tire, PushEndsWhereTheNormalForceVanishes) {
+  const Tire tire = make_tire();
+  const auto at = [](double deltadot) {
+    TireContact contact = kRolling;
+    contact.s_x = contact.V_y = 0.0;
+    contact.deltadot = deltadot;
+    return contact;
+  };
+  const TireRegime lets_go{.stretch = 0, .touches = true};
+  const double end = end_between(tire, kGrips, 0.0, -20.0, at);
+  EXPECT_NEAR(end, -2e5 * 0.015 / 400.0, 1e-10);
+  EXPECT_NEAR(end_between(tire, lets_go, -20.0, 0.0, at), end, 1e-10);
+  expect_same_forces(evaluate(tire, kGrips, at(end)), {});
+}
+
+TEST(Tire, ContactEndsWhereTheDeflectionVanishes) {
+  const Tire tire = make_tire();
+  const auto at = [](double delta) {
+    TireContact contact = kRolling;
+    contact.s_x = contact.V_y = 0.0;
+    contact.deltadot = 0.3;
+    contact.delta = delta;
+    return contact;
+  };
+  EXPECT_NEAR(end_between(tire, kGrips, 0.01, -0.01, at), 0.0, 1e-15);
+  EXPECT_NEAR(end_between(tire, TireRegime{}, -0.01, 0.01, at), 0.0, 1e-15);
+  EXPECT_NEAR(evaluate(tire, kGrips, at(0.0)).N, 400.0 * 0.3, 1e-12) << "a damped tire lands with a jump";
+}
+
+TEST(Tire, AStretchEndsWhereTheCentreStandsOverAnEdge) {
+  const Tire tire = make_tire();
+  const auto at = [](double x) {
+    TireContact contact = kRolling;
+    contact.x = x;
+    return contact;
+  };
+  TireRegime regime = kGrips;
+  EXPECT_NEAR(end_between(tire, regime, 2.9, 3.1, at), 3.0, 1e-14);
+  regime.stretch = 1;
+  EXPECT_NEAR(end_between(tire, regime, 3.1, 2.9, at), 3.0, 1e-14);
+  EXPECT_NEAR(end_between(tire, regime, 3.4, 3.6, at), 3.5, 1e-14);
+  regime.stretch = 2;
+  EXPECT_NEAR(end_between(tire, regime, 3.6, 3.4, at), 3.5, 1e-14);
+  for (const double x : {2.0, 3.2, 4.0}) {
+    EXPECT_GT(margin_of(tire, regime_at(tire, at(x)), at(x)), 0.0) << "each contact is inside its own regime";
+  }
+}
+
+TEST(Tire, MarginIsTheSmallestOfAllEndsInUnitsOfTheTire) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  contact.x = 2.9997;
+  EXPECT_NEAR(margin_of(tire, kGrips, contact), 0.0003 / 0.3, 1e-14) << "the edge is nearest";
+  contact.x = 1.0;
+  const TireForces forces = evaluate(tire, kGrips, contact);
+  const double room = limit(tire, forces.N) - std::hypot(forces.F_x, forces.F_y);
+  EXPECT_NEAR(margin_of(tire, kGrips, contact), room / (2e5 * 0.3), 1e-14) << "the friction limit is nearest";
+}
+
+TEST(Tire, HasOneEndOnTheWheel) {
+  Tire tire = make_tire();
+  tire.wheel.body = 4;
+  const ForceElement element{.name = "tire", .what = tire, .where = {}};
+  EXPECT_EQ(end_of(element, Side::parent), nullptr);
+  EXPECT_EQ(end_of(element, Side::child)->body, 4);
+}
+
+}  // namespace
+}  // namespace concord
