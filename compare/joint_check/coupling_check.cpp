@@ -51,16 +51,15 @@ Model build(const Arrangement& arrangement, std::uint32_t seed) {
     const int modes = static_cast<int>(model.bodies.size()) % 3 + 1;
     model.bodies.push_back(arrangement.bends ? flexible_body(name, modes, numbers) : rigid_body(name, numbers));
   }
-  const auto add = [&](const char* name, const char* type, int parent, int child) {
+  const auto add = [&](const char* name, const char* type, int parent, int child, StartRole role) {
     const joints::JointType& found = *joints::find(type);
     const VecX q = found.name == "free" ? free_q(numbers) : VecX(VecX::Zero(found.n_q()));
-    model.joints.push_back(
-        joint(model, name, found, parent, child, q, VecX::Zero(found.n_u()), StartRole::guess, numbers));
+    model.joints.push_back(joint(model, name, found, parent, child, q, VecX::Zero(found.n_u()), role, numbers));
   };
-  add("holder", "free", kGround, 1);
-  add("planet", "cylindrical", 1, 2);
-  add("sun", "revolute", 3, 1);
-  add("rack", "translational", 2, 4);
+  add("holder", "free", kGround, 1, StartRole::keep);
+  add("planet", "cylindrical", 1, 2, StartRole::keep);
+  add("sun", "revolute", 3, 1, StartRole::guess);
+  add("rack", "translational", 2, 4, StartRole::guess);
   model.couplings = {{"gear", {{kPlanet, 1, 0, 1.3}, {kSun, 0, 0, -0.8}}, 0.35, {}},
                      {"mixer", {{kPlanet, 0, 0, 2.1}, {kSun, 0, 0, 0.4}, {kRack, 0, 0, 1.7}}, -0.2, {}}};
   if (arrangement.actor == Actor::spring) {
@@ -70,8 +69,11 @@ Model build(const Arrangement& arrangement, std::uint32_t seed) {
     law.free = 0.4;
     model.joints[kSun].springs.push_back({0, law, 0});
   }
-  if (arrangement.actor == Actor::driver)
+  if (arrangement.actor == Actor::driver) {
     model.joints[kPlanet].drivers.push_back({0, Harmonic{0.1, 0.15, 3.0, 0.7}, 0});
+    model.joints[kPlanet].start[0].role_q = StartRole::unsaid;
+    model.joints[kPlanet].start[0].role_u = StartRole::unsaid;
+  }
   return model;
 }
 

@@ -7,6 +7,8 @@
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
 #include "compare/joint_check/parts.h"
+#include "compare/joint_check/referee.h"
+#include "compare/joint_motion.h"
 #include "compare/observe.h"
 #include "relative/equations.h"
 #include "relative/states.h"
@@ -105,7 +107,23 @@ Joint Rig::build_tested(const Model& model, Numbers& numbers) const {
     const Load how = arrangement_.loads.empty() ? Load::none : arrangement_.loads[k];
     load(tested, coordinates[k], how, numbers);
   }
+  if (type_.slip_rows() > 0) keep_possible_speeds(tested);
   return tested;
+}
+
+/// Of the speeds that are left to each other, the start keeps the last ones.
+void Rig::keep_possible_speeds(Joint& tested) const {
+  int possible = type_.n_u() - type_.slip_rows() - static_cast<int>(tested.drivers.size());
+  for (int word = static_cast<int>(tested.start.size()) - 1; word >= 0; --word) {
+    WordStart& start = tested.start[word];
+    if (start.role_u != StartRole::keep) continue;
+    const int speeds = n_u(type_.permits[word]);
+    if (speeds > possible) {
+      start.role_u = StartRole::guess;
+    } else {
+      possible -= speeds;
+    }
+  }
 }
 
 /// Laws move gently about the start, away from singular poses. Of a word that is driven throughout the start says
@@ -168,6 +186,17 @@ std::vector<SpeedValue> Rig::speeds_on_laws(double t) const {
   return speeds;
 }
 
+/// Whether the driven speeds are well among those that the type permits at q: a skate is not driven sideways.
+bool Rig::can_follow_laws(double t, const VecX& q) const {
+  constexpr double kLeastPart = 0.3;
+  if (type_.permits_speeds.empty()) return true;
+  const joints::FunctionOfCoordinates::Motion motion = referee_permits(type_, q, VecX::Zero(type_.n_u()));
+  const MatX free = free_speeds(type_, motion.placement.R, motion.S.leftCols(type_.n_u()));
+  const std::vector<SpeedValue> driven = speeds_on_laws(t);
+  return std::all_of(driven.begin(), driven.end(),
+                     [&](const SpeedValue& one) { return free.row(one.speed).norm() > kLeastPart; });
+}
+
 State Rig::write_state(double t, const VecX& q, const VecX& u, Numbers& numbers) {
   const relative::Topology& topology = equations_->topology();
   VecX all_q = VecX::Zero(topology.n_q);
@@ -192,7 +221,7 @@ State Rig::state(int number) {
   const double t = 0.4 + 0.3 * numbers();
   MotionPose pose = poses_.pose(number);
   pose.q = on_laws(t, pose.q);
-  for (int tries = 0; tries < kMostTries && !poses_.is_regular(pose.q); ++tries) {
+  for (int tries = 0; tries < kMostTries && !(poses_.is_regular(pose.q) && can_follow_laws(t, pose.q)); ++tries) {
     pose.q = on_laws(t, poses_.draw_q(numbers));
   }
   return write_state(t, pose.q, pose.u, numbers);

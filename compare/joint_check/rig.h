@@ -76,10 +76,12 @@ class Rig {
   Model build_open(Numbers& numbers) const;
   Joint build_tested(const Model& model, Numbers& numbers) const;
   void load(Joint& tested, const Coordinate& coordinate, Load how, Numbers& numbers) const;
+  void keep_possible_speeds(Joint& tested) const;
   void close_loops(Numbers& numbers);
   State write_state(double t, const VecX& q, const VecX& u, Numbers& numbers);
   [[nodiscard]] VecX on_laws(double t, VecX q) const;
   [[nodiscard]] std::vector<SpeedValue> speeds_on_laws(double t) const;
+  [[nodiscard]] bool can_follow_laws(double t, const VecX& q) const;
 
   const JointType& type_;
   Arrangement arrangement_;

@@ -295,15 +295,24 @@ void require_rank(Rig& rig, const Arrangement& arrangement, int pose, Property& 
 
 // All of it ----------------------------------------------------------------------------------------------------------
 
-/// Loads of all coordinates, for one column of the table; several where the driven coordinate is one of many. No more
-/// are driven than there are speeds to drive.
+/// Whether so many coordinates of a type can be driven, and a start be said for the rest: no more than there are
+/// speeds, and where only some of a ball's speeds are possible none, because a start keeps all three or no one.
+bool can_be_driven(const JointType& type, std::size_t driven) {
+  const bool has_ball = std::any_of(type.permits.begin(), type.permits.end(), [](const joints::Permit& word) {
+    return std::holds_alternative<joints::Ball>(word);
+  });
+  if (type.slip_rows() > 0 && has_ball) return false;
+  return static_cast<int>(driven) <= type.n_u() - type.slip_rows();
+}
+
+/// Loads of all coordinates, for one column of the table; several where the driven coordinate is one of many.
 std::vector<std::vector<Load>> loads_of(std::size_t column, const JointType& type) {
   const std::size_t coordinates = coordinates_of(type).size();
   if (column == 0) return {std::vector<Load>(coordinates, Load::none)};
   if (coordinates == 0) return {};
   if (column == 1) return {std::vector<Load>(coordinates, Load::spring)};
   if (column == 2) return {std::vector<Load>(coordinates, Load::motor)};
-  if (column == 3 && static_cast<int>(coordinates) > type.n_u() - type.slip_rows()) return {};
+  if (!can_be_driven(type, column == 3 ? coordinates : 1)) return {};
   if (column == 3) return {std::vector<Load>(coordinates, Load::driver)};
   std::vector<std::vector<Load>> mixed;
   for (std::size_t driven = 0; driven < coordinates && coordinates > 1; ++driven) {
