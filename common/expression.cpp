@@ -139,7 +139,9 @@ class Resolver {
 
 std::string not_finite_text(double value) { return std::isnan(value) ? "nan" : fmt::format("{}", value); }
 
-Parameters::Parameters(const std::vector<ParameterDefinition>& definitions, std::vector<Diagnostic>& complaints) {
+Parameters::Parameters(const std::vector<ParameterDefinition>& definitions, std::vector<Diagnostic>& complaints,
+                       const Parameters& outer)
+    : values_(outer.values_) {
   std::vector<ParameterDefinition> usable;
   for (const ParameterDefinition& definition : definitions) {
     const auto refuse = [&](std::string_view reason) {
@@ -151,6 +153,7 @@ Parameters::Parameters(const std::vector<ParameterDefinition>& definitions, std:
       refuse("the name already means something in expressions: choose another");
     } else {
       usable.push_back(definition);
+      values_.erase(definition.name);
     }
   }
   Resolver resolver(usable, values_, complaints);

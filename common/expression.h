@@ -38,8 +38,10 @@ class Parameters {
   Parameters() = default;
 
   /// Resolves definitions that refer to each other in any order. Names that are no identifiers or already mean
-  /// something, expressions at fault and circles of references are added to `complaints`.
-  Parameters(const std::vector<ParameterDefinition>& definitions, std::vector<Diagnostic>& complaints);
+  /// something, expressions at fault and circles of references are added to `complaints`. What they do not define is
+  /// that of `outer`.
+  Parameters(const std::vector<ParameterDefinition>& definitions, std::vector<Diagnostic>& complaints,
+             const Parameters& outer = {});
 
   /// Value of an expression; throws ExpressionError. Need not be finite.
   [[nodiscard]] double evaluate(const std::string& expression) const;

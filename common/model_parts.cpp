@@ -29,7 +29,7 @@ struct Inclusion {
   std::vector<fs::path> way;  // from the model file to this one, both included
 };
 
-/// The parameters of a file, those that are said where it is included instead of its own.
+/// The parameters of a file: those that are said where it is included, its own, those of the file that includes it.
 void read_parameters(const std::vector<ParameterDefinition>& from_outside, ModelPart& part) {
   FileReading& reading = part.reading;
   std::vector<ParameterDefinition> definitions = from_outside;
@@ -53,7 +53,8 @@ void read_parameters(const std::vector<ParameterDefinition>& from_outside, Model
     }
   }
   std::sort(definitions.begin() + static_cast<std::ptrdiff_t>(from_outside.size()), definitions.end(), in_order);
-  reading.parameters = Parameters(definitions, reading.complaints);
+  const Parameters outer = reading.includer != nullptr ? reading.includer->parameters : Parameters{};
+  reading.parameters = Parameters(definitions, reading.complaints, outer);
 }
 
 /// What an `[[include]]` says for parameters of the file, by expressions of the including file's.

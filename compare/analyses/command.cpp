@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <ostream>
 
 #include "common/model_file.h"
@@ -23,7 +24,7 @@ AskedAcceleration read_asked(const std::string& text) {
     // The last dot before '=' ends the joint's name.
     const char* end = text.data() + text.size();
     const auto [read, trouble] = std::from_chars(text.data() + equals + 1, end, value);
-    if (trouble == std::errc() && read == end) {
+    if (trouble == std::errc() && read == end && std::isfinite(value)) {
       return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), value};
     }
   }

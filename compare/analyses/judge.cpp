@@ -153,6 +153,9 @@ void note_numbers(AnalysisVerdict& result) {
 void conclude(AnalysisVerdict& result) {
   note_numbers(result);
   Verdict& verdict = result.wrenches;
+  if (result.numbers.empty() && !(has_judged(verdict) && carries_something(verdict))) {
+    verdict.failures.emplace_back("nothing that was judged carries anything: agreement on nothing is no verdict");
+  }
   if (!verdict.failures.empty()) {
     verdict.outcome = Outcome::failed;
   } else {

@@ -51,7 +51,12 @@ State predict(const Model& model, const Sample& now, double h) {
   }
   // Turns stay counted because the hints move on with them.
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    if (guess.q[k].size() == guess.u[k].size()) guess.q[k] += h * guess.u[k];
+    const joints::JointType& type = *model.joints[k].type;
+    for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {
+      const joints::Permit& permit = type.permits[word];
+      if (std::holds_alternative<joints::Ball>(permit)) continue;
+      guess.q[k].segment(first_q(type, word), n_q(permit)) += h * guess.u[k].segment(first_u(type, word), n_u(permit));
+    }
   }
   return guess;
 }

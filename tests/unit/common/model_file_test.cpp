@@ -651,5 +651,79 @@ TEST(ShippedModels, PendulumHangsAtAngleZero) {
   EXPECT_NEAR(gravity_C.y(), 0.0, 1e-15);
 }
 
+/// Mass [kg] and its centre as the guessed poses have it.
+std::pair<double, Vec3> mass_and_centre(const Model& model) {
+  const std::vector<Pose> poses = guess_poses(model);
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const Body& body = model.bodies[i];
+    const double own = body.modal ? body.modal->G(0, 0) : body.mass;
+    const Vec3 own_moment_L = body.modal ? Vec3(body.modal->G.block<3, 1>(1, 0)) : Vec3(own * body.center_of_mass_L);
+    mass += own;
+    moment += own * poses[i].r + poses[i].A * own_moment_L;
+  }
+  return {mass, moment / mass};
+}
+
+TEST(ShippedModels, CarHasFifteenDegreesOfFreedomAndTheLoadsOfItsAxles) {
+  const Model model = shipped("car");
+  int freedoms = 6 * (static_cast<int>(model.bodies.size()) - 1);
+  for (const Joint& one : model.joints) freedoms -= one.type->rows();
+  EXPECT_EQ(freedoms, 15);
+  EXPECT_EQ(model.joints.size() - (model.bodies.size() - 1), 4U) << "loops";
+  for (const std::string name : {"car", "car_flexible_beam"}) {
+    const auto [mass, centre] = mass_and_centre(shipped(name));
+    EXPECT_NEAR(mass, 1094.5 + 2 * 65.7, 1e-9);
+    const double rear_load = 9.81 * mass * -centre.x() / 2.393;
+    EXPECT_NEAR(rear_load, 9.81 * (1094.5 * 0.884 / 2.393 + 65.7), 0.006 * rear_load) << name;
+  }
+}
+
+TEST(ShippedModels, CarFitsTogetherAsItStands) {
+  const Model model = shipped("car");
+  const std::vector<Pose> poses = guess_poses(model);
+  const auto place = [&](const Attachment& side) {
+    return Vec3(poses[side.body].r + poses[side.body].A * side.point_L);
+  };
+  for (const Joint& one : model.joints) {
+    const Vec3 gap = place(one.on(Side::child)) - place(one.on(Side::parent));
+    const Mat3 turn = (poses[one.on(Side::parent).body].A * one.on(Side::parent).C).transpose() *
+                      poses[one.on(Side::child).body].A * one.on(Side::child).C;
+    EXPECT_LT((turn - Mat3::Identity()).norm(), 1e-14) << one.name;
+    if (one.type->name == "distance") {
+      const double length = std::get<joints::KeepDistance>(one.type->forbids.front()).length;
+      EXPECT_NEAR(gap.norm(), length, 1e-15) << one.name;
+      EXPECT_NEAR(one.on(Side::parent).C.col(2).dot(gap), length, 1e-15) << "the rod lies along z: " << one.name;
+    } else if (one.type->name != "free") {
+      EXPECT_LT(gap.norm(), 1e-14) << one.name;
+    }
+    if (one.name.starts_with("front_left_") || one.name.starts_with("rear_left_")) {
+      std::string other = one.name;
+      other.replace(other.find("left"), 4, "right");
+      const Vec3 mirrored = place(joint(model, other).on(Side::child)).cwiseProduct(Vec3(1.0, -1.0, 1.0));
+      EXPECT_LT((place(one.on(Side::child)) - mirrored).norm(), 1e-14) << one.name;
+    }
+  }
+}
+
+TEST(ShippedModels, CarMeetsItsBumpAfterSixSecondsOfRolling) {
+  const Model model = shipped("car_left_bump");
+  const double speed = joint(model, "chassis").start.front().u(0);
+  for (const ForceElement& element : model.elements) {
+    const auto* tire = std::get_if<Tire>(&element.what);
+    if (tire == nullptr) continue;
+    const bool is_left = element.name.find("left") != std::string::npos;
+    const auto& bump = std::get<HalfSineBump>(tire->road->profile);
+    EXPECT_EQ(bump.height, is_left ? 0.015 : 0.0) << element.name;
+    EXPECT_EQ(bump.start, 6.0 * speed);
+    EXPECT_LT((tire->wheel.C.col(1) - Vec3::UnitY()).norm(), 1e-15);
+    const Vec3 centre = guess_poses(model)[tire->wheel.body].r;
+    std::string hub = element.name;
+    hub.replace(hub.find("tire"), 4, "hub");
+    EXPECT_NEAR(joint(model, hub).start.front().u(0) * centre.z(), speed, 1e-12) << "rolls on its loaded radius";
+  }
+}
+
 }  // namespace
 }  // namespace concord

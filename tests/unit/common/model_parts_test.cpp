@@ -181,6 +181,18 @@ TEST_F(IncludedFiles, TakeParametersFromTheIncludeBeforeTheirOwn) {
   EXPECT_DOUBLE_EQ(model.joints[3].on(Side::parent).point_L.y(), -0.4);
 }
 
+TEST_F(IncludedFiles, SeeParametersOfTheIncludingFileThatTheyDoNotDefine) {
+  write("car.toml", kCar);
+  std::string corner = kCorner;
+  corner.replace(corner.find("base = 10\n"), 10, "base = \"track*10\"\ng = 5\n");
+  corner.replace(corner.find("mass = 3"), 8, "mass = \"g\"");
+  write("parts/corner.toml", corner);
+  const Model model = read("car.toml");
+  EXPECT_DOUBLE_EQ(model.bodies[2].mass, 28.0);
+  EXPECT_EQ(model.bodies[3].mass, 5.0) << "its own comes first";
+  EXPECT_EQ(model.gravity.z(), -9.81);
+}
+
 TEST_F(IncludedFiles, CanBeAWholeModelOfWhichAFewParametersChange) {
   write("car.toml", kCar + "[run]\nuntil = 7\n");
   write("parts/corner.toml", kCorner);
