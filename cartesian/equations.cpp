@@ -83,8 +83,9 @@ void Equations::lay_out() {
     rows.insert(rows.end(), column.begin(), column.end());
     starts.push_back(static_cast<int>(rows.size()));
   }
-  matrix_ = std::make_unique<SparseLu>(starts, rows);
-  position_matrix_ = constraints_.has_slip_rows() ? std::make_unique<SparseLu>(starts, rows) : nullptr;
+  const auto make = [&] { return std::make_unique<SparseLu>(starts, rows, SparseLu::Pattern::symmetric); };
+  matrix_ = make();
+  position_matrix_ = constraints_.has_slip_rows() ? make() : nullptr;
 
   mass_entries_.assign(layout_.n_bodies(), {});
   for (int i = 1; i < layout_.n_bodies(); ++i) {

@@ -1,8 +1,35 @@
 #include "cartesian/joint_coordinates.h"
 
+#include <cmath>
+
 #include "cartesian/euler_parameters.h"
 
 namespace concord::cartesian {
+
+namespace {
+
+/// A turn that the model says nothing of, alone in its coupling, starts as many times round as the others ask for.
+void choose_turns(const Model& model, const Coupling& coupling, std::vector<VecX>& q) {
+  constexpr double kFullTurn = 2.0 * EIGEN_PI;
+  double missing = coupling.offset;
+  int unsaid = 0;
+  CouplingTerm last;
+  for (const CouplingTerm& term : coupling.terms) {
+    const Joint& joint = model.joints[term.joint];
+    missing -= term.factor * q[term.joint](first_q(*joint.type, term.word) + term.component);
+    const bool is_driven = driver_of(joint, term.word, term.component) != nullptr;
+    if (is_driven || joint.start[term.word].role_q != StartRole::unsaid) continue;
+    ++unsaid;
+    last = term;
+  }
+  if (unsaid != 1) return;
+  const joints::JointType& type = *model.joints[last.joint].type;
+  if (!reads_turn(*read_of(type, last.word), last.component)) return;
+  q[last.joint](first_q(type, last.word) + last.component) +=
+      kFullTurn * std::round(missing / (last.factor * kFullTurn));
+}
+
+}  // namespace
 
 void read_joint_coordinates(const Model& model, const Constraints& constraints, std::vector<VecX>& q,
                             std::vector<VecX>& u) {
@@ -44,6 +71,7 @@ std::vector<VecX> start_coordinates(const Model& model) {
     }
     all.push_back(std::move(q));
   }
+  for (const Coupling& coupling : model.couplings) choose_turns(model, coupling, all);
   return all;
 }
 

@@ -13,7 +13,8 @@ namespace concord::cartesian {
 void read_joint_coordinates(const Model& model, const Constraints& constraints, std::vector<VecX>& q,
                             std::vector<VecX>& u);
 
-/// The coordinates that the model names for the start (driven ones: their law at t = 0), zero speeds.
+/// The coordinates that the model names for the start (driven ones: their law at t = 0; a turn that only a coupling
+/// says: as many times round as that asks for), zero speeds.
 std::vector<VecX> start_coordinates(const Model& model);
 std::vector<VecX> zero_speeds(const Model& model);
 

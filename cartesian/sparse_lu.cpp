@@ -8,13 +8,14 @@
 
 namespace concord::cartesian {
 
-SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices)
+SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices, Pattern pattern)
     : column_starts_(std::move(column_starts)),
       row_indices_(std::move(row_indices)),
       values_(row_indices_.size(), 0.0),
       right_side_(VecX::Zero(size())),
       residual_(VecX::Zero(size())) {
   klu_defaults(&common_);
+  common_.btf = pattern == Pattern::general ? 1 : 0;
   if (size() == 0) return;
   symbolic_ = klu_analyze(size(), column_starts_.data(), row_indices_.data(), &common_);
   if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze found the equations structurally singular");

@@ -12,7 +12,11 @@ namespace concord::cartesian {
 /// analysis once, numbers as often as they change. Structural zeros stay in the pattern.
 class SparseLu {
  public:
-  SparseLu(std::vector<int> column_starts, std::vector<int> row_indices);
+  /// A symmetric pattern is ordered as it stands; any other first to block triangular form, which would spoil symmetry
+  /// and with it sparse factors.
+  enum class Pattern { general, symmetric };
+
+  SparseLu(std::vector<int> column_starts, std::vector<int> row_indices, Pattern pattern = Pattern::general);
   ~SparseLu();
   SparseLu(const SparseLu&) = delete;
   SparseLu& operator=(const SparseLu&) = delete;

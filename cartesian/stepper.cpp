@@ -38,7 +38,7 @@ double Stepper::step(double stop) {
     kink_ = has_regimes_ ? find_kink(from, margin_before, stop) : HUGE_VAL;
   }
   if (kink_ <= stop) {
-    pass_kink(stop);
+    pass_kink();
   } else {
     time_ = std::min(reached_, stop);
     look_back(time_);
@@ -77,25 +77,29 @@ double Stepper::find_kink(double from, double margin_before, double stop) {
   double past = margin_at(outside);
   if (!(past < 0.0)) return HUGE_VAL;
   double before = margin_before;
+  int same_side = 0;  // how often in a row the root was found on the same side: positive inside, negative outside
   const double sharp = std::max(kSharp * stop, 64.0 * kRoundOff * outside);
-  for (int round = 0; outside - inside > sharp; ++round) {
-    const double part = round % 4 == 3 ? 0.5 : before / (before - past);
+  while (outside - inside > sharp) {
+    const bool halve = !(before > 0.0) || std::abs(same_side) > 2;
+    const double part = halve ? 0.5 : before / (before - past);
     const double t = std::clamp(inside + part * (outside - inside), inside + 0.5 * sharp, outside - 0.5 * sharp);
     const double found = margin_at(t);
     if (found < 0.0) {
       outside = t;
       past = found;
-      before *= 0.5;
+      same_side = std::min(same_side - 1, -1);
+      if (same_side < -1) before *= 0.5;
     } else {
       inside = t;
       before = found;
-      past *= 0.5;
+      same_side = std::max(same_side + 1, 1);
+      if (same_side > 1) past *= 0.5;
     }
   }
   return outside;
 }
 
-void Stepper::pass_kink(double stop) {
+void Stepper::pass_kink() {
   look_back(kink_);
   (void)margin(motion_);  // names the tire
   equations_.update(kink_, motion_.q, motion_.Y);
@@ -107,13 +111,13 @@ void Stepper::pass_kink(double stop) {
   restart(kink_);
   time_ = reached_ = kink_;
   kink_ = HUGE_VAL;
-  refuse_chatter(stop);
+  refuse_chatter();
 }
 
-void Stepper::refuse_chatter(double stop) {
-  constexpr double kWindow = 1e-3;  // of the time of the run
+void Stepper::refuse_chatter() {
+  constexpr double kWindow = 1e-2;  // s
   constexpr int kMaxKinks = 1000;
-  if (time_ - kinks_since_ > kWindow * stop) {
+  if (time_ - kinks_since_ > kWindow) {
     kinks_since_ = time_;
     kinks_ = 0;
   }

@@ -56,8 +56,8 @@ class Stepper {
   double margin(const Motion& motion);
   double margin_at(double t);
   double find_kink(double from, double margin_before, double stop);
-  void pass_kink(double stop);
-  void refuse_chatter(double stop);
+  void pass_kink();
+  void refuse_chatter();
 
   bool has_regimes_;
   double time_ = 0.0;

@@ -132,8 +132,8 @@ TEST(CartesianSolver, IntegratorsAgreeAndKeepTheConstraints) {
 TEST(CartesianSolver, IntegratorsAgreeOnStiffSprings) {
   Model model = make_pendulum();
   ForceLaw strut;
-  strut.stiffness = 4e5;
-  strut.damping = 3e3;
+  strut.stiffness = 2e6;
+  strut.damping = 1e4;
   strut.free = 1.5;
   testing::Numbers numbers(122);
   const Attachment on_ground = testing::make_attachment(numbers, model, kGround);
@@ -155,7 +155,7 @@ TEST(CartesianSolver, IntegratorsAgreeOnStiffSprings) {
     steps.push_back(trajectory.statistics.evaluations);
   }
   EXPECT_NEAR(ends[0], ends[1], 1e-7);
-  EXPECT_LT(steps[1], steps[0] / 2);
+  EXPECT_LT(steps[1], steps[0] / 2) << steps[1];
 }
 
 TEST(CartesianSolver, FindsAKeptOrientationFromAFarGuess) {

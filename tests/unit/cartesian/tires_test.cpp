@@ -275,7 +275,7 @@ TEST(Tires, SlidesAtItsLimitAndSticksBelow) {
   }
 }
 
-/// A locked wheel that its weight pushes against a kerb and the kerb pushes back: it rattles on the edge, ever faster.
+/// A locked wheel that its weight pushes against a kerb and the kerb pushes back: it rattles on the edge.
 TEST(Tires, RattlingWithoutEndIsTold) {
   Numbers numbers(239);
   Model model;
@@ -290,7 +290,7 @@ TEST(Tires, RattlingWithoutEndIsTold) {
   Joint guide = testing::make_joint(numbers, model, *joints::find("translational"), kGround, 1);
   guide.sides = {rigid(kGround, Vec3(0.0, 0.0, 0.25), z_along_x), rigid(1, Vec3::Zero(), z_along_x)};
   guide.start[0].role_q = guide.start[0].role_u = StartRole::keep;
-  guide.start[0].q(0) = 0.95;
+  guide.start[0].q(0) = 1.0 - 1e-12;
   model.joints.push_back(guide);
   Tire tire;
   tire.wheel = rigid(1, Vec3::Zero(), Mat3::Identity());
@@ -299,15 +299,15 @@ TEST(Tires, RattlingWithoutEndIsTold) {
   tire.stiffness = kStiffness;
   tire.slip_stiffness = 300.0;
   tire.friction = 0.1;
-  tire.speed_scale = 1e-3;
+  tire.speed_scale = 1e-2;
   model.elements.push_back({"tire", tire, {}});
   std::string message;
   try {
-    (void)run(model, "gbs", 1.0, 1e-9);
+    (void)run(model, "gbs", 1.0, 1e-7);
   } catch (const SolverError& error) {
     message = error.what();
   }
-  EXPECT_THAT(message, HasSubstr("tire 'tire' changes its regime without end: 1001 times within"));
+  EXPECT_THAT(message, HasSubstr("tire 'tire' changes its regime without end: 1001 times within")) << message;
 }
 
 TEST(Tires, RefusesAWheelThatLiesOnItsSide) {
