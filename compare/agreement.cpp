@@ -132,8 +132,8 @@ class Scales {
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const int row = layout_.first_row(Kind::acceleration, i);
       const double spin = series_.spin[i];
-      const double linear =
-          std::max({peak(series_, row, 3), peak(series_, row + 3, 3) * length_, spin * spin * length_});
+      const double linear = std::max(
+          {peak(series_, row, 3), peak(series_, row + 3, 3) * length_, spin * spin * length_, model.gravity.norm()});
       accelerations_[i] = {linear, linear / length_};
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());

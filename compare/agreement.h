@@ -26,8 +26,8 @@ struct Measured {
 /// solvers'; of a torque: max(peak |T|, peak |F| l), l the machine's length; both floored. A force on a
 /// joint speed takes the scale of its joint's total wrench, that of a coupling the largest of its joints' divided by
 /// their factors; a force element's wrench its own; a body's sum that of the
-/// largest wrench in it; an acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l), angular the same over l;
-/// modal accelerations the body's largest.
+/// largest wrench in it; an acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l, g), g because the forces on
+/// a body at rest are those that keep it from falling; angular the same over l; modal accelerations the body's largest.
 std::vector<Measured> measure(const Layout& layout, const Series& series);
 
 }  // namespace concord::compare

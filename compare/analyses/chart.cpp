@@ -230,7 +230,13 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     if (!minus) return std::nullopt;
     return VecX((*plus - *minus) / (2.0 * h));
   };
-  for (double h = step; h >= least; h *= 0.25) {
+  constexpr double kGood = 1e-12;
+  constexpr double kFair = 1e-5;  // worse than that, a kink lies within the step
+  constexpr int kPatience = 2;
+  std::optional<VecX> best;
+  double least_error = 0.0;
+  int worse = 0;
+  for (double h = step; h >= least && worse < kPatience; h *= 0.25) {
     const auto coarse = difference(h);
     if (!coarse) continue;
     const auto middle = difference(0.5 * h);
@@ -238,9 +244,18 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     if (!middle || !fine) continue;
     const VecX first = (4.0 * *middle - *coarse) / 3.0;
     const VecX second = (4.0 * *fine - *middle) / 3.0;
-    return VecX((16.0 * second - first) / 15.0);
+    const VecX extrapolated = (16.0 * second - first) / 15.0;
+    const double error = (extrapolated - second).norm();
+    if (best && error >= least_error) {
+      if (least_error <= kFair * best->norm()) ++worse;
+      continue;
+    }
+    worse = 0;
+    best = extrapolated;
+    least_error = error;
+    if (error <= kGood * extrapolated.norm()) break;
   }
-  return std::nullopt;
+  return best;
 }
 
 }  // namespace concord::compare::analyses

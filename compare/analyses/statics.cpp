@@ -40,7 +40,7 @@ double difference_step(const std::function<std::optional<VecX>(double)>& functio
 
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
-/// Largest part of a joint speed in a motion, and its name.
+/// What a motion has of a joint speed, a body's velocity or a mode's rate, in scaled units, and its name.
 struct Part {
   std::string name;
   double size;
@@ -57,7 +57,7 @@ std::vector<Part> joint_parts(const Model& model, const State& state, double len
     const std::vector<std::string> names = speed_names(*joint.type);
     const std::vector<bool> turns = turning_speeds(*joint.type);
     for (std::size_t c = 0; c < names.size(); ++c) {
-      const double size = std::abs(u(static_cast<Eigen::Index>(c))) / (turns[c] ? 1.0 : length);
+      const double size = u(static_cast<Eigen::Index>(c)) / (turns[c] ? 1.0 : length);
       parts.push_back({fmt::format("{} of {}", names[c], joint.name), size});
     }
   }
@@ -79,6 +79,7 @@ std::vector<Part> body_parts(const Model& model, const State& state, double leng
 
 /// The three largest parts, as far as they are a tenth of the largest; empty if nothing moves.
 std::string largest_parts(std::vector<Part> parts) {
+  for (Part& part : parts) part.size = std::abs(part.size);
   std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.size > b.size; });
   if (parts.empty() || !(parts.front().size > 1e-6)) return "";
   std::string text;
@@ -89,9 +90,8 @@ std::string largest_parts(std::vector<Part> parts) {
   return text;
 }
 
-}  // namespace
-
-std::string describe_motion(const Model& model, const State& state, const VecX& velocities) {
+/// The state with velocities [v; omega; adot] of bodies 1, 2, ...
+State moving_with(const Model& model, const State& state, const VecX& velocities) {
   State moving = state;
   Eigen::Index row = 0;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
@@ -101,6 +101,42 @@ std::string describe_motion(const Model& model, const State& state, const VecX& 
     body.adot = velocities.segment(row + 6, body.a.size());
     row += 6 + body.a.size();
   }
+  return moving;
+}
+
+/// Combines motions (columns of velocities) so that each has one joint speed to itself, as far as joints tell them
+/// apart: slide_x of the chassis, turn_z of a wheel, instead of mixtures.
+MatX told_apart(const Model& model, const State& state, MatX motions) {
+  const Eigen::Index n = motions.cols();
+  MatX speeds;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const std::vector<Part> parts = joint_parts(model, moving_with(model, state, motions.col(k)), model.length_scale());
+    if (k == 0) speeds.resize(static_cast<Eigen::Index>(parts.size()), n);
+    for (std::size_t row = 0; row < parts.size(); ++row) speeds(static_cast<Eigen::Index>(row), k) = parts[row].size;
+  }
+  for (Eigen::Index k = 0; k < n; ++k) {
+    Eigen::Index row = 0;
+    Eigen::Index column = 0;
+    const double largest = speeds.rightCols(n - k).cwiseAbs().maxCoeff(&row, &column);
+    if (largest < 1e-6) break;
+    column += k;
+    speeds.col(k).swap(speeds.col(column));
+    motions.col(k).swap(motions.col(column));
+    motions.col(k) /= speeds(row, k);
+    speeds.col(k) /= speeds(row, k);
+    for (Eigen::Index other = 0; other < n; ++other) {
+      if (other == k) continue;
+      motions.col(other) -= speeds(row, other) * motions.col(k);
+      speeds.col(other) -= speeds(row, other) * speeds.col(k);
+    }
+  }
+  return motions;
+}
+
+}  // namespace
+
+std::string describe_motion(const Model& model, const State& state, const VecX& velocities) {
+  const State moving = moving_with(model, state, velocities);
   const double length = model.length_scale();
   const std::string by_joints = largest_parts(joint_parts(model, moving, length));
   return by_joints.empty() ? largest_parts(body_parts(model, moving, length)) : by_joints;
@@ -316,9 +352,12 @@ class Settling {
 
   void name_free_directions(const Chart& chart, const StiffnessSplit& split) {
     free_.clear();
-    for (Eigen::Index k = 0; k < split.free_directions().cols(); ++k) {
-      free_.push_back({describe_motion(model_, state_, chart.velocities(split.free_directions().col(k)))});
-    }
+    const MatX& directions = split.free_directions();
+    if (directions.cols() == 0) return;
+    MatX motions(chart.basis().rows(), directions.cols());
+    for (Eigen::Index k = 0; k < directions.cols(); ++k) motions.col(k) = chart.velocities(directions.col(k));
+    motions = told_apart(model_, state_, std::move(motions));
+    for (const auto& motion : motions.colwise()) free_.push_back({describe_motion(model_, state_, motion)});
   }
 
   Equilibrium conclude(int iterations) {
