@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "relative/element_wrench.h"
 #include "relative/wrenches.h"
 
@@ -25,6 +27,10 @@ AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closur
 void AppliedForces::lay_out_elements() {
   for (const ForceElement& statement : kinematics_->model().elements) {
     Element element{&statement, {}, {}};
+    if (std::holds_alternative<Tire>(statement.what)) {
+      element.tire = static_cast<int>(tires_.size());
+      tires_.push_back({&statement, {}, {}});
+    }
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment* end = end_of(statement, side);
       if (end == nullptr) continue;
@@ -93,6 +99,35 @@ Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& e
 Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
   return wrench_of(bushing, element.ends.front(), element.ends.back(), element.statement->name);
 }
+
+Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& element) {
+  const JointPoint& wheel = element.ends.back();
+  TireState& state = tires_[element.tire];
+  const int stretch = regimes_are_frozen_ ? state.regime.stretch : stretch_at(*tire.road, wheel.r.x());
+  const ContactFrame frame = contact_of(tire, stretch, wheel, element.statement->name);
+  state.contact = frame.contact;
+  if (!regimes_are_frozen_) state.regime = regime_at(tire, frame.contact);
+  return wrench_at_center(frame, evaluate(tire, state.regime, frame.contact));
+}
+
+std::size_t AppliedForces::place_of_least() const {
+  std::size_t least = 0;
+  const auto margin_at = [this](std::size_t k) {
+    return margin_of(std::get<Tire>(tires_[k].statement->what), tires_[k].regime, tires_[k].contact);
+  };
+  for (std::size_t k = 1; k < tires_.size(); ++k) {
+    if (margin_at(k) < margin_at(least)) least = k;
+  }
+  return least;
+}
+
+double AppliedForces::margin() const {
+  if (tires_.empty()) return std::numeric_limits<double>::infinity();
+  const TireState& least = tires_[place_of_least()];
+  return margin_of(std::get<Tire>(least.statement->what), least.regime, least.contact);
+}
+
+const std::string& AppliedForces::least_tire() const { return tires_[place_of_least()].statement->name; }
 
 /// On the child's body, and the answer on the parent's, if there is one.
 void AppliedForces::apply_element(double t, const Element& element, ElementWrenches& wrenches) {

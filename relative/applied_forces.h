@@ -5,6 +5,7 @@
 
 #include "common/results.h"
 #include "relative/closure.h"
+#include "relative/tire_contact.h"
 
 /// Applied forces: force elements and joint springs as generalized forces of bodies and of joint speeds.
 namespace concord::relative {
@@ -20,8 +21,18 @@ class AppliedForces {
 
   /// Takes the pose and speeds that kinematics and closure hold, coordinates and speeds q and u complete with those of
   /// cut joints. Throws SolverError, naming the element, where a line spring has no length, or where the frames of a
-  /// turn spring or a bushing are turned by more than 175 deg.
+  /// turn spring or a bushing are turned by more than 175 deg, or where a wheel lies flat on the road.
   void update(double t, const VecX& q, const VecX& u);
+
+  /// Tires: each update takes the regime that a contact is in by itself, or keeps the regimes that the last update
+  /// found, as an integrator needs during a step.
+  void free_regimes() { regimes_are_frozen_ = false; }
+  void freeze_regimes() { regimes_are_frozen_ = true; }
+  [[nodiscard]] bool has_tires() const { return !tires_.empty(); }
+  /// How far the last update was inside the regimes, the worst of all tires: see margin_of. Infinite without tires.
+  [[nodiscard]] double margin() const;
+  /// Name of the tire with the least margin.
+  [[nodiscard]] const std::string& least_tire() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
   [[nodiscard]] const Vec6& on_body(int link) const { return on_body_[link]; }
@@ -46,6 +57,12 @@ class AppliedForces {
     const ForceElement* statement;
     std::vector<JointPoint> ends;  // by Side, or the child's alone
     std::array<int, 2> bodies{kGround, kGround};
+    int tire = -1;  // its place among the tires
+  };
+  struct TireState {
+    const ForceElement* statement;
+    TireRegime regime;
+    TireContact contact;
   };
   /// A joint spring and the places of its coordinate and speed.
   struct Spring {
@@ -62,6 +79,8 @@ class AppliedForces {
   [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
+  [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
+  [[nodiscard]] std::size_t place_of_least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
   void apply_springs(double t, const VecX& q, const VecX& u);
   void push(int body, const JointPoint& point, const Vec6& wrench);
@@ -71,6 +90,8 @@ class AppliedForces {
   double length_;
   std::vector<Element> elements_;
   std::vector<Spring> springs_;
+  std::vector<TireState> tires_;
+  bool regimes_are_frozen_ = false;
   std::vector<int> sprung_cuts_;  // places in Closure::cuts
   std::vector<Vec6> on_body_;
   std::vector<VecX> on_modes_;

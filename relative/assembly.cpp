@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace concord::relative {
@@ -29,6 +30,8 @@ MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
   for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = matrix.col(columns[c]);
   return selected;
 }
+
+const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_places ? "coordinates" : "speeds"; }
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
@@ -68,19 +71,19 @@ void Assembly::advance(VecX& q, const VecX& step) const {
 double Assembly::measure(Coordinates& coordinates, Closure& closure) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   closure.measure(coordinates.q, coordinates.u);
-  return largest(closure.gap().cwiseQuotient(scales_.rows(closure)));
+  return largest(closure.gap().cwiseQuotient(scales_.rows(closure).head(closure.n_position_rows())));
 }
 
-/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit away to first
-/// order; directions in which the rows are dependent are left alone, those with singular values below the damping
-/// hardly used.
+/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
+/// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
+/// values below the damping hardly used.
 VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
                              double damping) const {
-  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), columns);
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure).topRows(misfit.size()), columns);
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   if (Phi.size() == 0) return step;
   const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure));
+  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure).head(misfit.size()));
   const VecX& sigma = svd.singularValues();
   VecX filter = VecX::Zero(sigma.size());
   for (Eigen::Index i = 0; i < sigma.size(); ++i) {
@@ -95,7 +98,7 @@ VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& col
 /// Newton's method with damping and halved steps, until round-off stops it.
 bool Assembly::close_positions(Coordinates& coordinates, const Held& held) {
   Closure closure(equations_->kinematics(), held);
-  if (closure.n_rows() == 0) return true;
+  if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = moving_columns(held, Modes::kept);
   double gap = measure(coordinates, closure);
   for (int iteration = 0; iteration < kMostIterations && gap > 0.0; ++iteration) {
@@ -141,12 +144,14 @@ bool Assembly::close(Coordinates& coordinates) {
   return close_positions(coordinates, equations_->driven()) && close_velocities(coordinates, equations_->driven());
 }
 
-/// Step of the free columns in the units of the machine from the kept rows alone; the others follow.
+/// Step of the free columns in the units of the machine that takes away the misfit of the kept rows among those that it
+/// has; the others follow.
 VecX Assembly::projection_step(const VecX& misfit) const {
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
-  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure));
-  const std::vector<int>& rows = equations_->loops().kept_rows();
+  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure).head(misfit.size()));
+  const std::vector<int>& all = equations_->loops().kept_rows();
+  const std::vector<int> rows(all.begin(), std::lower_bound(all.begin(), all.end(), static_cast<int>(misfit.size())));
   MatX kept(rows.size(), Phi.cols());
   VecX right(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -190,9 +195,9 @@ void Assembly::project(Coordinates& coordinates) {
   gap = largest(closure.gap());
   if (!(gap <= allowed)) {
     throw SolverError(
-        fmt::format("the loop of joint '{}' will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
+        fmt::format("{} will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
                     "closed at the start: tighten the tolerance",
-                    equations_->model().joints[closure.worst_joint(closure.gap())].name, gap, allowed));
+                    closure.worst_place(closure.gap()), gap, allowed));
   }
   for (int iteration = 0; iteration < 2; ++iteration) {
     coordinates.u.head(topology.n_tree_u) += projection_step(closure.slip());
@@ -207,21 +212,43 @@ double Assembly::misfit(const Coordinates& coordinates) {
                   largest(closure.slip()) / std::max(1.0, largest(coordinates.u)));
 }
 
-int Assembly::closure_rank(const Coordinates& coordinates, bool with_modes) {
+int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes modes) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   const Closure& closure = equations_->closure();
-  const std::vector<int> columns = moving_columns(equations_->driven(), with_modes ? Modes::moving : Modes::kept);
-  return static_cast<int>(rank_of(select_columns(scales_.scaled(closure.Phi_u(), closure), columns)));
+  const MatX Phi =
+      select_columns(scales_.scaled(closure.Phi_u(), closure), moving_columns(equations_->driven(), modes));
+  return static_cast<int>(rank_of(Phi.topRows(rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows())));
+}
+
+/// As many independent rows of Phi as `rank` says, those of places first, so that they close places by themselves: what
+/// a pivoted QR of Phi^T takes first of them, and then of what they leave of the others.
+std::vector<int> Assembly::independent_rows(const MatX& Phi, int rank) const {
+  const int n_places = equations_->closure().n_position_rows();
+  const auto n_first = static_cast<int>(rank_of(Phi.topRows(n_places)));
+  std::vector<int> rows;
+  MatX beside = Phi.bottomRows(Phi.rows() - n_places).transpose();
+  if (n_first > 0) {
+    const Eigen::ColPivHouseholderQR<MatX> places(Phi.topRows(n_places).transpose());
+    for (int r = 0; r < n_first; ++r) rows.push_back(places.colsPermutation().indices()(r));
+    const MatX Q = places.householderQ() * MatX::Identity(Phi.cols(), n_first);
+    beside -= (Q * (Q.transpose() * beside)).eval();
+  }
+  if (rank > n_first) {
+    const Eigen::ColPivHouseholderQR<MatX> others(beside);
+    for (int r = 0; r < rank - n_first; ++r) rows.push_back(n_places + others.colsPermutation().indices()(r));
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
 }
 
 /// A start or a folded pose may lack rank that the machine has elsewhere: poses nearby, reached with the drivers let
-/// go, decide. The rows are those that a pivoted QR of Phi_u^T takes first in the pose of highest rank.
+/// go, decide.
 void Assembly::choose_rows(const Coordinates& coordinates) {
   if (rows_are_chosen_) return;
   rows_are_chosen_ = true;
   const int n_rows = equations_->closure().n_rows();
   Coordinates best = coordinates;
-  int rank = closure_rank(coordinates, true);
+  int rank = closure_rank(coordinates, Rows::of_velocities, Modes::moving);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const Held nothing(equations_->topology().n_u, 0);
@@ -232,7 +259,7 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
     for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
     advance(nearby.q, step);
     if (!close_positions(nearby, nothing)) continue;
-    const int found = closure_rank(nearby, true);
+    const int found = closure_rank(nearby, Rows::of_velocities, Modes::moving);
     if (found <= rank) continue;
     rank = found;
     best = std::move(nearby);
@@ -241,11 +268,7 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
   equations_->move(best.t, best.q, best.u);
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
-  const Eigen::ColPivHouseholderQR<MatX> qr(Phi.transpose());
-  std::vector<int> rows;
-  for (int r = 0; r < rank; ++r) rows.push_back(qr.colsPermutation().indices()(r));
-  std::sort(rows.begin(), rows.end());
-  equations_->loops().keep_rows(rows);
+  equations_->loops().keep_rows(independent_rows(Phi, rank));
 }
 
 // The start ----------------------------------------------------------------------------------------------------------
@@ -345,31 +368,50 @@ SourceLocation Assembly::where_kept(const Held& held) const {
   return {model.file, 0, 0};
 }
 
+/// The couplings that relate nothing but kept and driven values, for the end of a message about the former.
+std::string Assembly::couplings_of_kept(const Held& held) const {
+  const Model& model = equations_->model();
+  std::string text;
+  for (const Coupling& coupling : model.couplings) {
+    std::vector<std::string> names;
+    for (const CouplingTerm& term : coupling.terms) {
+      const Joint& joint = model.joints[term.joint];
+      const int place = first_u(*joint.type, term.word) + term.component;
+      if (held[equations_->topology().joints[term.joint].first_u + place] == 0) break;
+      names.push_back(fmt::format("'{}'", joint.name));
+    }
+    if (names.size() < coupling.terms.size()) continue;
+    text += fmt::format("; coupling '{}' relates those of joints {}", coupling.name, fmt::join(names, ", "));
+  }
+  return text;
+}
+
 /// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.
-void Assembly::require_number_of_kept(const Coordinates& coordinates, const Held& held, const char* what) {
+void Assembly::require_number_of_kept(const Coordinates& coordinates, const Held& held, Rows rows) {
   const auto n_free = static_cast<int>(moving_columns(equations_->driven(), Modes::kept).size());
-  const int freedom = n_free - closure_rank(coordinates, false);
+  const int freedom = n_free - closure_rank(coordinates, rows, Modes::kept);
   int n_kept = 0;
   for (std::size_t c = 0; c < held.size(); ++c) n_kept += held[c] != 0 && equations_->driven()[c] == 0 ? 1 : 0;
   if (n_kept == freedom) return;
   throw InputError(
       where_kept(held),
       fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
-                  "{} are ({})",
-                  degrees(freedom), freedom, what, n_kept, names_of_kept(held)));
+                  "{} are ({}){}",
+                  degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(held), couplings_of_kept(held)));
 }
 
-void Assembly::require_independent_start(const Coordinates& coordinates, const Held& held, const char* what) {
+void Assembly::require_independent_start(const Coordinates& coordinates, const Held& held, Rows rows) {
   Closure closure(equations_->kinematics(), held);
   Coordinates copy = coordinates;
   measure(copy, closure);
   const std::vector<int> columns = moving_columns(held, Modes::kept);
-  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), columns);
+  const int n_rows = rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows();
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure).topRows(n_rows), columns);
   if (rank_of(Phi) == static_cast<Eigen::Index>(columns.size())) return;
   throw InputError(where_kept(held),
                    fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
-                               "of the machine free: keep others",
-                               what, names_of_kept(held)));
+                               "of the machine free: keep others{}",
+                               name_of(rows), names_of_kept(held), couplings_of_kept(held)));
 }
 
 void Assembly::require_inertia(const Coordinates& coordinates) {
@@ -399,32 +441,54 @@ void Assembly::throw_not_closing(const Held& held) const {
   if (held == equations_->driven()) {
     throw InputError(where_kept(held),
                      fmt::format("start: the loops of {} cannot be closed near the start values: give "
-                                 "better guesses of joint coordinates or body poses",
-                                 equations_->model().name));
+                                 "better guesses of joint coordinates or body poses{}",
+                                 equations_->model().name, couplings_of_kept(held)));
   }
   throw InputError(where_kept(held), fmt::format("start: the kept joint coordinates ({}) contradict each other: the "
-                                                 "loops do not close with them",
-                                                 names_of_kept(held)));
+                                                 "loops do not close with them{}",
+                                                 names_of_kept(held), couplings_of_kept(held)));
+}
+
+/// Whole turns, which change no pose, for couplings that are off by more: on the turn with the smallest factor among
+/// those that are not held.
+void Assembly::wind(Coordinates& coordinates, const Held& held) const {
+  const Model& model = equations_->model();
+  const Topology& topology = equations_->topology();
+  for (const Coupling& coupling : model.couplings) {
+    const CouplingTerm* least = nullptr;
+    for (const CouplingTerm& term : coupling.terms) {
+      const int column = first_u(*model.joints[term.joint].type, term.word) + term.component;
+      if (held[topology.joints[term.joint].first_u + column] != 0) continue;
+      if (!std::holds_alternative<joints::Turn>(model.joints[term.joint].type->permits[term.word])) continue;
+      if (least == nullptr || std::abs(term.factor) < std::abs(least->factor)) least = &term;
+    }
+    if (least == nullptr) continue;
+    const double turn = 2.0 * std::numbers::pi * least->factor;
+    const double turns = std::round(compute_gap(coupling, model, topology, coordinates.q) / turn);
+    const int place = first_q(*model.joints[least->joint].type, least->word) + least->component;
+    coordinates.q(topology.joints[least->joint].first_q + place) -= 2.0 * std::numbers::pi * turns;
+  }
 }
 
 Coordinates Assembly::start() {
   Coordinates start = guess_start();
   const Held held_q = kept(&WordStart::role_q);
   const Held held_u = kept(&WordStart::role_u);
+  wind(start, held_q);
   Coordinates closed = start;
   const bool kept_agree = close_positions(closed, held_q);
   if (!kept_agree) closed = start;
   if (kept_agree || close_positions(closed, equations_->driven())) {
-    require_number_of_kept(closed, held_q, "coordinates");
+    require_number_of_kept(closed, held_q, Rows::of_places);
   }
   if (!kept_agree) throw_not_closing(held_q);
-  require_independent_start(closed, held_q, "coordinates");
-  require_number_of_kept(closed, held_u, "speeds");
-  require_independent_start(closed, held_u, "speeds");
+  require_independent_start(closed, held_q, Rows::of_places);
+  require_number_of_kept(closed, held_u, Rows::of_velocities);
+  require_independent_start(closed, held_u, Rows::of_velocities);
   require_inertia(closed);
   if (!close_velocities(closed, held_u)) {
-    throw InputError(where_kept(held_u),
-                     fmt::format("start: the kept joint speeds ({}) contradict each other", names_of_kept(held_u)));
+    throw InputError(where_kept(held_u), fmt::format("start: the kept joint speeds ({}) contradict each other{}",
+                                                     names_of_kept(held_u), couplings_of_kept(held_u)));
   }
   choose_rows(closed);
   return closed;

@@ -25,7 +25,8 @@ class Assembly {
   /// contradictory, and naming body and axis if the opened tree lacks inertia.
   [[nodiscard]] Coordinates start();
 
-  /// Closes q and u near their values at time t; modal coordinates and rates are kept. False if Newton's method fails.
+  /// Closes q and u near their values at time t, couplings and constraints of velocity too; modal coordinates and rates
+  /// are kept. False if Newton's method fails.
   [[nodiscard]] bool close(Coordinates& coordinates);
 
   /// Projects a state that is closed but for the error of one integration step, modes included: the smallest change in
@@ -39,11 +40,14 @@ class Assembly {
   /// slip / max(1, largest speed).
   [[nodiscard]] double misfit(const Coordinates& coordinates);
 
+  enum class Modes { kept, moving };
+  /// The closure rows of places alone, or all, which hold for velocities.
+  enum class Rows { of_places, of_velocities };
+
   /// Rank of the closure rows in scaled units over the free columns of the tree, with or without modal ones.
-  [[nodiscard]] int closure_rank(const Coordinates& coordinates, bool with_modes);
+  [[nodiscard]] int closure_rank(const Coordinates& coordinates, Rows rows, Modes modes);
 
  private:
-  enum class Modes { kept, moving };
   [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held);
   [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held);
   [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
@@ -52,15 +56,18 @@ class Assembly {
   [[nodiscard]] VecX smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
                                    double damping) const;
   [[nodiscard]] VecX projection_step(const VecX& misfit) const;
+  [[nodiscard]] std::vector<int> independent_rows(const MatX& Phi, int rank) const;
 
   [[nodiscard]] Coordinates guess_start() const;
   void measure_unsaid(Coordinates& coordinates) const;
   [[nodiscard]] Held kept(StartRole WordStart::*role) const;
-  void require_independent_start(const Coordinates& coordinates, const Held& held, const char* what);
-  void require_number_of_kept(const Coordinates& coordinates, const Held& held, const char* what);
+  void wind(Coordinates& coordinates, const Held& held) const;
+  void require_independent_start(const Coordinates& coordinates, const Held& held, Rows rows);
+  void require_number_of_kept(const Coordinates& coordinates, const Held& held, Rows rows);
   [[noreturn]] void throw_not_closing(const Held& held) const;
   void require_inertia(const Coordinates& coordinates);
   [[nodiscard]] std::string names_of_kept(const Held& held) const;
+  [[nodiscard]] std::string couplings_of_kept(const Held& held) const;
   [[nodiscard]] SourceLocation where_kept(const Held& held) const;
 
   Equations* equations_;

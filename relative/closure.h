@@ -1,113 +1,62 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include "relative/velocity_transformation.h"
+#include "relative/joint_measure.h"
+#include "relative/relations.h"
 
-/// Closure of the loops from what the cut joints permit, formulation section 7.
+/// Closure of a machine: its loops from what the cut joints permit, formulation section 7, its couplings, and its
+/// constraints of the velocity alone.
 namespace concord::relative {
 
-/// Which speeds have values of their own: driven ones, and at the start those that the model keeps. One for each entry
-/// of u, nonzero if held.
-using Held = std::vector<char>;
-
-/// The driven speeds of a model.
-Held driven_speeds(const Model& model, const Topology& topology);
-
-/// Coordinates, speeds and misfit of one joint measured between two given joint points.
-class JointMeasure {
- public:
-  /// `held` has n_u entries for the joint's speeds.
-  JointMeasure(const Motion& motion, const char* held);
-
-  /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
-  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame. Held coordinates are taken from q.
-  /// Without `restart` only from q; with it, from Motion::trial values too if the misfit stays above 1e-6, and
-  /// of the names of the pose found the one that is meant: see Motion::choose_chart.
-  void find_q(const JointPoint& parent, const JointPoint& child, double* q, bool restart);
-
-  /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q.
-  void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
-
-  [[nodiscard]] const JointMotion& motion_at() const { return at_; }
-  /// e and v_rel - S u [m, rad; m/s, rad/s], components in the parent's joint frame.
-  [[nodiscard]] const Vec6& error() const { return error_; }
-  [[nodiscard]] const Vec6& slip() const { return slip_; }
-
-  /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not held.
-  [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
-  /// Of these, the ones in metres; they stand first.
-  [[nodiscard]] int n_linear_rows() const { return motion_->couples() ? n_rows() : 3 - n_free_displacements_; }
-  /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
-  /// rotates, then with torques counted in Motion::length, T^T diag(1, 1 / length^2) T = 1.
-  [[nodiscard]] const Mat6& T() const { return T_; }
-
- private:
-  [[nodiscard]] Vec6 weighed(const Vec6& motion) const;
-  [[nodiscard]] JointColumns free_columns() const;
-  [[nodiscard]] JointVector fit(const Vec6& motion) const;
-  double newton(const JointPoint& parent, const JointPoint& child, double* q);
-  [[nodiscard]] double size_of(const JointVector& step) const;
-  double move(const JointPoint& parent, const JointPoint& child, double* q);
-  double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
-  void search(const JointPoint& parent, const JointPoint& child, double* q);
-  void compute_complement();
-  void complete_separately();
-  void complete_together();
-
-  const Motion* motion_;
-  std::vector<int> free_;
-  std::vector<int> held_;
-  int n_free_displacements_ = 0;
-  JointMotion at_;
-  Vec6 error_ = Vec6::Zero();
-  Vec6 slip_ = Vec6::Zero();
-  Mat6 T_ = Mat6::Identity();
-};
-
-/// All cut joints of a machine: rows T^T of each, one joint after the other.
+/// The rows that the tree's speeds obey: T^T of each cut joint, one after the other; then a row of each coupling; then
+/// those that hold for velocities alone.
 class Closure {
  public:
-  struct Cut {
-    int joint = 0;
-    int first_row = 0;
-    JointMeasure measure;
-    /// T in global axes (6 x rows): the wrench on the child at P_i of a unit multiplier, with the opposite sign.
-    Mat6 T_global = Mat6::Identity();
-  };
+  using Cut = CutJoint;
 
   /// The kinematics must outlive this object.
   Closure(const Kinematics& kinematics, const Held& held);
 
-  [[nodiscard]] int n_rows() const { return static_cast<int>(gap_.size()); }
+  [[nodiscard]] int n_rows() const { return static_cast<int>(slip_.size()); }
+  /// The rows that hold for places too; they stand first.
+  [[nodiscard]] int n_position_rows() const { return static_cast<int>(gap_.size()); }
   [[nodiscard]] const std::vector<Cut>& cuts() const { return cuts_; }
+  [[nodiscard]] const std::vector<Relation>& relations() const { return relations_.all(); }
 
   /// Measures the cut joints in the pose of the kinematics: writes their coordinates (guesses before) and speeds that
-  /// are not held into q and u.
+  /// are not held into q and u. Then measures the couplings and the constraints of velocity.
   void measure(VecX& q, VecX& u);
 
-  /// Position closure T^T e [m, rad] and velocity closure T^T (v_rel - S u_held) [m/s, rad/s]; zero if closed.
+  /// Position closure T^T e [m, rad] and velocity closure T^T (v_rel - S u_held) [m/s, rad/s]; of relations free of
+  /// units and 1/s; zero if closed. n_position_rows and n_rows numbers.
   [[nodiscard]] const VecX& gap() const { return gap_; }
   [[nodiscard]] const VecX& slip() const { return slip_; }
 
-  /// Residual of the acceleration closure T^T (a_rel - Sdot u - S_held udot_held), n_rows numbers, for the
-  /// accelerations of the two joint points of every cut joint as `acceleration(joint, side)` gives them (a Vec6 in
-  /// global axes) and held accelerations from udot (entries that are not held are not read).
+  /// Residual of the acceleration closure T^T (a_rel - Sdot u - S_held udot_held) and of the relations, n_rows numbers,
+  /// for the accelerations of the two joint points of every cut joint as `acceleration(joint, side)` gives them (a Vec6
+  /// in global axes) and accelerations of the tree and held ones from udot (other entries are not read).
   template <class Acceleration>
   void compute_acceleration_residual(const Acceleration& acceleration, const VecX& udot, VecX& residual) const;
 
-  /// Phi_u = T^T W B, n_rows x n_tree_u, dense.
+  /// Phi_u = T^T W B, and C^T of the relations, n_rows x n_tree_u, dense.
   [[nodiscard]] MatX Phi_u() const;
 
-  /// The cut joint with the largest entry in a vector of n_rows numbers.
-  [[nodiscard]] int worst_joint(const VecX& rows) const;
+  /// What the largest entry in a vector of row numbers belongs to: "the loop of joint 'A'" or "coupling 'G'" or "the
+  /// velocity of joint 'B'".
+  [[nodiscard]] std::string worst_place(const VecX& rows) const;
 
  private:
+  template <class Acceleration>
+  [[nodiscard]] Vec6 free_acceleration(const Cut& cut, const Acceleration& acceleration) const;
   [[nodiscard]] Vec6 relative_acceleration(const Cut& cut, const Vec6& of_parent, const Vec6& of_child) const;
+  void add_wrench_rows(int joint, const Mat6X& on_child, MatX& rows) const;
 
   const Kinematics* kinematics_;
   Held held_;
   std::vector<Cut> cuts_;
+  Relations relations_;
   VecX gap_;
   VecX slip_;
 };
@@ -115,13 +64,18 @@ class Closure {
 /// Rows w^T G_P for the columns w of `wrenches` (6 x n) at the point: n x (6 + m).
 MatX rows_on_body(const JointPoint& point, const Mat6X& wrenches);
 
+/// a_rel - Sdot u of a cut joint.
+template <class Acceleration>
+Vec6 Closure::free_acceleration(const Cut& cut, const Acceleration& acceleration) const {
+  return relative_acceleration(cut, acceleration(cut.joint, Side::parent), acceleration(cut.joint, Side::child)) -
+         cut.measure.motion_at().Sdot_u;
+}
+
 template <class Acceleration>
 void Closure::compute_acceleration_residual(const Acceleration& acceleration, const VecX& udot, VecX& residual) const {
   for (const Cut& cut : cuts_) {
-    Vec6 misfit =
-        relative_acceleration(cut, acceleration(cut.joint, Side::parent), acceleration(cut.joint, Side::child));
+    Vec6 misfit = free_acceleration(cut, acceleration);
     const JointMotion& motion = cut.measure.motion_at();
-    misfit -= motion.Sdot_u;
     const Span& span = kinematics_->topology().joints[cut.joint];
     for (int c = 0; c < span.n_u; ++c) {
       if (held_[span.first_u + c] != 0) misfit -= motion.S.col(c) * udot(span.first_u + c);
@@ -129,6 +83,9 @@ void Closure::compute_acceleration_residual(const Acceleration& acceleration, co
     const int rows = cut.measure.n_rows();
     residual.segment(cut.first_row, rows).noalias() = cut.measure.T().leftCols(rows).transpose().lazyProduct(misfit);
   }
+  if (!relations_.any()) return;
+  relations_.compute_acceleration_residual([&](int cut) { return free_acceleration(cuts_[cut], acceleration); }, udot,
+                                           residual);
 }
 
 }  // namespace concord::relative

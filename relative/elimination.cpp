@@ -310,12 +310,18 @@ void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {
   udot.segment(modes.first_u, modes.n_u) = f.addot;
 }
 
+void Elimination::add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces,
+                                        Eigen::Ref<MatX> on_unknowns) const {
+  const LinkFactors& factors = links_[link];
+  for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
+}
+
 void Elimination::project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<const MatX>& z_a,
                           Eigen::Ref<MatX> eps) const {
   const LinkFactors& factors = links_[link];
   if (flexible_of_link_[link] >= 0) {
     const FlexibleFactors& f = flexible_[flexible_of_link_[link]];
-    eps.noalias() = f.H.transpose() * z_r;
+    eps.noalias() += f.H.transpose() * z_r;
     eps.bottomRows(z_a.rows()) += z_a;
     f.llt.matrixL().solveInPlace(eps);
     z_r.noalias() -= f.Kt.transpose() * eps;
@@ -326,7 +332,7 @@ void Elimination::project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<cons
   const Eigen::Map<const Mat6X> H(free_columns(link), 6, n);
   const Eigen::Map<const Mat6X> K(factors.K.data(), 6, n);
   const Eigen::Map<const MatX> L(factors.L.data(), n, n);
-  eps.noalias() = H.transpose().lazyProduct(z_r);
+  eps.noalias() += H.transpose().lazyProduct(z_r);
   L.triangularView<Eigen::Lower>().solveInPlace(eps);
   z_r.noalias() -= K.lazyProduct(eps);
 }

@@ -69,9 +69,13 @@ class Elimination {
   /// Number of unknowns of a link: free joint speeds and modal speeds.
   [[nodiscard]] int n_unknowns(int link) const;
 
-  /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link:
-  /// writes its part along the link's unknowns, eps = L^-1 H^T z (n x c), and leaves in z_r what the reference body
-  /// feels.
+  /// Adds coordinate forces (n_u x c) on the speeds of a link's joint to forces on its unknowns (n x c); what pushes a
+  /// driven speed has no effect.
+  void add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
+
+  /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
+  /// in eps forces on its unknowns (n x c): makes of eps their part along the unknowns, L^-1 (eps + H^T z), and leaves
+  /// in z_r what the reference body feels.
   void project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<const MatX>& z_a, Eigen::Ref<MatX> eps) const;
 
   /// Adds to a link's right side what a generalized force of projection `eps` (n numbers) adds.

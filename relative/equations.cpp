@@ -70,6 +70,11 @@ void Equations::compute_accelerations(double t, const VecX& q, const VecX& u) {
   loops_.close(udot_);
 }
 
+void Equations::update_forces(double t, const VecX& q, const VecX& u) {
+  move(t, q, u);
+  applied_.update(t, q_, u_);
+}
+
 int Equations::find_speed_without_inertia(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
   update_inertias();
@@ -106,8 +111,9 @@ double Equations::power() const {
   double power = applied_.power();
   for (const Prescription& driver : drivers_) {
     const VecX& tau = reactions_.joints()[driver.joint].tau;
-    // A spring on the same coordinate has its share in tau, and has been counted.
-    const double of_driver = tau(driver.u - topology().joints[driver.joint].first_u) - applied_.tau()(driver.u);
+    // A spring on the same coordinate has its share in tau, and has been counted; a coupling has no power in all.
+    const double of_driver = tau(driver.u - topology().joints[driver.joint].first_u) - applied_.tau()(driver.u) -
+                             reactions_.coupling_tau()(driver.u);
     power += of_driver * u_(driver.u);
   }
   for (const BodyInertia& inertia : inertias_) {

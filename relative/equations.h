@@ -48,6 +48,9 @@ class Equations {
   /// element is not defined in it.
   void compute_accelerations(double t, const VecX& q, const VecX& u);
 
+  /// move, and applied forces: what the tires of a state do, without its accelerations.
+  void update_forces(double t, const VecX& q, const VecX& u);
+
   /// A free speed of the opened tree without inertia in this pose (its place in u), or -1. Throws SolverError if every
   /// single one has inertia but some together have none.
   [[nodiscard]] int find_speed_without_inertia(double t, const VecX& q, const VecX& u);
@@ -64,6 +67,7 @@ class Equations {
   void compute_qdot(VecX& qdot) const;
 
   [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }
+  AppliedForces& applied_forces() { return applied_; }
   [[nodiscard]] const Elimination& elimination() const { return elimination_; }
   [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return inertias_; }
   [[nodiscard]] const Reactions& reactions() const { return reactions_; }

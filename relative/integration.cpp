@@ -1,23 +1,20 @@
 #include "relative/integration.h"
 
-#include <arkode/arkode_arkstep.h>
-#include <arkode/arkode_erkstep.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "common/sundials.h"
+#include "relative/stepper.h"
 
 namespace concord::relative {
 
 namespace {
 
-constexpr long kMostSteps = 50'000'000;
 constexpr double kLargestModalResidual = 1e-8;
 /// Errors of single steps add up over a run: each is held to this part of the tolerance asked of the run, but not below
 /// what round-off lets the formulas see.
@@ -180,94 +177,118 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
   return 0;
 }
 
-/// One integrator of ARKODE, set up and ready to go from the start state.
-class Stepper {
+/// Takes an integration through the kinks of its tires: during a step their regimes are kept, and a step in which one
+/// ends is made anew up to there.
+class Kinks {
  public:
-  virtual ~Stepper() = default;
-  /// Advances y to t_end exactly; returns a negative code of ARKODE if it cannot.
-  virtual int advance(double t_end, N_Vector y, double& t) = 0;
-  [[nodiscard]] virtual long steps() const = 0;
-};
+  Kinks(Run& run, Stepper& stepper, double until) : run_(&run), stepper_(&stepper), until_(until) {}
+  ~Kinks() { run_->equations.applied_forces().free_regimes(); }
+  Kinks(const Kinks&) = delete;
+  Kinks& operator=(const Kinks&) = delete;
 
-struct Settings {
-  N_Vector y;
-  Run* run;
-  const sundials::Context* context;
-  sundials::MessageRecord* messages;
-};
-
-class ErkStepper final : public Stepper {
- public:
-  explicit ErkStepper(const Settings& s)
-      : memory_(sundials::require(ERKStepCreate(right_side, 0.0, s.y, s.context->get()), "ERKStepCreate")) {
-    const auto check = [&s](int code, const char* call) { sundials::check(code, call, *s.messages); };
-    check(ERKStepSetErrHandlerFn(memory_, sundials::MessageRecord::record, s.messages), "ERKStepSetErrHandlerFn");
-    check(ERKStepSetUserData(memory_, s.run), "ERKStepSetUserData");
-    check(ERKStepWFtolerances(memory_, error_weights), "ERKStepWFtolerances");
-    check(ERKStepSetTableNum(memory_, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
-    check(ERKStepSetMaxNumSteps(memory_, kMostSteps), "ERKStepSetMaxNumSteps");
-    check(ERKStepSetPostprocessStepFn(memory_, project_step), "ERKStepSetPostprocessStepFn");
+  /// Takes the regimes of a state.
+  void set_regimes(double t, const Eigen::Ref<const VecX>& y) {
+    run_->equations.applied_forces().free_regimes();
+    (void)margin(t, y);
+    run_->equations.applied_forces().freeze_regimes();
   }
-  ~ErkStepper() override { ERKStepFree(&memory_); }
-  ErkStepper(const ErkStepper&) = delete;
-  ErkStepper& operator=(const ErkStepper&) = delete;
 
-  int advance(double t_end, N_Vector y, double& t) override {
-    const int code = ERKStepSetStopTime(memory_, t_end);
-    return code < 0 ? code : ERKStepEvolve(memory_, t_end, y, &t, ARK_NORMAL);
-  }
-  [[nodiscard]] long steps() const override {
-    long steps = 0;
-    ERKStepGetNumSteps(memory_, &steps);
-    return steps;
+  /// Advances y to t_end exactly. Throws SolverError where kinks follow each other without end.
+  int advance(double t_end, N_Vector y, double& t) {
+    while (t < t_end) {
+      const double t_before = t;
+      before_ = sundials::view(y);
+      const double margin_before = std::max(0.0, margin(t, before_));
+      const int code = stepper_->step(t_end, y, t);
+      if (code < 0) return code;
+      const double margin_after = margin(t, sundials::view(y));
+      if (margin_after >= 0.0) continue;
+      const double step = t - t_before;
+      t = t_before;
+      const int found = approach({0.0, margin_before, step, margin_after}, y, t);
+      if (found < 0) return found;
+      require_progress(t);
+      set_regimes(t, sundials::view(y));
+      const int restarted = stepper_->restart(t, y, std::min(step, std::max(t_end - t, round_off(t))));
+      if (restarted < 0) return restarted;
+      if (t_end - t <= round_off(t)) t = t_end;
+    }
+    return 0;
   }
 
  private:
-  void* memory_;
+  /// Lengths of two steps, and the margins where they end: inside the regimes, and outside.
+  struct Bracket {
+    double inside, margin_inside;
+    double outside, margin_outside;
+  };
+  static constexpr int kMostTrials = 100;
+  static constexpr std::size_t kMostKinks = 200;
+  static constexpr double kTinyTime = 1e-4;  // of the run's
+
+  [[nodiscard]] static double round_off(double t) { return 8.0 * std::numeric_limits<double>::epsilon() * t; }
+
+  double margin(double t, const Eigen::Ref<const VecX>& y) {
+    run_->variables.unpack(y, run_->coordinates);
+    run_->equations.update_forces(t, run_->coordinates.q, run_->coordinates.u);
+    return run_->equations.applied_forces().margin();
+  }
+
+  /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance.
+  [[nodiscard]] static double guess(const Bracket& b, double tolerance) {
+    const double part = b.margin_inside / (b.margin_inside - b.margin_outside);
+    return std::clamp(b.inside + part * (b.outside - b.inside), b.inside + tolerance, b.outside - tolerance);
+  }
+
+  /// Finds the step that ends just outside and leaves its state in y and t: by secants, the margin of an end that stays
+  /// halved (the Illinois method).
+  int approach(Bracket b, N_Vector y, double& t) {
+    const double t_before = t;
+    const double tolerance = std::max(1e-13 * until_, round_off(t_before));
+    const auto make = [&](double step) {
+      t = t_before;
+      sundials::view(y) = before_;
+      return stepper_->step_exactly(step, y, t);
+    };
+    int last_side = 0;
+    for (int trial = 0; trial < kMostTrials && b.outside - b.inside > 2.0 * tolerance; ++trial) {
+      const double step = guess(b, tolerance);
+      const int code = make(step);
+      if (code < 0) return code;
+      const double found = margin(t, sundials::view(y));
+      const int side = found < 0.0 ? 1 : -1;
+      if (side > 0) {
+        b.outside = step;
+        b.margin_outside = found;
+        if (last_side == side) b.margin_inside *= 0.5;
+      } else {
+        b.inside = step;
+        b.margin_inside = found;
+        if (last_side == side) b.margin_outside *= 0.5;
+      }
+      last_side = side;
+    }
+    return make(b.outside);
+  }
+
+  /// Refuses regimes that take turns in no time.
+  void require_progress(double t) {
+    times_.push_back(t);
+    if (times_.size() <= kMostKinks) return;
+    const double first = times_[times_.size() - 1 - kMostKinks];
+    if (t - first > kTinyTime * until_) return;
+    throw SolverError(fmt::format(
+        "the contact of tire '{}' changes its regime {} times within {:.1e} s: it chatters; give it damping, "
+        "or the road no step there",
+        run_->equations.applied_forces().least_tire(), kMostKinks, t - first));
+  }
+
+  Run* run_;
+  Stepper* stepper_;
+  double until_;
+  VecX before_;
+  std::vector<double> times_;
 };
-
-class DirkStepper final : public Stepper {
- public:
-  explicit DirkStepper(const Settings& s)
-      : matrix_(
-            sundials::require(SUNDenseMatrix(NV_LENGTH_S(s.y), NV_LENGTH_S(s.y), s.context->get()), "SUNDenseMatrix")),
-        linear_(sundials::require(SUNLinSol_Dense(s.y, matrix_.get(), s.context->get()), "SUNLinSol_Dense")),
-        memory_(sundials::require(ARKStepCreate(nullptr, right_side, 0.0, s.y, s.context->get()), "ARKStepCreate")) {
-    const auto check = [&s](int code, const char* call) { sundials::check(code, call, *s.messages); };
-    check(ARKStepSetErrHandlerFn(memory_, sundials::MessageRecord::record, s.messages), "ARKStepSetErrHandlerFn");
-    check(ARKStepSetUserData(memory_, s.run), "ARKStepSetUserData");
-    check(ARKStepWFtolerances(memory_, error_weights), "ARKStepWFtolerances");
-    check(ARKStepSetTableNum(memory_, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE), "ARKStepSetTableNum");
-    check(ARKStepSetLinearSolver(memory_, linear_.get(), matrix_.get()), "ARKStepSetLinearSolver");
-    check(ARKStepSetMaxNumSteps(memory_, kMostSteps), "ARKStepSetMaxNumSteps");
-    check(ARKStepSetNonlinConvCoef(memory_, 1e-3), "ARKStepSetNonlinConvCoef");
-    check(ARKStepSetMaxNonlinIters(memory_, 8), "ARKStepSetMaxNonlinIters");
-    check(ARKStepSetPostprocessStepFn(memory_, project_step), "ARKStepSetPostprocessStepFn");
-  }
-  ~DirkStepper() override { ARKStepFree(&memory_); }
-  DirkStepper(const DirkStepper&) = delete;
-  DirkStepper& operator=(const DirkStepper&) = delete;
-
-  int advance(double t_end, N_Vector y, double& t) override {
-    const int code = ARKStepSetStopTime(memory_, t_end);
-    return code < 0 ? code : ARKStepEvolve(memory_, t_end, y, &t, ARK_NORMAL);
-  }
-  [[nodiscard]] long steps() const override {
-    long steps = 0;
-    ARKStepGetNumSteps(memory_, &steps);
-    return steps;
-  }
-
- private:
-  sundials::Matrix matrix_;
-  sundials::LinearSolver linear_;
-  void* memory_;
-};
-
-std::unique_ptr<Stepper> make_stepper(const std::string& name, const Settings& settings) {
-  if (name == "dirk") return std::make_unique<DirkStepper>(settings);
-  return std::make_unique<ErkStepper>(settings);
-}
 
 std::string chosen_integrator(const Model& model, const std::string& wanted) {
   const std::vector<std::string> known = integrator_names(model);
@@ -327,15 +348,27 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.variables.pack(start.q, start.u, sundials::view(y.get()));
   run.rtol = integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol;
   run.sizes = Sizes(equations, assembly.scales(), start).of(run.variables);
-  const std::unique_ptr<Stepper> stepper = make_stepper(integrator, {y.get(), &run, &context, &messages});
+  Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
+  Kinks kinks(run, stepper, options.until);
+  const bool has_kinks = equations.applied_forces().has_tires();
+  if (has_kinks) kinks.set_regimes(0.0, sundials::view(y.get()));
 
+  double t = 0.0;
+  const auto advance = [&](double t_end) {
+    if (!has_kinks) return stepper.advance(t_end, y.get(), t);
+    try {
+      return kinks.advance(t_end, y.get(), t);
+    } catch (const SolverError& error) {
+      run.last_reason = error.what();
+      throw_stopped(t, run, run.last_reason);
+    }
+  };
   Trajectory trajectory;
   State before;
   for (int i = 0; i <= options.samples; ++i) {
     const double t_end = options.until * i / options.samples;
-    double t = 0.0;
     run.last_reason.clear();
-    if (i > 0 && stepper->advance(t_end, y.get(), t) < 0) throw_stopped(t, run, messages.last);
+    if (i > 0 && advance(t_end) < 0) throw_stopped(t, run, messages.last);
     Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
     before = sample.state;
     trajectory.samples.push_back(std::move(sample));
@@ -343,7 +376,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
         std::max(trajectory.statistics.max_constraint, assembly.misfit(run.coordinates));
     if (progress) progress(t_end);
   }
-  trajectory.statistics.steps = stepper->steps();
+  trajectory.statistics.steps = stepper.steps();
   trajectory.statistics.evaluations = run.evaluations;
   trajectory.statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return trajectory;

@@ -19,16 +19,8 @@ constexpr double kVanishing = 1e-22;
 
 Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination)
     : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination) {
-  for (std::size_t cut = 0; cut < closure.cuts().size(); ++cut) lay_out(static_cast<int>(cut));
-  for (int a = 0; a < static_cast<int>(ways_.size()); ++a) {
-    for (int b = a; b < static_cast<int>(ways_.size()); ++b) {
-      for (int i = 0; i < static_cast<int>(ways_[a].steps.size()); ++i) {
-        for (int j = 0; j < static_cast<int>(ways_[b].steps.size()); ++j) {
-          if (ways_[a].steps[i].link == ways_[b].steps[j].link) shared_.push_back({a, i, b, j});
-        }
-      }
-    }
-  }
+  lay_out_ways();
+  lay_out_shared();
   const int n = closure.n_rows();
   Lambda_.setZero(n, n);
   residual_.setZero(n);
@@ -44,6 +36,34 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& 
   keep_rows(all);
 }
 
+void Loops::lay_out_ways() {
+  for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
+    const Closure::Cut& cut = closure_->cuts()[c];
+    lay_out({static_cast<int>(c), -1, cut.first_row, cut.measure.n_rows(), {{cut.joint, -1, -1, -1, -1}}, {}});
+  }
+  for (std::size_t r = 0; r < closure_->relations().size(); ++r) {
+    const Relation& relation = closure_->relations()[r];
+    Way way{-1, static_cast<int>(r), relation.first_row, relation.n_rows, {}, {}};
+    for (std::size_t p = 0; p < relation.joints.size(); ++p) {
+      way.pulls.push_back({relation.joints[p].joint, static_cast<int>(p), -1, -1, -1});
+    }
+    lay_out(std::move(way));
+  }
+}
+
+/// Pairs of steps of two ways that stand on the same link; ways in the order of their rows.
+void Loops::lay_out_shared() {
+  for (int a = 0; a < static_cast<int>(ways_.size()); ++a) {
+    for (int b = a; b < static_cast<int>(ways_.size()); ++b) {
+      for (int i = 0; i < static_cast<int>(ways_[a].steps.size()); ++i) {
+        for (int j = 0; j < static_cast<int>(ways_[b].steps.size()); ++j) {
+          if (ways_[a].steps[i].link == ways_[b].steps[j].link) shared_.push_back({a, i, b, j});
+        }
+      }
+    }
+  }
+}
+
 void Loops::keep_rows(const std::vector<int>& rows) {
   kept_ = rows;
   used_ = rows;
@@ -53,57 +73,79 @@ void Loops::keep_rows(const std::vector<int>& rows) {
   solution_.setZero(n);
 }
 
-/// The links between the two bodies of a cut joint and ground, outermost first.
-void Loops::lay_out(int cut) {
+/// The links between the bodies of a way's joints and ground, outermost first.
+void Loops::lay_out(Way way) {
   const Topology& topology = kinematics_->topology();
-  const Joint& joint = kinematics_->model().joints[closure_->cuts()[cut].joint];
+  const Model& model = kinematics_->model();
   std::vector<int> links;
-  for (const Attachment& side : joint.sides) {
-    for (int l = topology.link_of_body[side.body]; l >= 0; l = topology.link_of_body[topology.links[l].reference]) {
-      links.push_back(l);
+  for (const Pull& pull : way.pulls) {
+    for (const Attachment& side : model.joints[pull.joint].sides) {
+      for (int l = topology.link_of_body[side.body]; l >= 0; l = topology.link_of_body[topology.links[l].reference]) {
+        links.push_back(l);
+      }
     }
   }
   std::sort(links.begin(), links.end(), std::greater<>());
   links.erase(std::unique(links.begin(), links.end()), links.end());
-  const auto step_of = [&](int body) {
-    const auto found = std::find(links.begin(), links.end(), topology.link_of_body[body]);
+  const auto step_of = [&](int link) {
+    const auto found = std::find(links.begin(), links.end(), link);
     return found == links.end() ? -1 : static_cast<int>(found - links.begin());
   };
-  const int rows = closure_->cuts()[cut].measure.n_rows();
-  Way way;
-  way.cut = cut;
   for (const int l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
-    way.steps.push_back({l, step_of(topology.links[l].reference), Mat6X::Zero(6, rows), MatX::Zero(m, rows),
-                         MatX::Zero(elimination_->n_unknowns(l), rows)});
+    way.steps.push_back({l, step_of(topology.link_of_body[topology.links[l].reference]), Mat6X::Zero(6, way.n_rows),
+                         MatX::Zero(m, way.n_rows), MatX::Zero(elimination_->n_unknowns(l), way.n_rows)});
   }
-  way.child_step = step_of(joint.on(Side::child).body);
-  way.parent_step = step_of(joint.on(Side::parent).body);
+  for (Pull& pull : way.pulls) {
+    const Joint& joint = model.joints[pull.joint];
+    pull.child_step = step_of(topology.link_of_body[joint.on(Side::child).body]);
+    pull.parent_step = step_of(topology.link_of_body[joint.on(Side::parent).body]);
+    if (pull.part < 0) continue;
+    const RelatedJoint& part = closure_->relations()[way.relation].joints[pull.part];
+    if (part.cut < 0) pull.own_step = step_of(part.link);
+  }
   ways_.push_back(std::move(way));
 }
 
-/// Adds W^T T of one side to the generalized forces on its body: unit multipliers pull with +T on the child.
-void Loops::load(Way& way, int step, Side side) {
-  if (step < 0) return;
-  const Closure::Cut& cut = closure_->cuts()[way.cut];
-  const JointPoint& point = kinematics_->point(cut.joint, side);
-  const Vec3 d = kinematics_->point(cut.joint, Side::child).r - kinematics_->point(cut.joint, Side::parent).r;
-  for (Eigen::Index c = 0; c < way.steps[step].z_r.cols(); ++c) {
-    Vec6 w = cut.T_global.col(c);
-    if (side == Side::parent) w = -shift_wrench(w, d);
-    way.steps[step].z_r.col(c) += shift_wrench(w, point.lever);
-    way.steps[step].z_a.col(c).noalias() += point.Ga().transpose().lazyProduct(w);
+/// Unit multipliers pull with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
+void Loops::load(Way& way, const Pull& pull) {
+  if (pull.own_step >= 0) {
+    Step& step = way.steps[pull.own_step];
+    elimination_->add_coordinate_forces(step.link, closure_->relations()[way.relation].joints[pull.part].C, step.eps);
+    return;
+  }
+  for (const Side side : {Side::child, Side::parent}) {
+    if (pull.part < 0) {
+      load_wrenches(way, pull, side, closure_->cuts()[way.cut].T_global.leftCols(way.n_rows));
+    } else {
+      load_wrenches(way, pull, side, closure_->relations()[way.relation].joints[pull.part].T_global);
+    }
   }
 }
 
-/// Carries the unit multipliers of one cut joint inward to ground.
+/// Adds W^T T of one side to the generalized forces on its body.
+void Loops::load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Ref<const Mat6X>& on_child) {
+  const int at = side == Side::child ? pull.child_step : pull.parent_step;
+  if (at < 0) return;
+  Step& step = way.steps[at];
+  const JointPoint& point = kinematics_->point(pull.joint, side);
+  const Vec3 d = kinematics_->point(pull.joint, Side::child).r - kinematics_->point(pull.joint, Side::parent).r;
+  for (Eigen::Index c = 0; c < step.z_r.cols(); ++c) {
+    Vec6 w = on_child.col(c);
+    if (side == Side::parent) w = -shift_wrench(w, d);
+    step.z_r.col(c) += shift_wrench(w, point.lever);
+    step.z_a.col(c).noalias() += point.Ga().transpose().lazyProduct(w);
+  }
+}
+
+/// Carries the unit multipliers of one way inward to ground.
 void Loops::pull(Way& way) {
   for (Step& step : way.steps) {
     step.z_r.setZero();
     step.z_a.setZero();
+    step.eps.setZero();
   }
-  load(way, way.child_step, Side::child);
-  load(way, way.parent_step, Side::parent);
+  for (const Pull& pull : way.pulls) load(way, pull);
   for (Step& step : way.steps) {
     elimination_->project(step.link, step.z_r, step.z_a, step.eps);
     if (step.next < 0) continue;
@@ -120,8 +162,8 @@ void Loops::sum_Lambda() {
   for (const Shared& shared : shared_) {
     const MatX& a = ways_[shared.way].steps[shared.step].eps;
     const MatX& b = ways_[shared.other_way].steps[shared.other_step].eps;
-    const int row = closure_->cuts()[ways_[shared.way].cut].first_row;
-    const int column = closure_->cuts()[ways_[shared.other_way].cut].first_row;
+    const int row = ways_[shared.way].first_row;
+    const int column = ways_[shared.other_way].first_row;
     Lambda_.block(row, column, a.cols(), b.cols()).noalias() += a.transpose().lazyProduct(b);
   }
   Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
@@ -141,10 +183,10 @@ bool Loops::factorize(const std::vector<int>& rows) {
 }
 
 void Loops::throw_singular(std::size_t rank) const {
-  throw SolverError(
-      fmt::format("relative: the {} closure rows of the cut joints have rank {} in this pose, {} in a "
-                  "general one: the pose is singular and the motion may branch",
-                  closure_->n_rows(), rank, kept_.size()));
+  throw SolverError(fmt::format(
+      "relative: the {} closure rows of the cut joints{} have rank {} in this pose, {} in a "
+      "general one: the pose is singular and the motion may branch",
+      closure_->n_rows(), closure_->relations().empty() ? "" : ", couplings and rolling contacts", rank, kept_.size()));
 }
 
 /// As many rows as are kept, by pivoted elimination in Lambda scaled to unit diagonal.
@@ -168,11 +210,10 @@ void Loops::choose_rows_of_this_pose() {
 /// Adds -Phi_u^T lambda to the right side of the tree.
 void Loops::push_back(const VecX& lambda) {
   for (const Way& way : ways_) {
-    const Closure::Cut& cut = closure_->cuts()[way.cut];
-    const auto of_cut = lambda.segment(cut.first_row, cut.measure.n_rows());
+    const auto of_way = lambda.segment(way.first_row, way.n_rows);
     for (const Step& step : way.steps) {
       auto force = force_.head(step.eps.rows());
-      force.noalias() = -step.eps.lazyProduct(of_cut);
+      force.noalias() = -step.eps.lazyProduct(of_way);
       elimination_->add_force(step.link, force);
     }
   }

@@ -5,11 +5,12 @@
 #include "relative/closure.h"
 #include "relative/elimination.h"
 
-/// The loops' part of (21), (22): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
+/// The part of closure in (21), (22): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
 
-/// Constraint forces of the cut joints. Lambda is summed over the links between each cut joint and ground; cut joints
-/// whose ways share no link do not couple. All memory is laid out at construction.
+/// Constraint forces of the cut joints, couplings and constraints of velocity. Lambda is summed over the links between
+/// each of their joints and ground; those whose ways share no link do not couple. All memory is laid out at
+/// construction.
 class Loops {
  public:
   /// Both must outlive this object.
@@ -24,11 +25,12 @@ class Loops {
   /// are chosen for it; throws SolverError if there are none: the rank has dropped below the machine's.
   void close(VecX& udot);
 
-  /// Multipliers of all closure rows, zero in rows that are not kept. The cut joint's wrench on the child is -T lambda.
+  /// Multipliers of all closure rows, zero in rows that are not kept. The cut joint's wrench on the child is -T lambda,
+  /// the coordinate forces of a relation -C lambda.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
  private:
-  /// One link on the way from a cut joint to ground, and what unit multipliers of the cut's rows do there.
+  /// One link on the way to ground, and what unit multipliers of the way's rows do there.
   struct Step {
     int link = 0;
     int next = -1;  // step of the reference body; -1 at ground
@@ -36,19 +38,34 @@ class Loops {
     MatX z_a;
     MatX eps;
   };
-  struct Way {
-    int cut = 0;
-    std::vector<Step> steps;  // inward
-    int child_step = -1;      // -1: ground
+  /// Where the multipliers of a way pull: wrenches on the two bodies of a cut joint, its closure's (part -1) or a
+  /// relation's, or coordinate forces on a joint of the tree.
+  struct Pull {
+    int joint = 0;
+    int part = -1;        // place among the relation's joints
+    int child_step = -1;  // -1: ground
     int parent_step = -1;
+    int own_step = -1;  // of the link of a joint of the tree
+  };
+  /// The rows of a cut joint or of a relation.
+  struct Way {
+    int cut = -1;
+    int relation = -1;
+    int first_row = 0;
+    int n_rows = 0;
+    std::vector<Pull> pulls;
+    std::vector<Step> steps;  // inward
   };
   struct Shared {
     int way, step, other_way, other_step;
   };
 
-  void lay_out(int cut);
+  void lay_out_ways();
+  void lay_out(Way way);
+  void lay_out_shared();
   void pull(Way& way);
-  void load(Way& way, int step, Side side);
+  void load(Way& way, const Pull& pull);
+  void load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Ref<const Mat6X>& on_child);
   void sum_Lambda();
   [[nodiscard]] bool factorize(const std::vector<int>& rows);
   void choose_rows_of_this_pose();

@@ -41,10 +41,17 @@ int tree_rows(const Equations& equations) {
 }
 
 /// Marks the components that the wrenches of one self-stress move; forces count against the largest force times the
-/// length of the machine, and torques alike.
-void mark(const std::vector<JointWrenches>& joints, double length, std::vector<JointUniqueness>& flags) {
+/// length of the machine, and torques alike. A self-stress may consist of coordinate forces alone, of couplings and
+/// drivers: it moves no reaction.
+void mark(const Equations& equations, double length, std::vector<JointUniqueness>& flags) {
+  const std::vector<JointWrenches>& joints = equations.reactions().joints();
   double size = 0.0;
-  for (const JointWrenches& joint : joints) {
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const JointWrenches& joint = joints[k];
+    for (Eigen::Index c = 0; c < joint.tau.size(); ++c) {
+      const bool slides = equations.kinematics().motion(static_cast<int>(k)).kind(static_cast<int>(c)).is_length;
+      size = std::max(size, (slides ? length : 1.0) * std::abs(joint.tau(c)));
+    }
     for (const SideWrench& side : joint.total) {
       size = std::max({size, length * side.in_C.force.cwiseAbs().maxCoeff(), side.in_C.torque.cwiseAbs().maxCoeff()});
     }
@@ -80,7 +87,7 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
     report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
     for (int z = rank; z < n_rows; ++z) {
       equations.reactions().compute_self_stress(rows.units.cwiseProduct(svd.matrixU().col(z)));
-      mark(equations.reactions().joints(), scales.length(), report.joints);
+      mark(equations, scales.length(), report.joints);
     }
   }
   const int tree = tree_rows(equations);

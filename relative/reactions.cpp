@@ -6,9 +6,27 @@
 
 namespace concord::relative {
 
+namespace {
+
+bool is_coupled(const Model& model, int joint) {
+  for (const Coupling& coupling : model.couplings) {
+    for (const CouplingTerm& term : coupling.terms) {
+      if (term.joint == joint) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
                      const AppliedForces& applied)
-    : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination), applied_(&applied) {
+    : kinematics_(&kinematics),
+      closure_(&closure),
+      elimination_(&elimination),
+      applied_(&applied),
+      couplings_(kinematics.model().couplings.size(), 0.0),
+      coupling_tau_(VecX::Zero(kinematics.topology().n_u)) {
   const Model& model = kinematics.model();
   for (const Link& link : kinematics.topology().links) {
     Load load;
@@ -20,13 +38,18 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     JointWrenches wrenches;
     wrenches.tau.setZero(joint.type->n_u());
     joints_.push_back(wrenches);
-    if (joint.drivers.empty() && joint.springs.empty()) continue;
-    Pushed pushed{static_cast<int>(k), -1, {}};
+    if (joint.drivers.empty() && joint.springs.empty() && !is_coupled(model, static_cast<int>(k))) continue;
+    Pushed pushed{static_cast<int>(k), -1, -1, {}};
     for (const Driver& driver : joint.drivers) {
       pushed.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
     }
     for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
       if (closure.cuts()[c].joint == pushed.joint) pushed.cut = static_cast<int>(c);
+    }
+    for (std::size_t r = 0; r < closure.relations().size(); ++r) {
+      const Relation& relation = closure.relations()[r];
+      if (relation.is_coupling() || relation.joints.front().joint != pushed.joint) continue;
+      pushed.slipping = static_cast<int>(r);
     }
     pushed_.push_back(pushed);
   }
@@ -36,17 +59,23 @@ void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& la
   load_inertia(inertias);
   subtract_applied();
   set_spring_forces();
+  set_coupling_forces(lambda);
+  add_coupling_forces();
   apply_cut_wrenches(lambda);
+  apply_relation_wrenches(lambda);
   add_spring_wrenches_of_cuts();
   pass_inward();
-  split_off_coordinate_wrenches();
+  split_off_coordinate_wrenches(lambda);
 }
 
 void Reactions::compute_self_stress(const VecX& lambda) {
   clear_loads();
+  set_coupling_forces(lambda);
+  add_coupling_forces();
   apply_cut_wrenches(lambda);
+  apply_relation_wrenches(lambda);
   pass_inward();
-  split_off_coordinate_wrenches();
+  split_off_coordinate_wrenches(lambda);
 }
 
 /// rho = M Ydot + S + U - Q_gravity.
@@ -88,6 +117,29 @@ void Reactions::set_spring_forces() {
   }
 }
 
+/// f = -lambda, and factor_k f.
+void Reactions::set_coupling_forces(const VecX& lambda) {
+  if (couplings_.empty()) return;
+  coupling_tau_.setZero();
+  for (const Relation& relation : closure_->relations()) {
+    if (!relation.is_coupling()) continue;
+    const double force = -lambda(relation.first_row);
+    couplings_[relation.coupling] = force / relation.size;
+    for (const RelatedJoint& part : relation.joints) {
+      const Span& span = kinematics_->topology().joints[part.joint];
+      coupling_tau_.segment(span.first_u, span.n_u) += force * part.C.col(0);
+    }
+  }
+}
+
+void Reactions::add_coupling_forces() {
+  if (couplings_.empty()) return;
+  for (const Pushed& pushed : pushed_) {
+    const Span& span = kinematics_->topology().joints[pushed.joint];
+    joints_[pushed.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
+  }
+}
+
 void Reactions::clear_loads() {
   for (const Pushed& pushed : pushed_) joints_[pushed.joint].tau.setZero();
   for (Load& load : loads_) {
@@ -97,20 +149,37 @@ void Reactions::clear_loads() {
   }
 }
 
-/// The constraint wrench of a cut joint on its child at P_i is -T lambda; the parent answers at its own point.
+/// The constraint wrench of a cut joint on its child at P_i is -T lambda.
 void Reactions::apply_cut_wrenches(const VecX& lambda) {
   for (const Closure::Cut& cut : closure_->cuts()) {
     const int rows = cut.measure.n_rows();
-    const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
-    const JointPoint& child = kinematics_->point(cut.joint, Side::child);
-    const Joint& joint = kinematics_->model().joints[cut.joint];
     Vec6 on_child;
     on_child.noalias() = -cut.T_global.leftCols(rows).lazyProduct(lambda.segment(cut.first_row, rows));
-    const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
-    subtract_from(joint.on(Side::child).body, child, on_child);
-    subtract_from(joint.on(Side::parent).body, parent, on_parent);
-    report(cut.joint, on_child, on_parent);
+    report(cut.joint, on_child, exert_at_cut(cut.joint, on_child));
   }
+}
+
+/// Likewise of couplings and constraints of velocity at cut joints; in the tree they are part of the joint's total.
+void Reactions::apply_relation_wrenches(const VecX& lambda) {
+  for (const Relation& relation : closure_->relations()) {
+    for (const RelatedJoint& part : relation.joints) {
+      if (part.cut < 0) continue;
+      Vec6 on_child;
+      on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(relation.first_row, relation.n_rows));
+      add_to_total(part.joint, on_child, exert_at_cut(part.joint, on_child));
+    }
+  }
+}
+
+/// Both bodies of a cut joint feel the wrench, the parent an answer at its own point: returned.
+Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
+  const JointPoint& parent = kinematics_->point(k, Side::parent);
+  const JointPoint& child = kinematics_->point(k, Side::child);
+  const Joint& joint = kinematics_->model().joints[k];
+  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+  subtract_from(joint.on(Side::child).body, child, on_child);
+  subtract_from(joint.on(Side::parent).body, parent, on_parent);
+  return on_parent;
 }
 
 /// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
@@ -120,10 +189,7 @@ void Reactions::add_spring_wrenches_of_cuts() {
     const JointPoint& parent = kinematics_->point(pushed.joint, Side::parent);
     const JointPoint& child = kinematics_->point(pushed.joint, Side::child);
     const Vec6& spring = applied_->on_child_of_cut(pushed.cut);
-    const JointWrenches& so_far = joints_[pushed.joint];
-    const Vec6 on_child = so_far.total_on(Side::child).in_global.vector() + spring;
-    const Vec6 on_parent = so_far.total_on(Side::parent).in_global.vector() + answered_at(spring, child.r, parent.r);
-    report(pushed.joint, on_child, on_parent);
+    add_to_total(pushed.joint, spring, answered_at(spring, child.r, parent.r));
   }
 }
 
@@ -177,9 +243,15 @@ void Reactions::report(int joint, const Vec6& on_child, const Vec6& on_parent) {
   wrenches.reaction = wrenches.total;
 }
 
-/// tau_k of a driven coordinate is S_k^T w_total, all that acts there; w_d with S^T w_d = tau is taken off the total on
-/// the child at P_i and, answered, on the parent.
-void Reactions::split_off_coordinate_wrenches() {
+void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent) {
+  const JointWrenches& so_far = joints_[joint];
+  report(joint, so_far.total_on(Side::child).in_global.vector() + on_child,
+         so_far.total_on(Side::parent).in_global.vector() + on_parent);
+}
+
+/// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the constraint of velocity pushes;
+/// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent.
+void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const Pushed& pushed : pushed_) {
     const int k = pushed.joint;
     const JointMotion& motion =
@@ -190,7 +262,13 @@ void Reactions::split_off_coordinate_wrenches() {
     const Wrench& total = wrenches.total[index(Side::child)].in_global;
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
-    for (const int c : pushed.driven) wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
+    for (const int c : pushed.driven) {
+      wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
+      if (pushed.slipping < 0) continue;
+      const Relation& relation = closure_->relations()[pushed.slipping];
+      const JointSquare& C = relation.joints.front().C;
+      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(relation.first_row, relation.n_rows));
+    }
     const Vec6 coordinate_C = kinematics_->motion(k).coordinate_wrench(motion, JointVector(wrenches.tau));
     Vec6 coordinate;
     coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();

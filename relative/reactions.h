@@ -26,6 +26,9 @@ class Reactions {
   void compute_self_stress(const VecX& lambda);
 
   [[nodiscard]] const std::vector<JointWrenches>& joints() const { return joints_; }
+  /// Force f of each coupling, and the coordinate forces factor_k f of all couplings on every speed (n_u numbers).
+  [[nodiscard]] const std::vector<double>& couplings() const { return couplings_; }
+  [[nodiscard]] const VecX& coupling_tau() const { return coupling_tau_; }
 
   /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
   /// of its rows; and that body's index (ground if no body is flexible).
@@ -39,24 +42,30 @@ class Reactions {
     VecX rho_a;
     double largest_modal_term = 0.0;
   };
-  /// A joint on whose coordinates drivers or springs act, and the columns of the driven ones.
+  /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct Pushed {
     int joint = 0;
-    int cut = -1;  // its place in Closure::cuts; -1 in the tree
+    int cut = -1;       // its place in Closure::cuts; -1 in the tree
+    int slipping = -1;  // its constraint of velocity in Closure::relations; -1: none
     std::vector<int> driven;
   };
 
   void load_inertia(const std::vector<BodyInertia>& inertias);
   void subtract_applied();
   void set_spring_forces();
+  void set_coupling_forces(const VecX& lambda);
+  void add_coupling_forces();
   void clear_loads();
   void apply_cut_wrenches(const VecX& lambda);
+  void apply_relation_wrenches(const VecX& lambda);
+  Vec6 exert_at_cut(int joint, const Vec6& on_child);
   void add_spring_wrenches_of_cuts();
   void pass_inward();
   void subtract_from(int body, const JointPoint& point, const Vec6& wrench);
   void audit_modal_rows(int l, const Vec6& wrench);
+  void add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent);
   void report(int joint, const Vec6& on_child, const Vec6& on_parent);
-  void split_off_coordinate_wrenches();
+  void split_off_coordinate_wrenches(const VecX& lambda);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
@@ -65,6 +74,8 @@ class Reactions {
   std::vector<Load> loads_;
   std::vector<Pushed> pushed_;
   std::vector<JointWrenches> joints_;
+  std::vector<double> couplings_;
+  VecX coupling_tau_;
   double modal_residual_ = 0.0;
   int worst_modal_body_ = kGround;
 };

@@ -19,6 +19,7 @@ States::States(const Equations& equations) : equations_(&equations), kinematics_
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
     measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
+    permitted_.emplace_back(*equations.model().joints[k].type, kinematics_.motion(static_cast<int>(k)));
   }
 }
 
@@ -75,8 +76,27 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     kinematics_.require_rank(static_cast<int>(k), measure.motion_at());
     judge(largest(measure.error()) / size, "joint", model.joints[k].name);
     judge(largest(measure.slip()) / speed, "joint", model.joints[k].name);
+    judge(slip_of(static_cast<int>(k), found.u) / speed, "joint", model.joints[k].name);
+  }
+  for (const Coupling& coupling : model.couplings) {
+    const double factors = size_of(coupling, model, model.length_scale());
+    const double gap = compute_gap(coupling, model, topology, found.q) / factors;
+    const double slip = compute_slip(coupling, model, topology, found.u) / factors;
+    judge(std::abs(gap) / std::max(1.0, found.q.cwiseAbs().maxCoeff()), "coupling", coupling.name);
+    judge(std::abs(slip) / speed, "coupling", coupling.name);
   }
   return found;
+}
+
+/// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have
+/// been measured.
+double States::slip_of(int joint, const VecX& u) {
+  PermittedSpeeds& permitted = permitted_[joint];
+  if (permitted.n_rows() == 0) return 0.0;
+  permitted.evaluate(measures_[joint].motion_at(), equations_->model().joints[joint].name);
+  const Span& span = equations_->topology().joints[joint];
+  const VecX slip = permitted.C().transpose() * u.segment(span.first_u, span.n_u);
+  return slip.cwiseAbs().maxCoeff();
 }
 
 State States::write(double t, const State& before) const {
@@ -109,6 +129,7 @@ Evaluation States::write_evaluation() const {
   for (int i = 0; i < n; ++i) evaluation.bodies.push_back(equations_->acceleration(i));
   evaluation.joints = equations_->reactions().joints();
   evaluation.elements = equations_->applied_forces().elements();
+  evaluation.couplings = equations_->reactions().couplings();
   return evaluation;
 }
 

@@ -7,10 +7,10 @@ namespace concord::relative {
 
 /// How far a state is from one that this solver could have made.
 struct StateMisfit {
-  /// Largest misfit over joints, drivers and Euler parameter norms: positions [m, rad] relative to max(1, largest
-  /// |r|), velocities relative to max(1, largest speed).
+  /// Largest misfit over joints, drivers, couplings and Euler parameter norms: positions [m, rad] relative to max(1,
+  /// largest |r|), velocities relative to max(1, largest speed).
   double largest = 0.0;
-  /// Where: "joint 'B'" or "body 'crank'".
+  /// Where: "joint 'B'", "body 'crank'" or "coupling 'G'".
   std::string where;
 };
 
@@ -33,10 +33,12 @@ class States {
 
  private:
   void require_shape(const State& state) const;
+  [[nodiscard]] double slip_of(int joint, const VecX& u);
 
   const Equations* equations_;
   Kinematics kinematics_;
   std::vector<JointMeasure> measures_;
+  std::vector<PermittedSpeeds> permitted_;
 };
 
 }  // namespace concord::relative

@@ -234,7 +234,7 @@ TEST(Closure, NamesTheWorstCutJoint) {
   VecX rows = VecX::Zero(closure.n_rows());
   rows(closure.n_rows() - 1) = -2.0;
   rows(0) = 1.0;
-  EXPECT_EQ(model.joints[closure.worst_joint(rows)].name, "E");
+  EXPECT_EQ(closure.worst_place(rows), "the loop of joint 'E'");
 }
 
 }  // namespace

@@ -27,7 +27,9 @@ namespace {
 TEST(Equations, AllocateNothingInAnEvaluation) {
   for (const bool flexible : {false, true}) {
     std::vector<Model> machines{test::tree_of_all_joints(flexible), test::spatial_slider_crank(flexible)};
-    for (const char* type : {"distance", "knee"})
+    machines.front().couplings = {{"G", {{0, 0, 0, 1.3}, {2, 1, 0, -0.7}, {7, 0, 0, 0.4}}, 0.0, {}}};
+    test::release(machines.front().joints[0]);
+    for (const char* type : {"distance", "knee", "knife_edge", "rolling_ball"})
       machines.push_back(test::pair(*test::type_named(type), flexible ? 3 : 0));
     for (Model& model : machines) {
       test::Numbers numbers(47);

@@ -92,7 +92,14 @@ inline const std::vector<const joints::JointType*>& own_types() {
                 {true, false},
                 {"turn", "stretch"}}},
       {}};
-  static const std::vector<const JointType*> types{&knee, &davit, &spiral};
+  // An upright wheel that rolls without slipping: the axis below which it rolls is the child's.
+  static const JointType wheel{
+      .name = "wheel",
+      .forbids = {},
+      .permits = {Slide{Axis::x}, Slide{Axis::y}, Turn{Axis::z}, Turn{Axis::y}},
+      .reads = {},
+      .permits_speeds = {SpeedAbout{Side::child, Axis::y, 0.3}, SpeedAbout{Side::parent, Axis::z}}};
+  static const std::vector<const JointType*> types{&knee, &davit, &spiral, &wheel};
   return types;
 }
 
@@ -298,6 +305,10 @@ inline Model pair(const joints::JointType& type, int flexible) {
                   fitting_joint(model, "J", type.name.c_str(), 1, 2, numbers.vector(0.4), numbers)};
   for (WordStart& word : model.joints[2].start) word.role_q = word.role_u = StartRole::keep;
   release(model.joints[1]);
+  if (type.permits_speeds.empty()) return model;
+  // Where fewer speeds are free than coordinates, the child's velocity in space says them.
+  for (WordStart& word : model.joints[2].start) word.role_u = StartRole::guess;
+  for (std::size_t n = 0; n < type.permits_speeds.size(); ++n) model.joints[1].start[n].role_u = StartRole::keep;
   return model;
 }
 

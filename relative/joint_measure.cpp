@@ -1,0 +1,243 @@
+#include "relative/joint_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "relative/exponential_map.h"
+#include "relative/six_columns.h"
+
+namespace concord::relative {
+
+namespace {
+
+constexpr double kNewtonIsQuadratic = 1e-7;  // one more step from here ends at round-off
+constexpr int kMostNewtonSteps = 30;
+constexpr int kMostHalvings = 8;
+constexpr double kLongestStep = 1.0;  // rad or Motion::length
+constexpr double kMisfitOfAnotherBranch = 1e-6;
+
+Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const JointPoint& child) {
+  Vec6 error;
+  error.head<3>() = parent.A.transpose() * (child.r - parent.r) - motion.d;
+  error.tail<3>() = rotation_vector(parent.A.transpose() * child.A * motion.R.transpose());
+  return error;
+}
+
+/// Two unit vectors that make a right-handed frame with the direction z (of any length but zero).
+Eigen::Matrix<double, 3, 2> perpendicular_pair(const Vec3& z) {
+  const Vec3 unit = z.normalized();
+  int least = 0;
+  unit.cwiseAbs().minCoeff(&least);
+  Eigen::Matrix<double, 3, 2> pair;
+  pair.col(0) = unit.cross(Vec3::Unit(least)).normalized();
+  pair.col(1) = unit.cross(pair.col(0));
+  return pair;
+}
+
+/// Orthonormal complement of the first n columns (independent) in three dimensions, written to `complement`.
+void complement_of(const Mat3& columns, int n, Mat3& complement) {
+  if (n == 0) complement.setIdentity();
+  if (n == 1) complement.leftCols<2>() = perpendicular_pair(columns.col(0));
+  if (n == 2) complement.col(0) = columns.col(0).cross(columns.col(1)).normalized();
+}
+
+}  // namespace
+
+Held driven_speeds(const Model& model, const Topology& topology) {
+  Held held(topology.n_u, 0);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (const Driver& driver : model.joints[k].drivers) {
+      held[topology.joints[k].first_u + first_u(*model.joints[k].type, driver.word) + driver.component] = 1;
+    }
+  }
+  return held;
+}
+
+JointMeasure::JointMeasure(const Motion& motion, const char* held) : motion_(&motion) {
+  for (int c = 0; c < motion.n_u(); ++c) {
+    (held[c] != 0 ? held_ : free_).push_back(c);
+    if (held[c] == 0 && motion.kind(c).displaces) ++n_free_displacements_;
+  }
+}
+
+/// Displacements as parts of Motion::length where they weigh against rotations.
+Vec6 JointMeasure::weighed(const Vec6& motion) const {
+  Vec6 result = motion;
+  if (motion_->couples()) result.head<3>() /= motion_->length();
+  return result;
+}
+
+JointColumns JointMeasure::free_columns() const {
+  JointColumns S(6, free_.size());
+  for (std::size_t c = 0; c < free_.size(); ++c) S.col(c) = weighed(at_.S.col(free_[c]));
+  return S;
+}
+
+/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one. Unless a speed both
+/// displaces and rotates, the two never weigh against each other.
+JointVector JointMeasure::fit(const Vec6& motion) const {
+  JointVector speeds = JointVector::Zero(motion_->n_u());
+  if (free_.empty()) return speeds;
+  const JointColumns S = free_columns();
+  const JointSquare normal = S.transpose() * S;
+  const JointVector fitted = normal.ldlt().solve(S.transpose() * weighed(motion));
+  for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = fitted(c);
+  return speeds;
+}
+
+/// Takes the motion at q and the error there; returns half the square of its size.
+double JointMeasure::move(const JointPoint& parent, const JointPoint& child, double* q) {
+  const JointVector still = JointVector::Zero(motion_->n_u());
+  motion_->evaluate(q, still.data(), at_);
+  error_ = position_error(at_, parent, child);
+  return 0.5 * weighed(error_).squaredNorm();
+}
+
+/// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
+/// from closed, where the error itself bends the way, whole steps may overshoot for ever.
+double JointMeasure::step_length(const JointPoint& parent, const JointPoint& child, const double* q,
+                                 const JointVector& step) {
+  const double now = 0.5 * weighed(error_).squaredNorm();
+  double slope = 0.0;
+  for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(error_));
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> trial(motion_->n_q());
+  double length = 1.0;
+  for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
+    trial = Eigen::Map<const VecX>(q, motion_->n_q());
+    const JointVector part = length * step;
+    motion_->advance(trial.data(), part.data());
+    const double then = move(parent, child, trial.data());
+    const double bend = then - now - length * slope;
+    const double best = bend > 0.0 ? -0.5 * slope * length * length / bend : 2.0 * length;
+    if (then < now) return std::clamp(best, 0.5 * length, 2.0 * length);
+    length = std::clamp(best, 0.1 * length, 0.5 * length);
+  }
+  return length;
+}
+
+/// The largest of the steps, in radians and in Motion::length.
+double JointMeasure::size_of(const JointVector& step) const {
+  double size = 0.0;
+  for (const int c : free_) {
+    size = std::max(size, std::abs(step(c)) / (motion_->kind(c).is_length ? motion_->length() : 1.0));
+  }
+  return size;
+}
+
+/// Returns the size of the misfit; leaves motion, error at the q found.
+double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, double* q) {
+  move(parent, child, q);
+  for (int step = 0; step < kMostNewtonSteps && !free_.empty(); ++step) {
+    JointVector correction = fit(error_);
+    const double largest = correction.cwiseAbs().maxCoeff();
+    if (motion_->is_curved() && largest > kNewtonIsQuadratic) {
+      // A ball finds its own rotation in one whole step, whatever the others do.
+      JointVector swing = correction;
+      if (motion_->has_ball()) swing.tail<3>().setZero();
+      correction -= swing;
+      swing *= kLongestStep / std::max(kLongestStep, size_of(swing));
+      correction += step_length(parent, child, q, swing) * swing;
+    }
+    motion_->advance(q, correction.data());
+    move(parent, child, q);
+    if (largest <= kNewtonIsQuadratic) break;
+  }
+  return error_.norm();
+}
+
+/// Starts from all combinations of the motion's trial values and leaves the best pose in q.
+void JointMeasure::search(const JointPoint& parent, const JointPoint& child, double* q) {
+  std::vector<int> tried;  // of scalar words: their places in q and u are the same
+  for (const int c : free_) {
+    if (motion_->has_trials(c)) tried.push_back(c);
+  }
+  Eigen::Map<VecX> found(q, motion_->n_q());
+  const VecX given = found;
+  VecX best = given;
+  double least = std::numeric_limits<double>::infinity();
+  for (int trial = 0; trial < std::pow(4, tried.size()); ++trial) {
+    found = given;
+    int digits = trial;
+    for (const int c : tried) {
+      found(c) = motion_->trial(c, digits % 4, given(c));
+      digits /= 4;
+    }
+    const double misfit = newton(parent, child, q);
+    // Clearly better, or else a start some turns away would win by round-off.
+    if (!(misfit < 0.9 * least)) continue;
+    least = misfit;
+    best = found;
+  }
+  found = best;
+}
+
+void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, double* q, bool restart) {
+  if (restart) {
+    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> given = Eigen::Map<const VecX>(q, motion_->n_q());
+    if (newton(parent, child, q) > kMisfitOfAnotherBranch) {
+      Eigen::Map<VecX>(q, motion_->n_q()) = given;
+      search(parent, child, q);
+    }
+    if (held_.empty()) motion_->choose_chart(q, given.data());
+  }
+  newton(parent, child, q);
+  compute_complement();
+}
+
+void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u) {
+  Vec6 rest = relative_velocity(parent, child);
+  for (const int c : held_) rest -= at_.S.col(c) * u[c];
+  for (const int c : free_) u[c] = 0.0;
+  for (int round = 0; round < 2; ++round) {  // once more for the round-off of the normal equations
+    const JointVector fitted = fit(rest);
+    for (const int c : free_) {
+      u[c] += fitted(c);
+      rest -= at_.S.col(c) * fitted(c);
+    }
+  }
+  slip_ = rest;
+  motion_->evaluate(q, u, at_);
+}
+
+void JointMeasure::compute_complement() {
+  T_.setZero();
+  if (motion_->couples()) {
+    complete_together();
+  } else {
+    complete_separately();
+  }
+}
+
+/// Each speed either displaces or rotates: the complement is taken in each space by itself.
+void JointMeasure::complete_separately() {
+  Mat3 displacements = Mat3::Zero();
+  Mat3 rotations = Mat3::Zero();
+  int n_displacements = 0;
+  int n_rotations = 0;
+  for (const int c : free_) {
+    if (motion_->kind(c).displaces) {
+      displacements.col(n_displacements++) = at_.S.col(c).head<3>();
+    } else {
+      rotations.col(n_rotations++) = at_.S.col(c).tail<3>();
+    }
+  }
+  Mat3 complement = Mat3::Zero();
+  complement_of(displacements, n_displacements, complement);
+  T_.block(0, 0, 3, 3 - n_displacements) = complement.leftCols(3 - n_displacements);
+  complement_of(rotations, n_rotations, complement);
+  T_.block(3, 3 - n_displacements, 3, 3 - n_rotations) = complement.leftCols(3 - n_rotations);
+}
+
+/// In displacements as parts of the length; the rows are then measured in metres.
+void JointMeasure::complete_together() {
+  OrthonormalColumns directions;
+  for (const int c : free_) directions.add(directions.rest(weighed(at_.S.col(c))));
+  directions.complete();
+  const int rows = n_rows();
+  T_.leftCols(rows) = directions.directions().rightCols(rows);
+  T_.bottomRows<3>() *= motion_->length();
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <vector>
+
+#include "relative/velocity_transformation.h"
+
+/// Measuring a joint between its two points, formulation section 7.
+namespace concord::relative {
+
+/// Which speeds have values of their own: driven ones, and at the start those that the model keeps. One for each entry
+/// of u, nonzero if held.
+using Held = std::vector<char>;
+
+/// The driven speeds of a model.
+Held driven_speeds(const Model& model, const Topology& topology);
+
+/// Coordinates, speeds and misfit of one joint measured between two given joint points.
+class JointMeasure {
+ public:
+  /// `held` has n_u entries for the joint's speeds.
+  JointMeasure(const Motion& motion, const char* held);
+
+  /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
+  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame. Held coordinates are taken from q.
+  /// Without `restart` only from q; with it, from Motion::trial values too if the misfit stays above 1e-6, and
+  /// of the names of the pose found the one that is meant: see Motion::choose_chart.
+  void find_q(const JointPoint& parent, const JointPoint& child, double* q, bool restart);
+
+  /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q.
+  void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
+
+  [[nodiscard]] const JointMotion& motion_at() const { return at_; }
+  /// e and v_rel - S u [m, rad; m/s, rad/s], components in the parent's joint frame.
+  [[nodiscard]] const Vec6& error() const { return error_; }
+  [[nodiscard]] const Vec6& slip() const { return slip_; }
+
+  /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not held.
+  [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
+  /// Of these, the ones in metres; they stand first.
+  [[nodiscard]] int n_linear_rows() const { return motion_->couples() ? n_rows() : 3 - n_free_displacements_; }
+  /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
+  /// rotates, then with torques counted in Motion::length, T^T diag(1, 1 / length^2) T = 1.
+  [[nodiscard]] const Mat6& T() const { return T_; }
+
+ private:
+  [[nodiscard]] Vec6 weighed(const Vec6& motion) const;
+  [[nodiscard]] JointColumns free_columns() const;
+  [[nodiscard]] JointVector fit(const Vec6& motion) const;
+  double newton(const JointPoint& parent, const JointPoint& child, double* q);
+  [[nodiscard]] double size_of(const JointVector& step) const;
+  double move(const JointPoint& parent, const JointPoint& child, double* q);
+  double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
+  void search(const JointPoint& parent, const JointPoint& child, double* q);
+  void compute_complement();
+  void complete_separately();
+  void complete_together();
+
+  const Motion* motion_;
+  std::vector<int> free_;
+  std::vector<int> held_;
+  int n_free_displacements_ = 0;
+  JointMotion at_;
+  Vec6 error_ = Vec6::Zero();
+  Vec6 slip_ = Vec6::Zero();
+  Mat6 T_ = Mat6::Identity();
+};
+
+/// A cut joint of a machine and its closure rows T^T.
+struct CutJoint {
+  int joint = 0;
+  int first_row = 0;
+  JointMeasure measure;
+  /// T in global axes (6 x rows): the wrench on the child at P_i of a unit multiplier, with the opposite sign.
+  Mat6 T_global = Mat6::Identity();
+};
+
+}  // namespace concord::relative

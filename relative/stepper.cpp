@@ -1,0 +1,95 @@
+#include "relative/stepper.h"
+
+#include <arkode/arkode_arkstep.h>
+#include <arkode/arkode_erkstep.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+namespace concord::relative {
+
+namespace {
+
+constexpr long kMostSteps = 50'000'000;
+
+constexpr Stepper::Calls kErk{ERKStepSetStopTime, ERKStepEvolve,      ERKStepReset, ERKStepSetFixedStep,
+                              ERKStepSetInitStep, ERKStepGetNumSteps, ERKStepFree};
+constexpr Stepper::Calls kArk{ARKStepSetStopTime, ARKStepEvolve,      ARKStepReset, ARKStepSetFixedStep,
+                              ARKStepSetInitStep, ARKStepGetNumSteps, ARKStepFree};
+
+void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Context& context,
+               sundials::MessageRecord& messages) {
+  void* memory = sundials::require(ERKStepCreate(calls.right_side, 0.0, y, context.get()), "ERKStepCreate");
+  const auto check = [&](int code, const char* call) { sundials::check(code, call, messages); };
+  check(ERKStepSetErrHandlerFn(memory, sundials::MessageRecord::record, &messages), "ERKStepSetErrHandlerFn");
+  check(ERKStepSetUserData(memory, calls.user_data), "ERKStepSetUserData");
+  check(ERKStepWFtolerances(memory, calls.weigh), "ERKStepWFtolerances");
+  check(ERKStepSetTableNum(memory, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
+  check(ERKStepSetMaxNumSteps(memory, kMostSteps), "ERKStepSetMaxNumSteps");
+  check(ERKStepSetPostprocessStepFn(memory, calls.project), "ERKStepSetPostprocessStepFn");
+  return memory;
+}
+
+void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Context& context, SUNMatrix matrix,
+                SUNLinearSolver linear, sundials::MessageRecord& messages) {
+  void* memory = sundials::require(ARKStepCreate(nullptr, calls.right_side, 0.0, y, context.get()), "ARKStepCreate");
+  const auto check = [&](int code, const char* call) { sundials::check(code, call, messages); };
+  check(ARKStepSetErrHandlerFn(memory, sundials::MessageRecord::record, &messages), "ARKStepSetErrHandlerFn");
+  check(ARKStepSetUserData(memory, calls.user_data), "ARKStepSetUserData");
+  check(ARKStepWFtolerances(memory, calls.weigh), "ARKStepWFtolerances");
+  check(ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE), "ARKStepSetTableNum");
+  check(ARKStepSetLinearSolver(memory, linear, matrix), "ARKStepSetLinearSolver");
+  check(ARKStepSetMaxNumSteps(memory, kMostSteps), "ARKStepSetMaxNumSteps");
+  check(ARKStepSetNonlinConvCoef(memory, 1e-3), "ARKStepSetNonlinConvCoef");
+  check(ARKStepSetMaxNonlinIters(memory, 8), "ARKStepSetMaxNonlinIters");
+  check(ARKStepSetPostprocessStepFn(memory, calls.project), "ARKStepSetPostprocessStepFn");
+  return memory;
+}
+
+}  // namespace
+
+Stepper::Stepper(const std::string& name, N_Vector y, const StepperCallbacks& callbacks,
+                 const sundials::Context& context, sundials::MessageRecord& messages)
+    : calls_(name == "dirk" ? &kArk : &kErk) {
+  if (name != "dirk") {
+    memory_ = make_erk(y, callbacks, context, messages);
+    return;
+  }
+  matrix_.reset(sundials::require(SUNDenseMatrix(NV_LENGTH_S(y), NV_LENGTH_S(y), context.get()), "SUNDenseMatrix"));
+  linear_.reset(sundials::require(SUNLinSol_Dense(y, matrix_.get(), context.get()), "SUNLinSol_Dense"));
+  memory_ = make_dirk(y, callbacks, context, matrix_.get(), linear_.get(), messages);
+}
+
+Stepper::~Stepper() {
+  if (memory_ != nullptr) calls_->free(&memory_);
+}
+
+int Stepper::advance(double t_end, N_Vector y, double& t) {
+  const int code = calls_->set_stop_time(memory_, t_end);
+  return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_NORMAL);
+}
+
+int Stepper::step(double t_end, N_Vector y, double& t) {
+  const int code = calls_->set_stop_time(memory_, t_end);
+  return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_ONE_STEP);
+}
+
+int Stepper::restart(double t, N_Vector y, double h) {
+  int code = calls_->set_fixed_step(memory_, 0.0);
+  if (code >= 0) code = calls_->set_init_step(memory_, h);
+  return code < 0 ? code : calls_->reset(memory_, t, y);
+}
+
+int Stepper::step_exactly(double h, N_Vector y, double& t) {
+  int code = calls_->reset(memory_, t, y);
+  if (code >= 0) code = calls_->set_stop_time(memory_, t + h);
+  if (code >= 0) code = calls_->set_fixed_step(memory_, h);
+  return code < 0 ? code : calls_->evolve(memory_, t + h, y, &t, ARK_ONE_STEP);
+}
+
+long Stepper::steps() const {
+  long steps = 0;
+  calls_->steps(memory_, &steps);
+  return steps;
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <arkode/arkode.h>
+
+#include <memory>
+#include <string>
+
+#include "common/sundials.h"
+
+/// The integrators of ARKODE that the solver offers.
+namespace concord::relative {
+
+/// What an integrator calls, all with the same user data.
+struct StepperCallbacks {
+  ARKRhsFn right_side;
+  ARKPostProcessFn project;
+  ARKEwtFn weigh;
+  void* user_data;
+};
+
+/// One integrator, set up and ready to go from time 0. Its calls return negative codes of ARKODE where they fail.
+class Stepper {
+ public:
+  /// "erk" or "dirk", from the state in y, which gives the size. Messages and context must outlive it. Throws
+  /// SolverError if ARKODE refuses.
+  Stepper(const std::string& name, N_Vector y, const StepperCallbacks& callbacks, const sundials::Context& context,
+          sundials::MessageRecord& messages);
+  ~Stepper();
+  Stepper(const Stepper&) = delete;
+  Stepper& operator=(const Stepper&) = delete;
+
+  /// Advances y to t_end exactly.
+  int advance(double t_end, N_Vector y, double& t);
+  /// Makes one step, at most to t_end.
+  int step(double t_end, N_Vector y, double& t);
+  /// Begins anew at a state, where the right side may have changed; the first step is tried with h.
+  int restart(double t, N_Vector y, double h);
+  /// Makes one step of h from a state, whatever its error; afterwards the integrator must be restarted.
+  int step_exactly(double h, N_Vector y, double& t);
+
+  [[nodiscard]] long steps() const;
+
+  /// The calls that two modules of ARKODE have in common.
+  struct Calls {
+    int (*set_stop_time)(void*, realtype);
+    int (*evolve)(void*, realtype, N_Vector, realtype*, int);
+    int (*reset)(void*, realtype, N_Vector);
+    int (*set_fixed_step)(void*, realtype);
+    int (*set_init_step)(void*, realtype);
+    int (*steps)(void*, long*);
+    void (*free)(void**);
+  };
+
+ private:
+  const Calls* calls_;
+  sundials::Matrix matrix_;
+  sundials::LinearSolver linear_;
+  void* memory_ = nullptr;
+};
+
+}  // namespace concord::relative
