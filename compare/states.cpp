@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/analyses/chart.h"
+
 namespace concord::compare {
 
 namespace {
 
 constexpr int kTries = 30;
+constexpr int kTriesAlong = 12;
 /// Each try starts nearer to the run's state than the one before.
 constexpr double kShrink = 0.8;
 /// Deflection [of the machine's length] to shake a mode with that the run never moves.
@@ -106,6 +109,15 @@ State Shaker::shake(const State& state, double amplitude) {
   return shaken;
 }
 
+std::optional<State> Shaker::shake_along(const Model& model, Solver& solver, const State& state, double amplitude) {
+  constexpr double kMove = 0.01;
+  constexpr double kRate = 0.1;
+  analyses::Chart chart(model, solver, state);
+  const VecX ones = VecX::Ones(chart.n());
+  const VecX delta = within(amplitude * kMove * ones);
+  return chart.at(delta, chart.rates_at_origin() + within(amplitude * kRate * turning_ * ones));
+}
+
 SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run) {
   SharedStates shared;
   shared.states.reserve(run.size());
@@ -131,18 +143,27 @@ SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<Owne
 
 namespace {
 
+/// Whether the solver's own evaluation accepts a state; else Newton's method found another branch.
+bool accepts(Solver& solver, const State& state) {
+  try {
+    solver.evaluate(state);
+    return true;
+  } catch (const SolverError&) {
+    return false;
+  }
+}
+
 /// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
-std::optional<State> neighbour(Solver& solver, Shaker& shaker, const State& base) {
+std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shaker, const State& base) {
   double amplitude = 1.0;
   for (int attempt = 0; attempt < kTries; ++attempt, amplitude *= kShrink) {
     std::optional<State> closed = solver.close(shaker.shake(base, amplitude));
-    if (!closed) continue;
-    try {
-      solver.evaluate(*closed);
-    } catch (const SolverError&) {
-      continue;  // Newton's method found another branch
-    }
-    return closed;
+    if (closed && accepts(solver, *closed)) return closed;
+  }
+  amplitude = 1.0;
+  for (int attempt = 0; attempt < kTriesAlong; ++attempt, amplitude *= 0.5) {
+    std::optional<State> closed = shaker.shake_along(model, solver, base, amplitude);
+    if (closed && accepts(solver, *closed)) return closed;
   }
   return std::nullopt;
 }
@@ -158,7 +179,7 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
   for (int k = 0; k < kRandomStates; ++k) {
     const auto owner = static_cast<Who>(k % 2);
     const State& base = run[static_cast<std::size_t>(k) * run.size() / kRandomStates].state;
-    if (auto state = neighbour(*solvers[index(owner)], shaker, base)) {
+    if (auto state = neighbour(model, *solvers[index(owner)], shaker, base)) {
       closed.push_back({std::move(*state), owner});
     } else {
       shared.failures.push_back(fmt::format("{} finds no consistent state near t = {:.6g} s in {} tries",

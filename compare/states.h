@@ -35,6 +35,10 @@ class Shaker {
   /// run's largest speeds.
   State shake(const State& state, double amplitude);
 
+  /// The same along what a machine permits: for machines whose loops tie modes to each other, so that modes drawn anew
+  /// cannot be closed. Nothing if the solver closes none.
+  std::optional<State> shake_along(const Model& model, Solver& solver, const State& state, double amplitude);
+
  private:
   double uniform();  // in [-1, 1)
   Vec3 uniform3();

@@ -332,10 +332,12 @@ void judge_modes(AnalysisVerdict& result) {
                                   static_cast<double>(other.modes.size()), 1.0, kMostDigits));
   Lines lines{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
   const std::size_t count = std::min(one.modes.size(), other.modes.size());
+  double fastest = 0.0;
+  for (const Mode& mode : one.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
   for (std::size_t k = 0; k < count; ++k) {
     const Mode& mode = one.modes[k];
     const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
-    const double scale = std::max(std::abs(mode.eigenvalue), one.resolution);
+    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kScaleFloor * fastest});
     NumberRow row{fmt::format("eigenvalue {}", k + 1),
                   "1/s",
                   {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},

@@ -217,7 +217,7 @@ start.turn_z = { keep = 0.6, keep_speed = 1.5 }
 std::vector<std::string> shipped_models() {
   std::vector<std::string> names;
   for (const auto& file : std::filesystem::directory_iterator(std::filesystem::path(CONCORD_DATA) / "models")) {
-    names.push_back(file.path().stem().string());
+    if (file.path().extension() == ".toml") names.push_back(file.path().stem().string());
   }
   std::sort(names.begin(), names.end());
   return names;
