@@ -40,18 +40,22 @@ int tree_rows(const Equations& equations) {
   return rows;
 }
 
+/// Relations are free of units: their multipliers count as torques.
+double largest_of_relations(const Closure& closure, const VecX& lambda) {
+  double largest = 0.0;
+  for (const Relation& relation : closure.relations()) {
+    largest = std::max(largest, lambda.segment(relation.first_row, relation.n_rows).cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
 /// Marks the components that the wrenches of one self-stress move; forces count against the largest force times the
-/// length of the machine, and torques alike. A self-stress may consist of coordinate forces alone, of couplings and
-/// drivers: it moves no reaction.
-void mark(const Equations& equations, double length, std::vector<JointUniqueness>& flags) {
-  const std::vector<JointWrenches>& joints = equations.reactions().joints();
-  double size = 0.0;
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    const JointWrenches& joint = joints[k];
-    for (Eigen::Index c = 0; c < joint.tau.size(); ++c) {
-      const bool slides = equations.kinematics().motion(static_cast<int>(k)).kind(static_cast<int>(c)).is_length;
-      size = std::max(size, (slides ? length : 1.0) * std::abs(joint.tau(c)));
-    }
+/// length of the machine, and torques alike, beside multipliers of relations: couplings may hold each other and move no
+/// reaction.
+void mark(const std::vector<JointWrenches>& joints, double length, double of_relations,
+          std::vector<JointUniqueness>& flags) {
+  double size = of_relations;
+  for (const JointWrenches& joint : joints) {
     for (const SideWrench& side : joint.total) {
       size = std::max({size, length * side.in_C.force.cwiseAbs().maxCoeff(), side.in_C.torque.cwiseAbs().maxCoeff()});
     }
@@ -86,8 +90,10 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
     report.smallest_kept = rank > 0 ? relative(rank - 1) : 0.0;
     report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
     for (int z = rank; z < n_rows; ++z) {
-      equations.reactions().compute_self_stress(rows.units.cwiseProduct(svd.matrixU().col(z)));
-      mark(equations, scales.length(), report.joints);
+      const VecX lambda = rows.units.cwiseProduct(svd.matrixU().col(z));
+      equations.reactions().compute_self_stress(lambda);
+      mark(equations.reactions().joints(), scales.length(), largest_of_relations(equations.closure(), lambda),
+           report.joints);
     }
   }
   const int tree = tree_rows(equations);

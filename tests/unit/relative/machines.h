@@ -287,6 +287,14 @@ inline Model four_bar(bool folded = false) {
   return model;
 }
 
+/// Keeps n speeds of the second flight of a pair: of its turn, or of its place.
+inline void keep_speeds_in_space(Model& pair, std::size_t n) {
+  std::vector<WordStart>& words = pair.joints[1].start;
+  for (WordStart& word : words) word.role_u = StartRole::guess;
+  if (n == 3) words.back().role_u = StartRole::keep;  // a point of a ball that rolls has two speeds only
+  for (std::size_t axis = 0; n < 3 && axis < n; ++axis) words[axis].role_u = StartRole::keep;
+}
+
 /// Two bodies that otherwise move freely, and a joint J of the type between them that starts anywhere. Bits of
 /// `flexible`: parent, child.
 inline Model pair(const joints::JointType& type, int flexible) {
@@ -308,7 +316,7 @@ inline Model pair(const joints::JointType& type, int flexible) {
   if (type.permits_speeds.empty()) return model;
   // Where fewer speeds are free than coordinates, the child's velocity in space says them.
   for (WordStart& word : model.joints[2].start) word.role_u = StartRole::guess;
-  for (std::size_t n = 0; n < type.permits_speeds.size(); ++n) model.joints[1].start[n].role_u = StartRole::keep;
+  keep_speeds_in_space(model, type.permits_speeds.size());
   return model;
 }
 

@@ -142,7 +142,8 @@ class Bounce {
   double at(double t) {
     while (true) {
       double end = 0.0;
-      while (holds(end + 1e-4)) end += 1e-4;
+      while (begin_ + end < t && holds(end + 1e-4)) end += 1e-4;
+      if (begin_ + end >= t) return state(t - begin_).first;
       double beyond = end + 1e-4;
       for (int halvings = 0; halvings < 60; ++halvings)
         (holds(0.5 * (end + beyond)) ? end : beyond) = 0.5 * (end + beyond);
