@@ -27,8 +27,10 @@ namespace {
 TEST(Equations, AllocateNothingInAnEvaluation) {
   for (const bool flexible : {false, true}) {
     std::vector<Model> machines{test::tree_of_all_joints(flexible), test::spatial_slider_crank(flexible)};
-    machines.front().couplings = {{"G", {{0, 0, 0, 1.3}, {2, 1, 0, -0.7}, {7, 0, 0, 0.4}}, 0.0, {}}};
-    test::release(machines.front().joints[0]);
+    std::vector<Joint>& joints = machines.front().joints;
+    const double offset = 1.3 * joints[0].start[0].q(0) - 0.7 * joints[2].start[1].q(0) + 0.4 * joints[7].start[0].q(0);
+    machines.front().couplings = {{"G", {{0, 0, 0, 1.3}, {2, 1, 0, -0.7}, {7, 0, 0, 0.4}}, offset, {}}};
+    test::release(joints[0]);
     for (const char* type : {"distance", "knee", "knife_edge", "rolling_ball"})
       machines.push_back(test::pair(*test::type_named(type), flexible ? 3 : 0));
     for (Model& model : machines) {
