@@ -222,7 +222,7 @@ VecX scaled_accelerations(const Model& model, const Evaluation& evaluation) {
 }
 
 std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
-                                       double least) {
+                                       double least, double scale) {
   const auto difference = [&](double h) -> std::optional<VecX> {
     const auto plus = function(h);
     if (!plus) return std::nullopt;
@@ -247,13 +247,13 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     const VecX extrapolated = (16.0 * second - first) / 15.0;
     const double error = (extrapolated - second).norm();
     if (best && error >= least_error) {
-      if (least_error <= kFair * best->norm()) ++worse;
+      if (least_error <= kFair * std::max(best->norm(), scale)) ++worse;
       continue;
     }
     worse = 0;
     best = extrapolated;
     least_error = error;
-    if (error <= kGood * extrapolated.norm()) break;
+    if (error <= kGood * std::max(extrapolated.norm(), scale)) break;
   }
   return best;
 }

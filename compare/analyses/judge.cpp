@@ -316,14 +316,20 @@ double shape_digits(const Mode& one, const Mode& other) {
   return matching_digits((one.shape - along * other.shape).norm(), 1.0);
 }
 
-/// Whether no other eigenvalue is so near that the shapes of both mix.
-bool stands_alone(const std::vector<Mode>& modes, std::size_t k) {
+/// Whether no other eigenvalue is so near that the shapes of both mix; one below `least` is near to those of free
+/// modes.
+bool stands_alone(const std::vector<Mode>& modes, std::size_t k, double least) {
+  if (std::abs(modes[k].eigenvalue) < least) return false;
   const auto is_near = [&](std::size_t other) {
     const double distance = std::abs(modes[k].eigenvalue - modes[other].eigenvalue);
     return distance < 1e-3 * std::abs(modes[k].eigenvalue);
   };
   return !modes[k].is_free && !(k > 0 && is_near(k - 1)) && !(k + 1 < modes.size() && is_near(k + 1));
 }
+
+/// Derivatives are good to 1e-12 of the largest, so an eigenvalue has the eight digits that are needed only above this
+/// part of the fastest one; below, that part is its scale.
+constexpr double kResolved = 1e-4;
 
 void judge_modes(AnalysisVerdict& result) {
   const Linearization& one = *result.linearizations[0];
@@ -337,13 +343,13 @@ void judge_modes(AnalysisVerdict& result) {
   for (std::size_t k = 0; k < count; ++k) {
     const Mode& mode = one.modes[k];
     const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
-    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kScaleFloor * fastest});
+    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest});
     NumberRow row{fmt::format("eigenvalue {}", k + 1),
                   "1/s",
                   {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},
                   matching_digits(std::abs(difference), scale),
                   kEigenvalue};
-    const bool alone = stands_alone(one.modes, k);
+    const bool alone = stands_alone(one.modes, k, kResolved * fastest);
     const double shape = shape_digits(mode, other.modes[k]);
     if (alone) row.digits = std::min(row.digits, shape);
     lines.push_back({fmt::format("{}", k + 1), fmt::format("{:.10g}", mode.frequency()),

@@ -32,7 +32,7 @@ MatX damping_matrix(Chart& chart, Solver& solver, double rate) {
       if (!state) return std::nullopt;
       return chart.accelerations(*state, solver.evaluate(*state));
     };
-    const auto column = derivative_at_zero(along, kRateStep * rate, kLeastRateStep * rate);
+    const auto column = derivative_at_zero(along, kRateStep * rate, kLeastRateStep * rate, rate);
     if (!column) {
       throw SolverError(
           fmt::format("{}: no closed states with other speeds at t = {:.6g} s", solver.name(), chart.origin().t));

@@ -237,7 +237,7 @@ MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double re
       if (!state) return std::nullopt;
       return chart.accelerations(*state, solver.evaluate(*state));
     };
-    const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep);
+    const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
     if (!column) {
       throw SolverError(fmt::format(
           "{}: no closed states around t = {:.6g} s: the machine cannot be moved there; is it in a singular pose?",
