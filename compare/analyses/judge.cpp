@@ -303,7 +303,9 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   }
   note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
   for (const FreeDirection& direction : found[0].free) {
-    note += fmt::format("; without stiffness, left where it started: {}", direction.name);
+    note += fmt::format("{} {}",
+                        &direction == &found[0].free.front() ? "; without stiffness, left where they started:" : ",",
+                        direction.name);
   }
   return started_at(model, found[0].state);
 }
