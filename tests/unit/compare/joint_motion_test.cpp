@@ -101,7 +101,8 @@ TEST(JointMotion, LawfulTauIsActuatorMinusResistance) {
   spring.law.actuator = ConstantSpeed{3.0, 1.0};
   joint.springs = {spring};
   joint.drivers = {{0, ConstantSpeed{0.0, 1.0}}};
-  const JointMotion motion{Eigen::Vector2d(0.5, 0.4), Eigen::Vector2d(1.0, -1.5), Mat6X::Zero(6, 2)};
+  const JointMotion motion{Eigen::Vector2d(0.5, 0.4), Eigen::Vector2d(1.0, -1.5), Mat6X::Zero(6, 2),
+                           MatX::Identity(2, 2)};
   const VecX tau = lawful_tau(joint, motion, 0.5);
   EXPECT_TRUE(std::isnan(tau(0)));
   EXPECT_DOUBLE_EQ(tau(1), 3.5 - 10.0 * 0.3 + 2.0 * 1.5);
@@ -112,6 +113,41 @@ TEST(JointMotion, SpeedsHaveNamesAndUnits) {
   EXPECT_EQ(speed_names(free),
             (std::vector<std::string>{"slide_x", "slide_y", "slide_z", "ball_x", "ball_y", "ball_z"}));
   EXPECT_EQ(turning_speeds(free), (std::vector<bool>{false, false, false, true, true, true}));
+}
+
+TEST(JointMotion, CouplingsPushEachCoordinateByItsFactor) {
+  Model model;
+  model.bodies.resize(3);
+  model.joints.resize(2);
+  model.joints[0].type = joints::find("cylindrical");
+  model.joints[1].type = joints::find("revolute");
+  model.couplings = {{"rack", {{0, 0, 0, 2.0}, {1, 0, 0, -0.5}}, 0.1, {}},
+                     {"gear", {{0, 1, 0, 3.0}, {1, 0, 0, 7.0}}, 0.0, {}}};
+  const std::vector<double> forces{4.0, 0.2};
+  EXPECT_TRUE(coupled_tau(model, 0, forces).isApprox(Eigen::Vector2d(8.0, 0.6), 1e-15));
+  EXPECT_NEAR(coupled_tau(model, 1, forces)(0), -2.0 + 1.4, 1e-15);
+}
+
+TEST(JointMotion, ASkateMovesAlongItsEdgeAndTurns) {
+  const joints::JointType& edge = *joints::find("knife_edge");
+  const Mat3 R = rotation_about(Axis::z, 0.3);
+  const JointMotion motion = read_motion(edge, {Vec3(0.4, -0.2, 0.0), R, Vec6::Zero()}, {});
+  ASSERT_EQ(motion.free.cols(), 2);
+  EXPECT_TRUE(motion.free.col(0).isApprox(Vec3(std::cos(0.3), std::sin(0.3), 0.0), 1e-14));
+  EXPECT_TRUE(motion.free.col(1).isApprox(Vec3::UnitZ(), 1e-14));
+  EXPECT_EQ(turning_free_speeds(edge), (std::vector<bool>{false, true}));
+}
+
+TEST(JointMotion, ARollingBallRestsAtItsContact) {
+  const joints::JointType& ball = *joints::find("rolling_ball");
+  const Mat3 R = rotation_about(Axis::x, 0.7) * rotation_about(Axis::y, -0.4);
+  const JointMotion motion = read_motion(ball, {Vec3(0.4, -0.2, 0.0), R, Vec6::Zero()}, {});
+  const Mat6X possible = motion.S * motion.free;
+  ASSERT_EQ(possible.cols(), 3);
+  const Vec3 contact(0.0, 0.0, -0.25);
+  for (const auto& v_rel : possible.colwise()) {
+    EXPECT_LT((v_rel.head<3>() + Vec3(v_rel.tail<3>()).cross(contact)).norm(), 1e-14);
+  }
 }
 
 }  // namespace

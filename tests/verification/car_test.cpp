@@ -1,0 +1,126 @@
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "compare/analyses/judge.h"
+
+/// The car: what must hold of it whatever its numbers are.
+namespace concord::verification {
+namespace {
+
+const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
+
+/// A model of data/models that starts where both solvers find its equilibrium.
+Model settled(const std::string& name) {
+  std::string note;
+  const Model model = read_model(std::filesystem::path(CONCORD_DATA) / "models" / (name + ".toml"));
+  return compare::analyses::as_it_starts(model, kMakers, note);
+}
+
+std::size_t joint_of(const Model& model, const std::string& name) {
+  const auto found =
+      std::find_if(model.joints.begin(), model.joints.end(), [&](const Joint& joint) { return joint.name == name; });
+  REQUIRE(found != model.joints.end());
+  return static_cast<std::size_t>(found - model.joints.begin());
+}
+
+const Wrench& element_on(const Model& model, const Evaluation& evaluation, const std::string& name) {
+  const auto found = std::find_if(model.elements.begin(), model.elements.end(),
+                                  [&](const ForceElement& element) { return element.name == name; });
+  REQUIRE(found != model.elements.end());
+  return evaluation.elements[static_cast<std::size_t>(found - model.elements.begin())].on_side(Side::child).in_global;
+}
+
+TEST_CASE("The tires of the car at rest bear what statics says of its axles", "[car]") {
+  const Model model = settled("car");
+  for (const bool by_cartesian : {true, false}) {
+    const auto solver = by_cartesian ? cartesian::make_solver(model) : relative::make_solver(model);
+    State rest = solver->assemble();
+    for (BodyState& body : rest.bodies) {
+      body.v.setZero();
+      body.omega.setZero();
+    }
+    const Evaluation evaluation = solver->evaluate(rest);
+    const auto axle = [&](const std::string& end) {
+      return element_on(model, evaluation, end + "_left_tire").force.z() +
+             element_on(model, evaluation, end + "_right_tire").force.z();
+    };
+    // data/README.md: sprung mass by its lever, axle masses, and the trailing arms' centres ahead of their wheels.
+    CHECK(axle("front") == Approx(7433.0).epsilon(0.005));
+    CHECK(axle("rear") == Approx(4593.0).epsilon(0.005));
+  }
+}
+
+TEST_CASE("The car has fifteen degrees of freedom", "[car]") {
+  const Model model = settled("car");
+  for (const auto& solver : {cartesian::make_solver(model), relative::make_solver(model)}) {
+    CHECK(solver->rank(solver->assemble()).degrees_of_freedom == 15);
+  }
+}
+
+TEST_CASE("Wherever the car's loops are cut, its reactions are the same", "[car]") {
+  const Model model = settled("car");
+  const auto usual = relative::make_solver(model);
+  const State state = usual->assemble();
+  const Evaluation expected = usual->evaluate(state);
+  double largest = 0.0;
+  for (const JointWrenches& joint : expected.joints) {
+    largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
+  }
+  // One choice for each of the four loops, another one in each row.
+  const std::vector<std::vector<std::string>> choices{
+      {"front_left_arm", "front_left_tie_rod", "front_right_strut_top", "front_right_tie_rod"},
+      {"front_left_strut", "front_left_tie_rod", "front_right_ball", "front_right_tie_rod"},
+      {"front_left_strut_top", "front_left_tie_rod", "front_right_arm", "front_right_strut"}};
+  for (const auto& choice : choices) {
+    Model other = model;
+    for (const std::string& name : choice) other.joints[joint_of(model, name)].named_as_cut = true;
+    const auto solver = relative::make_solver(other);
+    CHECK(solver->cut_joints().size() == 4);
+    const Evaluation found = solver->evaluate(state);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      for (const Side side : {Side::parent, Side::child}) {
+        const Vec6 difference =
+            found.joints[k].reaction_on(side).in_C.vector() - expected.joints[k].reaction_on(side).in_C.vector();
+        INFO(choice.front() << " cut: joint " << model.joints[k].name);
+        CHECK(difference.norm() < 1e-10 * largest);
+      }
+    }
+  }
+}
+
+TEST_CASE("Over a bump that both sides meet, left and right carry the same and nothing pushes the car sideways",
+          "[car]") {
+  const Model model = settled("car");
+  RunOptions options;
+  options.until = 6.2;
+  options.rtol = 1e-9;
+  options.samples = 310;
+  for (const auto& solver : {cartesian::make_solver(model), relative::make_solver(model)}) {
+    const Trajectory run = solver->integrate(options, [](double) {});
+    double peak = 0.0;
+    double sideways = 0.0;
+    double apart = 0.0;
+    for (const Sample& sample : run.samples) {
+      double sum = 0.0;
+      for (const char* tire : {"front_left_tire", "front_right_tire", "rear_left_tire", "rear_right_tire"}) {
+        const Vec3 force = element_on(model, sample.evaluation, tire).force;
+        sum += force.y();
+        peak = std::max(peak, force.norm());
+      }
+      sideways = std::max(sideways, std::abs(sum));
+      for (const char* name : {"arm", "ball", "strut_top", "strut", "tie_rod", "hub"}) {
+        const auto size = [&](const std::string& side) {
+          const std::size_t k = joint_of(model, "front_" + side + "_" + name);
+          return sample.evaluation.joints[k].total_on(Side::child).in_C.force.norm();
+        };
+        apart = std::max(apart, std::abs(size("left") - size("right")));
+      }
+    }
+    INFO(solver->name() << ": apart " << apart << " N, sideways " << sideways << " N, peak " << peak << " N");
+    CHECK(apart < 1e-9 * peak);
+    CHECK(sideways < 1e-9 * peak);
+  }
+}
+
+}  // namespace
+}  // namespace concord::verification
