@@ -50,8 +50,8 @@ std::vector<CouplingTerm> coupled_in(const Model& model, int k) {
   return terms;
 }
 
-/// What acts on a joint speed: "driver" if there is one among others, "spring" if there is nothing but springs, else
-/// "couplings".
+/// What acts on a joint speed: "driver" if there is one among others, "spring" if there is none, "couplings" if there
+/// is nothing else.
 const char* actor_on(const Model& model, int k, int speed) {
   const Joint& joint = model.joints[k];
   std::set<int> driven;
@@ -59,7 +59,8 @@ const char* actor_on(const Model& model, int k, int speed) {
   add_speeds(joint, joint.drivers, driven);
   add_speeds(joint, joint.springs, sprung);
   if (driven.contains(speed)) return "driver";
-  return sprung.contains(speed) ? "spring" : "couplings";
+  if (sprung.contains(speed)) return "spring";
+  return model.is_coupled(k) ? "couplings" : "driver";
 }
 
 }  // namespace
@@ -172,7 +173,7 @@ std::string unit_of(const Model& model, const Quantity& quantity) {
   if (quantity.kind == Kind::acceleration) {
     return quantity.component < 3 ? "m/s2" : quantity.component < 6 ? "rad/s2" : "1/s2";
   }
-  const auto turns = [&](int joint, int speed) {
+  const auto turns = [&](int joint, int speed) -> bool {
     return turning_speeds(*model.joints[joint].type).at(static_cast<std::size_t>(speed));
   };
   bool is_torque = quantity.component >= 3;
