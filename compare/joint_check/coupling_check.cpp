@@ -19,27 +19,27 @@ namespace concord::compare::joint_check {
 
 namespace {
 
-constexpr double kNeed = 12.0;
+constexpr double kCouplingDigits = 12.0;
 
-enum JointOf : int { kHolder, kPlanet, kSun, kRack, kCloser };
+enum GearJoint : int { kHolder, kPlanet, kSun, kRack };
 
 enum class Actor { none, spring, driver };
 
-struct Arrangement {
+struct GearRig {
   bool bends = false;
   Actor actor = Actor::none;
 };
 
-std::string describe(const Arrangement& arrangement) {
-  const char* actor = arrangement.actor == Actor::spring   ? ", hinge sprung"
-                      : arrangement.actor == Actor::driver ? ", slide driven"
-                                                           : "";
-  return fmt::format("{} bodies{}", arrangement.bends ? "flexible" : "rigid", actor);
+std::string in_words(const GearRig& rig) {
+  const char* actor = rig.actor == Actor::spring   ? ", hinge sprung"
+                      : rig.actor == Actor::driver ? ", slide driven"
+                                                   : "";
+  return fmt::format("{} bodies{}", rig.bends ? "flexible" : "rigid", actor);
 }
 
 /// A free carrier; a planet that turns and slides on it, a sun that the carrier turns on (the joint's child is the
 /// carrier), a rack that slides on the planet.
-Model build(const Arrangement& arrangement, std::uint32_t seed) {
+Model build(const GearRig& rig, std::uint32_t seed) {
   Numbers numbers(seed, streams::kRig);
   Model model;
   model.name = "couplings";
@@ -49,7 +49,7 @@ Model build(const Arrangement& arrangement, std::uint32_t seed) {
   model.bodies.front().name = "ground";
   for (const char* name : {"carrier", "planet", "sun", "rack"}) {
     const int modes = static_cast<int>(model.bodies.size()) % 3 + 1;
-    model.bodies.push_back(arrangement.bends ? flexible_body(name, modes, numbers) : rigid_body(name, numbers));
+    model.bodies.push_back(rig.bends ? flexible_body(name, modes, numbers) : rigid_body(name, numbers));
   }
   const auto add = [&](const char* name, const char* type, int parent, int child, StartRole role) {
     const joints::JointType& found = *joints::find(type);
@@ -62,14 +62,14 @@ Model build(const Arrangement& arrangement, std::uint32_t seed) {
   add("rack", "translational", 2, 4, StartRole::guess);
   model.couplings = {{"gear", {{kPlanet, 1, 0, 1.3}, {kSun, 0, 0, -0.8}}, 0.35, {}},
                      {"mixer", {{kPlanet, 0, 0, 2.1}, {kSun, 0, 0, 0.4}, {kRack, 0, 0, 1.7}}, -0.2, {}}};
-  if (arrangement.actor == Actor::spring) {
+  if (rig.actor == Actor::spring) {
     ForceLaw law;
     law.stiffness = 7.0;
     law.damping = 1.5;
     law.free = 0.4;
     model.joints[kSun].springs.push_back({0, law, 0});
   }
-  if (arrangement.actor == Actor::driver) {
+  if (rig.actor == Actor::driver) {
     model.joints[kPlanet].drivers.push_back({0, Harmonic{0.1, 0.15, 3.0, 0.7}, 0});
     model.joints[kPlanet].start[0].role_q = StartRole::unsaid;
     model.joints[kPlanet].start[0].role_u = StartRole::unsaid;
@@ -125,13 +125,13 @@ class CouplingCheck {
  public:
   explicit CouplingCheck(const SheetOptions& options) : options_(options) {
     for (int rule = 0; rule < kAuditRules; ++rule) {
-      audits_.emplace_back(fmt::format("audit: {}", name_of(static_cast<AuditRule>(rule))), kNeed);
+      audits_.emplace_back(fmt::format("audit: {}", name_of(static_cast<AuditRule>(rule))), kCouplingDigits);
     }
   }
 
-  void look_at(const Arrangement& arrangement) {
-    context_ = describe(arrangement);
-    const Model open = build(arrangement, options_.seed);
+  void look_at(const GearRig& rig) {
+    context_ = in_words(rig);
+    const Model open = build(rig, options_.seed);
     const Model cut = with_idle_loop(open, options_.seed);
     relative::Equations equations(open);
     relative::States states(equations);
@@ -253,9 +253,10 @@ class CouplingCheck {
   const SheetOptions& options_;
   std::string context_;
   Property rank_{"rows are independent and take their degrees of freedom", {}};
-  Property rate_{"the sum of factor times speed vanishes", kNeed};
-  Property power_{"the forces of a coupling have no power together", kNeed};
-  Property wrenches_{"same forces, wrenches on every body and accelerations by both solvers, tree and cut", kNeed};
+  Property rate_{"the sum of factor times speed vanishes", kCouplingDigits};
+  Property power_{"the forces of a coupling have no power together", kCouplingDigits};
+  Property wrenches_{"same forces, wrenches on every body and accelerations by both solvers, tree and cut",
+                     kCouplingDigits};
   Properties audits_;
 };
 
