@@ -17,7 +17,7 @@ namespace {
 
 using What = decltype(ForceElement::what);
 
-LoadAxes read_axes(const TableReader& table) {
+LoadAxes read_load_axes(const TableReader& table) {
   static const std::vector<std::string> kNames{"global", "body", "follower"};
   const auto name = table.text("axes");
   if (!name) return LoadAxes::global;
@@ -38,7 +38,7 @@ struct Surroundings {
 std::optional<What> read_load(const TableReader& table, const Surroundings& around) {
   if (!table.has("force") && !table.has("torque")) table.complain("exerts nothing: give a 'force' or a 'torque'");
   Load load;
-  load.axes = read_axes(table);
+  load.axes = read_load_axes(table);
   load.force = table.vector3("force").value_or(Vec3::Zero());
   load.torque = table.vector3("torque").value_or(Vec3::Zero());
   if (auto law = read_law_or_number(table, "law")) load.law = std::move(*law);
@@ -138,27 +138,27 @@ std::optional<What> read_tire(const TableReader& table, const Surroundings& arou
   return tire;
 }
 
-struct Kind {
+struct ElementKind {
   std::string_view key;
   KnownKeys known;
   std::optional<What> (*read)(const TableReader&, const Surroundings&);
 };
 
-const std::array<Kind, 5>& kinds() {
-  static const std::array<Kind, 5> kKinds{
-      Kind{"load", with_attachment({"name", "axes", "force", "torque", "law"}), read_load},
-      Kind{"line_spring", with_force_law(with_ends({"name"})), read_line_spring},
-      Kind{"turn_spring", with_force_law(with_ends({"name"})), read_turn_spring},
-      Kind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing},
-      Kind{"tire",
-           with_attachment({"name", "road", "radius", "stiffness", "damping", "slip_stiffness", "cornering_stiffness",
-                            "friction", "speed_scale"}),
-           read_tire}};
+const std::array<ElementKind, 5>& element_kinds() {
+  static const std::array<ElementKind, 5> kKinds{
+      ElementKind{"load", with_attachment({"name", "axes", "force", "torque", "law"}), read_load},
+      ElementKind{"line_spring", with_force_law(with_ends({"name"})), read_line_spring},
+      ElementKind{"turn_spring", with_force_law(with_ends({"name"})), read_turn_spring},
+      ElementKind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing},
+      ElementKind{"tire",
+                  with_attachment({"name", "road", "radius", "stiffness", "damping", "slip_stiffness",
+                                   "cornering_stiffness", "friction", "speed_scale"}),
+                  read_tire}};
   return kKinds;
 }
 
-void read_kind(const Kind& kind, const TableReader& document, const Surroundings& around,
-               std::vector<ForceElement>& elements) {
+void read_elements_of(const ElementKind& kind, const TableReader& document, const Surroundings& around,
+                      std::vector<ForceElement>& elements) {
   for (const toml::table* found : document.tables(kind.key)) {
     const TableReader table(*found, title_with_name(*found, kind.key), kind.known, document.reading());
     ForceElement element;
@@ -176,7 +176,7 @@ void read_kind(const Kind& kind, const TableReader& document, const Surroundings
 const KnownKeys& force_element_keys() {
   static const KnownKeys kKeys = [] {
     KnownKeys keys;
-    for (const Kind& kind : kinds()) keys.push_back(kind.key);
+    for (const ElementKind& kind : element_kinds()) keys.push_back(kind.key);
     return keys;
   }();
   return kKeys;
@@ -185,7 +185,7 @@ const KnownKeys& force_element_keys() {
 std::vector<ForceElement> read_force_elements(const TableReader& document, const std::vector<BodyReading>& bodies,
                                               const std::vector<RoadReading>& roads) {
   std::vector<ForceElement> elements;
-  for (const Kind& kind : kinds()) read_kind(kind, document, {bodies, roads}, elements);
+  for (const ElementKind& kind : element_kinds()) read_elements_of(kind, document, {bodies, roads}, elements);
   std::stable_sort(elements.begin(), elements.end(), [](const ForceElement& a, const ForceElement& b) {
     return std::pair(a.where.line, a.where.column) < std::pair(b.where.line, b.where.column);
   });

@@ -38,21 +38,21 @@ std::optional<Profile> read_table(const TableReader& table) {
   return RoadTable{SplineTable(std::move(points->x), std::move(points->y)), first, last};
 }
 
-struct Kind {
+struct RoadKind {
   std::string_view name;
   KnownKeys keys;
   std::optional<Profile> (*read)(const TableReader&);
 };
 
-const std::array<Kind, 3>& kinds() {
-  static const std::array<Kind, 3> kKinds{Kind{"flat", {"height"}, read_flat},
-                                          Kind{"half_sine", {"start", "length", "height"}, read_half_sine},
-                                          Kind{"table", {"x", "height"}, read_table}};
+const std::array<RoadKind, 3>& road_kinds() {
+  static const std::array<RoadKind, 3> kKinds{RoadKind{"flat", {"height"}, read_flat},
+                                              RoadKind{"half_sine", {"start", "length", "height"}, read_half_sine},
+                                              RoadKind{"table", {"x", "height"}, read_table}};
   return kKinds;
 }
 
 /// Keys of a road of that kind; while the kind is not known, those of all.
-KnownKeys keys_of(const Kind* kind) {
+KnownKeys keys_of(const RoadKind* kind) {
   if (kind == nullptr) return {"name", "profile", "start", "length", "x", "height"};
   KnownKeys keys{"name", "profile"};
   keys.insert(keys.end(), kind->keys.begin(), kind->keys.end());
@@ -60,11 +60,12 @@ KnownKeys keys_of(const Kind* kind) {
 }
 
 /// The kind that a road names, if there is such a kind.
-const Kind* named_kind(const toml::table& road) {
+const RoadKind* named_kind(const toml::table& road) {
   const toml::node* said = road.get("profile");
   const auto name = said == nullptr ? std::nullopt : said->value_exact<std::string>();
-  const auto found = std::find_if(kinds().begin(), kinds().end(), [&](const Kind& one) { return name == one.name; });
-  return found == kinds().end() ? nullptr : &*found;
+  const auto found =
+      std::find_if(road_kinds().begin(), road_kinds().end(), [&](const RoadKind& one) { return name == one.name; });
+  return found == road_kinds().end() ? nullptr : &*found;
 }
 
 /// Complains of the profile, which is missing or not known.
@@ -73,12 +74,12 @@ void refuse_profile(const TableReader& table) {
   const auto name = table.text("profile");
   if (!name) return;
   std::vector<std::string> names;
-  for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+  for (const RoadKind& kind : road_kinds()) names.emplace_back(kind.name);
   table.complain("profile", fmt::format("unknown profile '{}': {}", *name, suggestion(*name, names, "profiles")));
 }
 
 RoadReading read_road(const toml::table& found, FileReading& reading) {
-  const Kind* kind = named_kind(found);
+  const RoadKind* kind = named_kind(found);
   const TableReader table(found, title_with_name(found, "road"), keys_of(kind), reading);
   RoadReading result{table.name(), nullptr};
   if (kind == nullptr) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 
 /// Names for the small shapes that cross folder borders. SI units and radians everywhere.
 namespace concord {
@@ -26,5 +27,7 @@ constexpr int index(Axis axis) { return static_cast<int>(axis); }
 enum class Side { parent = 0, child = 1 };
 
 constexpr int index(Side side) { return static_cast<int>(side); }
+
+inline constexpr std::array kSides{Side::parent, Side::child};
 
 }  // namespace concord

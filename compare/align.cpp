@@ -11,7 +11,6 @@ namespace concord::compare {
 
 namespace {
 
-constexpr std::array kNames{"cartesian", "relative"};
 
 void check_finite(const Layout& layout, const VecX& values, double t, const char* solver) {
   for (Eigen::Index row = 0; row < values.size(); ++row) {
@@ -35,7 +34,7 @@ Series make_series(const Layout& layout, std::size_t samples) {
 void put(const Layout& layout, Series& series, std::size_t column, int who, const State& state,
          const Evaluation& evaluation) {
   const VecX values = layout.observe(state, evaluation);
-  check_finite(layout, values, state.t, kNames[who]);
+  check_finite(layout, values, state.t, kSolverNames[who]);
   series.values[who].col(static_cast<Eigen::Index>(column)) = values;
   for (std::size_t i = 0; i < series.spin.size(); ++i) {
     series.spin[i] = std::max(series.spin[i], state.bodies[i].omega.norm());
@@ -48,7 +47,7 @@ Series align(const Layout& layout, const std::array<const Trajectory*, 2>& traje
   for (int who = 0; who < 2; ++who) {
     const auto found = static_cast<int>(trajectories[who]->samples.size());
     if (found == samples) continue;
-    throw IncompleteResult(fmt::format("{}: {} samples, {} were asked for", kNames[who], found, samples));
+    throw IncompleteResult(fmt::format("{}: {} samples, {} were asked for", kSolverNames[who], found, samples));
   }
   Series series = make_series(layout, static_cast<std::size_t>(samples));
   for (std::size_t k = 0; k < series.times.size(); ++k) {

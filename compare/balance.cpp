@@ -19,8 +19,7 @@ namespace {
 constexpr double kSmallestScale = 1e-6;  // of the machine's largest
 
 constexpr std::array kComponentNames{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
-constexpr std::array kSideNames{" on parent", " on child"};
-constexpr std::array kSides{Side::parent, Side::child};
+constexpr std::array kOnSide{" on parent", " on child"};
 
 /// A rigid body as six mass points with its mass, centre of mass and inertia: at plus and minus the half axes of its
 /// ellipsoid of second moments tr(I)/2 1 - I.
@@ -304,10 +303,10 @@ Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale
       }
     };
     // In the order of joint_rows().
-    for (const char* side : kSideNames) add_rows(AuditRule::workless, "reaction", side);
+    for (const char* side : kOnSide) add_rows(AuditRule::workless, "reaction", side);
     add_speeds(AuditRule::workless, "power of the reaction", turning_free_speeds(*joint.type));
     for (const char* wrench : {"reaction", "total"}) {
-      for (const char* side : kSideNames) add_rows(AuditRule::two_frames, wrench, side);
+      for (const char* side : kOnSide) add_rows(AuditRule::two_frames, wrench, side);
     }
     for (const char* wrench : {"reaction", "total"}) add_rows(AuditRule::both_sides, wrench, "");
     add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type));
@@ -322,8 +321,8 @@ Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale
       }
     };
     // In the order of add_element().
-    for (const char* side : kSideNames) add_rows(AuditRule::force_law, side);
-    for (const char* side : kSideNames) add_rows(AuditRule::two_frames, side);
+    for (const char* side : kOnSide) add_rows(AuditRule::force_law, side);
+    for (const char* side : kOnSide) add_rows(AuditRule::two_frames, side);
     if (end_of(element, Side::parent) != nullptr) add_rows(AuditRule::both_sides, "");
   }
 }

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "compare/files.h"
+#include "compare/observe.h"
 
 namespace concord::compare {
 
@@ -153,8 +154,6 @@ VecX component_of(const Trajectory& trajectory, std::size_t joint, int component
   return values;
 }
 
-constexpr std::array kComponents{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
-
 /// Letters of a name that a file name can have everywhere.
 std::string file_name_of(const std::string& name) {
   std::string result = name;
@@ -206,13 +205,13 @@ Page reaction_page(const Model& model, std::size_t joint, const std::array<std::
     const char* unit = kind == 0 ? "N" : "N m";
     for (int c = 3 * kind; c < 3 * kind + 3; ++c) {
       const bool labelled = c == 0;
-      page.panels.push_back({fmt::format("{} [{}]", kComponents[c], unit),
+      page.panels.push_back({fmt::format("{} [{}]", component_names()[c], unit),
                              {{labelled ? std::string(solvers[0]) : "", of_first[c], Curve::Style::line},
                               {labelled ? std::string(solvers[1]) : "", of_second[c], Curve::Style::dots}},
                              1e-6 * peak[kind]});
     }
     for (int c = 3 * kind; c < 3 * kind + 3; ++c) {
-      page.panels.push_back({fmt::format("difference of {} [{}]", kComponents[c], unit),
+      page.panels.push_back({fmt::format("difference of {} [{}]", component_names()[c], unit),
                              {{"", of_second[c] - of_first[c], Curve::Style::difference}},
                              0.0});
     }

@@ -13,13 +13,13 @@
 
 #include "common/error.h"
 #include "compare/files.h"
+#include "compare/observe.h"
 
 namespace concord::compare {
 
 namespace {
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-constexpr std::array<const char*, 6> kComponents{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
 constexpr std::array<const char*, 2> kSideNames{"parent", "child"};
 
 const char* component_unit(int component) { return component < 3 ? "N" : "N m"; }
@@ -183,7 +183,7 @@ class TrajectoryWriter {
     body_ = named({"body", body_names});
     joint_ = named({"joint", joint_names});
     side_ = named({"side", {kSideNames.begin(), kSideNames.end()}});
-    component_ = named({"component", {kComponents.begin(), kComponents.end()}});
+    component_ = named({"component", {component_names().begin(), component_names().end()}});
     axis_ = named({"axis", {kAxes.begin(), kAxes.end()}});
     euler_ = named({"euler", {"e0", "e1", "e2", "e3"}});
     if (!model_.elements.empty()) element_ = named({"element", element_names(model_)});
@@ -450,7 +450,7 @@ void add_reaction_header(const Model& model, CsvText& csv) {
   for (const Joint& joint : model.joints) {
     for (const char* side : kSideNames) {
       for (int c = 0; c < 6; ++c) {
-        csv.header(fmt::format("{}.{}.{}", joint.name, side, kComponents[c]), component_unit(c));
+        csv.header(fmt::format("{}.{}.{}", joint.name, side, component_names()[c]), component_unit(c));
       }
     }
     int number = 0;
@@ -476,7 +476,8 @@ void add_element_header(const Model& model, CsvText& csv) {
     for (const Side side : {Side::parent, Side::child}) {
       if (end_of(element, side) == nullptr) continue;
       for (int c = 0; c < 6; ++c) {
-        csv.header(fmt::format("{}.{}.{}", element.name, kSideNames[index(side)], kComponents[c]), component_unit(c));
+        csv.header(fmt::format("{}.{}.{}", element.name, kSideNames[index(side)], component_names()[c]),
+                   component_unit(c));
       }
     }
   }

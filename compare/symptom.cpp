@@ -16,7 +16,7 @@ constexpr double kUnexplained = 1e-3;
 using Vectors = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 /// The three components to which a failing row belongs, of both solvers over all samples.
-struct Case {
+struct Suspect {
   const Layout& layout;
   const Series& series;
   Quantity quantity;
@@ -29,8 +29,6 @@ struct Case {
   }
   [[nodiscard]] Vectors rows(int row, int who) const { return series.values[who].middleRows<3>(row); }
 };
-
-constexpr std::array kNames{"cartesian", "relative"};
 
 std::string samples_of(const Series& series) { return fmt::format("all {} samples", series.times.size()); }
 
@@ -52,24 +50,25 @@ std::string factor_pattern(const Eigen::Ref<const MatX>& one, const Eigen::Ref<c
   return fmt::format("constant factor: relative is {:.6g} times cartesian in {}", factor, samples_of(series));
 }
 
-std::string other_frame_pattern(const Case& test) {
-  if (test.quantity.kind != Kind::reaction && test.quantity.kind != Kind::total) return "";
-  const int block = test.quantity.component < 3 ? 0 : 3;
+std::string other_frame_pattern(const Suspect& suspect) {
+  if (suspect.quantity.kind != Kind::reaction && suspect.quantity.kind != Kind::total) return "";
+  const int block = suspect.quantity.component < 3 ? 0 : 3;
   const auto side_row = [&](Side side) {
-    return test.layout.first_row(test.quantity.kind, test.quantity.owner, side) + block;
+    return suspect.layout.first_row(suspect.quantity.kind, suspect.quantity.owner, side) + block;
   };
-  const int global = test.layout.first_row(Kind::reaction_global, test.quantity.owner, test.quantity.side) + block;
-  const Side opposite = test.quantity.side == Side::child ? Side::parent : Side::child;
+  const int global =
+      suspect.layout.first_row(Kind::reaction_global, suspect.quantity.owner, suspect.quantity.side) + block;
+  const Side opposite = suspect.quantity.side == Side::child ? Side::parent : Side::child;
   for (int who = 0; who < 2; ++who) {
-    if (test.explains(test.rows(global, 1 - who), who)) {
-      return fmt::format("other frame: {} gives components in global axes", kNames[who]);
+    if (suspect.explains(suspect.rows(global, 1 - who), who)) {
+      return fmt::format("other frame: {} gives components in global axes", kSolverNames[who]);
     }
-    const Vectors across = test.rows(side_row(opposite), 1 - who);
-    if (test.explains(across, who))
-      return fmt::format("other side: {} gives the wrench on the {}", kNames[who],
+    const Vectors across = suspect.rows(side_row(opposite), 1 - who);
+    if (suspect.explains(across, who))
+      return fmt::format("other side: {} gives the wrench on the {}", kSolverNames[who],
                          opposite == Side::child ? "child" : "parent");
-    if (test.explains(-across, who)) {
-      return fmt::format("other frame: {} gives components in the {}'s joint frame", kNames[who],
+    if (suspect.explains(-across, who)) {
+      return fmt::format("other frame: {} gives components in the {}'s joint frame", kSolverNames[who],
                          opposite == Side::child ? "child" : "parent");
     }
   }
@@ -88,18 +87,18 @@ Vec3 fit_lever(const Vectors& difference, const Vectors& force) {
   return normal.completeOrthogonalDecomposition().solve(right);
 }
 
-std::string other_point_pattern(const Case& test) {
-  const bool is_torque = test.quantity.kind != Kind::acceleration && test.quantity.component >= 3;
+std::string other_point_pattern(const Suspect& suspect) {
+  const bool is_torque = suspect.quantity.kind != Kind::acceleration && suspect.quantity.component >= 3;
   if (!is_torque) return "";
-  const Vectors force = test.rows(test.first - 3, 0);
-  const Vectors other_force = test.rows(test.first - 3, 1);
+  const Vectors force = suspect.rows(suspect.first - 3, 0);
+  const Vectors other_force = suspect.rows(suspect.first - 3, 1);
   if ((force - other_force).norm() > kUnexplained * force.norm()) return "";
-  const Vec3 lever = fit_lever(test.vectors[1] - test.vectors[0], force);
-  Vectors predicted = test.vectors[0];
+  const Vec3 lever = fit_lever(suspect.vectors[1] - suspect.vectors[0], force);
+  Vectors predicted = suspect.vectors[0];
   for (Eigen::Index k = 0; k < force.cols(); ++k) predicted.col(k) += lever.cross(force.col(k));
-  if (!test.explains(predicted, 1)) return "";
+  if (!suspect.explains(predicted, 1)) return "";
   return fmt::format("other point: the torques differ by lever x force, lever = ({:.6g}, {:.6g}, {:.6g}) m, in {}",
-                     lever(0), lever(1), lever(2), samples_of(test.series));
+                     lever(0), lever(1), lever(2), samples_of(suspect.series));
 }
 
 /// The rotation Q that turns cartesian's vectors best into relative's.
@@ -111,23 +110,25 @@ Mat3 fit_rotation(const Vectors& from, const Vectors& to) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-std::string rotation_pattern(const Case& test) {
-  const Mat3 Q = fit_rotation(test.vectors[0], test.vectors[1]);
-  if (test.explains(Q * test.vectors[0], 1)) {
+std::string rotation_pattern(const Suspect& suspect) {
+  const Mat3 Q = fit_rotation(suspect.vectors[0], suspect.vectors[1]);
+  if (suspect.explains(Q * suspect.vectors[0], 1)) {
     const double degrees = angle_between(Mat3::Identity(), Q) * 180.0 / std::numbers::pi;
-    return fmt::format("other frame: the same vectors, turned by {:.4g} deg, in {}", degrees, samples_of(test.series));
+    return fmt::format("other frame: the same vectors, turned by {:.4g} deg, in {}", degrees,
+                       samples_of(suspect.series));
   }
-  const Eigen::RowVectorXd norms = test.vectors[0].colwise().norm();
-  const Eigen::RowVectorXd others = test.vectors[1].colwise().norm();
-  if ((norms - others).norm() > kUnexplained * test.difference) return "";
-  return fmt::format("other frame: same size, other direction in {}: check frames and axes", samples_of(test.series));
+  const Eigen::RowVectorXd norms = suspect.vectors[0].colwise().norm();
+  const Eigen::RowVectorXd others = suspect.vectors[1].colwise().norm();
+  if ((norms - others).norm() > kUnexplained * suspect.difference) return "";
+  return fmt::format("other frame: same size, other direction in {}: check frames and axes",
+                     samples_of(suspect.series));
 }
 
 /// No pattern: where the difference stands tells at least whether it grows.
-std::string growth_pattern(const Case& test) {
-  const Eigen::Index samples = test.vectors[0].cols();
+std::string growth_pattern(const Suspect& suspect) {
+  const Eigen::Index samples = suspect.vectors[0].cols();
   const Eigen::Index early = std::max<Eigen::Index>(1, samples / 10);
-  const Vectors difference = test.vectors[1] - test.vectors[0];
+  const Vectors difference = suspect.vectors[1] - suspect.vectors[0];
   if (difference.leftCols(early).norm() > 0.1 * difference.rightCols(early).norm()) {
     return "no known pattern: not sign, factor, frame or point";
   }
@@ -145,15 +146,15 @@ std::string diagnose(const Layout& layout, const Series& series, int row) {
     return text.empty() ? "no known pattern: neither sign nor factor" : text;
   }
   const int first = row - quantity.component % 3;
-  Case test{layout, series, quantity, first, {}, 0.0};
-  for (int who = 0; who < 2; ++who) test.vectors[who] = test.rows(first, who);
-  test.difference = (test.vectors[0] - test.vectors[1]).norm();
-  std::string text = factor_pattern(test.vectors[0], test.vectors[1], series);
+  Suspect suspect{layout, series, quantity, first, {}, 0.0};
+  for (int who = 0; who < 2; ++who) suspect.vectors[who] = suspect.rows(first, who);
+  suspect.difference = (suspect.vectors[0] - suspect.vectors[1]).norm();
+  std::string text = factor_pattern(suspect.vectors[0], suspect.vectors[1], series);
   if (text.empty()) text = factor_pattern(line(0), line(1), series);
-  if (text.empty()) text = other_frame_pattern(test);
-  if (text.empty()) text = other_point_pattern(test);
-  if (text.empty()) text = rotation_pattern(test);
-  return text.empty() ? growth_pattern(test) : text;
+  if (text.empty()) text = other_frame_pattern(suspect);
+  if (text.empty()) text = other_point_pattern(suspect);
+  if (text.empty()) text = rotation_pattern(suspect);
+  return text.empty() ? growth_pattern(suspect) : text;
 }
 
 }  // namespace concord::compare

@@ -13,7 +13,7 @@ namespace concord::relative {
 namespace {
 
 /// A direction that keeps less than this part beside the others is one of them.
-constexpr double kLeastIndependence = 1e-6;
+constexpr double kLeastOwnPart = 1e-6;
 constexpr double kContradiction = 1e-9;
 
 struct MovingAxis {
@@ -115,7 +115,7 @@ bool PermittedSpeeds::complete(const JointColumns& P) {
     Vec6 column = P.col(c);
     column.head(n_u).array() /= units_.array();
     const Vec6 rest = directions.rest(column);
-    if (!(rest.norm() > kLeastIndependence * column.norm())) return false;
+    if (!(rest.norm() > kLeastOwnPart * column.norm())) return false;
     directions.add(rest);
   }
   directions.complete();

@@ -18,7 +18,7 @@ using Complex = std::complex<double>;
 
 constexpr double kRateStep = 0.02;  // of the machine's largest rate
 constexpr double kLeastRateStep = 1e-7;
-constexpr double kNoStiffness = 1e-9;  // of the largest; eigenvalues go with its root
+constexpr double kNegligible = 1e-9;  // of the largest; eigenvalues go with its root
 constexpr double kStray = 1e-6;
 constexpr double kNoDamping = 1e-11;  // of the largest frequency
 
@@ -118,7 +118,7 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
   const double reference = reference_acceleration(model, solver.evaluate(state));
   result.A = stiffness_matrix(chart, solver, rates, reference);
   const StiffnessSplit split(chart, result.A, reference);
-  result.resolution = std::sqrt(kNoStiffness * std::max(split.largest(), reference));
+  result.resolution = std::sqrt(kNegligible * std::max(split.largest(), reference));
   const double frequency = std::max({std::sqrt(result.A.norm()), rates.norm(), result.resolution, 1e-300});
   result.B = damping_matrix(chart, solver, std::max({std::sqrt(reference), rates.norm(), result.resolution, 1e-3}));
   const bool is_undamped = result.B.norm() <= kNoDamping * frequency;

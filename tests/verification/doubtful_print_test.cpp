@@ -14,7 +14,6 @@
 namespace concord::verification {
 namespace {
 
-constexpr std::array kSides{Side::parent, Side::child};
 
 VecX stacked(const BodyAcceleration& acceleration) {
   VecX Ydot(6 + acceleration.addot.size());

@@ -54,6 +54,13 @@ inline Body make_body(Numbers& numbers, const std::string& name, int m) {
   return body;
 }
 
+inline constexpr double kGravity = 9.81;  // [m/s^2]
+
+/// A place on a rigid body.
+inline Attachment rigid(int body, const Vec3& point, const Mat3& C) {
+  return {body, point, C, Mat3X(3, 0), Mat3X(3, 0)};
+}
+
 inline Attachment make_attachment(Numbers& numbers, const Model& model, int body) {
   const int m = model.bodies[body].n_modes();
   return {body, numbers.vector(), numbers.rotation(), numbers.matrix(3, m, 0.5), numbers.matrix(3, m, 0.5)};

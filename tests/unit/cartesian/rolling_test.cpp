@@ -12,9 +12,9 @@
 namespace concord::cartesian {
 namespace {
 
+using testing::kGravity;
 using testing::Numbers;
-
-constexpr double kGravity = 9.81;
+using testing::rigid;
 
 Model make_ground(const char* name) {
   Model model;
@@ -24,8 +24,6 @@ Model make_ground(const char* name) {
   model.bodies[kGround].name = "ground";
   return model;
 }
-
-Attachment rigid(int body, const Vec3& point, const Mat3& C) { return {body, point, C, Mat3X(3, 0), Mat3X(3, 0)}; }
 
 void keep_q(WordStart& start, const VecX& q) {
   start.role_q = StartRole::keep;

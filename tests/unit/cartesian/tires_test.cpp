@@ -15,9 +15,9 @@ namespace concord::cartesian {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::kGravity;
 using testing::Numbers;
-
-Attachment rigid(int body, const Vec3& point, const Mat3& C) { return {body, point, C, Mat3X(3, 0), Mat3X(3, 0)}; }
+using testing::rigid;
 
 Tire make_tire(const Attachment& wheel, const Road& road) {
   Tire tire;
@@ -128,8 +128,7 @@ TEST(Tires, HeldRegimesGoOnBeyondTheirEnd) {
   EXPECT_EQ(rig.act(lifted).wrenches[1].force.norm(), 0.0);
 }
 
-constexpr double kMass = 20.0;
-constexpr double kGravity = 9.81;
+constexpr double kWheelMass = 20.0;
 constexpr double kRadius = 0.3;
 constexpr double kStiffness = 9000.0;
 
@@ -143,7 +142,7 @@ Model make_quarter_car(const Road& road, double speed, double height, double dam
   model.bodies.resize(1);
   model.bodies.push_back(testing::make_body(numbers, "sled", 0));
   model.bodies.push_back(testing::make_body(numbers, "wheel", 0));
-  model.bodies[2].mass = kMass;
+  model.bodies[2].mass = kWheelMass;
   Mat3 z_along_x;
   z_along_x << Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX();
   Joint guide = testing::make_joint(numbers, model, *joints::find("translational"), kGround, 1);
@@ -179,8 +178,8 @@ Trajectory run(const Model& model, const char* integrator, double until, double 
 TEST(Tires, BounceFollowsItsClosedForm) {
   constexpr double kDrop = 0.1;
   const Model model = make_quarter_car({"flat", FlatRoad{0.05}}, 2.0, 0.05 + kRadius + kDrop, 0.0);
-  const double omega = std::sqrt(kStiffness / kMass);
-  const double sag = kMass * kGravity / kStiffness;
+  const double omega = std::sqrt(kStiffness / kWheelMass);
+  const double sag = kWheelMass * kGravity / kStiffness;
   const double fall = std::sqrt(2.0 * kDrop / kGravity);
   const double impact = kGravity * fall;
   const double contact = (EIGEN_PI + 2.0 * std::atan(omega * sag / impact)) / omega;
@@ -210,7 +209,7 @@ TEST(Tires, BounceFollowsItsClosedForm) {
 /// At rest on the flat, steps are long: a short bump far away must not be missed, nor its edges smeared. A tolerance
 /// 100 times smaller brings the run 50 times nearer to the limit at least.
 TEST(Tires, AShortBumpIsNeitherMissedNorSmeared) {
-  const double sag = kMass * kGravity / kStiffness;
+  const double sag = kWheelMass * kGravity / kStiffness;
   const Model model = make_quarter_car({"bump", HalfSineBump{3.0, 0.4, 0.04}}, 8.0, kRadius - sag, 120.0);
   const double until = 0.7;
   const auto end_of = [&](const char* integrator, double rtol) {
@@ -244,7 +243,7 @@ TEST(Tires, SlidesAtItsLimitAndSticksBelow) {
   model.gravity = {0.0, 0.0, -kGravity};
   model.bodies.resize(1);
   model.bodies.push_back(testing::make_body(numbers, "wheel", 0));
-  model.bodies[1].mass = kMass;
+  model.bodies[1].mass = kWheelMass;
   Mat3 z_along_y;
   z_along_y << Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY();
   Joint guide = testing::make_joint(numbers, model, *joints::find("translational"), kGround, 1);
@@ -264,12 +263,12 @@ TEST(Tires, SlidesAtItsLimitAndSticksBelow) {
   const double limit = tire.friction * kStiffness * 0.05;      // N = stiffness times deflection
   const double slow = limit / tire.cornering_stiffness * 0.1;  // V = speed_scale: the wheel does not travel forward
   ASSERT_LT(slow, 2.0);
-  const double at_kink = (2.0 - slow) * kMass / limit;
+  const double at_kink = (2.0 - slow) * kWheelMass / limit;
   const double until = at_kink + 0.03;
   for (const auto& [integrator, allowed] : {std::pair{"gbs", 1e-11}, std::pair{"ida", 1e-7}}) {
     SCOPED_TRACE(integrator);
     const Trajectory trajectory = run(model, integrator, until, 1e-11);
-    const double speed = slow * std::exp(-tire.cornering_stiffness / 0.1 / kMass * 0.03);
+    const double speed = slow * std::exp(-tire.cornering_stiffness / 0.1 / kWheelMass * 0.03);
     EXPECT_NEAR(trajectory.samples.back().state.bodies[1].v.y(), speed, allowed);
     EXPECT_NEAR(trajectory.samples[10].evaluation.elements[0].on_side(Side::child).in_global.force.y(), -limit, 1e-9);
   }
@@ -284,7 +283,7 @@ TEST(Tires, RattlingWithoutEndIsTold) {
   model.gravity = {4.0, 0.0, -kGravity};
   model.bodies.resize(1);
   model.bodies.push_back(testing::make_body(numbers, "wheel", 0));
-  model.bodies[1].mass = kMass;
+  model.bodies[1].mass = kWheelMass;
   Mat3 z_along_x;
   z_along_x << Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX();
   Joint guide = testing::make_joint(numbers, model, *joints::find("translational"), kGround, 1);

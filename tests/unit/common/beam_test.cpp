@@ -325,7 +325,7 @@ TEST(Beam, NodesHaveNumbersAndTheEndsHaveNames) {
   EXPECT_EQ(data.mass_points.size(), 6U * 4U * 4U);
 }
 
-std::string complaint_about(const BeamSpecification& beam) {
+std::string beam_complaint(const BeamSpecification& beam) {
   try {
     make_beam(beam);
   } catch (const std::invalid_argument& error) {
@@ -335,20 +335,20 @@ std::string complaint_about(const BeamSpecification& beam) {
 }
 
 TEST(Beam, SaysWhichModeDoesNotExist) {
-  EXPECT_EQ(complaint_about(bar(BeamSupport::cantilever, {{BeamFamily::axial, 6, false}}, 5)),
+  EXPECT_EQ(beam_complaint(bar(BeamSupport::cantilever, {{BeamFamily::axial, 6, false}}, 5)),
             "beam: axial mode 6 does not exist: with these supports and 5 elements there are 5");
-  EXPECT_EQ(complaint_about(bar(BeamSupport::free_free, {{BeamFamily::bending_xy, 0, false}}, 5)),
+  EXPECT_EQ(beam_complaint(bar(BeamSupport::free_free, {{BeamFamily::bending_xy, 0, false}}, 5)),
             "beam: bending_xy mode 0 does not exist: with these supports and 5 elements there are 10");
-  EXPECT_EQ(complaint_about(bar(BeamSupport::cantilever, {{BeamFamily::torsion, 1, true}}, 5)),
+  EXPECT_EQ(beam_complaint(bar(BeamSupport::cantilever, {{BeamFamily::torsion, 1, true}}, 5)),
             "beam: static torsion mode 1 does not exist: with these supports and 5 elements there are 0");
-  EXPECT_EQ(complaint_about(bar(BeamSupport::cantilever, {{BeamFamily::axial, 1}, {BeamFamily::axial, 1}}, 5)),
+  EXPECT_EQ(beam_complaint(bar(BeamSupport::cantilever, {{BeamFamily::axial, 1}, {BeamFamily::axial, 1}}, 5)),
             "beam: axial mode 1 is chosen twice");
 }
 
 TEST(Beam, SaysWhatIsMissingForAFamily) {
   auto beam = bar(BeamSupport::cantilever, {{BeamFamily::torsion, 1, false}});
   beam.torsion_constant = 0.0;
-  EXPECT_THAT(complaint_about(beam), ::testing::StartsWith("beam: family torsion has stiffness 0"));
+  EXPECT_THAT(beam_complaint(beam), ::testing::StartsWith("beam: family torsion has stiffness 0"));
 }
 
 }  // namespace

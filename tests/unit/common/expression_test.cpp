@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-std::string complaint_about(const std::string& expression, const Parameters& parameters = {}) {
+std::string expression_complaint(const std::string& expression, const Parameters& parameters = {}) {
   try {
     (void)parameters.evaluate(expression);
   } catch (const ExpressionError& error) {
@@ -51,7 +51,7 @@ TEST(Parameters, NameACircleAndStaySilentAboutItsConsequences) {
   const Parameters parameters({{"a", "b + 1", {}}, {"b", "2*c", {}}, {"c", "b^2", {}}, {"d", "a", {}}}, complaints);
   ASSERT_EQ(complaints.size(), 1U);
   EXPECT_EQ(complaints.front().message, "parameter 'c': goes round in a circle: b -> c -> b");
-  EXPECT_EQ(complaint_about("d", parameters), "");
+  EXPECT_EQ(expression_complaint("d", parameters), "");
 }
 
 TEST(Parameters, RefuseNamesThatMeanSomethingElse) {
@@ -66,12 +66,13 @@ TEST(Parameters, RefuseNamesThatMeanSomethingElse) {
 TEST(Expression, SaysWhatIsWrong) {
   std::vector<Diagnostic> complaints;
   const Parameters parameters({{"length", 2.0, {}}}, complaints);
-  EXPECT_EQ(complaint_about("lenght*2", parameters), "unknown name 'lenght' in 'lenght*2': did you mean 'length'?");
-  EXPECT_EQ(complaint_about("x"), "unknown name 'x' in 'x': there are no parameters");
-  EXPECT_EQ(complaint_about("1, 2"), "'1, 2' must be one number");
-  EXPECT_EQ(complaint_about("(1"), "cannot read '(1': Missing parenthesis");
-  EXPECT_EQ(complaint_about(""), "cannot read '': Expression is empty");
-  EXPECT_EQ(complaint_about("length = 3", parameters),
+  EXPECT_EQ(expression_complaint("lenght*2", parameters),
+            "unknown name 'lenght' in 'lenght*2': did you mean 'length'?");
+  EXPECT_EQ(expression_complaint("x"), "unknown name 'x' in 'x': there are no parameters");
+  EXPECT_EQ(expression_complaint("1, 2"), "'1, 2' must be one number");
+  EXPECT_EQ(expression_complaint("(1"), "cannot read '(1': Missing parenthesis");
+  EXPECT_EQ(expression_complaint(""), "cannot read '': Expression is empty");
+  EXPECT_EQ(expression_complaint("length = 3", parameters),
             "cannot read 'length = 3': Unexpected operator \"=\" found at position 7");
 }
 

@@ -67,7 +67,7 @@ std::string with(const std::string& find, const std::string& replace) {
 }
 
 /// The message about a text, without the file's name.
-std::string complaint_about(const std::string& text) {
+std::string modes_complaint(const std::string& text) {
   try {
     (void)parse_modes(text, "m.toml");
   } catch (const InputError& error) {
@@ -186,7 +186,7 @@ struct BrokenModes {
 class BrokenModesFile : public testing::TestWithParam<BrokenModes> {};
 
 TEST_P(BrokenModesFile, IsRefusedWordByWord) {
-  EXPECT_EQ(complaint_about(with(GetParam().find, GetParam().replace)), GetParam().expected);
+  EXPECT_EQ(modes_complaint(with(GetParam().find, GetParam().replace)), GetParam().expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -237,18 +237,18 @@ std::string integrals_text(const MatX& G) {
 
 TEST(ModesFile, RefusesIntegralsThatAreIncompleteOrOfNoMass) {
   const MatX G = parse_modes(kSound, "m.toml").G;
-  EXPECT_EQ(complaint_about(integrals_text(G)), "none");
-  EXPECT_EQ(complaint_about(integrals_text(G.topLeftCorner(7, 7))),
+  EXPECT_EQ(modes_complaint(integrals_text(G)), "none");
+  EXPECT_EQ(modes_complaint(integrals_text(G.topLeftCorner(7, 7))),
             "m.toml:5:21: error: 'inertia_integrals' must be all of G, 10 x 10 for 2 modes, found 7 rows: from an "
             "incomplete set the inertia does not follow");
   MatX impossible = G;
   impossible(1, 1) = 0.1;
-  EXPECT_EQ(complaint_about(integrals_text(impossible)).substr(0, 72),
+  EXPECT_EQ(modes_complaint(integrals_text(impossible)).substr(0, 72),
             "m.toml:5:21: error: 'inertia_integrals' must be positive semidefinite, b");
   MatX massless = G;
   massless.row(0).setZero();
   massless.col(0).setZero();
-  EXPECT_EQ(complaint_about(integrals_text(massless)),
+  EXPECT_EQ(modes_complaint(integrals_text(massless)),
             "m.toml:5:21: error: the mass, entry (1, 1), must be positive, found 0");
 }
 

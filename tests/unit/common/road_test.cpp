@@ -18,7 +18,7 @@ Road table_road() {
 
 /// Derivative by central differences of fourth order.
 template <class Function>
-double slope_of(const Function& f, double x) {
+double road_difference(const Function& f, double x) {
   constexpr double h = 1e-3;
   return (8.0 * (f(x + h) - f(x - h)) - (f(x + 2.0 * h) - f(x - 2.0 * h))) / (12.0 * h);
 }
@@ -30,9 +30,10 @@ TEST(Road, DerivativesOfEveryStretchAreThoseByDifferences) {
       // Beyond the edges too: there the stretch's own function goes on. No knot of the table is near.
       for (const double x : {-1.7, 0.22, 0.9, 1.93, 2.31, 2.77, 4.0}) {
         const RoadHeight found = evaluate(*road, stretch, x);
-        EXPECT_NEAR(found.slope, slope_of([&](double z) { return evaluate(*road, stretch, z).h; }, x), 1e-9)
+        EXPECT_NEAR(found.slope, road_difference([&](double z) { return evaluate(*road, stretch, z).h; }, x), 1e-9)
             << road->name << " " << stretch << " " << x;
-        EXPECT_NEAR(found.curvature, slope_of([&](double z) { return evaluate(*road, stretch, z).slope; }, x), 1e-8)
+        EXPECT_NEAR(found.curvature, road_difference([&](double z) { return evaluate(*road, stretch, z).slope; }, x),
+                    1e-8)
             << road->name << " " << stretch << " " << x;
       }
     }

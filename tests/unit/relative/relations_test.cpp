@@ -275,7 +275,7 @@ TEST(Relations, CountsADependentCouplingAsRedundant) {
   EXPECT_NO_THROW((void)solver->evaluate(state));
 }
 
-std::string complaint_about(const Model& model) {
+std::string closing_complaint(const Model& model) {
   try {
     (void)make_solver(model)->assemble();
   } catch (const InputError& error) {
@@ -289,7 +289,7 @@ TEST(Relations, RefuseKeptValuesThatContradictThem) {
   for (WordStart& word : model.joints[3].start) word.role_q = word.role_u = StartRole::keep;
   model.joints[3].start[0].q(0) += 0.01;
   EXPECT_EQ(
-      complaint_about(model),
+      closing_complaint(model),
       "slider_crank.toml:10:1: error: start: the machine has 1 degree of freedom beside its drivers and modes, so "
       "1 joint coordinates must be kept, but 3 are (1 of joint 'A', 2 of joint 'D'); coupling 'G' relates those "
       "of joints 'A', 'D', 'D'");
