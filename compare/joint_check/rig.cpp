@@ -216,12 +216,12 @@ State Rig::write_state(double t, const VecX& q, const VecX& u, Numbers& numbers)
 }
 
 State Rig::state(int number) {
-  constexpr int kMostTries = 1000;
+  constexpr int kMostPoses = 1000;
   Numbers numbers(seed_, streams::kFirstState + static_cast<std::uint32_t>(number));
   const double t = 0.4 + 0.3 * numbers();
   MotionPose pose = poses_.pose(number);
   pose.q = on_laws(t, pose.q);
-  for (int tries = 0; tries < kMostTries && !(poses_.is_regular(pose.q) && can_follow_laws(t, pose.q)); ++tries) {
+  for (int tries = 0; tries < kMostPoses && !(poses_.is_regular(pose.q) && can_follow_laws(t, pose.q)); ++tries) {
     pose.q = on_laws(t, poses_.draw_q(numbers));
   }
   return write_state(t, pose.q, pose.u, numbers);
