@@ -236,7 +236,7 @@ std::string Equations::name_of_largest(const VecX& residual) const {
 }
 
 void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
-  constexpr int kMaxSteps = 12;
+  constexpr int kMostSteps = 12;
   constexpr double kRoundOff = 2e-15;
   constexpr double kAllowed = 1e-9;
   layout_.normalize(q);
@@ -244,7 +244,7 @@ void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   if (position_matrix_) factor_position_matrix();
   SparseLu& position_matrix = position_matrix_ ? *position_matrix_ : *matrix_;
   double last = HUGE_VAL;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMostSteps; ++step) {
     constraints_.place(q);
     constraints_.write_residual(t, residual_);
     const double size = residual_.lpNorm<Eigen::Infinity>();
@@ -261,7 +261,7 @@ void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   }
   const double speed = 1.0 + Y.lpNorm<Eigen::Infinity>();
   last = HUGE_VAL;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMostSteps; ++step) {
     constraints_.move(Y);
     constraints_.write_velocity_residual(t, velocity_residual_);
     const double size = velocity_residual_.lpNorm<Eigen::Infinity>();

@@ -10,7 +10,7 @@ namespace {
 
 /// A turn that the model says nothing of, alone in its coupling, starts as many times round as the others ask for.
 void choose_turns(const Model& model, const Coupling& coupling, std::vector<VecX>& q) {
-  constexpr double kFullTurn = 2.0 * EIGEN_PI;
+  constexpr double kWholeTurn = 2.0 * EIGEN_PI;
   double missing = coupling.offset;
   int unsaid = 0;
   CouplingTerm last;
@@ -26,7 +26,7 @@ void choose_turns(const Model& model, const Coupling& coupling, std::vector<VecX
   const joints::JointType& type = *model.joints[last.joint].type;
   if (!reads_turn(*read_of(type, last.word), last.component)) return;
   q[last.joint](first_q(type, last.word) + last.component) +=
-      kFullTurn * std::round(missing / (last.factor * kFullTurn));
+      kWholeTurn * std::round(missing / (last.factor * kWholeTurn));
 }
 
 }  // namespace
