@@ -35,7 +35,10 @@ class Draw {
 
   double one(double size = 1.0) { return size * uniform_(engine_); }
   Vec3 vector(double size) { return {one(size), one(size), one(size)}; }
-  Mat3 rotation() { return rotation_about(Vec3(vector(1.0).normalized()), one(3.0)); }
+  Mat3 rotation() {
+    const double angle = one(3.0);
+    return rotation_about(Vec3(vector(1.0).normalized()), angle);
+  }
   Pose pose(double size) { return {vector(size), rotation()}; }
   /// A permutation that leaves 0 .. first - 1 in place, and none of `first` .. n - 1.
   std::vector<int> order(std::size_t n, std::size_t first) {

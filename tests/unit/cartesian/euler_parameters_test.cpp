@@ -20,7 +20,8 @@ TEST(EulerParameters, RotateLikeAnAxisAndAnAngle) {
 TEST(EulerParameters, ReadBackFromARotationInEveryQuarter) {
   Numbers numbers(3);
   for (int k = 0; k < 200; ++k) {
-    const Mat3 A = rotation_about(numbers.vector().normalized(), numbers.one(EIGEN_PI));
+    const double angle = numbers.one(EIGEN_PI);
+    const Mat3 A = rotation_about(numbers.vector().normalized(), angle);
     const Vec4 p = euler_parameters_of(A);
     EXPECT_GE(p(0), 0.0);
     EXPECT_LT((rotation_of(p) - A).norm(), 4e-15);

@@ -15,7 +15,10 @@ class Numbers {
 
   double one(double size = 1.0) { return size * spread_(engine_); }
   Vec3 vector(double size = 1.0) { return {one(size), one(size), one(size)}; }
-  Mat3 rotation() { return rotation_about(vector().normalized(), one(2.5)); }
+  Mat3 rotation() {
+    const double angle = one(2.5);  // in a statement of its own: compilers order arguments as they like
+    return rotation_about(vector().normalized(), angle);
+  }
   MatX matrix(int rows, int columns, double size = 1.0) {
     return MatX::NullaryExpr(rows, columns, [&] { return one(size); });
   }

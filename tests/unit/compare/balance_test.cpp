@@ -22,7 +22,10 @@ class Numbers {
   Mat3X columns(int n) {
     return Mat3X::NullaryExpr(3, n, [this] { return (*this)(); });
   }
-  Mat3 rotation() { return rotation_about(vector().normalized(), 2.0 * (*this)()); }
+  Mat3 rotation() {
+    const double angle = 2.0 * (*this)();
+    return rotation_about(vector().normalized(), angle);
+  }
 
  private:
   std::mt19937 generator_{5};

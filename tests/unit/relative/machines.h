@@ -17,13 +17,19 @@
 /// else.
 namespace concord::relative::test {
 
-/// A reproducible source of numbers in [-1, 1].
+/// A reproducible source of numbers in [-1, 1]; draws stand in statements of their own, for compilers order arguments as
+/// they like.
 class Numbers {
  public:
   explicit Numbers(unsigned seed) : engine_(seed) {}
 
   double operator()() { return uniform_(engine_); }
-  Vec3 vector(double size) { return size * Vec3((*this)(), (*this)(), (*this)()); }
+  Vec3 vector(double size) {
+    const double z = (*this)();
+    const double y = (*this)();
+    const double x = (*this)();
+    return size * Vec3(x, y, z);
+  }
   VecX vector(Eigen::Index n, double size) {
     VecX v(n);
     for (double& entry : v) entry = size * (*this)();
@@ -34,7 +40,10 @@ class Numbers {
     for (Eigen::Index c = 0; c < n; ++c) m.col(c) = vector(size);
     return m;
   }
-  Mat3 rotation() { return rotation_about(Vec3(vector(1.0).normalized()), 2.5 * (*this)()); }
+  Mat3 rotation() {
+    const double angle = 2.5 * (*this)();
+    return rotation_about(Vec3(vector(1.0).normalized()), angle);
+  }
 
  private:
   std::mt19937 engine_;
