@@ -8,7 +8,7 @@
 #include "relative/assembly.h"
 #include "relative/states.h"
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(CONCORD_SANITIZED)
 namespace {
 long allocations = 0;
 }
@@ -23,7 +23,7 @@ extern "C" void* malloc(size_t size) {
 namespace concord::relative {
 namespace {
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(CONCORD_SANITIZED)
 TEST(Equations, AllocateNothingInAnEvaluation) {
   for (const bool flexible : {false, true}) {
     std::vector<Model> machines{test::tree_of_all_joints(flexible), test::spatial_slider_crank(flexible)};
