@@ -39,6 +39,7 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& 
 void Loops::lay_out_ways() {
   for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
     const Closure::Cut& cut = closure_->cuts()[c];
+    if (cut.measure.n_rows() == 0) continue;  // permits all six, and pulls with nothing
     lay_out({static_cast<int>(c), -1, cut.first_row, cut.measure.n_rows(), {{cut.joint, -1, -1, -1, -1}}, {}});
   }
   for (std::size_t r = 0; r < closure_->relations().size(); ++r) {
