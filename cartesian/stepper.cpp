@@ -142,7 +142,8 @@ VecX absolute_tolerances(const Equations& equations, const Motion& start, double
       speed = std::max(speed, rate * std::sqrt(mode.mass / equations.inertia(i).mass()));
     }
   }
-  constexpr double kStandstill = 1e-12;  // of a length per second: what closing leaves of the speed of a machine at rest
+  // Of a length per second: what closing leaves of the speed of a machine at rest.
+  constexpr double kStandstill = 1e-12;
   if (!(speed > kStandstill * length)) speed = length;
   double energy = 0.0;
   VecX scales(layout.n_q() + layout.n_Y() + 1);

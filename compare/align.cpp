@@ -11,7 +11,6 @@ namespace concord::compare {
 
 namespace {
 
-
 void check_finite(const Layout& layout, const VecX& values, double t, const char* solver) {
   for (Eigen::Index row = 0; row < values.size(); ++row) {
     if (std::isfinite(values(row))) continue;

@@ -11,7 +11,6 @@ namespace concord::compare {
 
 namespace {
 
-
 void check_complete(const Model& model, const State& state, const Evaluation& evaluation) {
   const auto require = [&](std::size_t found, std::size_t expected, const char* what) {
     if (found != expected) {

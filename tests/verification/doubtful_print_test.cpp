@@ -14,7 +14,6 @@
 namespace concord::verification {
 namespace {
 
-
 VecX stacked(const BodyAcceleration& acceleration) {
   VecX Ydot(6 + acceleration.addot.size());
   Ydot << acceleration.vdot, acceleration.omegadot, acceleration.addot;

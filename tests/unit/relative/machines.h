@@ -17,8 +17,8 @@
 /// else.
 namespace concord::relative::test {
 
-/// A reproducible source of numbers in [-1, 1]; draws stand in statements of their own, for compilers order arguments as
-/// they like.
+/// A reproducible source of numbers in [-1, 1]; draws stand in statements of their own, for compilers order arguments
+/// as they like.
 class Numbers {
  public:
   explicit Numbers(unsigned seed) : engine_(seed) {}
