@@ -17,6 +17,8 @@
 namespace concord {
 namespace {
 
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
 const Joint& joint(const Model& model, const std::string& name) {
   for (const Joint& one : model.joints) {
     if (one.name == name) return one;
@@ -72,7 +74,7 @@ child = "b"
   EXPECT_EQ(body.inertia_L, inertia);
   ASSERT_TRUE(body.pose_guess.has_value());
   EXPECT_EQ(body.pose_guess->r, Vec3(1.0, 2.0, 3.0));
-  EXPECT_LT((body.pose_guess->A - rotation_about(Axis::z, 90.0 * (std::numbers::pi / 180.0))).norm(), 1e-15);
+  EXPECT_LT((body.pose_guess->A - rotation_about(Axis::z, 90.0 * kRadiansPerDegree)).norm(), 1e-15);
   EXPECT_EQ(body.where.line, 6);
 }
 
@@ -160,7 +162,7 @@ ball = { guess = { axis = [0, 1, 0], angle = "60 deg" }, keep_speed = [1, 2, 3] 
   ASSERT_EQ(j.drivers.size(), 1U);
   EXPECT_EQ(j.drivers.front().word, 1);
   EXPECT_NEAR(evaluate(j.drivers.front().law, 0.0).f, 2.0, 1e-15);
-  EXPECT_NEAR(evaluate(j.drivers.front().law, 0.0).fdot, 6.0 * std::cos(30.0 * (std::numbers::pi / 180.0)), 1e-14);
+  EXPECT_NEAR(evaluate(j.drivers.front().law, 0.0).fdot, 6.0 * std::cos(30.0 * kRadiansPerDegree), 1e-14);
 }
 
 TEST(ModelFile, ABallThatSaysNothingHasNoRotation) {
@@ -262,7 +264,7 @@ upper_stop = { at = 0.9, stiffness = 2e4, damping = 30, width = 0.02 }
   ASSERT_EQ(model.elements.size(), 2U) << "in the order of the file";
   const auto& helix = std::get<TurnSpring>(model.elements[0].what);
   EXPECT_EQ(helix.law.stiffness, 3.0);
-  EXPECT_NEAR(helix.law.free, 90.0 * (std::numbers::pi / 180.0), 1e-15);
+  EXPECT_NEAR(helix.law.free, 90.0 * kRadiansPerDegree, 1e-15);
   EXPECT_EQ(evaluate_actuator(helix.law, 3.0), 7.0);
   for (const Attachment& end : helix.ends) EXPECT_LT((end.C - rotation_about(Axis::x, 0.25)).norm(), 1e-15);
   EXPECT_EQ(helix.ends[1].body, 1);
@@ -645,7 +647,7 @@ TEST(ShippedModels, PendulumHangsAtAngleZero) {
   const Vec3 arm_C = hinge.on(Side::child).C.transpose() * (body.center_of_mass_L - hinge.on(Side::child).point_L);
   EXPECT_LT((arm_C - Vec3(0.22, 0.0, 0.07)).norm(), 1e-15);
   const Vec3 gravity_C = hinge.on(Side::parent).C.transpose() * model.gravity;
-  EXPECT_NEAR(gravity_C.x(), 9.81 * std::cos(25.0 * (std::numbers::pi / 180.0)), 1e-14);
+  EXPECT_NEAR(gravity_C.x(), 9.81 * std::cos(25.0 * kRadiansPerDegree), 1e-14);
   EXPECT_NEAR(gravity_C.y(), 0.0, 1e-15);
 }
 
