@@ -25,22 +25,11 @@ Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const J
   return error;
 }
 
-/// Two unit vectors that make a right-handed frame with the direction z (of any length but zero).
-Eigen::Matrix<double, 3, 2> perpendicular_pair(const Vec3& z) {
-  const Vec3 unit = z.normalized();
-  int least = 0;
-  unit.cwiseAbs().minCoeff(&least);
-  Eigen::Matrix<double, 3, 2> pair;
-  pair.col(0) = unit.cross(Vec3::Unit(least)).normalized();
-  pair.col(1) = unit.cross(pair.col(0));
-  return pair;
-}
-
-/// Orthonormal complement of the first n columns (independent) in three dimensions, written to `complement`.
-void complement_of(const Mat3& columns, int n, Mat3& complement) {
-  if (n == 0) complement.setIdentity();
-  if (n == 1) complement.leftCols<2>() = perpendicular_pair(columns.col(0));
-  if (n == 2) complement.col(0) = columns.col(0).cross(columns.col(1)).normalized();
+/// Rows `first_row` .. + 2 of the chosen columns of S.
+Mat3 three_rows(const Mat6& S, const std::vector<int>& columns, int first_row) {
+  Mat3 chosen = Mat3::Zero();
+  for (std::size_t c = 0; c < columns.size(); ++c) chosen.col(c) = S.col(columns[c]).segment<3>(first_row);
+  return chosen;
 }
 
 }  // namespace
@@ -58,7 +47,7 @@ Held driven_speeds(const Model& model, const Topology& topology) {
 JointMeasure::JointMeasure(const Motion& motion, const char* held) : motion_(&motion) {
   for (int c = 0; c < motion.n_u(); ++c) {
     (held[c] != 0 ? held_ : free_).push_back(c);
-    if (held[c] == 0 && motion.kind(c).displaces) ++n_free_displacements_;
+    if (held[c] == 0 && !motion.couples()) (motion.kind(c).displaces ? displacing_ : rotating_).push_back(c);
   }
 }
 
@@ -75,22 +64,41 @@ JointColumns JointMeasure::free_columns() const {
   return S;
 }
 
-/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one. Unless a speed both
-/// displaces and rotates, the two never weigh against each other.
+/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one.
 JointVector JointMeasure::fit(const Vec6& motion) const {
   JointVector speeds = JointVector::Zero(motion_->n_u());
-  if (free_.empty()) return speeds;
+  if (motion_->couples()) {
+    fit_together(motion, speeds);
+  } else {
+    fit_separately(motion, speeds);
+  }
+  return speeds;
+}
+
+/// Each speed either displaces or rotates: the two spaces never weigh against each other.
+void JointMeasure::fit_separately(const Vec6& motion, JointVector& speeds) const {
+  const Vec3 slides = displacements_.fit(motion.head<3>());
+  const Vec3 turns = rotations_.fit(motion.tail<3>());
+  for (std::size_t c = 0; c < displacing_.size(); ++c) speeds(displacing_[c]) = slides(c);
+  for (std::size_t c = 0; c < rotating_.size(); ++c) speeds(rotating_[c]) = turns(c);
+}
+
+void JointMeasure::fit_together(const Vec6& motion, JointVector& speeds) const {
+  if (free_.empty()) return;
   const JointColumns S = free_columns();
   const JointSquare normal = S.transpose() * S;
   const JointVector fitted = normal.ldlt().solve(S.transpose() * weighed(motion));
   for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = fitted(c);
-  return speeds;
 }
 
 /// Takes the motion at q and the error there; returns half the square of its size.
 double JointMeasure::move(const JointPoint& parent, const JointPoint& child, double* q) {
   const JointVector still = JointVector::Zero(motion_->n_u());
   motion_->evaluate(q, still.data(), at_);
+  if (!motion_->couples()) {
+    displacements_.decompose(three_rows(at_.S, displacing_, 0), static_cast<int>(displacing_.size()));
+    rotations_.decompose(three_rows(at_.S, rotating_, 3), static_cast<int>(rotating_.size()));
+  }
   error_ = position_error(at_, parent, child);
   return 0.5 * weighed(error_).squaredNorm();
 }
@@ -205,29 +213,10 @@ void JointMeasure::compute_complement() {
   T_.setZero();
   if (motion_->couples()) {
     complete_together();
-  } else {
-    complete_separately();
+    return;
   }
-}
-
-/// Each speed either displaces or rotates: the complement is taken in each space by itself.
-void JointMeasure::complete_separately() {
-  Mat3 displacements = Mat3::Zero();
-  Mat3 rotations = Mat3::Zero();
-  int n_displacements = 0;
-  int n_rotations = 0;
-  for (const int c : free_) {
-    if (motion_->kind(c).displaces) {
-      displacements.col(n_displacements++) = at_.S.col(c).head<3>();
-    } else {
-      rotations.col(n_rotations++) = at_.S.col(c).tail<3>();
-    }
-  }
-  Mat3 complement = Mat3::Zero();
-  complement_of(displacements, n_displacements, complement);
-  T_.block(0, 0, 3, 3 - n_displacements) = complement.leftCols(3 - n_displacements);
-  complement_of(rotations, n_rotations, complement);
-  T_.block(3, 3 - n_displacements, 3, 3 - n_rotations) = complement.leftCols(3 - n_rotations);
+  T_.block(0, 0, 3, 3 - displacements_.n()) = displacements_.complement();
+  T_.block(3, 3 - displacements_.n(), 3, 3 - rotations_.n()) = rotations_.complement();
 }
 
 /// In displacements as parts of the length; the rows are then measured in metres.

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "relative/spatial_basis.h"
 #include "relative/velocity_transformation.h"
 
 /// Measuring a joint between its two points, formulation section 7.
@@ -37,7 +38,9 @@ class JointMeasure {
   /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not held.
   [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
   /// Of these, the ones in metres; they stand first.
-  [[nodiscard]] int n_linear_rows() const { return motion_->couples() ? n_rows() : 3 - n_free_displacements_; }
+  [[nodiscard]] int n_linear_rows() const {
+    return motion_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
+  }
   /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
   /// rotates, then with torques counted in Motion::length, T^T diag(1, 1 / length^2) T = 1.
   [[nodiscard]] const Mat6& T() const { return T_; }
@@ -46,20 +49,24 @@ class JointMeasure {
   [[nodiscard]] Vec6 weighed(const Vec6& motion) const;
   [[nodiscard]] JointColumns free_columns() const;
   [[nodiscard]] JointVector fit(const Vec6& motion) const;
+  void fit_separately(const Vec6& motion, JointVector& speeds) const;
+  void fit_together(const Vec6& motion, JointVector& speeds) const;
   double newton(const JointPoint& parent, const JointPoint& child, double* q);
   [[nodiscard]] double size_of(const JointVector& step) const;
   double move(const JointPoint& parent, const JointPoint& child, double* q);
   double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
   void search(const JointPoint& parent, const JointPoint& child, double* q);
   void compute_complement();
-  void complete_separately();
   void complete_together();
 
   const Motion* motion_;
   std::vector<int> free_;
   std::vector<int> held_;
-  int n_free_displacements_ = 0;
+  std::vector<int> displacing_;  // free speeds that displace, if none both displaces and rotates
+  std::vector<int> rotating_;
   JointMotion at_;
+  SpatialBasis displacements_;  // of their columns in at_
+  SpatialBasis rotations_;
   Vec6 error_ = Vec6::Zero();
   Vec6 slip_ = Vec6::Zero();
   Mat6 T_ = Mat6::Identity();

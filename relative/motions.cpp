@@ -8,6 +8,7 @@
 
 #include "relative/exponential_map.h"
 #include "relative/six_columns.h"
+#include "relative/spatial_basis.h"
 
 namespace concord::relative {
 
@@ -151,6 +152,7 @@ Motion::Motion(const joints::JointType& type, double length)
                                 "must carry one), or functions alone; at most six speeds");
   }
   classify_columns();
+  require_three_of_a_kind(type.name);
   find_elevation();
   if (!by_functions_) return;
   for (const joints::Read& read : type.reads) {
@@ -195,6 +197,16 @@ void Motion::classify_columns() {
   for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kinds_[c].displaces && kinds_[c].rotates);
 }
 
+/// Where no speed both displaces and rotates, a fourth of either kind depends on the others in every pose.
+void Motion::require_three_of_a_kind(const std::string& name) const {
+  if (couples_) return;
+  const auto displacing = std::count_if(kinds_.begin(), kinds_.begin() + n_u_, [](auto k) { return k.displaces; });
+  if (displacing <= 3 && n_u_ - displacing <= 3) return;
+  throw std::invalid_argument("joint type '" + name + "': " + std::to_string(displacing) +
+                              " of its speeds displace and " + std::to_string(n_u_ - displacing) +
+                              " rotate; more than three of either are one motion said twice");
+}
+
 /// Turn{a}, Turn{b}, Arm{c}, Ball{} with a, b and c at right angles: (q_a, q_b) and (q_a + pi, pi - q_b) are one pose.
 void Motion::find_elevation() {
   if (!has_ball_ || words_.size() < 4) return;
@@ -217,12 +229,38 @@ void Motion::evaluate(const double* q, const double* u, JointMotion& motion) con
 }
 
 bool Motion::columns_are_dependent(const JointMotion& motion) const {
+  return couples_ ? depend_together(motion) : depend_separately(motion);
+}
+
+/// A column of S in units that compare: displacements in parts of the length, per unit of its own coordinate.
+Vec6 Motion::comparable(const JointMotion& motion, int column) const {
+  Vec6 result = motion.S.col(column);
+  result.head<3>() /= length_;
+  if (kinds_[column].is_length) result *= length_;
+  return result;
+}
+
+/// Each speed either displaces or rotates.
+bool Motion::depend_separately(const JointMotion& motion) const {
+  std::array<Mat3, 2> parts{Mat3::Zero(), Mat3::Zero()};
+  std::array<int, 2> n{};
+  double largest = 0.0;
+  for (int c = 0; c < n_u_; ++c) {
+    const int part = kinds_[c].displaces ? 0 : 1;
+    if (n[part] == 3) return true;
+    parts[part].col(n[part]) = comparable(motion, c).segment<3>(3 * part);
+    largest = std::max(largest, parts[part].col(n[part]++).norm());
+  }
+  const double least = std::min(least_independent_part(parts[0], n[0]), least_independent_part(parts[1], n[1]));
+  return !(least > kLeastIndependence * largest);
+}
+
+bool Motion::depend_together(const JointMotion& motion) const {
   OrthonormalColumns found;
   double largest = 0.0;
   std::array<Vec6, 6> columns;
   for (int c = 0; c < n_u_; ++c) {
-    columns[c] << motion.S.col(c).head<3>() / length_, motion.S.col(c).tail<3>();
-    if (kinds_[c].is_length) columns[c] *= length_;
+    columns[c] = comparable(motion, c);
     largest = std::max(largest, columns[c].norm());
   }
   // The longest first, so that the last one tells how independent they are.

@@ -36,7 +36,8 @@ class Motion {
   /// `length` [m]: the displacement that counts as much as a radian where the two must be weighed against each other.
   /// Throws std::invalid_argument if the words stand in an order that the vocabulary excludes: a motion is slides, then
   /// turns, then at most one ball, with arms anywhere before it; a turn before a ball must carry an arm, for the ball
-  /// takes its rotation away; a motion by functions stands alone.
+  /// takes its rotation away; a motion by functions stands alone. Also if more than three speeds only displace, or only
+  /// rotate.
   explicit Motion(const joints::JointType& type, double length = 1.0);
 
   [[nodiscard]] int n_q() const { return n_q_; }
@@ -87,8 +88,12 @@ class Motion {
 
  private:
   void classify_columns();
+  void require_three_of_a_kind(const std::string& name) const;
   void find_elevation();
   [[nodiscard]] bool columns_are_dependent(const JointMotion& motion) const;
+  [[nodiscard]] Vec6 comparable(const JointMotion& motion, int column) const;
+  [[nodiscard]] bool depend_separately(const JointMotion& motion) const;
+  [[nodiscard]] bool depend_together(const JointMotion& motion) const;
   [[nodiscard]] bool has_range(int c) const { return c < static_cast<int>(ranges_.size()); }
   [[nodiscard]] JointColumns wrench_columns(const JointMotion& motion) const;
 

@@ -93,6 +93,15 @@ TEST(Motion, RefusesWordsInAnOrderThatTheVocabularyExcludes) {
   EXPECT_THROW(Motion{functions_and_more}, std::invalid_argument);
 }
 
+TEST(Motion, RefusesAFourthSlideOrTurn) {
+  const joints::Slide x{Axis::x};
+  const joints::Turn z{Axis::z};
+  const joints::JointType slides{"odd", {}, {x, joints::Slide{Axis::y}, joints::Slide{Axis::z}, x}, {}};
+  const joints::JointType turns{"odd", {}, {z, joints::Turn{Axis::x}, joints::Turn{Axis::y}, z}, {}};
+  EXPECT_THROW(Motion{slides}, std::invalid_argument);
+  EXPECT_THROW(Motion{turns}, std::invalid_argument);
+}
+
 /// Whether the motion of a type loses rank at its first coordinates, the others at home.
 bool loses_rank_at(const joints::JointType& type, const std::vector<double>& first) {
   const Motion motion(type);
