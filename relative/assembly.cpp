@@ -15,6 +15,8 @@ namespace {
 constexpr int kMostIterations = 60;
 constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
 constexpr double kClosed = 1e-12;
+constexpr double kNearlyClosed = 1e-7;  // a gap over which Phi_u does not change so that speeds would notice
+constexpr double kRoundOffOfSpeed = 1e-16;
 constexpr double kLargestStep = 0.5;  // in machine units: half a radian, half the length
 
 double largest(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
@@ -144,22 +146,29 @@ bool Assembly::close(Coordinates& coordinates) {
   return close_positions(coordinates, equations_->driven()) && close_velocities(coordinates, equations_->driven());
 }
 
-/// Step of the free columns in the units of the machine that takes away the misfit of the kept rows among those that it
-/// has; the others follow.
-VecX Assembly::projection_step(const VecX& misfit) const {
+/// Takes the kept rows of Phi_u here, in the units of the machine: Phi^T = Q R, whose leading parts serve rows of
+/// places alone.
+void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
-  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure).head(misfit.size()));
-  const std::vector<int>& all = equations_->loops().kept_rows();
-  const std::vector<int> rows(all.begin(), std::lower_bound(all.begin(), all.end(), static_cast<int>(misfit.size())));
-  MatX kept(rows.size(), Phi.cols());
-  VecX right(rows.size());
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    kept.row(r) = Phi.row(rows[r]);
-    right(r) = scaled(rows[r]);
-  }
-  const VecX multipliers = (kept * kept.transpose()).ldlt().solve(right);
-  const VecX solution = -(kept.transpose() * multipliers);
+  const std::vector<int>& rows = equations_->loops().kept_rows();
+  MatX kept(Phi.cols(), rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) kept.col(r) = Phi.row(rows[r]);
+  projection_.compute(kept);
+}
+
+/// The smallest step of the free columns in the units of the machine that takes away the misfit of the kept rows among
+/// those that it has; the others follow.
+VecX Assembly::projection_step(const VecX& misfit) const {
+  const VecX scaled = misfit.cwiseQuotient(scales_.rows(equations_->closure()).head(misfit.size()));
+  const std::vector<int>& rows = equations_->loops().kept_rows();
+  const auto end = std::lower_bound(rows.begin(), rows.end(), static_cast<int>(misfit.size()));
+  const auto n = static_cast<Eigen::Index>(end - rows.begin());
+  VecX solution = VecX::Zero(projection_.rows());
+  for (Eigen::Index r = 0; r < n; ++r) solution(r) = -scaled(rows[r]);
+  const auto R = projection_.matrixQR().topLeftCorner(n, n);
+  R.transpose().triangularView<Eigen::Lower>().solveInPlace(solution.head(n));
+  solution.applyOnTheLeft(projection_.householderQ());
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   for (std::size_t c = 0; c < projected_columns_.size(); ++c) {
     step(projected_columns_[c]) = solution(c) * scales_.speeds()(projected_columns_[c]);
@@ -167,42 +176,65 @@ VecX Assembly::projection_step(const VecX& misfit) const {
   return step;
 }
 
+/// Moves the machine and completes the coordinates by what follows there.
+void Assembly::move(Coordinates& coordinates) {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  coordinates.q = equations_->q();
+  coordinates.u = equations_->u();
+}
+
+/// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the gap.
+void Assembly::project_positions(Coordinates& coordinates) {
+  const Closure& closure = equations_->closure();
+  const double allowed = 1e-13 * std::max(1.0, largest(coordinates.q));
+  double gap = largest(closure.gap());
+  bool is_fresh = true;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    advance(coordinates.q, projection_step(closure.gap()));
+    move(coordinates);
+    const double reached = largest(closure.gap());
+    const bool stands = reached >= 0.5 * gap;
+    const bool is_slow = reached >= 0.1 * gap;
+    gap = std::min(gap, reached);
+    if (reached < 0.1 * allowed || (stands && is_fresh && reached < allowed)) break;
+    if (stands && iteration > 3) break;
+    is_fresh = is_slow;
+    if (is_slow) take_projection();
+  }
+  gap = largest(closure.gap());
+  if (gap <= allowed) return;
+  throw SolverError(
+      fmt::format("{} will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
+                  "closed at the start: tighten the tolerance",
+                  closure.worst_place(closure.gap()), gap, allowed));
+}
+
+/// Until round-off stands.
+void Assembly::project_velocities(Coordinates& coordinates) {
+  const Closure& closure = equations_->closure();
+  double slip = largest(closure.slip());
+  for (int iteration = 0; iteration < 3 && slip > 0.0; ++iteration) {
+    coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.slip());
+    move(coordinates);
+    const double reached = largest(closure.slip());
+    if (reached >= 0.5 * slip || reached <= kRoundOffOfSpeed * largest(coordinates.u)) break;
+    slip = reached;
+  }
+}
+
 void Assembly::project(Coordinates& coordinates) {
   const Topology& topology = equations_->topology();
   for (std::size_t k = 0; k < topology.joints.size(); ++k) {
     equations_->kinematics().motion(static_cast<int>(k)).normalize(coordinates.q.data() + topology.joints[k].first_q);
   }
-  const auto move = [&] {
-    equations_->move(coordinates.t, coordinates.q, coordinates.u);
-    coordinates.q = equations_->q();
-    coordinates.u = equations_->u();
-  };
-  move();
+  move(coordinates);
   const Closure& closure = equations_->closure();
   if (closure.n_rows() == 0) return;
-  const double allowed = 1e-13 * std::max(1.0, largest(coordinates.q));
-  double gap = largest(closure.gap());
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    const VecX before = coordinates.q;
-    advance(coordinates.q, projection_step(closure.gap()));
-    move();
-    const double reached = largest(closure.gap());
-    const bool stands = reached >= 0.5 * gap;
-    gap = std::min(gap, reached);
-    if (reached < 0.1 * allowed || (stands && reached < allowed)) break;
-    if (stands && iteration > 3) break;
-  }
-  gap = largest(closure.gap());
-  if (!(gap <= allowed)) {
-    throw SolverError(
-        fmt::format("{} will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
-                    "closed at the start: tighten the tolerance",
-                    closure.worst_place(closure.gap()), gap, allowed));
-  }
-  for (int iteration = 0; iteration < 2; ++iteration) {
-    coordinates.u.head(topology.n_tree_u) += projection_step(closure.slip());
-    move();
-  }
+  const bool was_near = largest(closure.gap()) < kNearlyClosed;
+  take_projection();
+  project_positions(coordinates);
+  if (!was_near) take_projection();
+  project_velocities(coordinates);
 }
 
 double Assembly::misfit(const Coordinates& coordinates) {

@@ -55,7 +55,11 @@ class Assembly {
   double measure(Coordinates& coordinates, Closure& closure);
   [[nodiscard]] VecX smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
                                    double damping) const;
+  void move(Coordinates& coordinates);
+  void take_projection();
   [[nodiscard]] VecX projection_step(const VecX& misfit) const;
+  void project_positions(Coordinates& coordinates);
+  void project_velocities(Coordinates& coordinates);
   [[nodiscard]] std::vector<int> independent_rows(const MatX& Phi, int rank) const;
 
   [[nodiscard]] Coordinates guess_start() const;
@@ -73,6 +77,7 @@ class Assembly {
   Equations* equations_;
   Scales scales_;
   std::vector<int> projected_columns_;
+  Eigen::HouseholderQR<MatX> projection_;
   bool rows_are_chosen_ = false;
 };
 

@@ -316,9 +316,7 @@ void Elimination::add_coordinate_forces(int link, const Eigen::Ref<const MatX>& 
   for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
 }
 
-void Elimination::project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<const MatX>& z_a,
-                          Eigen::Ref<MatX> eps) const {
-  const LinkFactors& factors = links_[link];
+void Elimination::project(int link, Mat6X& z_r, const MatX& z_a, MatX& eps) const {
   if (flexible_of_link_[link] >= 0) {
     const FlexibleFactors& f = flexible_[flexible_of_link_[link]];
     eps.noalias() += f.H.transpose() * z_r;
@@ -327,14 +325,37 @@ void Elimination::project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<cons
     z_r.noalias() -= f.Kt.transpose() * eps;
     return;
   }
-  const Eigen::Index n = factors.n_free;
-  if (n == 0) return;
-  const Eigen::Map<const Mat6X> H(free_columns(link), 6, n);
-  const Eigen::Map<const Mat6X> K(factors.K.data(), 6, n);
-  const Eigen::Map<const MatX> L(factors.L.data(), n, n);
-  eps.noalias() += H.transpose().lazyProduct(z_r);
-  L.triangularView<Eigen::Lower>().solveInPlace(eps);
-  z_r.noalias() -= K.lazyProduct(eps);
+  switch (links_[link].n_free) {
+    case 0:
+      return;
+    case 1:
+      return project_rigid<1>(link, z_r, eps);
+    case 2:
+      return project_rigid<2>(link, z_r, eps);
+    case 3:
+      return project_rigid<3>(link, z_r, eps);
+    case 4:
+      return project_rigid<4>(link, z_r, eps);
+    case 5:
+      return project_rigid<5>(link, z_r, eps);
+    default:
+      return project_rigid<6>(link, z_r, eps);
+  }
+}
+
+template <int N>
+void Elimination::project_rigid(int l, Mat6X& z_r, MatX& eps) const {
+  const LinkFactors& link = links_[l];
+  const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
+  const Eigen::Map<const Fixed<6, N>> K(link.K.data());
+  const Eigen::Map<const Fixed<N, N>> L(link.L.data());
+  for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
+    Eigen::Map<Vec6> z(z_r.col(c).data());
+    Eigen::Map<Fixed<N, 1>> along(eps.col(c).data());
+    along.noalias() += H.transpose() * z;
+    L.template triangularView<Eigen::Lower>().solveInPlace(along);
+    z.noalias() -= K * along;
+  }
 }
 
 void Elimination::add_force(int link, const Eigen::Ref<const VecX>& eps) {

@@ -76,7 +76,7 @@ class Elimination {
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
   /// in eps forces on its unknowns (n x c): makes of eps their part along the unknowns, L^-1 (eps + H^T z), and leaves
   /// in z_r what the reference body feels.
-  void project(int link, Eigen::Ref<Mat6X> z_r, const Eigen::Ref<const MatX>& z_a, Eigen::Ref<MatX> eps) const;
+  void project(int link, Mat6X& z_r, const MatX& z_a, MatX& eps) const;
 
   /// Adds to a link's right side what a generalized force of projection `eps` (n numbers) adds.
   void add_force(int link, const Eigen::Ref<const VecX>& eps);
@@ -96,6 +96,8 @@ class Elimination {
   void eliminate_flexible(int l);
   void transmit(int l, const Mat6& I, const Vec6& p);
   [[nodiscard]] Vec6 from_reference(int l) const;
+  template <int N>
+  void project_rigid(int l, Mat6X& z_r, MatX& eps) const;
   template <int N>
   void solve_rigid(int l, const Vec6& A0, VecX& udot);
   void solve_flexible(int l, const Vec6& A0, VecX& udot);
