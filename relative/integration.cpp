@@ -189,7 +189,7 @@ class Kinks {
   /// Takes the regimes of a state.
   void set_regimes(double t, const Eigen::Ref<const VecX>& y) {
     run_->equations.applied_forces().free_regimes();
-    (void)margin(t, y);
+    margin_ = margin(t, y);
     run_->equations.applied_forces().freeze_regimes();
   }
 
@@ -198,14 +198,14 @@ class Kinks {
     while (t < t_end) {
       const double t_before = t;
       before_ = sundials::view(y);
-      const double margin_before = std::max(0.0, margin(t, before_));
+      const double margin_before = std::max(0.0, margin_);
       const int code = stepper_->step(t_end, y, t);
       if (code < 0) return code;
-      const double margin_after = margin(t, sundials::view(y));
-      if (margin_after >= 0.0) continue;
+      margin_ = margin(t, sundials::view(y));
+      if (margin_ >= 0.0) continue;
       const double step = t - t_before;
       t = t_before;
-      const int found = approach({0.0, margin_before, step, margin_after}, y, t);
+      const int found = approach({0.0, margin_before, step, margin_}, y, t);
       if (found < 0) return found;
       require_progress(t);
       set_regimes(t, sundials::view(y));
@@ -287,6 +287,7 @@ class Kinks {
   Stepper* stepper_;
   double until_;
   VecX before_;
+  double margin_ = 0.0;  // of the state reached
   std::vector<double> times_;
 };
 

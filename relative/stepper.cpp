@@ -26,6 +26,8 @@ void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Contex
   check(ERKStepSetTableNum(memory, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
   check(ERKStepSetMaxNumSteps(memory, kMostSteps), "ERKStepSetMaxNumSteps");
   check(ERKStepSetPostprocessStepFn(memory, calls.project), "ERKStepSetPostprocessStepFn");
+  // Nothing is read between steps; a higher degree would evaluate there all the same.
+  check(ERKStepSetInterpolantDegree(memory, 3), "ERKStepSetInterpolantDegree");
   return memory;
 }
 
