@@ -62,14 +62,28 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   return kept;
 }
 
-/// Jacobian over the rigid velocities, v columns by `length`: constraints first, then the kept rows. For coordinates
-/// the rows that hold for velocities alone are empty, as is their residual.
-SparseMatrix rigid_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept, double length) {
+/// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
+/// the length, or not at all.
+VecX units_of_steps(const Equations& equations, Modes modes) {
+  VecX units = column_scales(equations);
+  const Layout& layout = equations.layout();
+  if (modes == Modes::moving) return units;
+  for (int i = 1; i < layout.n_bodies(); ++i) layout.adot(units, i).setZero();
+  return units;
+}
+
+/// Jacobian over steps in these units: constraints first, then the kept rows. For coordinates the rows that hold for
+/// velocities alone are empty, as is their residual.
+SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept,
+                              const VecX& units) {
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
   std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
-  const auto add = [&](int row, int body, const auto& column) {
-    for (int c = 0; c < 6; ++c) entries.emplace_back(row, 6 * (body - 1) + c, column(c) * (c < 3 ? length : 1.0));
+  const auto add = [&](int row, int body, const auto& gradient) {
+    for (int c = 0; c < layout.size_Y(body); ++c) {
+      const int column = layout.first_Y(body) + c;
+      if (units(column) > 0.0) entries.emplace_back(row, column, gradient(c) * units(column));
+    }
   };
   for (const RowBlock& block : constraints.blocks()) {
     for (int row = 0; row < block.n_rows; ++row) {
@@ -81,24 +95,26 @@ SparseMatrix rigid_jacobian(const Equations& equations, Kept what, const std::ve
     for (const Side side : {Side::parent, Side::child}) {
       const int body = equations.model().joints[kept[k].joint].on(side).body;
       if (body == kGround) continue;
-      VecX column(layout.size_Y(body));
-      constraints.write_transposed(kept[k].joint, side, kept[k].row, column);
-      add(constraints.n_rows() + static_cast<int>(k), body, column);
+      VecX gradient(layout.size_Y(body));
+      constraints.write_transposed(kept[k].joint, side, kept[k].row, gradient);
+      add(constraints.n_rows() + static_cast<int>(k), body, gradient);
     }
   }
-  SparseMatrix jacobian(constraints.n_rows() + static_cast<Eigen::Index>(kept.size()), 6 * (layout.n_bodies() - 1));
+  SparseMatrix jacobian(constraints.n_rows() + static_cast<Eigen::Index>(kept.size()), layout.n_Y());
   jacobian.setFromTriplets(entries.begin(), entries.end());
   return jacobian;
 }
 
-/// Spreads a step of rigid coordinates over Y, modes untouched.
-VecX over_Y(const Layout& layout, const VecX& rigid_step, double length) {
-  VecX step = VecX::Zero(layout.n_Y());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    layout.v(step, i) = length * rigid_step.segment<3>(6 * (i - 1));
-    layout.omega(step, i) = rigid_step.segment<3>(6 * (i - 1) + 3);
+/// Rank with rows of unit norm.
+int rank_of_rows(SparseMatrix jacobian) {
+  VecX norms = VecX::Zero(jacobian.rows());
+  for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
+      norms(entry.row()) += entry.value() * entry.value();
+    }
   }
-  return step;
+  jacobian = norms.cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal() * jacobian;
+  return decide_rank(jacobian).rank;
 }
 
 VecX position_residual(const Equations& equations, const std::vector<KeptRow>& kept) {
@@ -145,10 +161,17 @@ bool goes_on(double size, double last, double closed) {
 
 }  // namespace
 
-Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, VecX& Y) {
+bool restrict_modes(const Equations& equations) {
+  const auto rank = [&](Modes modes) {
+    return rank_of_rows(closing_jacobian(equations, Kept::speeds, {}, units_of_steps(equations, modes)));
+  };
+  return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
+}
+
+Closing close_machine(Equations& equations, double t, bool keep_start, Modes modes, VecX& q, VecX& Y) {
   constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
   const Layout& layout = equations.layout();
-  const double length = equations.model().length_scale();
+  const VecX units = units_of_steps(equations, modes);
   const auto kept = [&](Kept what) { return keep_start ? kept_rows(equations, what) : std::vector<KeptRow>{}; };
 
   Closing closing;
@@ -162,10 +185,10 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
   for (int step = 0; step < kMaxSteps && goes_on(size_of(residual), last, closed()); ++step) {
     last = size_of(residual);
     VecX move =
-        solve_shortest(rigid_jacobian(equations, Kept::coordinates, kept(Kept::coordinates), length), -residual);
+        solve_shortest(closing_jacobian(equations, Kept::coordinates, kept(Kept::coordinates), units), -residual);
     if (!move.allFinite()) break;
     move *= std::min(1.0, kLargestTurn / (1e-300 + size_of(move)));
-    layout.displace(over_Y(layout, move, length), q);
+    layout.displace(units.cwiseProduct(move), q);
     equations.update(t, q, Y);
     equations.constraints().follow_turns();
     residual = position_residual(equations, kept(Kept::coordinates));
@@ -192,8 +215,8 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
   const double speed = 1.0 + size_of(residual) + size_of(Y);
   for (int step = 0; step < 4 && size_of(residual) > 1e-16 * speed && size_of(residual) < 0.5 * last; ++step) {
     last = size_of(residual);
-    const SparseMatrix jacobian = rigid_jacobian(equations, Kept::speeds, kept(Kept::speeds), length);
-    Y += over_Y(layout, solve_shortest(jacobian, -residual), length);
+    const SparseMatrix jacobian = closing_jacobian(equations, Kept::speeds, kept(Kept::speeds), units);
+    Y += units.cwiseProduct(solve_shortest(jacobian, -residual));
     equations.update(t, q, Y);
     residual = velocity_residual(equations, kept(Kept::speeds));
   }
@@ -205,18 +228,10 @@ Closing close_machine(Equations& equations, double t, bool keep_start, VecX& q, 
 
 KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y) {
   equations.update(t, q, Y);
-  const double length = equations.model().length_scale();
-  const int columns = 6 * (equations.layout().n_bodies() - 1);
+  const VecX units = units_of_steps(equations, Modes::kept);
+  const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
-    SparseMatrix jacobian = rigid_jacobian(equations, what, kept, length);
-    VecX norms = VecX::Zero(jacobian.rows());
-    for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
-      for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
-        norms(entry.row()) += entry.value() * entry.value();
-      }
-    }
-    jacobian = norms.cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal() * jacobian;
-    return decide_rank(jacobian).rank;
+    return rank_of_rows(closing_jacobian(equations, what, kept, units));
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);

@@ -82,20 +82,6 @@ double modal_size(const Model& model, int body, int mode, double length) {
   return largest > 0.0 ? length / largest : 1.0;
 }
 
-VecX column_scales(const Equations& equations) {
-  const Model& model = equations.model();
-  const Layout& layout = equations.layout();
-  const double length = model.length_scale();
-  VecX scales = VecX::Ones(layout.n_Y());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    layout.v(scales, i).setConstant(length);
-    for (int mode = 0; mode < layout.n_modes(i); ++mode) {
-      layout.adot(scales, i)(mode) = modal_size(model, i, mode, length);
-    }
-  }
-  return scales;
-}
-
 /// A component is unique if no multiplier of the null space moves it: relative to what unit multipliers do to the
 /// joint's force or torque. `null_space` holds the joint's own multipliers and those of its coupled coordinates.
 void mark_uniqueness(const Joint& stated, const JointEquations& joint, const MatX& null_space,
@@ -122,6 +108,20 @@ void mark_uniqueness(const Joint& stated, const JointEquations& joint, const Mat
 
 }  // namespace
 
+VecX column_scales(const Equations& equations) {
+  const Model& model = equations.model();
+  const Layout& layout = equations.layout();
+  const double length = model.length_scale();
+  VecX scales = VecX::Ones(layout.n_Y());
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    layout.v(scales, i).setConstant(length);
+    for (int mode = 0; mode < layout.n_modes(i); ++mode) {
+      layout.adot(scales, i)(mode) = modal_size(model, i, mode, length);
+    }
+  }
+  return scales;
+}
+
 RankDecision decide_rank(const SparseMatrix& matrix) {
   if (matrix.rows() == 0) return {};
   return matrix.rows() <= kDenseRows ? decide_dense(MatX(matrix)) : decide_sparse(matrix);
@@ -129,13 +129,7 @@ RankDecision decide_rank(const SparseMatrix& matrix) {
 
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
   constexpr double kDependent = 1e-8;  // rows that depend on others to this are left out of a Newton step
-  if (matrix.rows() <= kDenseRows) {
-    // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
-    Eigen::CompleteOrthogonalDecomposition<MatX> shortest;
-    shortest.setThreshold(kDependent);
-    shortest.compute(MatX(matrix));
-    if (shortest.rank() < matrix.rows()) return shortest.solve(right_side);
-  }
+  constexpr int kPlaceOfRank = 4;      // in SuiteSparseQR's statistics
   cholmod_common common;
   cholmod_l_start(&common);
   SparseMatrix copy = matrix;
@@ -149,8 +143,13 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
     x = Eigen::Map<const VecX>(static_cast<const double*>(solution->x), matrix.cols());
     cholmod_l_free_dense(&solution, &common);
   }
+  const bool has_full_rank = common.SPQR_istat[kPlaceOfRank] == matrix.rows();
   cholmod_l_finish(&common);
-  return x;
+  if (has_full_rank || matrix.rows() > kDenseRows) return x;
+  // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
+  Eigen::CompleteOrthogonalDecomposition<MatX> shortest;
+  shortest.setThreshold(kDependent);
+  return shortest.compute(MatX(matrix)).solve(right_side);
 }
 
 ScaledJacobian scaled_jacobian(const Equations& equations) {

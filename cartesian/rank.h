@@ -27,8 +27,11 @@ RankDecision decide_rank(const SparseMatrix& matrix);
 /// a solution but not the shortest, so up to 500 rows a complete orthogonal decomposition does.
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side);
 
-/// The constraint Jacobian over Y at the last update of `equations`, scaled so that rank does not depend on units: v by
-/// L, omega by 1, adot by the size that moves a joint by L, then rows to unit norm.
+/// The machine's units over Y: v by L, omega by 1, adot by the size that moves a joint by L.
+VecX column_scales(const Equations& equations);
+
+/// The constraint Jacobian over Y at the last update of `equations`, scaled so that rank does not depend on units:
+/// columns by column_scales, then rows to unit norm.
 struct ScaledJacobian {
   SparseMatrix matrix;
   VecX row_scale;  // matrix row = row_scale * Phi_Y row * column scales

@@ -51,7 +51,7 @@ class CartesianSolver : public Solver {
     guess_start();
     std::vector<VecX> turns = start_coordinates(model_);
     equations_.count_turns_from(turns);
-    const Closing closing = close_machine(equations_, 0.0, true, motion_.q, motion_.Y);
+    const Closing closing = close_machine(equations_, 0.0, true, Modes::kept, motion_.q, motion_.Y);
     equations_.constraints().write_turns(turns);
     const KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y);
     refuse_wrong_count(kept, closing);
@@ -74,7 +74,7 @@ class CartesianSolver : public Solver {
     equations_.layout().unpack(guess, motion_.q, motion_.Y);
     equations_.count_turns_from(guess.q);
     try {
-      if (!close_machine(equations_, guess.t, false, motion_.q, motion_.Y).closed) return std::nullopt;
+      if (!close_machine(equations_, guess.t, false, closing_modes_, motion_.q, motion_.Y).closed) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
     }
@@ -134,7 +134,7 @@ class CartesianSolver : public Solver {
       equations_.solve(true);
       equations_.project(t, motion_.q, motion_.Y);
       // Rows that were left out follow from the others with their round-off magnified: close them all.
-      if (has_dependent_rows_) close_machine(equations_, t, false, motion_.q, motion_.Y);
+      if (has_dependent_rows_) close_machine(equations_, t, false, closing_modes_, motion_.q, motion_.Y);
       trajectory.samples.push_back(sample(t, turns, trajectory.statistics));
       if (progress) progress(t);
     }
@@ -209,10 +209,11 @@ class CartesianSolver : public Solver {
                                  kept.independent_speeds, kept.speeds));
   }
 
-  /// Dependent constraint rows are left out once, at the start state.
+  /// Dependent constraint rows are left out once, at the start state; there it shows what closing has to move.
   void use_independent_rows(const State& state) {
     equations_.layout().unpack(state, motion_.q, motion_.Y);
     equations_.update(state.t, motion_.q, motion_.Y);
+    closing_modes_ = restrict_modes(equations_) ? Modes::moving : Modes::kept;
     const std::vector<bool> independent = independent_rows(equations_);
     has_dependent_rows_ = std::find(independent.begin(), independent.end(), false) != independent.end();
     if (has_dependent_rows_) equations_.use_rows(independent);
@@ -303,6 +304,7 @@ class CartesianSolver : public Solver {
   Motion motion_;
   std::optional<State> start_;
   bool has_dependent_rows_ = false;
+  Modes closing_modes_ = Modes::kept;
 };
 
 }  // namespace

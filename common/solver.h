@@ -57,8 +57,9 @@ class Solver {
   /// round-off lets (at most 1e-13). Throws InputError if the start values contradict each other, naming the joints.
   virtual State assemble() = 0;
 
-  /// The closed state near `guess` at guess.t, as far as round-off lets; modal coordinates and rates are kept. Nothing
-  /// if Newton's method finds none on the branch that the joints mean.
+  /// The closed state near `guess` at guess.t, as far as round-off lets. Modal coordinates and rates are kept, unless
+  /// the loops restrict them, as where a flexible body is held at both ends. Nothing if Newton's method finds none on
+  /// the branch that the joints mean.
   virtual std::optional<State> close(const State& guess) = 0;
 
   /// Accelerations, reactions, total wrenches and driver forces in a closed state. The state is taken as it is, not

@@ -162,8 +162,11 @@ std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shake
   }
   amplitude = 1.0;
   for (int attempt = 0; attempt < kTriesAlong; ++attempt, amplitude *= 0.5) {
-    std::optional<State> closed = shaker.shake_along(model, solver, base, amplitude);
-    if (closed && accepts(solver, *closed)) return closed;
+    try {
+      std::optional<State> closed = shaker.shake_along(model, solver, base, amplitude);
+      if (closed && accepts(solver, *closed)) return closed;
+    } catch (const SolverError&) {  // a pose on the way that the solver refuses
+    }
   }
   return std::nullopt;
 }

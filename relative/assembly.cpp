@@ -98,10 +98,10 @@ VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& col
 }
 
 /// Newton's method with damping and halved steps, until round-off stops it.
-bool Assembly::close_positions(Coordinates& coordinates, const Held& held) {
+bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes modes) {
   Closure closure(equations_->kinematics(), held);
   if (closure.n_position_rows() == 0) return true;
-  const std::vector<int> columns = moving_columns(held, Modes::kept);
+  const std::vector<int> columns = moving_columns(held, modes);
   double gap = measure(coordinates, closure);
   for (int iteration = 0; iteration < kMostIterations && gap > 0.0; ++iteration) {
     VecX step = smallest_step(closure, columns, closure.gap(), std::min(1e-3, gap));
@@ -124,10 +124,10 @@ bool Assembly::close_positions(Coordinates& coordinates, const Held& held) {
   return gap < kClosed;
 }
 
-bool Assembly::close_velocities(Coordinates& coordinates, const Held& held) {
+bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Modes modes) {
   Closure closure(equations_->kinematics(), held);
   if (closure.n_rows() == 0) return true;
-  const std::vector<int> columns = moving_columns(held, Modes::kept);
+  const std::vector<int> columns = moving_columns(held, modes);
   const double size = std::max(1.0, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
   double slip = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
@@ -141,9 +141,22 @@ bool Assembly::close_velocities(Coordinates& coordinates, const Held& held) {
   return slip < kClosed * std::max(size, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
 }
 
+/// Joints alone close a machine as far as its loops leave the modes free; others must move too.
+Assembly::Modes Assembly::closing_modes(const Coordinates& coordinates) {
+  if (!equations_->model().is_flexible()) return Modes::kept;
+  if (!closing_modes_) {
+    const bool restricted = closure_rank(coordinates, Rows::of_velocities, Modes::moving) >
+                            closure_rank(coordinates, Rows::of_velocities, Modes::kept);
+    closing_modes_ = restricted ? Modes::moving : Modes::kept;
+  }
+  return *closing_modes_;
+}
+
 bool Assembly::close(Coordinates& coordinates) {
   equations_->prescribe(coordinates.t, coordinates.q, coordinates.u);
-  return close_positions(coordinates, equations_->driven()) && close_velocities(coordinates, equations_->driven());
+  const Modes modes = closing_modes(coordinates);
+  const Held& driven = equations_->driven();
+  return close_positions(coordinates, driven, modes) && close_velocities(coordinates, driven, modes);
 }
 
 /// Takes the kept rows of Phi_u here, in the units of the machine: Phi^T = Q R, whose leading parts serve rows of
@@ -285,12 +298,13 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const Held nothing(equations_->topology().n_u, 0);
   const std::vector<int> columns = moving_columns(nothing, Modes::kept);
+  const Modes modes = closing_modes(coordinates);
   for (int trial = 0; trial < 4 && rank < n_rows; ++trial) {
     Coordinates nearby = coordinates;
     VecX step = VecX::Zero(equations_->topology().n_tree_u);
     for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
     advance(nearby.q, step);
-    if (!close_positions(nearby, nothing)) continue;
+    if (!close_positions(nearby, nothing, modes)) continue;
     const int found = closure_rank(nearby, Rows::of_velocities, Modes::moving);
     if (found <= rank) continue;
     rank = found;
@@ -508,9 +522,9 @@ Coordinates Assembly::start() {
   const Held held_u = kept(&WordStart::role_u);
   wind(start, held_q);
   Coordinates closed = start;
-  const bool kept_agree = close_positions(closed, held_q);
+  const bool kept_agree = close_positions(closed, held_q, Modes::kept);
   if (!kept_agree) closed = start;
-  if (kept_agree || close_positions(closed, equations_->driven())) {
+  if (kept_agree || close_positions(closed, equations_->driven(), Modes::kept)) {
     require_number_of_kept(closed, held_q, Rows::of_places);
   }
   if (!kept_agree) throw_not_closing(held_q);
@@ -518,7 +532,7 @@ Coordinates Assembly::start() {
   require_number_of_kept(closed, held_u, Rows::of_velocities);
   require_independent_start(closed, held_u, Rows::of_velocities);
   require_inertia(closed);
-  if (!close_velocities(closed, held_u)) {
+  if (!close_velocities(closed, held_u, Modes::kept)) {
     throw InputError(where_kept(held_u), fmt::format("start: the kept joint speeds ({}) contradict each other{}",
                                                      names_of_kept(held_u), couplings_of_kept(held_u)));
   }

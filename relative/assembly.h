@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "relative/equations.h"
 #include "relative/scales.h"
 
@@ -25,8 +27,9 @@ class Assembly {
   /// contradictory, and naming body and axis if the opened tree lacks inertia.
   [[nodiscard]] Coordinates start();
 
-  /// Closes q and u near their values at time t, couplings and constraints of velocity too; modal coordinates and rates
-  /// are kept. False if Newton's method fails.
+  /// Closes q and u near their values at time t, couplings and constraints of velocity too. Modal coordinates and rates
+  /// are kept, unless the loops restrict them, as where a flexible body is held at both ends: then they move by the
+  /// shortest steps too. False if Newton's method fails.
   [[nodiscard]] bool close(Coordinates& coordinates);
 
   /// Projects a state that is closed but for the error of one integration step, modes included: the smallest change in
@@ -48,8 +51,9 @@ class Assembly {
   [[nodiscard]] int closure_rank(const Coordinates& coordinates, Rows rows, Modes modes);
 
  private:
-  [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held);
-  [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held);
+  [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held, Modes modes);
+  [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held, Modes modes);
+  [[nodiscard]] Modes closing_modes(const Coordinates& coordinates);
   [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
   void advance(VecX& q, const VecX& step) const;
   double measure(Coordinates& coordinates, Closure& closure);
@@ -79,6 +83,7 @@ class Assembly {
   std::vector<int> projected_columns_;
   Eigen::HouseholderQR<MatX> projection_;
   bool rows_are_chosen_ = false;
+  std::optional<Modes> closing_modes_;  // once decided
 };
 
 }  // namespace concord::relative

@@ -1,0 +1,95 @@
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+
+/// Machines whose loops leave a flexible body's modes no freedom of their own.
+namespace concord::verification {
+namespace {
+
+/// Two arms on tilted hinges, tied by a beam that is welded to both: every turn of one against the other bends it.
+constexpr const char* kTiedArms = R"(format = 1
+gravity = [0.3, -9.7, 1.1]
+[[body]]
+name = "left_arm"
+mass = 3.1
+center_of_mass = [0.21, 0.02, -0.01]
+inertia = [0.02, 0.11, 0.1]
+[[body]]
+name = "right_arm"
+mass = 2.7
+center_of_mass = [0.18, -0.03, 0.02]
+inertia = [0.03, 0.09, 0.08]
+[[joint]]
+name = "left_hinge"
+type = "revolute"
+both = { z = [0.1, 1, 0.05], x = [1, -0.1, 0] }
+parent = { body = "ground", point = [0, 0.5, 0] }
+child = "left_arm"
+start.turn_z = { guess = 0, guess_speed = 0 }
+[[joint]]
+name = "right_hinge"
+type = "revolute"
+both = { z = [0.1, 1, 0.05], x = [1, -0.1, 0] }
+parent = { body = "ground", point = [0, -0.5, 0] }
+child = "right_arm"
+start.turn_z = { guess = 0, guess_speed = 0 }
+[[body]]
+name = "beam"
+[body.beam]
+first_end = [0.03, 0.5, 0]
+x = [0, -1, 0]
+z = [0, 0, 1]
+length = 1.0
+elements = 8
+section = { area = 4e-4, second_moment_y = 2.5e-8, second_moment_z = 4.0e-8, torsion_constant = 5e-9 }
+youngs_modulus = 2.1e11
+shear_modulus = 79.3e9
+density = 7850
+support = "craig_bampton"
+modes = { bending_xz = [1] }
+static_modes = { bending_xy = [1, 2], bending_xz = [1, 2], torsion = [1], axial = [1] }
+damping_ratio = 0.02
+[[joint]]
+name = "left_weld"
+type = "weld"
+parent = { body = "left_arm", point = [0.03, 0, 0] }
+child = { body = "beam", node = "first" }
+[[joint]]
+name = "right_weld"
+type = "weld"
+parent = { body = "right_arm", point = [0.03, 0, 0] }
+child = { body = "beam", node = "last" }
+)";
+
+/// The state with one arm turned about its hinge's place, and everything else as it was.
+State turned_arm(const State& state, double angle) {
+  State turned = state;
+  BodyState& arm = turned.bodies[1];
+  const Eigen::Quaterniond before(arm.p(0), arm.p(1), arm.p(2), arm.p(3));
+  const Eigen::Quaterniond after = Eigen::AngleAxisd(angle, Vec3(0.1, 1.0, 0.05).normalized()) * before;
+  arm.p << after.w(), after.x(), after.y(), after.z();
+  arm.omega += angle * Vec3(0.3, 2.0, 0.1);
+  return turned;
+}
+
+TEST_CASE("Closing bends a beam that is held at both ends, and the other solver takes the state as closed") {
+  const Model model = parse_model(kTiedArms, "tied_arms.toml");
+  for (const bool by_cartesian : {true, false}) {
+    INFO("closed by " << (by_cartesian ? "cartesian" : "relative"));
+    const auto closing = by_cartesian ? cartesian::make_solver(model) : relative::make_solver(model);
+    const auto other = by_cartesian ? relative::make_solver(model) : cartesian::make_solver(model);
+    const State start = closing->assemble();
+    const std::optional<State> closed = closing->close(turned_arm(start, 0.02));
+    REQUIRE(closed);
+    CHECK((closed->bodies[3].a - start.bodies[3].a).norm() > 1e-4);
+    const Evaluation own = closing->evaluate(*closed);
+    const Evaluation others = other->evaluate(*closed);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Vec3 force = own.joints[k].reaction_on(Side::child).in_global.force;
+      CHECK((force - others.joints[k].reaction_on(Side::child).in_global.force).norm() < 1e-9 * force.norm());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace concord::verification
