@@ -62,6 +62,9 @@ class Equations {
   [[nodiscard]] double power() const { return power_of(lambda_); }
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;
 
+  /// The matrix of the last solve().
+  [[nodiscard]] const SparseLu& matrix() const { return *matrix_; }
+
   /// Generalized forces Q - S - U, n_Y rows; Q holds gravity, force elements and joint springs.
   [[nodiscard]] const VecX& forces() const { return forces_; }
   /// Adds Phi_Y^T x over the active rows to `sum` (n_Y rows), x one number for each constraint row.

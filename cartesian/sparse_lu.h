@@ -23,6 +23,7 @@ class SparseLu {
 
   [[nodiscard]] int size() const { return static_cast<int>(column_starts_.size()) - 1; }
   [[nodiscard]] double* values() { return values_.data(); }
+  [[nodiscard]] const double* values() const { return values_.data(); }
   [[nodiscard]] const std::vector<int>& column_starts() const { return column_starts_; }
   [[nodiscard]] const std::vector<int>& row_indices() const { return row_indices_; }
   /// Place of entry (row, column) in values(); the entry must be in the pattern.

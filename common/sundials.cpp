@@ -17,6 +17,9 @@ void Context::Free::operator()(SUNContext context) const { SUNContext_Free(&cont
 Vector make_vector(Eigen::Index n, const Context& context) {
   Vector vector(require(N_VNew_Serial(n, context.get()), "N_VNew_Serial"));
   N_VConst(0.0, vector.get());
+  // Sums of many stages in one pass; vectors made like this one inherit it.
+  if (N_VEnableLinearCombination_Serial(vector.get(), SUNTRUE) != 0)
+    throw_no_handle("N_VEnableLinearCombination_Serial");
   return vector;
 }
 

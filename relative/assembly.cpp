@@ -15,9 +15,9 @@ namespace {
 constexpr int kMostIterations = 60;
 constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
 constexpr double kClosed = 1e-12;
-constexpr double kNearlyClosed = 1e-7;  // a gap over which Phi_u does not change so that speeds would notice
-constexpr double kRoundOffOfSpeed = 1e-16;
-constexpr double kLargestStep = 0.5;  // in machine units: half a radian, half the length
+constexpr double kNearlyClosed = 1e-7;      // a gap over which Phi_u does not change so that speeds would notice
+constexpr double kRoundOffOfSpeed = 1e-15;  // of the largest speed
+constexpr double kLargestStep = 0.5;        // in machine units: half a radian, half the length
 
 double largest(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
 

@@ -91,14 +91,24 @@ void JointMeasure::fit_together(const Vec6& motion, JointVector& speeds) const {
   for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = fitted(c);
 }
 
+/// Columns that are the same in every pose need this once.
+void JointMeasure::decompose_columns() {
+  if (motion_->couples()) return;
+  const auto decompose = [this](SpatialBasis& basis, const std::vector<int>& columns, int first_row) {
+    const auto is_fixed = [this](int c) { return motion_->kind(c).is_fixed; };
+    if (is_decomposed_ && std::all_of(columns.begin(), columns.end(), is_fixed)) return;
+    basis.decompose(three_rows(at_.S, columns, first_row), static_cast<int>(columns.size()));
+  };
+  decompose(displacements_, displacing_, 0);
+  decompose(rotations_, rotating_, 3);
+  is_decomposed_ = true;
+}
+
 /// Takes the motion at q and the error there; returns half the square of its size.
 double JointMeasure::move(const JointPoint& parent, const JointPoint& child, double* q) {
   const JointVector still = JointVector::Zero(motion_->n_u());
   motion_->evaluate(q, still.data(), at_);
-  if (!motion_->couples()) {
-    displacements_.decompose(three_rows(at_.S, displacing_, 0), static_cast<int>(displacing_.size()));
-    rotations_.decompose(three_rows(at_.S, rotating_, 3), static_cast<int>(rotating_.size()));
-  }
+  decompose_columns();
   error_ = position_error(at_, parent, child);
   return 0.5 * weighed(error_).squaredNorm();
 }

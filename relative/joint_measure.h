@@ -53,6 +53,7 @@ class JointMeasure {
   void fit_together(const Vec6& motion, JointVector& speeds) const;
   double newton(const JointPoint& parent, const JointPoint& child, double* q);
   [[nodiscard]] double size_of(const JointVector& step) const;
+  void decompose_columns();
   double move(const JointPoint& parent, const JointPoint& child, double* q);
   double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
   void search(const JointPoint& parent, const JointPoint& child, double* q);
@@ -67,6 +68,7 @@ class JointMeasure {
   JointMotion at_;
   SpatialBasis displacements_;  // of their columns in at_
   SpatialBasis rotations_;
+  bool is_decomposed_ = false;
   Vec6 error_ = Vec6::Zero();
   Vec6 slip_ = Vec6::Zero();
   Mat6 T_ = Mat6::Identity();

@@ -166,30 +166,36 @@ void Motion::classify_columns() {
   std::array<bool, 3> slides{};
   Axis last_turn = Axis::x;
   const auto swing = [&] {
-    for (int c = 0; c < column; ++c) kinds_[c].displaces = kinds_[c].displaces || kinds_[c].rotates;
+    for (int c = 0; c < column; ++c) {
+      if (!kinds_[c].rotates) continue;
+      kinds_[c].displaces = true;
+      kinds_[c].is_fixed = false;
+    }
     is_curved_ = is_curved_ || n_turns > 0;
   };
   for (const joints::Permit& word : words_) {
     if (const auto* slide = std::get_if<joints::Slide>(&word)) {
       rank_is_certain_ = rank_is_certain_ && !slides[index(slide->axis)];
       slides[index(slide->axis)] = true;
-      kinds_[column++] = {.displaces = true, .rotates = false, .is_length = true};
+      kinds_[column++] = {.displaces = true, .rotates = false, .is_length = true, .is_fixed = true};
     } else if (const auto* turn = std::get_if<joints::Turn>(&word)) {
       ++n_turns;
       rank_is_certain_ = rank_is_certain_ && (n_turns == 1 || (n_turns == 2 && turn->axis != last_turn));
       last_turn = turn->axis;
-      kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false};
+      kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false, .is_fixed = n_turns == 1};
     } else if (std::holds_alternative<joints::Arm>(word)) {
       swing();
     } else if (std::holds_alternative<joints::Ball>(word)) {
       has_ball_ = true;
       for (int c = 0; c < column; ++c) kinds_[c].rotates = false;
-      for (int axis = 0; axis < 3; ++axis) kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false};
+      for (int axis = 0; axis < 3; ++axis) {
+        kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false, .is_fixed = true};
+      }
     } else {
       by_functions_ = is_curved_ = true;
       ranges_ = std::get<joints::ByMotion>(word).ranges;
       for (const bool turns : std::get<joints::ByMotion>(word).turns) {
-        kinds_[column++] = {.displaces = true, .rotates = true, .is_length = !turns};
+        kinds_[column++] = {.displaces = true, .rotates = true, .is_length = !turns, .is_fixed = false};
       }
     }
   }

@@ -28,6 +28,7 @@ struct ColumnKind {
   bool displaces = false;  // S has entries in the rows of ddot
   bool rotates = false;    // and in those of omega_rel
   bool is_length = false;  // q in m; else in rad
+  bool is_fixed = false;   // the column is the same in every pose
 };
 
 /// Evaluator of the words of one joint type's motion.

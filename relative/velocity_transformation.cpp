@@ -173,15 +173,14 @@ void Kinematics::add_times_B(int body, MatX rows_on_body, MatX& rows) const {
     const LinkBlocks& b = blocks_[l];
     const Span& joint = topology_.joints[link.joint];
     const Span& modes = topology_.modes[link.body];
-    const Eigen::Matrix<double, Eigen::Dynamic, 6> W_r = rows_on_body.leftCols<6>();
-    rows.middleCols(joint.first_u, joint.n_u) += W_r * b.H.leftCols(joint.n_u);
-    rows.middleCols(modes.first_u, modes.n_u) += rows_on_body.rightCols(modes.n_u) - W_r * b.Ha;
-    rows_on_body.resize(W_r.rows(), 6 + b.Xa.cols());
-    rows_on_body.rightCols(b.Xa.cols()) = W_r * b.Xa;
-    rows_on_body.leftCols<6>() = W_r;
-    for (Eigen::Index row = 0; row < W_r.rows(); ++row) {
-      const Vec6 w = W_r.row(row).transpose();
-      rows_on_body.row(row).head<6>() = shift_wrench(w, b.rho).transpose();
+    if (modes.n_u > 0) rows.middleCols(modes.first_u, modes.n_u) += rows_on_body.rightCols(modes.n_u);
+    if (modes.n_u != b.Xa.cols()) rows_on_body.conservativeResize(Eigen::NoChange, 6 + b.Xa.cols());
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      const Vec6 w = rows_on_body.row(row).head<6>();
+      for (int c = 0; c < joint.n_u; ++c) rows(row, joint.first_u + c) += w.dot(b.H.col(c));
+      for (int c = 0; c < modes.n_u; ++c) rows(row, modes.first_u + c) -= w.dot(b.Ha.col(c));
+      for (Eigen::Index c = 0; c < b.Xa.cols(); ++c) rows_on_body(row, 6 + c) = w.dot(b.Xa.col(c));
+      rows_on_body.row(row).head<6>() = shift_wrench(w, b.rho);
     }
   }
 }
