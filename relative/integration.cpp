@@ -21,6 +21,10 @@ constexpr double kLargestModalResidual = 1e-8;
 constexpr double kStepShare = 0.01;
 constexpr double kFinestStep = 2e-15;
 
+/// More steps than this within this part of a run get nowhere.
+constexpr long kMostStepsOnNoWay = 100'000;
+constexpr double kNoWay = 1e-6;
+
 /// The integrated numbers y = [coordinates and speeds that are not driven; work]. Speeds of cut joints follow from the
 /// tree and are not integrated; their coordinates are, so that turns are counted and measuring starts close by.
 class Variables {
@@ -117,6 +121,9 @@ struct Run {
   std::string last_reason{};  // of the last evaluation or projection that failed
   double rtol = 0.0;
   VecX sizes{};
+  double until = 0.0;
+  double paced_from = 0.0;
+  long steps_from_there = 0;
 
   /// ydot(t, y).
   void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {
@@ -141,7 +148,25 @@ struct Run {
     weights = (rtol * weights).cwiseMax(kLeastWeighed * y.cwiseAbs()).cwiseInverse();
   }
 
+  /// Refuses steps that get nowhere, as where a loop is driven into a pose that locks it.
+  void require_pace(double t) {
+    if (t - paced_from > kNoWay * until) {
+      paced_from = t;
+      steps_from_there = 0;
+    }
+    if (++steps_from_there <= kMostStepsOnNoWay) return;
+    const std::string place = equations.closure().n_rows() > 0
+                                  ? fmt::format("; {} has the largest multiplier there",
+                                                equations.closure().worst_place(equations.loops().lambda()))
+                                  : "";
+    throw SolverError(
+        fmt::format("{} steps were needed for {:.1e} s: something there locks, or is too stiff for this "
+                    "integrator{}",
+                    kMostStepsOnNoWay, t - paced_from, place));
+  }
+
   void project(double t, Eigen::Ref<VecX> y) {
+    require_pace(t);
     coordinates.t = t;
     variables.unpack(y, coordinates);
     assembly.project(coordinates);
@@ -348,6 +373,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   const sundials::Vector y = sundials::make_vector(run.variables.size(), context);
   run.variables.pack(start.q, start.u, sundials::view(y.get()));
   run.rtol = integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol;
+  run.until = options.until;
   run.sizes = Sizes(equations, assembly.scales(), start).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
   Kinks kinks(run, stepper, options.until);

@@ -122,5 +122,54 @@ TEST_CASE("Over a bump that both sides meet, left and right carry the same and n
   }
 }
 
+/// The part of what the hinges of the rear arms carry that symmetry of left and right forbids, and the arms' turn
+/// against each other.
+struct Opposed {
+  double force = 0.0;   // along y of the hinges' frames, which points down: half the difference
+  double torque = 0.0;  // about x, forward, where the mirror turns the sign: half the sum
+  double turn = 0.0;
+};
+
+std::vector<Opposed> opposed_over_bump(const std::string& name) {
+  const Model model = settled(name);
+  RunOptions options;
+  options.until = 6.4;
+  options.rtol = 1e-8;
+  options.samples = 640;
+  const std::size_t left = joint_of(model, "rear_left_arm");
+  const std::size_t right = joint_of(model, "rear_right_arm");
+  std::vector<Opposed> opposed;
+  for (const Sample& sample : relative::make_solver(model)->integrate(options, [](double) {}).samples) {
+    const auto reaction = [&](std::size_t k) -> const Wrench& {
+      return sample.evaluation.joints[k].reaction_on(Side::child).in_C;
+    };
+    opposed.push_back({0.5 * (reaction(left).force.y() - reaction(right).force.y()),
+                       0.5 * (reaction(left).torque.x() + reaction(right).torque.x()),
+                       sample.state.q[left](0) - sample.state.q[right](0)});
+  }
+  return opposed;
+}
+
+TEST_CASE(
+    "What a flexible beam adds to the rear arms' hinges, beside the twist that a spring would give, is the shear "
+    "12 E I d turn / L^3 of its opposite bending, and that shear's lever L / 2",
+    "[car]") {
+  const std::vector<Opposed> spring = opposed_over_bump("car_left_bump");
+  const std::vector<Opposed> beam = opposed_over_bump("car_flexible_beam");
+  const double shear_per_turn = 12.0 * 2.1e11 * 2.5e-7 * 0.03;  // N/rad: the beam of 1 m lies 0.03 m behind the hinges
+  double largest = 0.0;
+  double force_error = 0.0;
+  double torque_error = 0.0;
+  for (std::size_t k = 0; k < spring.size(); ++k) {
+    const double shear = shear_per_turn * beam[k].turn;
+    largest = std::max(largest, std::abs(shear));
+    force_error = std::max(force_error, std::abs(beam[k].force - spring[k].force + shear));
+    torque_error = std::max(torque_error, std::abs(beam[k].torque - spring[k].torque + 0.5 * shear));
+  }
+  CHECK(largest > 600.0);  // the bump turns one arm by 2 degrees against the other
+  CHECK(force_error < 0.03 * largest);
+  CHECK(torque_error < 0.5 * 0.01 * largest);
+}
+
 }  // namespace
 }  // namespace concord::verification

@@ -205,6 +205,26 @@ TEST(Integration, SaysWhenAndWhichLoopLocks) {
   }
 }
 
+TEST(Integration, RefusesStepsThatGetNowhere) {
+  test::Numbers numbers(34);
+  Model model;
+  model.file = "slide.toml";
+  model.bodies = {test::ground(), test::rigid_body("mass", numbers)};
+  model.joints = {test::joint(model, "slide", "translational", 0, 1, numbers)};
+  JointSpring spring;
+  spring.law.free = model.joints[0].start[0].q(0) - 0.1;
+  spring.law.stiffness = 1e24;
+  model.joints[0].springs = {spring};
+  try {
+    (void)make_solver(model)->integrate(options(1.0, 4, 1e-8), {});
+    FAIL() << "a spring of 1e24 N/m was followed by an explicit integrator";
+  } catch (const SolverError& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(text.starts_with("relative: at t = 0.0000 s 100000 steps were needed for ")) << text;
+    EXPECT_NE(text.find("too stiff for this integrator"), std::string::npos) << text;
+  }
+}
+
 TEST(Integration, NamesTheIntegratorsItHas) {
   const Model model = test::spatial_slider_crank(false);
   EXPECT_EQ(make_solver(model)->integrators(), (std::vector<std::string>{"erk", "dirk"}));
