@@ -15,6 +15,10 @@ constexpr double kDependent = 1e-13;
 /// Diagonal entries below this part of the largest are squares of round-off: the row vanishes.
 constexpr double kVanishing = 1e-22;
 
+/// A second round takes off what the first left of the residual, if that is more than this part of it.
+constexpr int kMostRounds = 2;
+constexpr double kLeftByRoundOff = 1e-13;
+
 }  // namespace
 
 Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination)
@@ -232,10 +236,13 @@ void Loops::close(VecX& udot) {
     if (!factorize(used_)) throw_singular(used_.size() - 1);
   }
   const auto acceleration = [this](int joint, Side side) { return elimination_->acceleration_of_point(joint, side); };
-  // The second round removes what round-off left of the residual.
-  for (int round = 0; round < 2; ++round) {
+  double first_residual = 0.0;
+  for (int round = 0; round < kMostRounds; ++round) {
     closure_->compute_acceleration_residual(acceleration, udot, residual_);
     for (std::size_t i = 0; i < used_.size(); ++i) solution_(i) = residual_(used_[i]);
+    const double residual = solution_.cwiseAbs().maxCoeff();
+    if (round == 0) first_residual = residual;
+    if (residual <= kLeftByRoundOff * first_residual && round > 0) break;
     llt_.solveInPlace(solution_);
     step_lambda_.setZero();
     for (std::size_t i = 0; i < used_.size(); ++i) step_lambda_(used_[i]) = solution_(i);

@@ -100,6 +100,9 @@ class PartTimes : public benchmark::BenchmarkReporter {
     }
   }
 
+  /// False if a filter left some parts out.
+  [[nodiscard]] bool has_all() const { return times_.size() == kParts; }
+
   [[nodiscard]] double of(const std::string& part) const {
     std::vector<double> times = times_.at(part);
     std::sort(times.begin(), times.end());
@@ -107,6 +110,7 @@ class PartTimes : public benchmark::BenchmarkReporter {
   }
 
  private:
+  static constexpr std::size_t kParts = 7;
   std::map<std::string, std::vector<double>> times_;
 };
 
@@ -197,7 +201,7 @@ int main(int argc, char** argv) {
   add_benchmarks(car);
   PartTimes times;
   benchmark::RunSpecifiedBenchmarks(&times);
-  print_parts(times);
+  if (times.has_all()) print_parts(times);
   print_runs(model, 5);
   return 0;
 }
