@@ -37,7 +37,9 @@ struct TireRegime {
   bool touches = false;  // delta > 0
   bool pushes = false;   // touches, and stiffness delta + damping deltadot > 0: a tire does not pull
   bool slides = false;   // pushes, and the linear slip forces exceed friction N
-  bool operator==(const TireRegime&) const = default;
+  bool operator==(const TireRegime& other) const {
+    return stretch == other.stretch && touches == other.touches && pushes == other.pushes && slides == other.slides;
+  }
 };
 
 /// What the laws are said of.

@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
@@ -119,6 +120,69 @@ TEST_CASE("Over a bump that both sides meet, left and right carry the same and n
     INFO(solver->name() << ": apart " << apart << " N, sideways " << sideways << " N, peak " << peak << " N");
     CHECK(apart < 1e-9 * peak);
     CHECK(sideways < 1e-9 * peak);
+  }
+}
+
+/// The car without dampers and without what its tires do along the road.
+Model undamped(Model model) {
+  for (Joint& joint : model.joints) {
+    for (JointSpring& spring : joint.springs) spring.law.damping = 0.0;
+  }
+  for (ForceElement& element : model.elements) {
+    if (auto* line = std::get_if<LineSpring>(&element.what)) line->law.damping = 0.0;
+    if (auto* tire = std::get_if<Tire>(&element.what))
+      tire->damping = tire->slip_stiffness = tire->cornering_stiffness = 0.0;
+  }
+  return model;
+}
+
+/// Frequencies [Hz] of the bounce and pitch of a rigid body of the car's sprung mass on two rates [N/m], one for each
+/// axle: roots of det(K - w^2 M) = 0.
+std::array<double, 2> bounce_and_pitch(double front, double rear) {
+  const double mass = 1094.5;
+  const double inertia = 1342.0;
+  const double ahead = 0.884;
+  const double behind = 2.393 - ahead;
+  const double k_pitch =
+      front * ahead * ahead + rear * behind * behind - mass * 9.81 * 0.25;  // 0.25 m above the wheels
+  const double k_mixed = rear * behind - front * ahead;
+  const double half = 0.5 * ((front + rear) / mass + k_pitch / inertia);
+  const double product = ((front + rear) * k_pitch - k_mixed * k_mixed) / (mass * inertia);
+  const double root = std::sqrt(half * half - product);
+  return {std::sqrt(half - root) / (2.0 * std::numbers::pi), std::sqrt(half + root) / (2.0 * std::numbers::pi)};
+}
+
+TEST_CASE("Bounce, pitch and wheel hop of the undamped car are those of its rates and effective masses by hand",
+          "[car]") {
+  const Model model = undamped(settled("car"));
+  const double tire = 190e3;
+  // By hand, data/README.md: the spring's rate at the wheel, and how the ratio of their travels changes under its load.
+  const double front = 21.9e3 + 3589.0 * 0.909 + 34.0;
+  const double rear = 21.9e3 + 2538.0 * 0.212;
+  const double twist = 2.0 * (79.3e9 * 5.12e-9 + 12.0 * 2.1e11 * 2.5e-7 * 0.03 * 0.03) / (0.4 * 0.4);
+  const auto in_series = [&](double rate) { return 2.0 * rate * tire / (rate + tire); };
+  const auto hop = [&](double rate, double mass) { return std::sqrt((rate + tire) / mass) / (2.0 * std::numbers::pi); };
+  const std::array<double, 2> bounce = bounce_and_pitch(in_series(front), in_series(rear));
+  for (const bool by_cartesian : {true, false}) {
+    const auto solver = by_cartesian ? cartesian::make_solver(model) : relative::make_solver(model);
+    State rest = solver->assemble();
+    for (BodyState& body : rest.bodies) {
+      body.v.setZero();
+      body.omega.setZero();
+    }
+    std::vector<double> found;
+    for (const auto& mode : compare::analyses::linearize(model, *solver, rest).modes) {
+      if (mode.oscillates() && !mode.is_free) found.push_back(mode.frequency());
+    }
+    std::sort(found.begin(), found.end());
+    INFO(solver->name() << " finds " << Catch::Detail::stringify(found));
+    REQUIRE(found.size() == 8);  // bounce, pitch, roll, four hops, rack
+    CHECK(found[0] == Approx(bounce[0]).epsilon(0.03));
+    CHECK(found[1] == Approx(bounce[1]).epsilon(0.03));
+    CHECK(found[3] == Approx(hop(front, 29.8)).epsilon(0.03));
+    CHECK(found[4] == Approx(hop(front, 29.8)).epsilon(0.03));
+    CHECK(found[5] == Approx(hop(rear, 25.6)).epsilon(0.03));
+    CHECK(found[6] == Approx(hop(rear + twist, 25.6)).epsilon(0.03));
   }
 }
 
