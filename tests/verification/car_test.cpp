@@ -31,16 +31,20 @@ const Wrench& element_on(const Model& model, const Evaluation& evaluation, const
   return evaluation.elements[static_cast<std::size_t>(found - model.elements.begin())].on_side(Side::child).in_global;
 }
 
+State at_rest(Solver& solver) {
+  State rest = solver.assemble();
+  for (BodyState& body : rest.bodies) {
+    body.v.setZero();
+    body.omega.setZero();
+  }
+  return rest;
+}
+
 TEST_CASE("The tires of the car at rest bear what statics says of its axles", "[car]") {
   const Model model = settled("car");
   for (const bool by_cartesian : {true, false}) {
     const auto solver = by_cartesian ? cartesian::make_solver(model) : relative::make_solver(model);
-    State rest = solver->assemble();
-    for (BodyState& body : rest.bodies) {
-      body.v.setZero();
-      body.omega.setZero();
-    }
-    const Evaluation evaluation = solver->evaluate(rest);
+    const Evaluation evaluation = solver->evaluate(at_rest(*solver));
     const auto axle = [&](const std::string& end) {
       return element_on(model, evaluation, end + "_left_tire").force.z() +
              element_on(model, evaluation, end + "_right_tire").force.z();
@@ -165,13 +169,8 @@ TEST_CASE("Bounce, pitch and wheel hop of the undamped car are those of its rate
   const std::array<double, 2> bounce = bounce_and_pitch(in_series(front), in_series(rear));
   for (const bool by_cartesian : {true, false}) {
     const auto solver = by_cartesian ? cartesian::make_solver(model) : relative::make_solver(model);
-    State rest = solver->assemble();
-    for (BodyState& body : rest.bodies) {
-      body.v.setZero();
-      body.omega.setZero();
-    }
     std::vector<double> found;
-    for (const auto& mode : compare::analyses::linearize(model, *solver, rest).modes) {
+    for (const auto& mode : compare::analyses::linearize(model, *solver, at_rest(*solver)).modes) {
       if (mode.oscillates() && !mode.is_free) found.push_back(mode.frequency());
     }
     std::sort(found.begin(), found.end());

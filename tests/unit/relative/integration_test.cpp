@@ -54,13 +54,19 @@ TEST(Integration, FollowsTheClosedFormOfAFreeSymmetricBody) {
   }
 }
 
-/// A slide with a spring and a damper: x = exp(-d t) (x0 cos w t + (v0 + d x0) / w sin w t), about its place of rest.
-TEST(Integration, FollowsTheClosedFormOfADampedMass) {
-  test::Numbers numbers(33);
+/// A mass on a slide.
+Model mass_on_slide(unsigned seed) {
+  test::Numbers numbers(seed);
   Model model;
   model.file = "slide.toml";
   model.bodies = {test::ground(), test::rigid_body("mass", numbers)};
   model.joints = {test::joint(model, "slide", "translational", 0, 1, numbers)};
+  return model;
+}
+
+/// A slide with a spring and a damper: x = exp(-d t) (x0 cos w t + (v0 + d x0) / w sin w t), about its place of rest.
+TEST(Integration, FollowsTheClosedFormOfADampedMass) {
+  Model model = mass_on_slide(33);
   const double mass = model.bodies[1].mass;
   const double d = 0.8;
   const double w = 7.0;
@@ -206,11 +212,7 @@ TEST(Integration, SaysWhenAndWhichLoopLocks) {
 }
 
 TEST(Integration, RefusesStepsThatGetNowhere) {
-  test::Numbers numbers(34);
-  Model model;
-  model.file = "slide.toml";
-  model.bodies = {test::ground(), test::rigid_body("mass", numbers)};
-  model.joints = {test::joint(model, "slide", "translational", 0, 1, numbers)};
+  Model model = mass_on_slide(34);
   JointSpring spring;
   spring.law.free = model.joints[0].start[0].q(0) - 0.1;
   spring.law.stiffness = 1e24;
