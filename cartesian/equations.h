@@ -62,7 +62,7 @@ class Equations {
   [[nodiscard]] double power() const { return power_of(lambda_); }
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;
 
-  /// The matrix of the last solve().
+  /// The matrix with the numbers of the last solve(), for whoever looks into it, such as a benchmark.
   [[nodiscard]] const SparseLu& matrix() const { return *matrix_; }
 
   /// Generalized forces Q - S - U, n_Y rows; Q holds gravity, force elements and joint springs.

@@ -141,22 +141,19 @@ bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Mode
   return slip < kClosed * std::max(size, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
 }
 
-/// Joints alone close a machine as far as its loops leave the modes free; others must move too.
-Assembly::Modes Assembly::closing_modes(const Coordinates& coordinates) {
-  if (!equations_->model().is_flexible()) return Modes::kept;
-  if (!closing_modes_) {
-    const bool restricted = closure_rank(coordinates, Rows::of_velocities, Modes::moving) >
-                            closure_rank(coordinates, Rows::of_velocities, Modes::kept);
-    closing_modes_ = restricted ? Modes::moving : Modes::kept;
-  }
-  return *closing_modes_;
+/// Joints alone close a machine as far as its loops leave the modes free; others must move too. Off the closure rows
+/// that depend on each other look independent, so that only a closed pose tells.
+void Assembly::decide_modes(const Coordinates& closed) {
+  const auto rank = [&](Modes modes) { return closure_rank(closed, Rows::of_velocities, modes); };
+  const bool restricted = equations_->model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
+  closing_modes_ = restricted ? Modes::moving : Modes::kept;
 }
 
 bool Assembly::close(Coordinates& coordinates) {
+  if (!rows_are_chosen_ && equations_->model().is_flexible()) (void)start();
   equations_->prescribe(coordinates.t, coordinates.q, coordinates.u);
-  const Modes modes = closing_modes(coordinates);
   const Held& driven = equations_->driven();
-  return close_positions(coordinates, driven, modes) && close_velocities(coordinates, driven, modes);
+  return close_positions(coordinates, driven, closing_modes_) && close_velocities(coordinates, driven, closing_modes_);
 }
 
 /// Takes the kept rows of Phi_u here, in the units of the machine: Phi^T = Q R, whose leading parts serve rows of
@@ -177,10 +174,13 @@ VecX Assembly::projection_step(const VecX& misfit) const {
   const std::vector<int>& rows = equations_->loops().kept_rows();
   const auto end = std::lower_bound(rows.begin(), rows.end(), static_cast<int>(misfit.size()));
   const auto n = static_cast<Eigen::Index>(end - rows.begin());
-  VecX solution = VecX::Zero(projection_.rows());
-  for (Eigen::Index r = 0; r < n; ++r) solution(r) = -scaled(rows[r]);
   const auto R = projection_.matrixQR().topLeftCorner(n, n);
-  R.transpose().triangularView<Eigen::Lower>().solveInPlace(solution.head(n));
+  const double dependent = n > 0 ? kRankThreshold * R.diagonal().cwiseAbs().maxCoeff() : 0.0;
+  VecX solution = VecX::Zero(projection_.rows());
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const double rest = -scaled(rows[r]) - R.col(r).head(r).dot(solution.head(r));
+    solution(r) = std::abs(R(r, r)) > dependent ? rest / R(r, r) : 0.0;  // a row that depends on others here follows
+  }
   solution.applyOnTheLeft(projection_.householderQ());
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   for (std::size_t c = 0; c < projected_columns_.size(); ++c) {
@@ -205,6 +205,7 @@ void Assembly::project_positions(Coordinates& coordinates) {
   for (int iteration = 0; iteration < 8; ++iteration) {
     advance(coordinates.q, projection_step(closure.gap()));
     move(coordinates);
+    if (!closure.gap().allFinite()) break;
     const double reached = largest(closure.gap());
     const bool stands = reached >= 0.5 * gap;
     const bool is_slow = reached >= 0.1 * gap;
@@ -215,23 +216,27 @@ void Assembly::project_positions(Coordinates& coordinates) {
     if (is_slow) take_projection();
   }
   gap = largest(closure.gap());
-  if (gap <= allowed) return;
+  if (closure.gap().allFinite() && gap <= allowed) return;
   throw SolverError(
       fmt::format("{} will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
                   "closed at the start: tighten the tolerance",
                   closure.worst_place(closure.gap()), gap, allowed));
 }
 
-/// Until round-off stands.
+/// Until round-off stands; Phi_u is taken anew where a step takes away less than nine tenths of the slip.
 void Assembly::project_velocities(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
   double slip = largest(closure.slip());
-  for (int iteration = 0; iteration < 3 && slip > 0.0; ++iteration) {
+  bool is_fresh = false;
+  for (int iteration = 0; iteration < 4 && slip > 0.0; ++iteration) {
     coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.slip());
     move(coordinates);
     const double reached = largest(closure.slip());
-    if (reached >= 0.5 * slip || reached <= kRoundOffOfSpeed * largest(coordinates.u)) break;
-    slip = reached;
+    const bool is_slow = reached >= 0.1 * slip;
+    if (reached <= kRoundOffOfSpeed * largest(coordinates.u) || (is_slow && is_fresh)) return;
+    if (is_slow) take_projection();
+    is_fresh = is_slow;
+    slip = std::min(slip, reached);
   }
 }
 
@@ -298,17 +303,18 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const Held nothing(equations_->topology().n_u, 0);
   const std::vector<int> columns = moving_columns(nothing, Modes::kept);
-  const Modes modes = closing_modes(coordinates);
+  decide_modes(coordinates);
   for (int trial = 0; trial < 4 && rank < n_rows; ++trial) {
     Coordinates nearby = coordinates;
     VecX step = VecX::Zero(equations_->topology().n_tree_u);
     for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
     advance(nearby.q, step);
-    if (!close_positions(nearby, nothing, modes)) continue;
+    if (!close_positions(nearby, nothing, closing_modes_)) continue;
     const int found = closure_rank(nearby, Rows::of_velocities, Modes::moving);
     if (found <= rank) continue;
     rank = found;
     best = std::move(nearby);
+    decide_modes(best);
   }
   if (rank == n_rows) return;
   equations_->move(best.t, best.q, best.u);

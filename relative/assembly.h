@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "relative/equations.h"
 #include "relative/scales.h"
 
@@ -36,7 +34,8 @@ class Assembly {
   /// the units of the machine. Throws SolverError, naming the joint and the gap, if the loops will not close.
   void project(Coordinates& coordinates);
 
-  /// Makes the loops keep the independent closure rows of a general pose, found from here; once.
+  /// Makes the loops keep the independent closure rows of a general pose, found from here, and decides there what
+  /// closing has to move; once.
   void choose_rows(const Coordinates& coordinates);
 
   /// Largest misfit of position and velocity closure, as the projection measures it: gap / max(1, largest coordinate),
@@ -53,7 +52,7 @@ class Assembly {
  private:
   [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held, Modes modes);
   [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held, Modes modes);
-  [[nodiscard]] Modes closing_modes(const Coordinates& coordinates);
+  void decide_modes(const Coordinates& closed);
   [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
   void advance(VecX& q, const VecX& step) const;
   double measure(Coordinates& coordinates, Closure& closure);
@@ -83,7 +82,7 @@ class Assembly {
   std::vector<int> projected_columns_;
   Eigen::HouseholderQR<MatX> projection_;
   bool rows_are_chosen_ = false;
-  std::optional<Modes> closing_modes_;  // once decided
+  Modes closing_modes_ = Modes::kept;  // decided with the rows
 };
 
 }  // namespace concord::relative

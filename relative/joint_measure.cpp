@@ -208,7 +208,8 @@ void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, con
   Vec6 rest = relative_velocity(parent, child);
   for (const int c : held_) rest -= at_.S.col(c) * u[c];
   for (const int c : free_) u[c] = 0.0;
-  for (int round = 0; round < 2; ++round) {  // once more for the round-off of the normal equations
+  const int rounds = motion_->couples() ? 2 : 1;  // once more for the round-off of the normal equations
+  for (int round = 0; round < rounds; ++round) {
     const JointVector fitted = fit(rest);
     for (const int c : free_) {
       u[c] += fitted(c);

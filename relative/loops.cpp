@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace concord::relative {
@@ -240,7 +241,8 @@ void Loops::close(VecX& udot) {
   for (int round = 0; round < kMostRounds; ++round) {
     closure_->compute_acceleration_residual(acceleration, udot, residual_);
     for (std::size_t i = 0; i < used_.size(); ++i) solution_(i) = residual_(used_[i]);
-    const double residual = solution_.cwiseAbs().maxCoeff();
+    // Each row by what a unit multiplier moves in it, so that units do not weigh.
+    const double residual = std::sqrt((solution_.array().square() / selected_.diagonal().array()).maxCoeff());
     if (round == 0) first_residual = residual;
     if (residual <= kLeftByRoundOff * first_residual && round > 0) break;
     llt_.solveInPlace(solution_);

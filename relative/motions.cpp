@@ -253,7 +253,6 @@ bool Motion::depend_separately(const JointMotion& motion) const {
   double largest = 0.0;
   for (int c = 0; c < n_u_; ++c) {
     const int part = kinds_[c].displaces ? 0 : 1;
-    if (n[part] == 3) return true;
     parts[part].col(n[part]) = comparable(motion, c).segment<3>(3 * part);
     largest = std::max(largest, parts[part].col(n[part]++).norm());
   }

@@ -91,5 +91,30 @@ TEST_CASE("Closing bends a beam that is held at both ends, and the other solver 
   }
 }
 
+TEST_CASE("Closing by a solver that has not run before bends the beam as well") {
+  const Model model = parse_model(kTiedArms, "tied_arms.toml");
+  const State start = cartesian::make_solver(model)->assemble();
+  for (const auto& fresh : {cartesian::make_solver(model), relative::make_solver(model)}) {
+    INFO(fresh->name());
+    CHECK(fresh->close(turned_arm(start, 0.02)));
+  }
+}
+
+TEST_CASE("Closing leaves alone the modes of a coupler that its pins do not bend") {
+  const Model model = read_model(std::filesystem::path(CONCORD_DATA) / "models" / "slider_crank_spatial_flexible.toml");
+  for (const auto& solver : {cartesian::make_solver(model), relative::make_solver(model)}) {
+    INFO(solver->name());
+    State guess = solver->assemble();
+    std::size_t coupler = 1;
+    while (guess.bodies[coupler].a.size() == 0) ++coupler;
+    guess.bodies[coupler].a.array() += 1e-4;
+    guess.bodies[coupler].adot.array() -= 2e-3;
+    const std::optional<State> closed = solver->close(guess);
+    REQUIRE(closed);
+    CHECK(closed->bodies[coupler].a == guess.bodies[coupler].a);
+    CHECK(closed->bodies[coupler].adot == guess.bodies[coupler].adot);
+  }
+}
+
 }  // namespace
 }  // namespace concord::verification
