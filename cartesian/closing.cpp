@@ -105,15 +105,18 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
   return jacobian;
 }
 
-/// Rank with rows of unit norm.
-int rank_of_rows(SparseMatrix jacobian) {
-  VecX norms = VecX::Zero(jacobian.rows());
+/// Rank of a closing Jacobian over steps in these units, its rows by their sizes.
+int rank_of_rows(const Equations& equations, SparseMatrix jacobian, const VecX& units) {
+  const int n_constraints = equations.constraints().n_rows();
+  VecX sizes = VecX::Zero(jacobian.rows());
   for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
     for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
-      norms(entry.row()) += entry.value() * entry.value();
+      sizes(entry.row()) += entry.value() * entry.value();
     }
   }
-  jacobian = norms.cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal() * jacobian;
+  sizes = sizes.cwiseSqrt();
+  sizes.head(n_constraints) = row_sizes(equations, units);
+  jacobian = sizes.unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; }).asDiagonal() * jacobian;
   return decide_rank(jacobian).rank;
 }
 
@@ -163,7 +166,8 @@ bool goes_on(double size, double last, double closed) {
 
 bool restrict_modes(const Equations& equations) {
   const auto rank = [&](Modes modes) {
-    return rank_of_rows(closing_jacobian(equations, Kept::speeds, {}, units_of_steps(equations, modes)));
+    const VecX units = units_of_steps(equations, modes);
+    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units), units);
   };
   return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
 }
@@ -231,7 +235,7 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   const VecX units = units_of_steps(equations, Modes::kept);
   const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
-    return rank_of_rows(closing_jacobian(equations, what, kept, units));
+    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units), units);
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "cartesian/reactions.h"
+#include "common/error.h"
 
 namespace concord::cartesian {
 
@@ -83,27 +84,33 @@ double modal_size(const Model& model, int body, int mode, double length) {
 }
 
 /// A component is unique if no multiplier of the null space moves it: relative to what unit multipliers do to the
-/// joint's force or torque. `null_space` holds the joint's own multipliers and those of its coupled coordinates.
+/// joint's forces or torques. `null_space` holds the joint's own multipliers and those of its coupled coordinates.
 void mark_uniqueness(const Joint& stated, const JointEquations& joint, const MatX& null_space,
                      JointUniqueness& uniqueness) {
   constexpr double kZero = 1e-9;
-  const auto components = [&](const VecX& lambda, Side side) -> Vec6 {
-    return compute_wrenches(stated, joint, lambda, nullptr).reaction_on(side).in_C.vector().cwiseAbs();
+  const int n_u = stated.type->n_u();
+  // Largest sizes: reactions of both sides (12), totals of both sides (12), coordinate forces.
+  const auto largest = [&](const MatX& multipliers) {
+    VecX sizes = VecX::Zero(24 + n_u);
+    for (const auto& lambda : multipliers.colwise()) {
+      const JointWrenches wrenches = compute_wrenches(stated, joint, lambda, nullptr);
+      VecX of_one(24 + n_u);
+      of_one << wrenches.reaction[0].in_C.vector(), wrenches.reaction[1].in_C.vector(), wrenches.total[0].in_C.vector(),
+          wrenches.total[1].in_C.vector(), wrenches.tau;
+      sizes = sizes.cwiseMax(of_one.cwiseAbs());
+    }
+    return sizes;
   };
-  for (const Side side : {Side::parent, Side::child}) {
-    Vec6 of_units = Vec6::Zero();
-    for (Eigen::Index row = 0; row < null_space.rows(); ++row) {
-      of_units = of_units.cwiseMax(components(VecX::Unit(null_space.rows(), row), side));
-    }
-    Vec6 of_null_space = Vec6::Zero();
-    for (Eigen::Index column = 0; column < null_space.cols(); ++column) {
-      of_null_space = of_null_space.cwiseMax(components(null_space.col(column), side));
-    }
-    for (int c = 0; c < 6; ++c) {
-      const double size = of_units.segment<3>(3 * (c / 3)).maxCoeff();
-      uniqueness.unique[index(side)][c] = of_null_space(c) <= kZero * size;
-    }
+  const VecX of_units = largest(MatX::Identity(null_space.rows(), null_space.rows()));
+  const VecX of_null_space = largest(null_space);
+  for (int c = 0; c < 12; ++c) {
+    const auto stays = [&](int first) {
+      return of_null_space(first + c) <= kZero * of_units.segment<3>(first + 3 * (c / 3)).maxCoeff();
+    };
+    uniqueness.unique[c / 6][c % 6] = stays(0);
+    uniqueness.unique_total[c / 6][c % 6] = stays(12);
   }
+  for (int c = 0; c < n_u; ++c) uniqueness.unique_tau[c] = of_null_space(24 + c) <= kZero * of_units(24 + c);
 }
 
 }  // namespace
@@ -122,8 +129,37 @@ VecX column_scales(const Equations& equations) {
   return scales;
 }
 
+VecX row_sizes(const Equations& equations, const VecX& columns) {
+  const Constraints& constraints = equations.constraints();
+  const auto norm_of = [&](int k, int row) {
+    double squared = 0.0;
+    for (const Side side : {Side::parent, Side::child}) {
+      const int body = equations.model().joints[k].on(side).body;
+      if (body == kGround) continue;
+      const auto over_Y = constraints.joint(k).Phi_Y_transposed[index(side)].col(row);
+      squared += over_Y.cwiseProduct(columns.segment(equations.layout().first_Y(body), over_Y.size())).squaredNorm();
+    }
+    return std::sqrt(squared);
+  };
+  VecX sizes = VecX::Zero(constraints.n_rows());
+  for (int k = 0; k < constraints.n_joints(); ++k) {
+    const JointEquations& joint = constraints.joint(k);
+    for (int row = 0; row < joint.n_rows; ++row) sizes(joint.first_row + row) = norm_of(k, row);
+  }
+  for (int g = 0; g < constraints.n_couplings(); ++g) {
+    const CouplingEquations& coupling = constraints.coupling(g);
+    for (const CouplingEquations::Term& term : coupling.terms) {
+      sizes(coupling.row) += std::abs(term.factor) * norm_of(term.joint, term.row);
+    }
+  }
+  return sizes;
+}
+
 RankDecision decide_rank(const SparseMatrix& matrix) {
   if (matrix.rows() == 0) return {};
+  if (!Eigen::Map<const VecX>(matrix.valuePtr(), matrix.nonZeros()).allFinite()) {
+    throw SolverError("cartesian: the Jacobian of the constraints holds what is no number: its rank cannot be decided");
+  }
   return matrix.rows() <= kDenseRows ? decide_dense(MatX(matrix)) : decide_sparse(matrix);
 }
 
@@ -156,24 +192,19 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
   const VecX columns = column_scales(equations);
+  ScaledJacobian scaled;
+  scaled.row_scale = row_sizes(equations, columns).unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; });
   std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
-  VecX row_norm_squared = VecX::Zero(constraints.n_rows());
-  const auto each_entry = [&](const auto& visit) {
-    for (const RowBlock& block : constraints.blocks()) {
-      const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
-      for (int row = 0; row < block.n_rows; ++row) {
-        for (int c = 0; c < layout.size_Y(block.body); ++c) {
-          const int column = layout.first_Y(block.body) + c;
-          visit(block.first_row + row, column, Phi_Y_transposed(c, row) * columns(column));
-        }
+  for (const RowBlock& block : constraints.blocks()) {
+    const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
+    for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
+      for (int c = 0; c < layout.size_Y(block.body); ++c) {
+        const int column = layout.first_Y(block.body) + c;
+        const double value = Phi_Y_transposed(c, row - block.first_row) * columns(column) * scaled.row_scale(row);
+        entries.emplace_back(row, column, value);
       }
     }
-  };
-  each_entry([&](int row, int, double value) { row_norm_squared(row) += value * value; });
-  ScaledJacobian scaled;
-  scaled.row_scale = row_norm_squared.cwiseSqrt().cwiseInverse();
-  each_entry(
-      [&](int row, int column, double value) { entries.emplace_back(row, column, value * scaled.row_scale(row)); });
+  }
   scaled.matrix = SparseMatrix(constraints.n_rows(), layout.n_Y());
   scaled.matrix.setFromTriplets(entries.begin(), entries.end());
   return scaled;
@@ -224,9 +255,8 @@ MatX permitted_velocities(const Equations& equations) {
     null_space = Q.rightCols(layout.n_Y() - qr.rank());
   }
   null_space = column_scales(equations).asDiagonal() * null_space;
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    null_space.middleRows<3>(layout.first_Y(i)) /= equations.model().length_scale();
-  }
+  const double length = equations.model().length_scale();
+  for (int i = 1; i < layout.n_bodies(); ++i) null_space.middleRows<3>(layout.first_Y(i)) /= length;
   const Eigen::HouseholderQR<MatX> orthonormal(null_space);
   return orthonormal.householderQ() * MatX::Identity(null_space.rows(), null_space.cols());
 }
