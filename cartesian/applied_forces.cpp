@@ -19,13 +19,18 @@ Wrench opposite(const Wrench& on_child, const Vec3& gap) {
   return {-on_child.force, -(on_child.torque + gap.cross(on_child.force))};
 }
 
-/// theta = log(R). Throws SolverError close to a half turn, where it jumps.
-Vec3 rotation_vector(const Mat3& R, const std::string& name) {
-  constexpr double kAllowed = EIGEN_PI - 1e-3;
+/// A line spring shorter than this part of the machine's length has a direction of round-off.
+constexpr double kShortestLine = 1e-9;
+
+/// Bushings and turn springs are refused beyond it: their angles jump at half a turn.
+constexpr double kLargestAngle = 175.0 * EIGEN_PI / 180.0;
+
+/// theta = log(R). Throws SolverError beyond 175 deg.
+Vec3 rotation_vector(const Mat3& R, const std::string& name, double t) {
   const Eigen::AngleAxisd turn(R);
-  if (turn.angle() > kAllowed) {
+  if (!(turn.angle() <= kLargestAngle)) {
     throw SolverError(fmt::format(
-        "cartesian: bushing '{}' is turned by {:.1f} deg: its rotation vector ends at 180 deg; it is no joint", name,
+        "cartesian: at t = {:.6g} s bushing '{}' is turned by {:.1f} deg, allowed are 175 deg: it is no joint", t, name,
         turn.angle() * 180.0 / EIGEN_PI));
   }
   return turn.angle() * turn.axis();
@@ -88,6 +93,7 @@ struct Push {
   double t;
   const Mat3& A_body;  // of the child
   bool sets_regimes;   // tires take the regime that they are in by themselves
+  double shortest;     // line spring that has a direction
 
   void operator()(const Load& load) const {
     const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
@@ -100,7 +106,7 @@ struct Push {
   void operator()(const LineSpring& spring) const {
     const Vec3 line = child().point - parent().point;
     const double length = line.norm();
-    if (!(length > 0.0)) {
+    if (!(length > shortest)) {
       throw SolverError(fmt::format(
           "cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there", t, name));
     }
@@ -112,7 +118,6 @@ struct Push {
   }
 
   void operator()(const TurnSpring& spring) const {
-    constexpr double kAllowed = 175.0 * EIGEN_PI / 180.0;
     static const joints::Read kAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
     if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
       throw SolverError(
@@ -121,7 +126,7 @@ struct Push {
                       t, name));
     }
     const Row angle = evaluate_read(kAngle, 0, actor.motion);
-    if (!(std::abs(angle.value) <= kAllowed)) {
+    if (!(std::abs(angle.value) <= kLargestAngle)) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
                       "spring of a joint count turns instead",
@@ -135,7 +140,7 @@ struct Push {
   }
 
   void operator()(const Bushing& bushing) const {
-    const Vec3 theta = rotation_vector(actor.motion.R, name);
+    const Vec3 theta = rotation_vector(actor.motion.R, name, t);
     Vec6 displacement;
     displacement << actor.motion.d, theta;
     Vec6 speed;
@@ -166,7 +171,11 @@ struct Push {
 }  // namespace
 
 AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Constraints& constraints)
-    : model_(model), layout_(layout), constraints_(constraints), springs_of_joint_(model.joints.size(), -1) {
+    : model_(model),
+      layout_(layout),
+      constraints_(constraints),
+      shortest_line_(kShortestLine * model.length_scale()),
+      springs_of_joint_(model.joints.size(), -1) {
   const auto give_room = [&](Actor& actor) {
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
@@ -211,7 +220,7 @@ void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>&
     place_ends(actor, q, Y);
     const ForceElement& element = model_.elements[actor.element];
     const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
-    std::visit(Push{actor, element.name, t, A_body, !holds_regimes_}, element.what);
+    std::visit(Push{actor, element.name, t, A_body, !holds_regimes_, shortest_line_}, element.what);
   } else {
     push_by_springs(actor, t);
   }
@@ -270,7 +279,8 @@ bool AppliedForces::has_tires() const {
                      [](const ForceElement& element) { return std::holds_alternative<Tire>(element.what); });
 }
 
-AppliedForces::Margin AppliedForces::margin(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const VecX>& q,
+                                            const Eigen::Ref<const VecX>& Y) {
   Margin smallest{HUGE_VAL, -1};
   for (Actor& actor : actors_) {
     if (actor.element < 0) continue;
@@ -281,7 +291,7 @@ AppliedForces::Margin AppliedForces::margin(const Eigen::Ref<const VecX>& q, con
       place_end(actor, Side::child, rotation_of(layout_.p(q, tire->wheel.body).normalized()), q, Y);
     }
     const Marker& wheel = actor.markers[index(Side::child)];
-    const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, wheel, element.name, 0.0);
+    const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, wheel, element.name, t);
     const double own = margin_of(*tire, actor.regime, at.contact);
     if (!(own >= smallest.size)) smallest = {own, actor.element};
   }

@@ -39,7 +39,7 @@ class AppliedForces {
 
   /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, after place() and move() of
   /// the constraints. Throws SolverError, naming the element, where its law has no direction: a line spring of no
-  /// length, a turn spring beyond 175 deg or whose axis x points along z, a bushing turned by pi, a tire whose axis
+  /// length, a turn spring or a bushing beyond 175 deg, a turn spring whose axis x points along z, a tire whose axis
   /// stands upright on the road.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
@@ -48,13 +48,13 @@ class AppliedForces {
   /// the regime that each is in by itself.
   void hold_regimes(bool hold) { holds_regimes_ = hold; }
   [[nodiscard]] bool has_tires() const;
-  /// How far the tires are inside their regimes (margin_of) at positions q and velocities Y: the smallest, and the
-  /// element that has it.
+  /// How far the tires are inside their regimes (margin_of) at time t, positions q and velocities Y: the smallest, and
+  /// the element that has it.
   struct Margin {
     double size;
     int element;
   };
-  Margin margin(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  Margin margin(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -81,6 +81,7 @@ class AppliedForces {
   const Model& model_;
   const Layout& layout_;
   const Constraints& constraints_;
+  double shortest_line_;
   std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
   std::vector<int> springs_of_joint_;
   bool holds_regimes_ = false;

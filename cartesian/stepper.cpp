@@ -33,7 +33,7 @@ Stepper::Stepper(Equations& equations, const Motion& start)
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
     const double from = time_;
-    const double margin_before = margin(motion_);
+    const double margin_before = margin(from, motion_);
     advance(stop);
     kink_ = has_regimes_ ? find_kink(from, margin_before, stop) : HUGE_VAL;
   }
@@ -47,16 +47,16 @@ double Stepper::step(double stop) {
 }
 
 /// How far the tires are inside their regimes.
-double Stepper::margin(const Motion& motion) {
+double Stepper::margin(double t, const Motion& motion) {
   if (!has_regimes_) return HUGE_VAL;
-  const AppliedForces::Margin smallest = equations_.applied().margin(motion.q, motion.Y);
+  const AppliedForces::Margin smallest = equations_.applied().margin(t, motion.q, motion.Y);
   at_margin_ = smallest.element;
   return smallest.size;
 }
 
 double Stepper::margin_at(double t) {
   look_back(t);
-  return margin(motion_);
+  return margin(t, motion_);
 }
 
 /// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
@@ -71,7 +71,7 @@ double Stepper::find_kink(double from, double margin_before, double stop) {
   double outside = HUGE_VAL;
   for (int k = 1; k <= kLooks && outside == HUGE_VAL; ++k) {
     const double t = k == kLooks ? reached_ : from + step * k / kLooks;
-    if (margin(glance(t)) < 0.0) outside = t;
+    if (margin(t, glance(t)) < 0.0) outside = t;
   }
   if (outside == HUGE_VAL) return HUGE_VAL;
   double past = margin_at(outside);
@@ -101,7 +101,7 @@ double Stepper::find_kink(double from, double margin_before, double stop) {
 
 void Stepper::pass_kink() {
   look_back(kink_);
-  (void)margin(motion_);  // names the tire
+  (void)margin(kink_, motion_);  // names the tire
   equations_.update(kink_, motion_.q, motion_.Y);
   equations_.solve(true);
   equations_.project(kink_, motion_.q, motion_.Y);

@@ -12,7 +12,7 @@ namespace concord::cartesian {
 struct Motion {
   VecX q;
   VecX Y;
-  double work = 0.0;  // of drivers and modal damping since the start, J
+  double work = 0.0;  // of drivers, springs, force elements and modal damping since the start, J
 };
 
 /// Carries the motion from t = 0 one internal step at a time, through SUNDIALS. The regimes of tires, which the caller
@@ -53,7 +53,7 @@ class Stepper {
   long evaluations_ = 0;
 
  private:
-  double margin(const Motion& motion);
+  double margin(double t, const Motion& motion);
   double margin_at(double t);
   double find_kink(double from, double margin_before, double stop);
   void pass_kink();

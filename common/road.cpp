@@ -27,24 +27,21 @@ RoadHeight evaluate(const RoadTable& table, int stretch, double x) {
 
 }  // namespace
 
-std::vector<double> edges_of(const Road& road) {
-  return std::visit(Overloaded{[](const FlatRoad&) { return std::vector<double>{}; },
-                               [](const HalfSineBump& bump) {
-                                 return std::vector<double>{bump.start, bump.start + bump.length};
+std::optional<std::array<double, 2>> edges_of(const Road& road) {
+  using Edges = std::optional<std::array<double, 2>>;
+  return std::visit(Overloaded{[](const FlatRoad&) -> Edges { return std::nullopt; },
+                               [](const HalfSineBump& bump) -> Edges {
+                                 return {{bump.start, bump.start + bump.length}};
                                },
-                               [](const RoadTable& table) {
-                                 return std::vector<double>{table.first, table.last};
+                               [](const RoadTable& table) -> Edges {
+                                 return {{table.first, table.last}};
                                }},
                     road.profile);
 }
 
 int stretch_at(const Road& road, double x) {
-  return std::visit(
-      Overloaded{
-          [](const FlatRoad&) { return 0; },
-          [x](const HalfSineBump& bump) { return (x >= bump.start ? 1 : 0) + (x >= bump.start + bump.length ? 1 : 0); },
-          [x](const RoadTable& table) { return (x >= table.first ? 1 : 0) + (x >= table.last ? 1 : 0); }},
-      road.profile);
+  const auto edges = edges_of(road);
+  return edges ? static_cast<int>(x >= (*edges)[0]) + static_cast<int>(x >= (*edges)[1]) : 0;
 }
 
 RoadHeight evaluate(const Road& road, int stretch, double x) {

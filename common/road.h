@@ -1,8 +1,9 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "common/time_function.h"
 
@@ -40,8 +41,8 @@ struct Road {
   std::variant<FlatRoad, HalfSineBump, RoadTable> profile = FlatRoad{};
 };
 
-/// Where stretches meet, rising [m]: stretch k lies between edge k - 1 and edge k.
-std::vector<double> edges_of(const Road& road);
+/// Where three stretches meet, rising [m]: stretch k lies between edge k - 1 and edge k. None: there is one stretch.
+std::optional<std::array<double, 2>> edges_of(const Road& road);
 
 /// The stretch that x lies in; an edge belongs to the stretch after it.
 int stretch_at(const Road& road, double x);

@@ -42,9 +42,10 @@ double margin_of(const Tire& tire, const TireRegime& regime, const TireContact& 
   double margin = std::numeric_limits<double>::infinity();
   const auto end = [&margin](double distance) { margin = std::min(margin, distance); };
   const auto holds = [](bool inside, double value) { return inside ? value : -value; };
-  const std::vector<double> edges = edges_of(*tire.road);
-  if (regime.stretch > 0) end((contact.x - edges[regime.stretch - 1]) / tire.radius);
-  if (regime.stretch < static_cast<int>(edges.size())) end((edges[regime.stretch] - contact.x) / tire.radius);
+  if (const auto edges = edges_of(*tire.road)) {
+    if (regime.stretch > 0) end((contact.x - (*edges)[regime.stretch - 1]) / tire.radius);
+    if (regime.stretch < 2) end(((*edges)[regime.stretch] - contact.x) / tire.radius);
+  }
   end(holds(regime.touches, contact.delta / tire.radius));
   if (!regime.touches) return margin;
   const double force_scale = tire.stiffness * tire.radius;

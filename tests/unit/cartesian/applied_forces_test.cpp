@@ -58,7 +58,7 @@ struct Pushed {
 
 Model two_bodies_with(const std::function<ForceElement(Numbers&, const Model&)>& element) {
   Model model = testing::make_pair(77, *joints::find("free"), 2, 1);
-  Numbers numbers(78);
+  Numbers numbers(79);
   model.elements.push_back(element(numbers, model));
   return model;
 }
@@ -212,7 +212,8 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
     model.elements = {element};
     Pushed rig(model);
     rig.q.setZero();
-    rig.layout.p(rig.q, 1) = Vec4(0.0, 0.0, 0.0, 1.0);  // turned by 180 deg about z
+    const double half = 177.0 / 2.0 * EIGEN_PI / 180.0;
+    rig.layout.p(rig.q, 1) = Vec4(std::cos(half), 0.0, 0.0, std::sin(half));
     rig.layout.p(rig.q, 2) = Vec4(1.0, 0.0, 0.0, 0.0);
     try {
       rig.act(rig.q);
@@ -223,12 +224,16 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
   };
   EXPECT_EQ(refusal({"strut", LineSpring{{on_ground, at_origin}, {}}, {}}),
             "cartesian: at t = 0.3 s the ends of line spring 'strut' meet: its force has no direction there");
+  Attachment beside_origin = at_origin;
+  beside_origin.point_L.x() = 1e-10 * model.length_scale();
+  EXPECT_EQ(refusal({"short", LineSpring{{on_ground, beside_origin}, {}}, {}}),
+            "cartesian: at t = 0.3 s the ends of line spring 'short' meet: its force has no direction there");
   EXPECT_EQ(
       refusal({"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}}),
-      "cartesian: at t = 0.3 s turn spring 'torsion' is turned by 180.0 deg, allowed are 175 deg: let a spring of a "
+      "cartesian: at t = 0.3 s turn spring 'torsion' is turned by 177.0 deg, allowed are 175 deg: let a spring of a "
       "joint count turns instead");
   EXPECT_EQ(refusal({"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}),
-            "cartesian: bushing 'rubber' is turned by 180.0 deg: its rotation vector ends at 180 deg; it is no joint");
+            "cartesian: at t = 0.3 s bushing 'rubber' is turned by 177.0 deg, allowed are 175 deg: it is no joint");
 }
 
 }  // namespace
