@@ -103,6 +103,7 @@ void Constraints::add_couplings() {
     coupling.offset = stated.offset;
     for (const CouplingTerm& term : stated.terms) {
       coupling.terms.push_back({term.joint, find_coupled(term), term.factor});
+      joints_[term.joint].shares.push_back({coupling.terms.back().row, coupling.row, term.factor});
       for (const Attachment& side : model_.joints[term.joint].sides) {
         const bool is_new = std::count(coupling.bodies.begin(), coupling.bodies.end(), side.body) == 0;
         if (side.body != kGround && is_new) coupling.bodies.push_back(side.body);
@@ -212,11 +213,7 @@ VecX Constraints::joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda)
   const JointEquations& joint = joints_[k];
   VecX own = VecX::Zero(static_cast<Eigen::Index>(joint.rows.size()));
   own.head(joint.n_rows) = lambda.segment(joint.first_row, joint.n_rows);
-  for (const CouplingEquations& coupling : couplings_) {
-    for (const CouplingEquations::Term& term : coupling.terms) {
-      if (term.joint == k) own(term.row) += term.factor * lambda(coupling.row);
-    }
-  }
+  for (const CoupledShare& share : joint.shares) own(share.row) += share.factor * lambda(share.coupling_row);
   return own;
 }
 

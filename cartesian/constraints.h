@@ -24,6 +24,13 @@ struct CoupledCoordinate {
   double known = 0.0;
 };
 
+/// A coupling's multiplier acts on a coupled coordinate's row with this factor.
+struct CoupledShare {
+  int row = 0;  // among the joint's
+  int coupling_row = 0;
+  double factor = 0.0;
+};
+
 /// One joint at the current state. Rows: first what the type forbids, then what it forbids of speeds alone, then its
 /// drivers in the order of the model. Behind them, no constraints of their own, the coordinates that couplings relate.
 struct JointEquations {
@@ -37,6 +44,7 @@ struct JointEquations {
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
   std::vector<CoupledCoordinate> coupled;
+  std::vector<CoupledShare> shares;
   std::vector<Row> rows;  // n_rows and one for each coupled coordinate
   /// Column k: transposed Jacobian of row k over Y of the side's body, (6 + m) numbers: the generalized force of the
   /// row taken as a wrench at the side's point.

@@ -133,8 +133,7 @@ class CartesianSolver : public Solver {
       equations_.update(t, motion_.q, motion_.Y);
       equations_.solve(true);
       equations_.project(t, motion_.q, motion_.Y);
-      // Rows that were left out follow from the others with their round-off magnified: close them all.
-      if (has_dependent_rows_) close_machine(equations_, t, false, closing_modes_, motion_.q, motion_.Y);
+      if (has_dependent_rows_) close_all_rows(t);
       trajectory.samples.push_back(sample(t, turns, trajectory.statistics));
       if (progress) progress(t);
     }
@@ -145,6 +144,15 @@ class CartesianSolver : public Solver {
   }
 
  private:
+  /// Rows that were left out follow from the others with their round-off magnified: closes the motion in them all.
+  void close_all_rows(double t) {
+    const Closing closing = close_machine(equations_, t, false, closing_modes_, motion_.q, motion_.Y);
+    if (closing.closed) return;
+    throw SolverError(
+        fmt::format("cartesian: at t = {:.6g} s {} do not close: position residual {:.2g}, velocity residual {:.2g}", t,
+                    named_open(closing), closing.position_residual, closing.velocity_residual));
+  }
+
   void guess_start() {
     const Layout& layout = equations_.layout();
     const std::vector<Pose> poses = guess_poses(model_);
@@ -226,6 +234,9 @@ class CartesianSolver : public Solver {
   /// Refuses a state that its own constraints do not call closed: rows in m and rad, far from the origin relative to
   /// the distance, whose round-off they carry; velocities relative to the largest.
   void refuse_open(const State& state) const {
+    if (!motion_.q.allFinite() || !motion_.Y.allFinite()) {
+      throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds what is no finite number", state.t));
+    }
     double distance = std::max(1.0, equations_.constraints().largest_coupled());
     for (const BodyState& body : state.bodies) distance = std::max(distance, body.r.lpNorm<Eigen::Infinity>());
     const double gap = largest_of(equations_.residual()) / distance;
