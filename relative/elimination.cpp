@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace concord::relative {
@@ -30,6 +31,11 @@ bool factorize(Fixed<N, N>& D) {
     }
   }
   return true;
+}
+
+/// Whether no pivot of the factor of D is round-off.
+bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
+  return (llt.matrixLLT().diagonal().array().square() > kRoundOff * D.diagonal().array()).all();
 }
 
 }  // namespace
@@ -192,7 +198,7 @@ void Elimination::eliminate_flexible(int l) {
   f.uhat.head(n_free) += link.tau.head(n_free);
   f.uhat.tail(m) -= f.p_a;
   f.uhat.tail(m).noalias() -= f.I_ra.transpose() * link.c;
-  if (f.llt.compute(f.D).info() != Eigen::Success) throw_indefinite(l);
+  if (f.llt.compute(f.D).info() != Eigen::Success || !has_pivots(f.llt, f.D)) throw_indefinite(l);
   f.llt.matrixL().solveInPlace(f.uhat);
   f.Kt = f.U.transpose();
   f.llt.matrixL().solveInPlace(f.Kt);
@@ -366,17 +372,23 @@ void Elimination::add_force(int link, const Eigen::Ref<const VecX>& eps) {
   }
 }
 
-int Elimination::speed_without_inertia() const {
+/// The least eigenvalue of H^T I H, its columns scaled by the terms that their inertia is made of.
+std::optional<SlackMotion> Elimination::motion_without_inertia() const {
+  constexpr double kLeast = 4.0 * kRoundOff;  // a pivot at round-off must be found here
   for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
     const LinkFactors& link = links_[l];
-    const Mat6 terms = link.I.cwiseAbs();
-    for (int k = 0; k < link.n_free; ++k) {
-      const Vec6 h = kinematics_->blocks(l).H.col(link.free_column[k]);
-      const double made_of = h.cwiseAbs().dot(terms * h.cwiseAbs());
-      if (!(h.dot(link.I * h) > kRoundOff * made_of)) return link.free[k];
-    }
+    if (link.n_free == 0) continue;
+    const Eigen::Map<const Mat6X> H(free_columns(l), 6, link.n_free);
+    const MatX terms = H.cwiseAbs().transpose() * link.I.cwiseAbs() * H.cwiseAbs();
+    const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
+    const MatX scaled = units.asDiagonal() * H.transpose() * link.I * H * units.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatX> spectrum(scaled);
+    if (spectrum.eigenvalues()(0) > kLeast) continue;
+    SlackMotion found{l, JointVector::Zero(link.n_free + link.n_driven)};
+    for (int k = 0; k < link.n_free; ++k) found.u(link.free_column[k]) = units(k) * spectrum.eigenvectors()(k, 0);
+    return found;
   }
-  return -1;
+  return std::nullopt;
 }
 
 void Elimination::throw_indefinite(int l) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "relative/applied_forces.h"
@@ -48,6 +49,12 @@ struct FlexibleFactors {
 };
 
 /// Recursive elimination over the tree. All memory is laid out at construction.
+/// A motion of a link's joint: its speeds.
+struct SlackMotion {
+  int link;
+  JointVector u;
+};
+
 class Elimination {
  public:
   /// The kinematics must outlive this object. `driven`: speeds whose accelerations are prescribed.
@@ -81,9 +88,10 @@ class Elimination {
   /// Adds to a link's right side what a generalized force of projection `eps` (n numbers) adds.
   void add_force(int link, const Eigen::Ref<const VecX>& eps);
 
-  /// The outermost free joint speed of the opened tree without inertia, after inward() (also one that threw): its place
-  /// in u, or -1. "Without" means below round-off of the terms it is made of.
-  [[nodiscard]] int speed_without_inertia() const;
+  /// The outermost link of the opened tree whose joint can move without inertia, and the joint's speeds u (n_u) in that
+  /// motion, driven ones at rest; after inward(), also one that threw. "Without" means below round-off of the terms
+  /// that the inertia is made of.
+  [[nodiscard]] std::optional<SlackMotion> motion_without_inertia() const;
 
  private:
   void load_bodies(const std::vector<BodyInertia>& inertias);

@@ -75,17 +75,17 @@ void Equations::update_forces(double t, const VecX& q, const VecX& u) {
   applied_.update(t, q_, u_);
 }
 
-int Equations::find_speed_without_inertia(double t, const VecX& q, const VecX& u) {
+std::optional<SlackMotion> Equations::find_motion_without_inertia(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
   update_inertias();
   try {
     elimination_.inward(inertias_, applied_, udot_);
   } catch (const SolverError&) {
-    const int found = elimination_.speed_without_inertia();
-    if (found < 0) throw;
+    const auto found = elimination_.motion_without_inertia();
+    if (!found) throw;
     return found;
   }
-  return elimination_.speed_without_inertia();
+  return elimination_.motion_without_inertia();
 }
 
 void Equations::compute_reactions() { reactions_.compute(inertias_, loops_.lambda()); }

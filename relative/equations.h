@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/results.h"
@@ -51,9 +52,9 @@ class Equations {
   /// move, and applied forces: what the tires of a state do, without its accelerations.
   void update_forces(double t, const VecX& q, const VecX& u);
 
-  /// A free speed of the opened tree without inertia in this pose (its place in u), or -1. Throws SolverError if every
-  /// single one has inertia but some together have none.
-  [[nodiscard]] int find_speed_without_inertia(double t, const VecX& q, const VecX& u);
+  /// A motion of one joint of the opened tree that has no inertia in this pose. Throws SolverError if modes are to
+  /// blame.
+  [[nodiscard]] std::optional<SlackMotion> find_motion_without_inertia(double t, const VecX& q, const VecX& u);
 
   /// Wrenches of all joints for the last accelerations.
   void compute_reactions();
