@@ -39,9 +39,11 @@ std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n =
 
 }  // namespace
 
-Assembly::Assembly(Equations& equations) : equations_(&equations), scales_(equations.model(), equations.topology()) {
-  projected_columns_ = moving_columns(equations.driven(), Modes::moving);
-}
+Assembly::Assembly(Equations& equations)
+    : equations_(&equations),
+      scales_(equations.model(), equations.topology()),
+      joint_columns_(moving_columns(equations.driven(), Modes::kept)),
+      all_columns_(moving_columns(equations.driven(), Modes::moving)) {}
 
 std::vector<int> Assembly::moving_columns(const Held& held, Modes modes) const {
   std::vector<char> moves(equations_->topology().n_tree_u, 1);
@@ -74,6 +76,15 @@ double Assembly::measure(Coordinates& coordinates, Closure& closure) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   closure.measure(coordinates.q, coordinates.u);
   return largest(closure.gap().cwiseQuotient(scales_.rows(closure).head(closure.n_position_rows())));
+}
+
+/// The same; infinite where the machine cannot stand.
+double Assembly::try_to_measure(Coordinates& coordinates, Closure& closure) {
+  try {
+    return measure(coordinates, closure);
+  } catch (const SolverError&) {
+    return HUGE_VAL;
+  }
 }
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
@@ -111,7 +122,7 @@ bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes
     for (int halvings = 0; halvings < 12 && !improved; ++halvings) {
       Coordinates trial = coordinates;
       advance(trial.q, step);
-      const double trial_gap = measure(trial, closure);
+      const double trial_gap = try_to_measure(trial, closure);
       improved = trial_gap < gap;
       step *= 0.5;
       if (!improved) continue;
@@ -160,7 +171,7 @@ bool Assembly::close(Coordinates& coordinates) {
 /// places alone.
 void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
-  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
+  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns());
   const std::vector<int>& rows = equations_->loops().kept_rows();
   MatX kept(Phi.cols(), rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) kept.col(r) = Phi.row(rows[r]);
@@ -183,9 +194,8 @@ VecX Assembly::projection_step(const VecX& misfit) const {
   }
   solution.applyOnTheLeft(projection_.householderQ());
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
-  for (std::size_t c = 0; c < projected_columns_.size(); ++c) {
-    step(projected_columns_[c]) = solution(c) * scales_.speeds()(projected_columns_[c]);
-  }
+  const std::vector<int>& columns = projected_columns();
+  for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c) * scales_.speeds()(columns[c]);
   return step;
 }
 
@@ -233,18 +243,37 @@ void Assembly::project_velocities(Coordinates& coordinates) {
     move(coordinates);
     const double reached = largest(closure.slip());
     const bool is_slow = reached >= 0.1 * slip;
-    if (reached <= kRoundOffOfSpeed * largest(coordinates.u) || (is_slow && is_fresh)) return;
+    slip = std::min(slip, reached);
+    if (reached <= kRoundOffOfSpeed * largest(coordinates.u) || (is_slow && is_fresh)) break;
     if (is_slow) take_projection();
     is_fresh = is_slow;
-    slip = std::min(slip, reached);
   }
+  slip = largest(closure.slip());
+  const double allowed = kClosed * std::max(1.0, largest(coordinates.u));
+  if (closure.slip().allFinite() && slip <= allowed) return;
+  throw SolverError(fmt::format("{} will not move together: slip {:.1e} m/s or rad/s, allowed {:.0e}",
+                                closure.worst_place(closure.slip()), slip, allowed));
 }
 
+/// Modes stay where joints alone can close: round-off of a loop, put into a stiff mode, would be a force.
 void Assembly::project(Coordinates& coordinates) {
   const Topology& topology = equations_->topology();
   for (std::size_t k = 0; k < topology.joints.size(); ++k) {
     equations_->kinematics().motion(static_cast<int>(k)).normalize(coordinates.q.data() + topology.joints[k].first_q);
   }
+  if (equations_->model().is_flexible() && closing_modes_ == Modes::kept) {
+    drifted_ = coordinates;
+    try {
+      return project(coordinates, Modes::kept);
+    } catch (const SolverError&) {
+      coordinates = drifted_;  // a pose in which joints alone close no more
+    }
+  }
+  project(coordinates, Modes::moving);
+}
+
+void Assembly::project(Coordinates& coordinates, Modes modes) {
+  projecting_ = modes;
   move(coordinates);
   const Closure& closure = equations_->closure();
   if (closure.n_rows() == 0) return;
@@ -295,13 +324,13 @@ std::vector<int> Assembly::independent_rows(const MatX& Phi, int rank) const {
 /// go, decide.
 void Assembly::choose_rows(const Coordinates& coordinates) {
   if (rows_are_chosen_) return;
-  rows_are_chosen_ = true;
   const int n_rows = equations_->closure().n_rows();
   Coordinates best = coordinates;
   int rank = closure_rank(coordinates, Rows::of_velocities, Modes::moving);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const Held nothing(equations_->topology().n_u, 0);
+  Closure free(equations_->kinematics(), nothing);
   const std::vector<int> columns = moving_columns(nothing, Modes::kept);
   decide_modes(coordinates);
   for (int trial = 0; trial < 4 && rank < n_rows; ++trial) {
@@ -309,17 +338,19 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
     VecX step = VecX::Zero(equations_->topology().n_tree_u);
     for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
     advance(nearby.q, step);
-    if (!close_positions(nearby, nothing, closing_modes_)) continue;
+    if (try_to_measure(nearby, free) == HUGE_VAL || !close_positions(nearby, nothing, closing_modes_)) continue;
     const int found = closure_rank(nearby, Rows::of_velocities, Modes::moving);
     if (found <= rank) continue;
     rank = found;
     best = std::move(nearby);
     decide_modes(best);
   }
+  rows_are_chosen_ = true;
   if (rank == n_rows) return;
   equations_->move(best.t, best.q, best.u);
   const Closure& closure = equations_->closure();
-  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns_);
+  const MatX Phi =
+      select_columns(scales_.scaled(closure.Phi_u(), closure), moving_columns(equations_->driven(), closing_modes_));
   equations_->loops().keep_rows(independent_rows(Phi, rank));
 }
 
@@ -467,26 +498,23 @@ void Assembly::require_independent_start(const Coordinates& coordinates, const H
 }
 
 void Assembly::require_inertia(const Coordinates& coordinates) {
-  const int speed = equations_->find_speed_without_inertia(coordinates.t, coordinates.q, coordinates.u);
-  if (speed < 0) return;
-  const Topology& topology = equations_->topology();
-  for (const Link& link : topology.links) {
-    const Span& span = topology.joints[link.joint];
-    if (speed < span.first_u || speed >= span.first_u + span.n_u) continue;
-    const Motion& motion = equations_->kinematics().motion(link.joint);
-    const int column = speed - span.first_u;
-    const Vec6 axis = equations_->kinematics().joint_motion(link.joint).S.col(column);
-    const bool slides = !motion.kind(column).rotates;
-    const Vec3 direction = (slides ? axis.head<3>() : axis.tail<3>()).normalized();
-    const Joint& joint = equations_->model().joints[link.joint];
-    throw InputError(
-        joint.where,
-        fmt::format("body '{}' and all that it carries in the opened tree have no inertia {} the axis "
-                    "({:.4g}, {:.4g}, {:.4g}) of joint '{}' (parent's joint frame): give it inertia or name "
-                    "another cut joint",
-                    equations_->model().bodies[link.body].name, slides ? "along" : "about", direction.x(),
-                    direction.y(), direction.z(), joint.name));
-  }
+  const auto slack = equations_->find_motion_without_inertia(coordinates.t, coordinates.q, coordinates.u);
+  if (!slack) return;
+  const Link& link = equations_->topology().links[slack->link];
+  const Vec6 twist = equations_->kinematics().joint_motion(link.joint).S.leftCols(slack->u.size()) * slack->u;
+  const bool slides = scales_.length() * twist.tail<3>().norm() <= 1e-6 * twist.head<3>().norm();
+  Vec3 direction = (slides ? twist.head<3>() : twist.tail<3>()).normalized();
+  Eigen::Index largest_entry = 0;
+  direction.cwiseAbs().maxCoeff(&largest_entry);
+  if (direction(largest_entry) < 0.0) direction = -direction;
+  const Vec3 shown = direction.unaryExpr([](double x) { return std::abs(x) < 1e-12 ? 0.0 : x; });
+  const Joint& joint = equations_->model().joints[link.joint];
+  throw InputError(joint.where,
+                   fmt::format("body '{}' and all that it carries in the opened tree have no inertia {} the axis "
+                               "({:.4g}, {:.4g}, {:.4g}) of joint '{}' (parent's joint frame): give it inertia or name "
+                               "another cut joint",
+                               equations_->model().bodies[link.body].name, slides ? "along" : "about", shown.x(),
+                               shown.y(), shown.z(), joint.name));
 }
 
 void Assembly::throw_not_closing(const Held& held) const {

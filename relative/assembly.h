@@ -30,8 +30,9 @@ class Assembly {
   /// shortest steps too. False if Newton's method fails.
   [[nodiscard]] bool close(Coordinates& coordinates);
 
-  /// Projects a state that is closed but for the error of one integration step, modes included: the smallest change in
-  /// the units of the machine. Throws SolverError, naming the joint and the gap, if the loops will not close.
+  /// Projects a state that is closed but for the error of one integration step: the smallest change in the units of the
+  /// machine, of joint coordinates where these can close it, else of modes too. Throws SolverError, naming the joint
+  /// and the gap, if the loops will not close.
   void project(Coordinates& coordinates);
 
   /// Makes the loops keep the independent closure rows of a general pose, found from here, and decides there what
@@ -56,11 +57,17 @@ class Assembly {
   [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
   void advance(VecX& q, const VecX& step) const;
   double measure(Coordinates& coordinates, Closure& closure);
+  double try_to_measure(Coordinates& coordinates, Closure& closure);
   [[nodiscard]] VecX smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
                                    double damping) const;
   void move(Coordinates& coordinates);
   void take_projection();
   [[nodiscard]] VecX projection_step(const VecX& misfit) const;
+  /// The smallest change of joint coordinates, and of modes too if they are moving.
+  void project(Coordinates& coordinates, Modes modes);
+  [[nodiscard]] const std::vector<int>& projected_columns() const {
+    return projecting_ == Modes::kept ? joint_columns_ : all_columns_;
+  }
   void project_positions(Coordinates& coordinates);
   void project_velocities(Coordinates& coordinates);
   [[nodiscard]] std::vector<int> independent_rows(const MatX& Phi, int rank) const;
@@ -79,7 +86,10 @@ class Assembly {
 
   Equations* equations_;
   Scales scales_;
-  std::vector<int> projected_columns_;
+  std::vector<int> joint_columns_;
+  std::vector<int> all_columns_;
+  Modes projecting_ = Modes::moving;
+  Coordinates drifted_;
   Eigen::HouseholderQR<MatX> projection_;
   bool rows_are_chosen_ = false;
   Modes closing_modes_ = Modes::kept;  // decided with the rows

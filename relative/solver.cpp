@@ -28,11 +28,16 @@ class RelativeSolver final : public Solver {
   }
 
   std::optional<State> close(const State& guess) override {
-    StateMisfit misfit;
-    Coordinates coordinates = states_.read(guess, misfit);
-    if (!assembly_.close(coordinates)) return std::nullopt;
-    equations_.move(coordinates.t, coordinates.q, coordinates.u);
-    return states_.write(guess.t, guess);
+    states_.require_shape(guess);
+    try {
+      StateMisfit misfit;
+      Coordinates coordinates = states_.read(guess, misfit);
+      if (!assembly_.close(coordinates)) return std::nullopt;
+      equations_.move(coordinates.t, coordinates.q, coordinates.u);
+      return states_.write(guess.t, guess);
+    } catch (const SolverError&) {
+      return std::nullopt;  // a joint without all its motions, or a deformation out of range, at the guess
+    }
   }
 
   Evaluation evaluate(const State& state) override {

@@ -13,9 +13,19 @@ namespace {
 
 double largest(const Vec6& values) { return values.cwiseAbs().maxCoeff(); }
 
+void require_numbers(const BodyState& body, const std::string& name, double t) {
+  if (body.r.allFinite() && body.p.allFinite() && body.v.allFinite() && body.omega.allFinite() && body.a.allFinite() &&
+      body.adot.allFinite()) {
+    return;
+  }
+  throw SolverError(
+      fmt::format("relative: the state at t = {:.6g} s holds for body '{}' what is no finite number", t, name));
+}
+
 }  // namespace
 
-States::States(const Equations& equations) : equations_(&equations), kinematics_(equations.model()) {
+States::States(const Equations& equations)
+    : equations_(&equations), kinematics_(equations.model()), length_(equations.model().length_scale()) {
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
     measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
@@ -48,11 +58,12 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   double speed = 1.0;
   misfit = {};
   const auto judge = [&misfit](double value, const char* kind, const std::string& name) {
-    if (value <= misfit.largest) return;
+    if (std::isnan(misfit.largest) || value <= misfit.largest) return;
     misfit = {value, fmt::format("{} '{}'", kind, name)};
   };
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
+    require_numbers(body, model.bodies[i].name, state.t);
     found.q.segment(topology.modes[i].first_q, topology.modes[i].n_q) = body.a;
     found.u.segment(topology.modes[i].first_u, topology.modes[i].n_u) = body.adot;
     size = std::max(size, body.r.cwiseAbs().maxCoeff());
@@ -79,7 +90,7 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     judge(slip_of(static_cast<int>(k), found.u) / speed, "joint", model.joints[k].name);
   }
   for (const Coupling& coupling : model.couplings) {
-    const double factors = size_of(coupling, model, model.length_scale());
+    const double factors = size_of(coupling, model, length_);
     const double gap = compute_gap(coupling, model, topology, found.q) / factors;
     const double slip = compute_slip(coupling, model, topology, found.u) / factors;
     judge(std::abs(gap) / std::max(1.0, found.q.cwiseAbs().maxCoeff()), "coupling", coupling.name);

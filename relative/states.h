@@ -19,9 +19,13 @@ class States {
   /// The equations must outlive this object.
   explicit States(const Equations& equations);
 
+  /// Throws SolverError if the state has the wrong size.
+  void require_shape(const State& state) const;
+
   /// Coordinates of a state: those of every joint are measured between its two bodies, tree and cut joints alike, with
   /// the state's q as first guess; cost proportional to the number of joints. `misfit` gets what the joints do not
-  /// permit, and how far driven coordinates are from their laws. Throws SolverError if the state has the wrong size.
+  /// permit, and how far driven coordinates are from their laws. Throws SolverError if the state has the wrong size or
+  /// holds what is no number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
   /// The complete state of the pose that the equations hold; Euler parameters of the sign nearest to those of `before`
@@ -32,11 +36,11 @@ class States {
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
-  void require_shape(const State& state) const;
   [[nodiscard]] double slip_of(int joint, const VecX& u);
 
   const Equations* equations_;
   Kinematics kinematics_;
+  double length_;
   std::vector<JointMeasure> measures_;
   std::vector<PermittedSpeeds> permitted_;
 };

@@ -85,7 +85,7 @@ TEST_P(AssembledLoop, ProjectsASmallDriftAway) {
   pose.q.array() += 1e-8;
   pose.u.array() += 1e-8;
   assembly.project(pose);
-  EXPECT_LT(assembly.misfit(pose), 2e-15);
+  EXPECT_LT(assembly.misfit(pose), 5e-15);  // a dozen roundings along the loop
   EXPECT_LT((pose.q - before).norm(), 1e-6);
 }
 
@@ -195,13 +195,14 @@ TEST(Assembly, KeepsACoordinateOfTheCutJoint) {
 TEST(Assembly, NamesBodyAndAxisWithoutInertia) {
   Model model = test::spatial_slider_crank(false);
   model.joints[2].named_as_cut = true;
-  const Vec3 line = model.joints[1].sides[0].C.col(1);
+  const Vec3 line = model.joints[1].sides[0].C * Vec3(2.0, 6.0, -3.0) / 7.0;  // along no axis of the joint
   model.bodies[2].center_of_mass_L = model.joints[1].sides[0].point_L + 0.2 * line;
   model.bodies[2].inertia_L = 0.01 * (Mat3::Identity() - line * line.transpose());
   // The tree runs against B (parent: coupler), so that its speeds count in the coupler's own joint frame.
   EXPECT_EQ(complaint_about(model),
             "slider_crank.toml:10:1: error: body 'coupler' and all that it carries in the opened tree have no inertia "
-            "about the axis (0, 1, 0) of joint 'B' (parent's joint frame): give it inertia or name another cut joint");
+            "about the axis (0.2857, 0.8571, -0.4286) of joint 'B' (parent's joint frame): give it inertia or name "
+            "another cut joint");
 }
 
 }  // namespace
