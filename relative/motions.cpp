@@ -121,6 +121,13 @@ void walk(const std::vector<joints::Permit>& words, OnScalar on_scalar, OnBall o
   }
 }
 
+void require_kinds_of(const joints::ByMotion& by) {
+  if (static_cast<int>(by.turns.size()) == by.motion->n()) return;
+  throw std::invalid_argument("a motion by functions has " + std::to_string(by.motion->n()) +
+                              " coordinates, but says of " + std::to_string(by.turns.size()) +
+                              " whether they are turns");
+}
+
 bool stand_in_order(const std::vector<joints::Permit>& words) {
   enum { slides, turns, ball } reached = slides;
   bool turn_waits_for_arm = false;
@@ -192,6 +199,7 @@ void Motion::classify_columns() {
         kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false, .is_fixed = true};
       }
     } else {
+      require_kinds_of(std::get<joints::ByMotion>(word));
       by_functions_ = is_curved_ = true;
       ranges_ = std::get<joints::ByMotion>(word).ranges;
       for (const bool turns : std::get<joints::ByMotion>(word).turns) {

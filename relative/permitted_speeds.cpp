@@ -59,7 +59,8 @@ PermittedSpeeds::PermittedSpeeds(const joints::JointType& type, const Motion& mo
   JointMotion at;
   motion.evaluate(home.data(), still.data(), at);
   place_columns(at);
-  const double outside = (at.S.leftCols(motion.n_u()) * along_the_motion(at) - S_v_).cwiseAbs().maxCoeff();
+  const double outside =
+      (at.S.leftCols(motion.n_u()) * along_the_motion(at).topRows(motion.n_u()) - S_v_).cwiseAbs().maxCoeff();
   if (n_rows_ > 0 && outside <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");

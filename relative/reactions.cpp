@@ -6,19 +6,6 @@
 
 namespace concord::relative {
 
-namespace {
-
-bool is_coupled(const Model& model, int joint) {
-  for (const Coupling& coupling : model.couplings) {
-    for (const CouplingTerm& term : coupling.terms) {
-      if (term.joint == joint) return true;
-    }
-  }
-  return false;
-}
-
-}  // namespace
-
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
                      const AppliedForces& applied)
     : kinematics_(&kinematics),
@@ -38,7 +25,7 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     JointWrenches wrenches;
     wrenches.tau.setZero(joint.type->n_u());
     joints_.push_back(wrenches);
-    if (joint.drivers.empty() && joint.springs.empty() && !is_coupled(model, static_cast<int>(k))) continue;
+    if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
     Pushed pushed{static_cast<int>(k), -1, -1, {}};
     for (const Driver& driver : joint.drivers) {
       pushed.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
@@ -231,7 +218,7 @@ void Reactions::audit_modal_rows(int l, const Vec6& wrench) {
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
   const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff();
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
-  if (residual <= modal_residual_ * terms) return;
+  if (std::isnan(modal_residual_) || residual <= modal_residual_ * terms) return;
   modal_residual_ = residual / terms;
   worst_modal_body_ = link.body;
 }
