@@ -22,13 +22,18 @@ struct RunOptions {
 /// Called now and then with the time reached [s].
 using Progress = std::function<void(double t)>;
 
-/// Which reaction components a solver finds unique: per joint, side, component (F_x ... T_z in that side's joint
-/// frame).
+/// What of a joint's wrenches a solver finds unique.
 struct JointUniqueness {
+  /// Per side and component (F_x ... T_z in that side's joint frame): of the reaction, and of the total wrench.
   std::array<std::array<bool, 6>, 2> unique;
+  std::array<std::array<bool, 6>, 2> unique_total;
+  /// Forces of drivers and couplings by speed of the joint.
+  std::array<bool, 6> unique_tau;
 
   JointUniqueness() {
     for (auto& side : unique) side.fill(true);
+    for (auto& side : unique_total) side.fill(true);
+    unique_tau.fill(true);
   }
 };
 

@@ -90,6 +90,11 @@ std::string not_unique(const Model& model, const SolverView& solver) {
       if (components.empty()) continue;
       text += fmt::format("{}:{}\n", describe_owner(model, {Kind::reaction, static_cast<int>(k), side, 0}), components);
     }
+    for (const int speed : forced_speeds(model, static_cast<int>(k))) {
+      if (solver.rank.joints.at(k).unique_tau[speed]) continue;
+      const Quantity force{Kind::driver, static_cast<int>(k), Side::child, speed};
+      text += fmt::format("{}: {}\n", describe_owner(model, force), describe_component(force));
+    }
   }
   return text;
 }

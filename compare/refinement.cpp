@@ -48,22 +48,34 @@ bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::el
 
 bool constraints_are_independent(const SolverSummary& solver) { return solver.rank.rank == solver.rank.constraints; }
 
-/// Uniqueness of a wrench component by both solvers; of global components and sums by all that enters them. Of the
-/// forces of couplings nothing is known where constraints depend on each other.
+/// Uniqueness of a wrench component or a driver's force by both solvers; of global components by all that enters them.
+/// Of the forces of couplings nothing is known where constraints depend on each other.
 bool is_unique(const Model& model, const Verdict& verdict, const Quantity& quantity) {
   const bool by_coupling = quantity.kind == Kind::driver && model.is_coupled(quantity.owner);
   if (quantity.kind == Kind::coupling || by_coupling) {
     return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), constraints_are_independent);
   }
-  if (quantity.kind != Kind::reaction && quantity.kind != Kind::total && quantity.kind != Kind::reaction_global) {
-    return true;
-  }
-  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
-    const auto& flags = solver.rank.joints.at(static_cast<std::size_t>(quantity.owner)).unique[index(quantity.side)];
-    if (quantity.kind != Kind::reaction_global) return flags[quantity.component];
-    const auto first = flags.begin() + (quantity.component < 3 ? 0 : 3);
-    return std::all_of(first, first + 3, [](bool flag) { return flag; });
-  });
+  const auto by_solver = [&](const SolverSummary& solver) {
+    const auto joint = [&]() -> const JointUniqueness& {
+      return solver.rank.joints.at(static_cast<std::size_t>(quantity.owner));
+    };
+    switch (quantity.kind) {
+      case Kind::reaction:
+        return joint().unique[index(quantity.side)][quantity.component];
+      case Kind::total:
+        return joint().unique_total[index(quantity.side)][quantity.component];
+      case Kind::driver:
+        return joint().unique_tau[quantity.component];
+      case Kind::reaction_global: {
+        const auto& flags = joint().unique[index(quantity.side)];
+        const auto first = flags.begin() + (quantity.component < 3 ? 0 : 3);
+        return std::all_of(first, first + 3, [](bool flag) { return flag; });
+      }
+      default:
+        return true;
+    }
+  };
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), by_solver);
 }
 
 }  // namespace

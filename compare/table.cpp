@@ -1,9 +1,11 @@
 #include "compare/table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "compare/digits.h"
 #include "compare/refinement.h"
@@ -180,12 +182,16 @@ std::string also_compared(const Verdict& verdict, Rung rung) {
 }
 
 std::string not_unique(const Model& model, const Verdict& verdict) {
-  std::map<std::pair<int, int>, std::string> names;
-  for (const Row& row : verdict.rows) {
-    if (row.unique) continue;
-    std::string& line = names[{row.quantity.owner, index(row.quantity.side)}];
-    if (line.empty()) line = describe_owner(model, row.quantity) + ":";
-    line += " " + describe_component(row.quantity);
+  using Place = std::tuple<int, int, Kind>;
+  std::map<Place, std::string> names;
+  for (const std::vector<Row>* rows : {&verdict.rows, &verdict.others}) {
+    for (const Row& row : *rows) {
+      const bool is_named = rows == &verdict.rows || row.quantity.kind == Kind::driver;
+      if (row.unique || !is_named) continue;
+      std::string& line = names[Place(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
+      if (line.empty()) line = describe_owner(model, row.quantity) + ":";
+      line += " " + describe_component(row.quantity);
+    }
   }
   std::string text;
   for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
@@ -240,13 +246,12 @@ std::string audit_text(const Verdict& verdict) {
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
   }
+  std::vector<std::string> errors;
   for (const SolverSummary& solver : verdict.solvers) {
-    if (!solver.energy_error) continue;
-    text +=
-        fmt::format("{} {} {:.1e}", text.find("energy") == std::string::npos ? "energy balance, relative error:" : ",",
-                    solver.name, *solver.energy_error);
+    if (solver.energy_error) errors.push_back(fmt::format("{} {:.1e}", solver.name, *solver.energy_error));
   }
-  return text.empty() ? text : text + '\n';
+  if (!errors.empty()) text += fmt::format("energy balance, relative error: {}\n", fmt::join(errors, ", "));
+  return text;
 }
 
 std::string reference_table(const Model& model, const Verdict& verdict) {

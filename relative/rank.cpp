@@ -52,7 +52,7 @@ double largest_of_relations(const Closure& closure, const VecX& lambda) {
 /// Marks the components that the wrenches of one self-stress move; forces count against the largest force times the
 /// length of the machine, and torques alike, beside multipliers of relations: couplings may hold each other and move no
 /// reaction.
-void mark(const std::vector<JointWrenches>& joints, double length, double of_relations,
+void mark(const Kinematics& kinematics, const std::vector<JointWrenches>& joints, double length, double of_relations,
           std::vector<JointUniqueness>& flags) {
   double size = of_relations;
   for (const JointWrenches& joint : joints) {
@@ -61,12 +61,20 @@ void mark(const std::vector<JointWrenches>& joints, double length, double of_rel
     }
   }
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    for (const Side side : {Side::parent, Side::child}) {
-      Vec6 moved = joints[k].reaction_on(side).in_C.vector();
-      moved.head<3>() *= length;
+    const auto mark_moved = [&](const SideWrench& wrench, std::array<bool, 6>& unique) {
       for (int c = 0; c < 6; ++c) {
-        if (std::abs(moved(c)) > kUnmoved * size) flags[k].unique[index(side)][c] = false;
+        const double moved = wrench.in_C.vector()(c) * (c < 3 ? length : 1.0);
+        if (std::abs(moved) > kUnmoved * size) unique[c] = false;
       }
+    };
+    for (const Side side : {Side::parent, Side::child}) {
+      mark_moved(joints[k].reaction_on(side), flags[k].unique[index(side)]);
+      mark_moved(joints[k].total_on(side), flags[k].unique_total[index(side)]);
+    }
+    const Motion& motion = kinematics.motion(static_cast<int>(k));
+    for (int c = 0; c < motion.n_u(); ++c) {
+      const double moved = joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0);
+      if (std::abs(moved) > kUnmoved * size) flags[k].unique_tau[c] = false;
     }
   }
 }
@@ -92,8 +100,8 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
     for (int z = rank; z < n_rows; ++z) {
       const VecX lambda = rows.units.cwiseProduct(svd.matrixU().col(z));
       equations.reactions().compute_self_stress(lambda);
-      mark(equations.reactions().joints(), scales.length(), largest_of_relations(equations.closure(), lambda),
-           report.joints);
+      mark(equations.kinematics(), equations.reactions().joints(), scales.length(),
+           largest_of_relations(equations.closure(), lambda), report.joints);
     }
   }
   const int tree = tree_rows(equations);

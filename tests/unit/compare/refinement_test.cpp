@@ -81,6 +81,7 @@ TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
 
 TEST_F(RefinementTest, EitherSolverMakesAComponentNotUnique) {
   verdict_.solvers[1].rank.joints[0].unique[index(Side::child)][1] = false;
+  verdict_.solvers[0].rank.joints[0].unique_total[index(Side::child)][1] = false;
   make_rows(layout_, verdict_);
   record_all(Rung::same_state, 1.0);
   judge(verdict_);

@@ -198,8 +198,10 @@ TEST_F(VerifyTest, NothingJudgedIsNoVerdict) {
 
 TEST_F(VerifyTest, ComponentsThatAreNotUniqueAreNamedAndNotJudged) {
   const auto redundant = [](RankReport& report) {
-    report.joints[0].unique[index(Side::child)][2] = false;
-    report.joints[0].unique[index(Side::parent)][2] = false;
+    for (auto* unique : {&report.joints[0].unique, &report.joints[0].unique_total}) {
+      (*unique)[index(Side::child)][2] = false;
+      (*unique)[index(Side::parent)][2] = false;
+    }
   };
   cartesian_.spoil_rank = relative_.spoil_rank = redundant;
   relative_.spoil = [](const State&, Evaluation& evaluation) {

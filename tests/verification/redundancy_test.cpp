@@ -1,0 +1,134 @@
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "compare/table.h"
+#include "compare/verify.h"
+
+/// Constraints and drivers that hold the same motion twice, or nothing at all.
+namespace concord::verification {
+namespace {
+
+/// A body on a hinge and, along the same line, a cylindrical joint; the coupling says that both turn alike, as they do.
+constexpr const char* kCoaxial = R"(format = 1
+gravity = [0, -9.81, 0]
+[[body]]
+name = "arm"
+mass = 1
+center_of_mass = [0, 0.05, 0.01]
+inertia = [0.02, 0.01, 0.03]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0.5], angle = "35 deg" }
+child = "arm"
+start.turn_z = { keep = "20 deg", keep_speed = 1 }
+[[joint]]
+name = "sleeve"
+type = "cylindrical"
+parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0.5], angle = "35 deg" }
+child = { body = "arm", point = [0, 0, 0.123], axis = [0, 0, 1], angle = "17 deg" }
+[[coupling]]
+name = "alike"
+terms = [ { joint = "hinge", coordinate = "turn_z", factor = 2 },
+          { joint = "sleeve", coordinate = "turn_z", factor = -2 } ]
+offset = "-34 deg"
+[run]
+until = 0.3
+)";
+
+/// A parallelogram of which both cranks are driven, by one law.
+constexpr const char* kBothCranksDriven = R"(format = 1
+gravity = [0.2, -9.81, 0.4]
+[[body]]
+name = "left_crank"
+mass = 1
+center_of_mass = [0, 0.05, 0.01]
+inertia = [0.002, 0.001, 0.003]
+[[body]]
+name = "rod"
+mass = 1.3
+center_of_mass = [0.15, 0.01, 0]
+inertia = [0.001, 0.02, 0.02]
+[[body]]
+name = "right_crank"
+mass = 1.1
+center_of_mass = [0, 0.05, -0.01]
+inertia = [0.002, 0.001, 0.003]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = "ground"
+child = "left_crank"
+drive.turn_z = { law = "harmonic", amplitude = 0.3, frequency = 4, offset = 0.2 }
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "left_crank", point = [0, 0.1, 0] }
+child = "rod"
+[[joint]]
+name = "C"
+type = "spherical"
+parent = { body = "rod", point = [0.3, 0, 0] }
+child = { body = "right_crank", point = [0, 0.1, 0] }
+[[joint]]
+name = "D"
+type = "revolute"
+parent = { body = "ground", point = [0.3, 0, 0] }
+child = "right_crank"
+drive.turn_z = { law = "harmonic", amplitude = 0.3, frequency = 4, offset = 0.2 }
+[run]
+until = 0.5
+)";
+
+TEST_CASE("A coupling whose terms cancel holds nothing: both solvers count it out, and what is unique stays right") {
+  const Model coupled = parse_model(kCoaxial, "coaxial.toml");
+  Model free = coupled;
+  free.couplings.clear();
+  State start;
+  for (const bool by_cartesian : {true, false}) {
+    INFO((by_cartesian ? "cartesian" : "relative"));
+    const auto make = by_cartesian ? cartesian::make_solver : relative::make_solver;
+    const auto solver = make(coupled);
+    const auto without = make(free);
+    if (by_cartesian) start = solver->assemble();
+    const RankReport rank = solver->rank(start);
+    CHECK(rank.constraints == 10);
+    CHECK(rank.rank == 5);
+    CHECK(rank.degrees_of_freedom == 1);
+    CHECK_FALSE(rank.undecided);
+    CHECK_FALSE(rank.joints[0].unique_tau[0]);
+    // The hinge alone stops the slide: its force along the axis is unique.
+    CHECK(rank.joints[0].unique[0][2]);
+    const Evaluation found = solver->evaluate(start);
+    const Evaluation expected = without->evaluate(start);
+    CHECK((found.bodies[1].omegadot - expected.bodies[1].omegadot).norm() < 1e-12 * expected.bodies[1].omegadot.norm());
+    const double axial = expected.joints[0].reaction_on(Side::child).in_C.force.z();
+    CHECK(std::abs(found.joints[0].reaction_on(Side::child).in_C.force.z() - axial) < 1e-12 * std::abs(axial));
+  }
+}
+
+TEST_CASE("Of two drivers that hold one motion neither force is unique, nor is a total wrench that they enter") {
+  const Model model = parse_model(kBothCranksDriven, "both_driven.toml");
+  const auto cartesian_solver = cartesian::make_solver(model);
+  const auto relative_solver = relative::make_solver(model);
+  const State start = cartesian_solver->assemble();
+  for (const RankReport& rank : {cartesian_solver->rank(start), relative_solver->rank(start)}) {
+    CHECK(rank.constraints == 20);
+    CHECK(rank.rank == 18);
+    for (const int driven : {0, 3}) {
+      CHECK_FALSE(rank.joints[driven].unique_tau[0]);
+      CHECK_FALSE(rank.joints[driven].unique_total[1][5]);
+      CHECK(rank.joints[driven].unique[1][5]);  // what is left of the torque about the hinge beside the driver's
+    }
+    CHECK(rank.joints[1].unique_tau[0]);  // no driver: zero
+  }
+  const compare::Verdict verdict = compare::verify(model, *cartesian_solver, *relative_solver, {});
+  INFO(compare::format_verdict(model, verdict, false));
+  CHECK(verdict.outcome == compare::Outcome::agree);
+  CHECK(verdict.judged < verdict.total);
+  CHECK(compare::format_verdict(model, verdict, false).find("not unique, not judged: driver of joint D: tau_1") !=
+        std::string::npos);
+}
+
+}  // namespace
+}  // namespace concord::verification
