@@ -33,10 +33,12 @@ std::optional<int> find_body(const TableReader& table, std::string_view key, con
   const auto name = table.text(key);
   if (!name) return std::nullopt;
   const std::string wanted = table.reading().name_in_model("body", *name);
-  std::vector<std::string> names;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies[i].body.name == wanted) return static_cast<int>(i);
-    const std::string known = table.reading().name_in_file("body", bodies[i].body.name);
+  }
+  std::vector<std::string> names;
+  for (const BodyReading& one : bodies) {
+    const std::string known = table.reading().name_in_file("body", one.body.name);
     const bool is_new = std::find(names.begin(), names.end(), known) == names.end();
     if (is_new && !known.empty()) names.push_back(known);
   }

@@ -15,6 +15,8 @@ namespace concord {
 
 namespace {
 
+constexpr int kMostElements = 10000;
+
 struct FamilyWord {
   std::string_view name;
   BeamFamily family;
@@ -175,7 +177,7 @@ std::optional<ModalData> read_beam(const toml::table& table, const std::string& 
   beam.first_end_L = reader.vector3("first_end").value_or(beam.first_end_L);
   beam.axes = read_orientation(reader).value_or(beam.axes);
   beam.length = reader.positive_number("length").value_or(beam.length);
-  beam.elements = reader.count("elements", 1).value_or(beam.elements);
+  beam.elements = reader.count("elements", 1, kMostElements).value_or(beam.elements);
   beam.youngs_modulus = reader.positive_number("youngs_modulus").value_or(1.0);
   beam.shear_modulus = read_shear_modulus(reader, beam.youngs_modulus).value_or(0.0);
   beam.density = reader.positive_number("density").value_or(1.0);

@@ -22,6 +22,13 @@ bool is_identifier(const std::string& name) {
          std::all_of(name.begin(), name.end(), is_word_character);
 }
 
+/// Whether the word characters before place k belong to a name, and not to a number as in "20deg".
+bool continues_name(const std::string& expression, std::size_t k) {
+  std::size_t first = k;
+  while (first > 0 && is_word_character(expression[first - 1])) --first;
+  return first < k && std::isdigit(static_cast<unsigned char>(expression[first])) == 0;
+}
+
 /// Writes the product that "20 deg" means: a `*` before every word `deg` that follows a value.
 std::string with_products_before_deg(const std::string& expression) {
   static const std::string kUnit = "deg";
@@ -29,9 +36,7 @@ std::string with_products_before_deg(const std::string& expression) {
   for (std::size_t k = 0; k < expression.size(); ++k) {
     const bool starts = expression.compare(k, kUnit.size(), kUnit) == 0;
     const bool ends = k + kUnit.size() >= expression.size() || !is_word_character(expression[k + kUnit.size()]);
-    const bool continues_word =
-        k > 0 && (std::isalpha(static_cast<unsigned char>(expression[k - 1])) != 0 || expression[k - 1] == '_');
-    if (starts && ends && !continues_word) {
+    if (starts && ends && !continues_name(expression, k)) {
       const auto last = result.find_last_not_of(' ');
       const bool follows_value =
           last != std::string::npos && (is_word_character(result[last]) || result[last] == '.' || result[last] == ')');

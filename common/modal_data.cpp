@@ -17,9 +17,7 @@ VecX scales_of(const MatX& G) {
 /// L with L L^T = G and as many columns as G has rank.
 MatX factor(const MatX& G) {
   const VecX scales = scales_of(G);
-  const VecX inverse_scales = scales.cwiseInverse();
-  const MatX unit_free = inverse_scales.asDiagonal() * G * inverse_scales.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatX> spectrum(unit_free);
+  const Eigen::SelfAdjointEigenSolver<MatX> spectrum(without_units(G));
   const double round_off = static_cast<double>(G.rows()) * std::numeric_limits<double>::epsilon();
   const double largest = spectrum.eigenvalues().maxCoeff();
   if (spectrum.eigenvalues().minCoeff() < -1e3 * round_off * largest) {
@@ -41,6 +39,11 @@ void equalize_first_row(MatX& L) {
 }
 
 }  // namespace
+
+MatX without_units(const MatX& G) {
+  const VecX inverse_scales = scales_of(G).cwiseInverse();
+  return inverse_scales.asDiagonal() * G * inverse_scales.asDiagonal();
+}
 
 MatX mass_integrals(const std::vector<MassPoint>& points, int n_modes) {
   const int size = 4 + 3 * n_modes;

@@ -43,6 +43,9 @@ struct ModalData {
 /// G of a set of mass points with m modes each.
 MatX mass_integrals(const std::vector<MassPoint>& points, int n_modes);
 
+/// G with rows and columns divided by the roots of the diagonal, where that is positive: entries without units.
+MatX without_units(const MatX& G);
+
 /// At most 4 + 3 m mass points whose integrals are G (positive semidefinite, G(0, 0) > 0).
 std::vector<MassPoint> equivalent_mass_points(const MatX& G);
 

@@ -54,10 +54,11 @@ double Model::length_scale() const {
       if (const Attachment* end = end_of(element, side)) places.push_back(end);
     }
   }
+  std::stable_sort(places.begin(), places.end(), [](auto* one, auto* other) { return one->body < other->body; });
   double largest = 0.0;
-  for (const Attachment* one : places) {
-    for (const Attachment* other : places) {
-      if (one->body == other->body) largest = std::max(largest, (one->point_L - other->point_L).norm());
+  for (auto one = places.begin(); one != places.end(); ++one) {
+    for (auto other = one + 1; other != places.end() && (*other)->body == (*one)->body; ++other) {
+      largest = std::max(largest, ((*one)->point_L - (*other)->point_L).norm());
     }
   }
   return largest > 0.0 ? largest : 1.0;

@@ -197,7 +197,8 @@ Model parse_model(std::string_view text, const std::filesystem::path& file) {
 
   Model model;
   model.file = file.generic_string();
-  model.name = parts.front().document->text("name").value_or(file.stem().string());
+  const TableReader& document = *parts.front().document;
+  model.name = document.has("name") ? document.name() : file.stem().string();
   if (const TableReader* one = first_with("gravity", parts))
     model.gravity = one->vector3("gravity").value_or(Vec3::Zero());
   if (const TableReader* one = first_with("run", parts)) model.run = read_run(*one);

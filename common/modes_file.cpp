@@ -16,6 +16,7 @@ namespace concord {
 namespace {
 
 constexpr int kModesFormat = 1;
+constexpr int kMostModes = 1000;
 
 /// Modal mass: the block of the modes with themselves, sum of m psi_a . psi_b, from G.
 MatX modal_mass(const MatX& G, int n_modes) {
@@ -26,13 +27,41 @@ MatX modal_mass(const MatX& G, int n_modes) {
   return mass;
 }
 
-/// Complains of a matrix that is not symmetric or not positive semidefinite; true if it is both.
-bool check_semidefinite(const TableReader& table, std::string_view key, const MatX& matrix) {
+/// sum of m f_a . f_b over the 6 + m fields [translations; turns; modes] of the undeformed body, from G.
+MatX products_of_fields(const MatX& G, int n_modes) {
+  MatX products = MatX::Zero(6 + n_modes, 6 + n_modes);
+  for (int c = 0; c < 3; ++c) {
+    MatX fields = MatX::Zero(G.rows(), 6 + n_modes);  // component c over [1; s_0; psi_1; ...]
+    fields(0, c) = 1.0;
+    for (int turn = 0; turn < 3; ++turn) {
+      fields.block<3, 1>(1, 3 + turn) = Vec3::Unit(c).cross(Vec3::Unit(turn));
+    }
+    for (int mode = 0; mode < n_modes; ++mode) fields(4 + 3 * mode + c, 6 + mode) = 1.0;
+    products += fields.transpose() * G * fields;
+  }
+  return products;
+}
+
+/// Whether some combination of the modes is a rigid motion of the undeformed body to the accuracy of printed numbers.
+bool hold_a_rigid_motion(const MatX& G, int n_modes) {
+  constexpr double kRigid = 1e-11;  // of its kinetic energy that no rigid motion gives
+  const MatX products = products_of_fields(G, n_modes);
+  const MatX beside = products.topRightCorner(6, n_modes);
+  const Eigen::CompleteOrthogonalDecomposition<MatX> rigid(products.topLeftCorner(6, 6));
+  const MatX left = products.bottomRightCorner(n_modes, n_modes) - beside.transpose() * rigid.solve(beside);
+  const VecX sizes = products.diagonal().tail(n_modes).cwiseSqrt().cwiseInverse();
+  const MatX scaled = sizes.asDiagonal() * left * sizes.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<MatX>(scaled, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() < kRigid;
+}
+
+/// Complains of a matrix that is not symmetric or, in units that compare, not positive semidefinite; true if it is
+/// both.
+bool check_semidefinite(const TableReader& table, std::string_view key, const MatX& matrix, const MatX& unit_free) {
   if (const auto complaint = complaint_about_symmetry(matrix)) {
     table.complain(key, fmt::format("'{}' must be symmetric, but {}", key, *complaint));
     return false;
   }
-  if (const auto complaint = complaint_about_semidefiniteness(matrix)) {
+  if (const auto complaint = complaint_about_semidefiniteness(unit_free)) {
     table.complain(key, fmt::format("'{}' must be positive semidefinite, but {}", key, *complaint));
     return false;
   }
@@ -51,7 +80,7 @@ std::optional<MatX> read_square(const TableReader& table, std::string_view key, 
   } else if (const auto diagonal = table.vector(key, m)) {
     matrix = diagonal->asDiagonal();
   }
-  if (!matrix || !check_semidefinite(table, key, *matrix)) return std::nullopt;
+  if (!matrix || !check_semidefinite(table, key, *matrix, *matrix)) return std::nullopt;
   return matrix;
 }
 
@@ -109,7 +138,7 @@ std::optional<MatX> read_integrals(const TableReader& document, int m) {
     return std::nullopt;
   }
   const auto G = document.matrix("inertia_integrals", size, size);
-  if (!G || !check_semidefinite(document, "inertia_integrals", *G)) return std::nullopt;
+  if (!G || !check_semidefinite(document, "inertia_integrals", *G, without_units(*G))) return std::nullopt;
   if ((*G)(0, 0) > 0.0) return G;
   document.complain("inertia_integrals", fmt::format("the mass, entry (1, 1), must be positive, found {}", (*G)(0, 0)));
   return std::nullopt;
@@ -172,6 +201,10 @@ void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
     document.complain("the modes are not independent: their modal mass is singular");
     return;
   }
+  if (hold_a_rigid_motion(data.G, m)) {
+    document.complain("the modes move the body as a whole, which its frame does already: leave rigid-body modes out");
+    return;
+  }
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> modes(data.stiffness, mass);
   data.frequencies = modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   if (document.has("damping") && document.has("damping_ratios")) {
@@ -208,9 +241,9 @@ ModalData parse_modes(std::string_view text, const std::filesystem::path& file) 
   check_format(document, kModesFormat);
   document.require({"modes", "stiffness"});
   ModalData data;
-  if (const auto m = document.count("modes", 1)) {
+  if (const auto m = document.count("modes", 1, kMostModes)) {
     const auto stiffness = read_square(document, "stiffness", *m);
-    data.stiffness = stiffness.value_or(MatX::Zero(*m, *m));
+    data.stiffness = stiffness ? *stiffness : MatX::Zero(*m, *m);
     const bool has_inertia = read_inertia(document, *m, data);
     read_nodes(document, *m, data.nodes);
     if (stiffness && has_inertia) add_frequencies_and_damping(document, data);

@@ -1,5 +1,6 @@
 #include "common/time_function.h"
 
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -47,23 +48,26 @@ TimeFunctionValue evaluate_one(const SplineTable& law, double t) { return law.ev
 /// the third derivative at the second and the last but one.
 std::vector<double> spline_curvatures(const std::vector<double>& t, const std::vector<double>& f) {
   const auto n = static_cast<Eigen::Index>(t.size());
-  MatX equations = MatX::Zero(n, n);
+  std::vector<Eigen::Triplet<double>> entries;
   VecX right = VecX::Zero(n);
   const auto width = [&](Eigen::Index k) { return t[k + 1] - t[k]; };
   for (Eigen::Index k = 1; k + 1 < n; ++k) {
-    equations(k, k - 1) = width(k - 1) / 6.0;
-    equations(k, k) = (width(k - 1) + width(k)) / 3.0;
-    equations(k, k + 1) = width(k) / 6.0;
+    entries.emplace_back(k, k - 1, width(k - 1) / 6.0);
+    entries.emplace_back(k, k, (width(k - 1) + width(k)) / 3.0);
+    entries.emplace_back(k, k + 1, width(k) / 6.0);
     right(k) = (f[k + 1] - f[k]) / width(k) - (f[k] - f[k - 1]) / width(k - 1);
   }
   const auto same_third_derivative = [&](Eigen::Index row, Eigen::Index k) {
-    equations(row, k - 1) = 1.0 / width(k - 1);
-    equations(row, k) = -1.0 / width(k - 1) - 1.0 / width(k);
-    equations(row, k + 1) = 1.0 / width(k);
+    entries.emplace_back(row, k - 1, 1.0 / width(k - 1));
+    entries.emplace_back(row, k, -1.0 / width(k - 1) - 1.0 / width(k));
+    entries.emplace_back(row, k + 1, 1.0 / width(k));
   };
   same_third_derivative(0, 1);
   same_third_derivative(n - 1, n - 2);
-  const VecX solution = equations.partialPivLu().solve(right);
+  Eigen::SparseMatrix<double> equations(n, n);
+  equations.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(equations);
+  const VecX solution = factors.solve(right);
   return {solution.begin(), solution.end()};
 }
 

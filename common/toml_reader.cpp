@@ -213,12 +213,12 @@ std::optional<double> TableReader::number_not_negative(std::string_view key) con
   return std::nullopt;
 }
 
-std::optional<int> TableReader::count(std::string_view key, int smallest) const {
+std::optional<int> TableReader::count(std::string_view key, int smallest, int largest) const {
   const auto value = number(key);
   if (!value) return std::nullopt;
-  constexpr double kLargest = 1e9;
-  if (*value == std::floor(*value) && *value >= smallest && *value <= kLargest) return static_cast<int>(*value);
-  complain(key, fmt::format("'{}' must be a whole number of at least {}, found {}", key, smallest, *value));
+  if (*value == std::floor(*value) && *value >= smallest && *value <= largest) return static_cast<int>(*value);
+  const std::string at_most = *value > largest ? fmt::format(" and at most {}", largest) : "";
+  complain(key, fmt::format("'{}' must be a whole number of at least {}{}, found {}", key, smallest, at_most, *value));
   return std::nullopt;
 }
 
@@ -233,6 +233,11 @@ std::string TableReader::name() const {
   if (!require({"name"})) return "";
   const auto value = text("name");
   if (value && value->empty()) complain("name", "'name' must not be empty");
+  const auto is_bad = [](char c) { return c == '/' || std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+  if (value && std::any_of(value->begin(), value->end(), is_bad)) {
+    complain("name",
+             fmt::format("'name' must be one line without '/', for result files are named by it, found {:?}", *value));
+  }
   return value && !value->empty() ? reading_->prefix + *value : "";
 }
 

@@ -72,8 +72,8 @@ class TableReader {
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
   [[nodiscard]] std::optional<double> positive_number(std::string_view key) const;
   [[nodiscard]] std::optional<double> number_not_negative(std::string_view key) const;
-  /// A whole number of at least `smallest`.
-  [[nodiscard]] std::optional<int> count(std::string_view key, int smallest) const;
+  /// A whole number of at least `smallest` and at most `largest`.
+  [[nodiscard]] std::optional<int> count(std::string_view key, int smallest, int largest = 1000000000) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
   /// The text of `name`, which must be there and not be empty, after the file's prefix; empty after a complaint.
   [[nodiscard]] std::string name() const;

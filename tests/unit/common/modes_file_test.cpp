@@ -37,7 +37,7 @@ ModalData generic_beam() {
   return make_beam(beam);
 }
 
-/// Two modes, two mass points, one node.
+/// Two modes, three mass points, one node.
 const std::string kSound = R"(format = 1
 modes = 2
 stiffness = [[3, 1], [1, 2]]
@@ -57,6 +57,11 @@ name = "tip"
 point = [1, 2, 3]
 Psi_t = [[1, 2], [3, 4], [5, 6]]
 Psi_r = [[7, 8], [9, 10], [11, 12]]
+
+[[mass_point]]
+mass = 3
+point = [0.2, 0.7, -0.4]
+Psi_t = [[0, 0], [0, 0], [0, 0]]
 )";
 
 std::string with(const std::string& find, const std::string& replace) {
@@ -128,7 +133,7 @@ TEST(ModesFile, RotaryInertiaBecomesSixMassPoints) {
 inertia = [0.5, 0.6, 0.7, 0.1, -0.05, 0.08]
 Psi_r = [[0.3, -0.4], [0.1, 0.7], [-0.2, 0.5]])"),
                   "m.toml");
-  ASSERT_EQ(data.mass_points.size(), 7U);
+  ASSERT_EQ(data.mass_points.size(), 8U);
   Mat3 inertia;
   inertia << 0.5, 0.1, -0.05, 0.1, 0.6, 0.08, -0.05, 0.08, 0.7;
   MatX Psi_r(3, 2);
