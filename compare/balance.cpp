@@ -393,26 +393,27 @@ void Auditor::add_element(std::size_t index_of_element, const State& state, cons
   elements_[index_of_element].take(residuals, force, std::max(largest_torque(wrenches.on), force * length_), state.t);
 }
 
-double Auditor::largest_of(Unit unit) const {
-  if (unit == Unit::modal) return 0.0;
-  double largest = 0.0;
+/// Largest scale of the rows of each unit; 0 for modal rows, which have no common unit.
+Auditor::Scales Auditor::largest_scales() const {
+  Scales largest{};
   for (const auto* entities : {&bodies_, &joints_, &elements_}) {
     for (const Entity& entity : *entities) {
       for (const Row& row : entity.rows) {
-        if (row.unit == unit) largest = std::max(largest, row.scale);
+        double& own = largest[static_cast<std::size_t>(row.unit)];
+        own = row.unit == Unit::modal ? 0.0 : std::max(own, row.scale);
       }
     }
   }
   return largest;
 }
 
-AuditFinding Auditor::worst_of(const Entity& entity, AuditRule rule) const {
+AuditFinding Auditor::worst_of(const Entity& entity, AuditRule rule, const Scales& largest) {
   AuditFinding worst;
   worst.rule = rule;
   worst.where = entity.name;
   for (const Row& row : entity.rows) {
     if (row.rule != rule) continue;
-    const double floor = entity.is_idle ? largest_of(row.unit) : kSmallestScale * largest_of(row.unit);
+    const double floor = (entity.is_idle ? 1.0 : kSmallestScale) * largest[static_cast<std::size_t>(row.unit)];
     const double scale = std::max(row.scale, floor);
     keep_worse(worst, {matching_digits(row.residual, scale), row.residual, scale, row.t, rule, entity.name, row.name,
                        row.scale < floor});
@@ -422,6 +423,7 @@ AuditFinding Auditor::worst_of(const Entity& entity, AuditRule rule) const {
 
 AuditReport Auditor::report() const {
   AuditReport report;
+  const Scales largest = largest_scales();
   report.states = states_;
   for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
   const auto count = [&](const AuditFinding& finding) {
@@ -429,7 +431,7 @@ AuditReport Auditor::report() const {
     keep_worse(report.worst, finding);
   };
   for (const Entity& body : bodies_) {
-    report.bodies.push_back(worst_of(body, AuditRule::free_body));
+    report.bodies.push_back(worst_of(body, AuditRule::free_body, largest));
     count(report.bodies.back());
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
@@ -438,7 +440,7 @@ AuditReport Auditor::report() const {
     for (const Attachment& side : model_.joints[k].sides) keep_worse(joint, report.bodies[side.body]);
     for (const AuditRule rule : {AuditRule::workless, AuditRule::both_sides, AuditRule::two_frames, AuditRule::drivers,
                                  AuditRule::force_law}) {
-      const AuditFinding finding = worst_of(joints_[k], rule);
+      const AuditFinding finding = worst_of(joints_[k], rule, largest);
       keep_worse(joint, finding);
       count(finding);
     }
@@ -447,7 +449,7 @@ AuditReport Auditor::report() const {
     AuditFinding& element = report.elements.emplace_back();
     element.where = entity.name;
     for (const AuditRule rule : {AuditRule::force_law, AuditRule::both_sides, AuditRule::two_frames}) {
-      const AuditFinding finding = worst_of(entity, rule);
+      const AuditFinding finding = worst_of(entity, rule, largest);
       keep_worse(element, finding);
       count(finding);
     }
@@ -479,6 +481,7 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
   EnergyReport report;
   if (trajectory.samples.empty()) return report;
   const Energies start = energies_of(model, trajectory.samples.front().state);
+  const double length = model.length_scale();
   double lowest = start.potential;
   double highest = start.potential;
   for (const Sample& sample : trajectory.samples) {
@@ -486,10 +489,10 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
     lowest = std::min(lowest, now.potential);
     highest = std::max(highest, now.potential);
     report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
-                             kSmallestScale * model.length_scale() * largest_force(sample.evaluation)});
+                             kSmallestScale * length * largest_force(sample.evaluation)});
     const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
     const double error = std::abs(gained - sample.work);
-    if (!(error <= report.error)) {
+    if (!std::isnan(report.error) && !(error <= report.error)) {
       report.error = error;
       report.t = sample.state.t;
     }

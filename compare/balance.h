@@ -97,8 +97,9 @@ class Auditor {
   void add_body(int body, const State& state, const Evaluation& evaluation);
   void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
   void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
-  [[nodiscard]] double largest_of(Unit unit) const;
-  [[nodiscard]] AuditFinding worst_of(const Entity& entity, AuditRule rule) const;
+  using Scales = std::array<double, 3>;  // by unit
+  [[nodiscard]] Scales largest_scales() const;
+  static AuditFinding worst_of(const Entity& entity, AuditRule rule, const Scales& largest);
 
   const Model& model_;
   double length_;

@@ -64,7 +64,7 @@ void write_results(const std::filesystem::path& folder, const Case& one, const s
   }
   if (!runs[0] || !runs[1]) return;
   if (const auto reason = plot_reactions(folder, one.model, names, *runs[0], *runs[1])) {
-    console.err << fmt::format("{}: no plots: {}\n", one.model.name, *reason);
+    console.err << fmt::format("{}: {}\n", one.model.name, *reason);
   }
 }
 

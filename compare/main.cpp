@@ -1,6 +1,8 @@
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 
 #include "cartesian/solver.h"
@@ -43,13 +45,24 @@ constexpr const char* kEpilogue = R"(Examples:
 Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
+/// The ranges of CLI11 let NaN through.
+const CLI::Validator kNumber(
+    [](std::string& text) {
+      double value = 0.0;
+      const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+      return is_number ? std::string() : fmt::format("{} is no finite number", text);
+    },
+    "");
+
 void add_run_options(CLI::App& command, compare::VerifyOptions& options) {
   command.add_option("--until", options.until, "End of the run [s]; default: what the model says")
+      ->check(kNumber)
       ->check(CLI::PositiveNumber);
   command
       .add_option(
           "--rtol", options.rtol,
           "Relative tolerance of the integrators; default: what the model says, else 1e-11 rigid, 1e-9 flexible")
+      ->check(kNumber)
       ->check(CLI::Range(1e-14, 1e-2));
   command
       .add_option("--samples", options.samples,

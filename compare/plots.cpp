@@ -154,16 +154,6 @@ VecX component_of(const Trajectory& trajectory, std::size_t joint, int component
   return values;
 }
 
-/// Letters of a name that a file name can have everywhere.
-std::string file_name_of(const std::string& name) {
-  std::string result = name;
-  for (char& c : result) {
-    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.';
-    if (!is_plain) c = '_';
-  }
-  return result;
-}
-
 }  // namespace
 
 std::optional<std::string> draw_page(const std::filesystem::path& svg, const Page& page) {
@@ -223,8 +213,7 @@ std::optional<std::string> plot_reactions(const std::filesystem::path& folder, c
                                           const std::array<std::string_view, 2>& solvers, const Trajectory& first,
                                           const Trajectory& second) {
   for (std::size_t joint = 0; joint < model.joints.size(); ++joint) {
-    const std::string name =
-        fmt::format("{}.reaction_{}.svg", file_name_of(model.name), file_name_of(model.joints[joint].name));
+    const std::string name = fmt::format("{}.reaction_{}.svg", model.name, model.joints[joint].name);
     if (auto reason = draw_page(folder / name, reaction_page(model, joint, solvers, first, second))) return reason;
   }
   return std::nullopt;

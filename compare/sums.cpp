@@ -28,7 +28,7 @@ Side side_on(const Joint& joint, int body) { return joint.on(Side::child).body =
 /// Sum on the child of the first joint, at its point; `scale` grows to the largest force and torque (force: N, torque:
 /// N m) that enters.
 Wrench sum_at_first(const Model& model, const State& state, const Evaluation& evaluation,
-                    const std::vector<int>& joints, Wrench& scale) {
+                    const std::vector<int>& joints, double length, Wrench& scale) {
   const Joint& first = model.joints[joints.front()];
   const int body = first.on(Side::child).body;
   const Vec3 place = joint_point(model, state, first, Side::child);
@@ -40,7 +40,7 @@ Wrench sum_at_first(const Model& model, const State& state, const Evaluation& ev
     sum += Wrench{wrench.force, wrench.torque + arm.cross(wrench.force)};
     const double force = wrench.force.norm();
     scale.force = scale.force.cwiseMax(force);
-    scale.torque = scale.torque.cwiseMax(std::max(wrench.torque.norm(), force * model.length_scale()));
+    scale.torque = scale.torque.cwiseMax(std::max(wrench.torque.norm(), force * length));
   }
   return sum;
 }
@@ -50,12 +50,13 @@ PairSum compare_pair(const Model& model, const std::vector<SharedState>& states,
   const Joint& first = model.joints[joints.front()];
   for (const int k : joints) pair.what += (pair.what.empty() ? "" : " + ") + model.joints[k].name;
   pair.what += fmt::format(" on {}, at the point of {}", model.bodies[first.on(Side::child).body].name, first.name);
+  const double length = model.length_scale();
   Wrench scale;
   Wrench difference;
   for (std::size_t n = 0; n < states.size(); ++n) {
     std::array<Wrench, 2> sums;
     for (int who = 0; who < 2; ++who) {
-      sums[who] = sum_at_first(model, states[n].state, states[n].evaluations[who], joints, scale);
+      sums[who] = sum_at_first(model, states[n].state, states[n].evaluations[who], joints, length, scale);
     }
     if (n == 0) pair.at_start = sums;
     difference.force = difference.force.cwiseMax((sums[0].force - sums[1].force).cwiseAbs());

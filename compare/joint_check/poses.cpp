@@ -62,8 +62,9 @@ Numbers::Numbers(std::uint32_t seed, std::uint32_t stream) {
 
 double Numbers::operator()() {
   // The standard fixes the engine, but not its distributions.
-  const double whole = 4294967296.0 * static_cast<double>(engine_()) + static_cast<double>(engine_());
-  return whole / 9223372036854775808.0 - 1.0;
+  const auto high = static_cast<double>(engine_());
+  const auto low = static_cast<double>(engine_());
+  return (4294967296.0 * high + low) / 9223372036854775808.0 - 1.0;
 }
 
 Vec3 Numbers::vector(double size) {

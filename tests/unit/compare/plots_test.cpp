@@ -88,7 +88,7 @@ TEST(PlotReactions, DrawsAPageForEveryJoint) {
        {"F_x [N]", "difference of T_y [N m]", "cartesian", "relative", "t [s]", "(revolute) on crank"}) {
     EXPECT_THAT(svg, ::testing::HasSubstr(text));
   }
-  EXPECT_THAT(bytes_of(folder.path() / "slider_crank.reaction_joint_s_B.svg"), ::testing::HasSubstr("joint's B"));
+  EXPECT_THAT(bytes_of(folder.path() / "slider_crank.reaction_joint's B.svg"), ::testing::HasSubstr("joint's B"));
   EXPECT_EQ(folder.count(), 2);
 }
 
