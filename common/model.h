@@ -104,6 +104,10 @@ struct NeedOverride {
   SourceLocation where;
 };
 
+/// Relative tolerances of a run: below the first round-off rules, above the second nothing is compared.
+inline constexpr double kTightestTolerance = 1e-14;
+inline constexpr double kLoosestTolerance = 1e-2;
+
 struct RunSettings {
   double until = 1.0;
   std::optional<double> rtol;

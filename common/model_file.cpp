@@ -123,6 +123,10 @@ RunSettings read_run(const TableReader& document) {
   const TableReader table(*found, "run", {"until", "rtol", "samples", "start"}, document.reading());
   run.until = table.positive_number("until").value_or(run.until);
   run.rtol = table.positive_number("rtol");
+  if (run.rtol && !(*run.rtol >= kTightestTolerance && *run.rtol <= kLoosestTolerance)) {
+    table.complain("rtol", fmt::format("'rtol' must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
+                                       kLoosestTolerance, *run.rtol));
+  }
   run.samples = table.count("samples", 1);
   if (const auto start = table.text("start")) {
     run.from_equilibrium = *start == "equilibrium";

@@ -63,7 +63,7 @@ void add_run_options(CLI::App& command, compare::VerifyOptions& options) {
           "--rtol", options.rtol,
           "Relative tolerance of the integrators; default: what the model says, else 1e-11 rigid, 1e-9 flexible")
       ->check(kNumber)
-      ->check(CLI::Range(1e-14, 1e-2));
+      ->check(CLI::Range(kTightestTolerance, kLoosestTolerance));
   command
       .add_option("--samples", options.samples,
                   "Equal intervals of the output grid; default: what the model says, else 300; `compare` takes a "

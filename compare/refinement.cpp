@@ -6,7 +6,7 @@
 
 namespace concord::compare {
 
-double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightest)); }
+double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightestTolerance)); }
 
 const char* name_of(Rung rung) {
   switch (rung) {
@@ -130,7 +130,11 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
       row.scale = found.scale;
       row.floored = found.floored;
     }
-    if (judges(rung, row.quantity.kind)) row.*digits_at(rung) = found.digits;
+    RungSummary& summary = summary_of(verdict, rung);
+    summary.carries = summary.carries || (row.unique && found.scale > 0.0 && gives_digits(row.quantity.kind));
+    if (!judges(rung, row.quantity.kind)) return;
+    row.*digits_at(rung) = found.digits;
+    row.worst_t[static_cast<std::size_t>(rung)] = found.t;
   };
   for (Row& row : verdict.rows) fill(row);
   place = 0;

@@ -8,9 +8,8 @@
 /// From measured digits to judgements, rung by rung.
 namespace concord::compare {
 
-/// Tolerances are divided by this on the refined rung, but not below what double precision can hold.
+/// Tolerances are divided by this on the refined rung, but not below kTightestTolerance.
 inline constexpr double kTighter = 100.0;
-inline constexpr double kTightest = 1e-14;
 
 /// Relative tolerance of the refined run.
 double refined_tolerance(double rtol);

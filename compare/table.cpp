@@ -74,17 +74,20 @@ std::string head(const Verdict& verdict) {
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
 /// How far a row stands above its needs; the least of all rungs.
-double margin(const Row& row) {
-  double least = kMostDigits;
-  for (const Rung rung : kRungs) {
-    const std::optional<double> digits = digits_of(row, rung);
-    if (!digits) continue;
-    double above = *digits - need_of(row, rung);
-    if (rung == Rung::refined && row.same_run) above = std::max(above, *digits - (*row.same_run + kRefinedRise));
-    least = std::min(least, above);
-  }
-  return least;
+double margin(const Row& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  if (!digits) return kMostDigits;
+  const double above = *digits - need_of(row, rung);
+  const bool may_rise = rung == Rung::refined && row.same_run.has_value();
+  return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
 }
+
+Rung tightest_rung(const Row& row) {
+  return *std::min_element(kRungs.begin(), kRungs.end(),
+                           [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
+}
+
+double margin(const Row& row) { return margin(row, tightest_rung(row)); }
 
 /// Name of the joint or force element of a wrench, and of the body on which it acts.
 std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
@@ -94,6 +97,13 @@ std::pair<std::string, std::string> owner_names(const Model& model, const Quanti
   }
   const Joint& joint = model.joints[quantity.owner];
   return {joint.name, model.bodies[joint.on(quantity.side).body].name};
+}
+
+/// When the rung with the least margin differs most.
+std::string worst_time(const Row& row) {
+  const Rung rung = tightest_rung(row);
+  if (!row.unique || !digits_of(row, rung)) return "-";
+  return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
 }
 
 std::vector<std::string> cells(const Model& model, const Verdict& verdict, const Row& row) {
@@ -141,12 +151,18 @@ std::string wrench_table(const char* owner, const Model& model, const Verdict& v
                          bool all_rows) {
   std::vector<std::vector<std::string>> lines{
       {"case", owner, "on", "component", "scale", "same state", "same run", "refined", "need", "verdict"}};
-  if (all_rows) {
-    for (const Row& row : rows) lines.push_back(cells(model, verdict, row));
-  } else {
+  std::vector<bool> right{false, false, false, false, true, true, true, true, false, false};
+  if (!all_rows) {
     for (const Row* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
+    return format_table(lines, right);
   }
-  return format_table(lines, {false, false, false, false, true, true, true, true, false, false});
+  lines.front().emplace_back("worst at");
+  right.push_back(false);
+  for (const Row& row : rows) {
+    lines.push_back(cells(model, verdict, row));
+    lines.back().push_back(worst_time(row));
+  }
+  return format_table(lines, right);
 }
 
 std::string reaction_table(const Model& model, const Verdict& verdict, bool all_rows) {

@@ -32,6 +32,7 @@ struct Row {
   std::optional<double> same_state;
   std::optional<double> same_run;
   std::optional<double> refined;
+  std::array<double, 3> worst_t{};  // time of the largest difference at the same state, in the same run, refined [s]
   Needs need;
   Judgement judgement = Judgement::not_judged;
 };
@@ -40,6 +41,7 @@ struct Row {
 struct RungSummary {
   std::optional<double> digits;  // worst, missing if the rung did not run
   int samples = 0;
+  bool carries = false;  // whether any reaction or force element that is judged differs from zero
   bool climbed = false;
 };
 

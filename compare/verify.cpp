@@ -311,6 +311,9 @@ class Climb {
       verdict_.failures.emplace_back(
           "no joint and no force element carries anything: agreement on zeros is no verdict; "
           "is 'gravity' missing?");
+    } else if (verdict_.same_run.digits && !verdict_.same_run.carries) {
+      verdict_.failures.emplace_back(
+          "during the run no joint and no force element carries anything: agreement on zeros is no verdict");
     }
     if (!verdict_.failures.empty()) {
       verdict_.outcome = Outcome::failed;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostIterations = 60;
 constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
-constexpr double kClosed = 1e-12;
+constexpr double kClosed = 1e-13;           // of the largest coordinate or speed, at least of 1
 constexpr double kNearlyClosed = 1e-7;      // a gap over which Phi_u does not change so that speeds would notice
 constexpr double kRoundOffOfSpeed = 1e-15;  // of the largest speed
 constexpr double kLargestStep = 0.5;        // in machine units: half a radian, half the length
@@ -132,7 +132,7 @@ bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes
     if (!improved) break;
   }
   measure(coordinates, closure);
-  return gap < kClosed;
+  return gap < kClosed * std::max(1.0, largest(coordinates.q));
 }
 
 bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Modes modes) {
@@ -249,7 +249,7 @@ void Assembly::project_velocities(Coordinates& coordinates) {
     is_fresh = is_slow;
   }
   slip = largest(closure.slip());
-  const double allowed = kClosed * std::max(1.0, largest(coordinates.u));
+  const double allowed = 1e-12 * std::max(1.0, largest(coordinates.u));
   if (closure.slip().allFinite() && slip <= allowed) return;
   throw SolverError(fmt::format("{} will not move together: slip {:.1e} m/s or rad/s, allowed {:.0e}",
                                 closure.worst_place(closure.slip()), slip, allowed));

@@ -96,6 +96,15 @@ TEST(CartesianSolver, RefusesAStateThatIsNotClosed) {
   EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: joint 'revolute' gap"));
 }
 
+TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {
+  const Model model = make_pendulum();
+  const auto solver = make_solver(model);
+  State state = solver->assemble();
+  state.bodies[1].omega.y() = std::nan("");
+  const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
+  EXPECT_EQ(message, "cartesian: the state at t = 0 s holds what is no finite number");
+}
+
 TEST(CartesianSolver, ClosesAShakenStateAndLeavesItsTurnsAlone) {
   const Model model = make_pendulum();
   const auto solver = make_solver(model);

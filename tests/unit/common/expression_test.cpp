@@ -44,6 +44,9 @@ TEST(Parameters, ResolveInAnyOrder) {
   EXPECT_TRUE(complaints.empty());
   EXPECT_DOUBLE_EQ(parameters.evaluate("a"), 5.5);
   EXPECT_DOUBLE_EQ(parameters.evaluate("a deg"), 5.5 * kDegree);
+  const Parameters named({{"phi1", 0.5, {}}, {"phi1deg", 30.0, {}}, {"_2deg", 7.0, {}}}, complaints);
+  EXPECT_DOUBLE_EQ(named.evaluate("phi1deg + _2deg"), 37.0);  // names of their own, and no products
+  EXPECT_DOUBLE_EQ(named.evaluate("phi1 deg + 1e1deg"), 10.5 * kDegree);
 }
 
 TEST(Parameters, NameACircleAndStaySilentAboutItsConsequences) {

@@ -201,6 +201,8 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenModes{"modes = 2\n", "", "m.toml:1:1: error: missing key 'modes'"},
         BrokenModes{"modes = 2", "modes = 0",
                     "m.toml:2:9: error: 'modes' must be a whole number of at least 1, found 0"},
+        BrokenModes{"modes = 2", "modes = 900000",
+                    "m.toml:2:9: error: 'modes' must be a whole number of at least 1 and at most 1000, found 900000"},
         BrokenModes{
             "[[3, 1], [1, 2]]", "[[3, 1], [0.5, 2]]",
             "m.toml:3:13: error: 'stiffness' must be symmetric, but entries (1, 2) and (2, 1) differ: 1 and 0.5"},
@@ -233,6 +235,22 @@ INSTANTIATE_TEST_SUITE_P(
                     "Psi_t = [[1, 1], [0, 0], [0, 0]]",
                     "m.toml:1:1: error: the modes are not independent: their modal mass is singular"}));
 
+/// Mass points with a shape of their own and with the turn about an oblique axis, to the digits that are printed.
+TEST(ModesFile, RefusesRigidModes) {
+  const Vec3 axis = Vec3(2.0, -3.0, 6.0) / 7.0;
+  ModalData data = parse_modes(kSound, "m.toml");
+  data.mass_points.push_back({0.7, Vec3(-0.3, 0.4, 0.9), Mat3X::Zero(3, 2)});
+  for (MassPoint& point : data.mass_points) {
+    point.Psi_t_L.col(0) = Vec3(1.0, 0.5, -0.2) * point.s0_L.x() * point.s0_L.y();
+    point.Psi_t_L.col(1) = (1e7 * axis.cross(point.s0_L + Vec3(0.1, 0.7, 0.2))).array().round() * 1e-7;
+  }
+  EXPECT_EQ(modes_complaint(format_modes(data, InertiaForm::mass_points)),
+            "m.toml:1:1: error: the modes move the body as a whole, which its frame does already: leave rigid-body "
+            "modes out");
+  data.mass_points[0].Psi_t_L.col(1) += Vec3(0.0, 1e-4, 0.0);
+  EXPECT_EQ(modes_complaint(format_modes(data, InertiaForm::mass_points)), "none");
+}
+
 /// The integrals of the sound file's mass points, one entry changed or the size cut.
 std::string integrals_text(const MatX& G) {
   ModalData data = parse_modes(kSound, "m.toml");
@@ -249,6 +267,11 @@ TEST(ModesFile, RefusesIntegralsThatAreIncompleteOrOfNoMass) {
   MatX impossible = G;
   impossible(1, 1) = 0.1;
   EXPECT_EQ(modes_complaint(integrals_text(impossible)).substr(0, 72),
+            "m.toml:5:21: error: 'inertia_integrals' must be positive semidefinite, b");
+  MatX hidden = G;  // a large entry elsewhere does not hide what is wrong with a small one
+  hidden(9, 9) *= 1e14;
+  hidden(1, 1) = 0.1;
+  EXPECT_EQ(modes_complaint(integrals_text(hidden)).substr(0, 72),
             "m.toml:5:21: error: 'inertia_integrals' must be positive semidefinite, b");
   MatX massless = G;
   massless.row(0).setZero();

@@ -185,6 +185,28 @@ TEST_F(VerifyTest, FewerSamplesThanAskedIsNoVerdict) {
   EXPECT_EQ(verdict.failures.at(0), "relative: 200 samples, 201 were asked for");
 }
 
+TEST_F(VerifyTest, ARunThatCarriesNothingIsNoVerdict) {
+  model_.gravity.setZero();
+  model_.joints[0].start[0].u(0) = 0.0;
+  const Verdict verdict = judge();  // the shaken states carry something
+  EXPECT_GT(verdict.rows.front().scale, 0.0);
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
+  EXPECT_THAT(verdict.failures, ::testing::ElementsAre("during the run no joint and no force element carries anything: "
+                                                       "agreement on zeros is no verdict"));
+}
+
+TEST_F(VerifyTest, TheWholeTableSaysWhenEachRowDiffersMost) {
+  relative_.spoil = [](const State& state, Evaluation& evaluation) {
+    const double pulse = 1e-5 * std::exp(-std::pow((state.t - 0.13) / 0.02, 2));
+    for (auto* wrenches : {&evaluation.joints[0].reaction, &evaluation.joints[0].total}) {
+      (*wrenches)[index(Side::child)].in_C.force(1) += pulse;
+    }
+  };
+  const std::string table = format_verdict(model_, judge(), true);
+  EXPECT_THAT(table, HasSubstr("| worst at "));
+  EXPECT_THAT(table, HasSubstr("| 0.13 s, same state "));
+}
+
 TEST_F(VerifyTest, NothingJudgedIsNoVerdict) {
   const auto all_redundant = [](RankReport& report) {
     for (auto& side : report.joints[0].unique) side.fill(false);

@@ -88,6 +88,15 @@ TEST_P(StatesOfMachine, RefusesAStateOfAnotherShape) {
   EXPECT_THROW((void)states_.read(stiff, misfit), SolverError);
 }
 
+TEST_P(StatesOfMachine, RefusesWhatIsNoNumber) {
+  for (std::size_t i = 1; i < state_.bodies.size(); ++i) {
+    State state = state_;
+    state.bodies[i].omega.y() = std::nan("");
+    StateMisfit misfit;
+    EXPECT_THROW((void)states_.read(state, misfit), SolverError) << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Machines, StatesOfMachine, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "loop" : "tree"; });
 
