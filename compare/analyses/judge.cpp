@@ -329,8 +329,8 @@ bool stands_alone(const std::vector<Mode>& modes, std::size_t k, double least) {
   return !modes[k].is_free && !(k > 0 && is_near(k - 1)) && !(k + 1 < modes.size() && is_near(k + 1));
 }
 
-/// Derivatives are good to 1e-12 of the largest, so an eigenvalue has the eight digits that are needed only above this
-/// part of the fastest one; below, that part is its scale.
+/// Derivatives are good to 1e-12 of the largest, which moves an eigenvalue by that times its condition: it has the
+/// eight digits that are needed only above this part of the fastest one times its condition; below, that is its scale.
 constexpr double kResolved = 1e-4;
 
 void judge_modes(AnalysisVerdict& result) {
@@ -345,7 +345,7 @@ void judge_modes(AnalysisVerdict& result) {
   for (std::size_t k = 0; k < count; ++k) {
     const Mode& mode = one.modes[k];
     const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
-    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest});
+    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest * mode.condition});
     NumberRow row{fmt::format("eigenvalue {}", k + 1),
                   "1/s",
                   {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},

@@ -45,14 +45,28 @@ MatX damping_matrix(Chart& chart, Solver& solver, double rate) {
 struct Eigenpairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;  // of the coordinates
+  VecX condition;
 };
+
+/// |x| |y| / |y^H x| with the left eigenvectors y, the rows of the inverse; where eigenvectors coincide, what is left
+/// of round-off bounds it.
+VecX conditions_of(const Eigen::MatrixXcd& vectors) {
+  constexpr double kMost = 1e8;
+  const Eigen::MatrixXcd inverse = vectors.partialPivLu().inverse();
+  VecX conditions(vectors.cols());
+  for (Eigen::Index k = 0; k < vectors.cols(); ++k) {
+    const double condition = vectors.col(k).norm() * inverse.row(k).norm();
+    conditions(k) = condition <= kMost ? std::max(condition, 1.0) : kMost;
+  }
+  return conditions;
+}
 
 /// lambda^2 = an eigenvalue of A: exact pairs where nothing is damped.
 Eigenpairs undamped_pairs(const MatX& A) {
   const Eigen::EigenSolver<MatX> solution(A);
   const Eigen::MatrixXcd vectors = solution.eigenvectors();
   const Eigen::Index n = A.rows();
-  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(n, 2 * n)};
+  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(n, 2 * n), VecX::Ones(2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
     const Complex root = std::sqrt(solution.eigenvalues()(k));
     pairs.values(2 * k) = root;
@@ -71,7 +85,7 @@ Eigenpairs damped_pairs(const MatX& A, const MatX& B, double frequency) {
   first_order.bottomRightCorner(n, n) = B;
   const Eigen::EigenSolver<MatX> solution(first_order);
   const Eigen::MatrixXcd vectors = solution.eigenvectors();
-  Eigenpairs pairs{solution.eigenvalues(), Eigen::MatrixXcd(n, 2 * n)};
+  Eigenpairs pairs{solution.eigenvalues(), Eigen::MatrixXcd(n, 2 * n), conditions_of(vectors)};
   for (Eigen::Index k = 0; k < 2 * n; ++k) {
     const auto coordinates = vectors.col(k).head(n);
     const auto rates = vectors.col(k).tail(n);
@@ -126,6 +140,7 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
     Mode mode;
     mode.eigenvalue = pairs.values(k);
+    mode.condition = pairs.condition(k);
     mode.is_free = std::abs(mode.eigenvalue) <= result.resolution;
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (is_undamped) settle_on_an_axis(mode.eigenvalue);

@@ -40,17 +40,20 @@ Model with_rigid_coupler() {
   return model;
 }
 
-/// Largest difference of any joint's reaction on its child between two runs, after the start has died away.
-double largest_difference(const Trajectory& one, const Trajectory& other) {
+/// Largest difference of any joint's reaction, forces and torques per length, between two runs, after the start has
+/// died away.
+double largest_difference(const Trajectory& one, const Trajectory& other, double length) {
   constexpr double kDiedAway = 0.05;  // s
   double largest = 0.0;
   for (std::size_t k = 0; k < one.samples.size(); ++k) {
     if (one.samples[k].state.t < kDiedAway) continue;
     for (std::size_t joint = 0; joint < one.samples[k].evaluation.joints.size(); ++joint) {
-      const auto force = [&](const Trajectory& run) {
-        return run.samples[k].evaluation.joints[joint].reaction_on(Side::child).in_C.force;
-      };
-      largest = std::max(largest, (force(one) - force(other)).norm());
+      for (const Side side : {Side::parent, Side::child}) {
+        const Wrench& bent = one.samples[k].evaluation.joints[joint].reaction_on(side).in_C;
+        const Wrench& rigid = other.samples[k].evaluation.joints[joint].reaction_on(side).in_C;
+        const double torque = (bent.torque - rigid.torque).norm();
+        largest = std::max({largest, (bent.force - rigid.force).norm(), torque / length});
+      }
     }
   }
   return largest;
@@ -68,7 +71,7 @@ TEST_CASE("As the coupler gets stiffer, damped flexible reactions tend to the ri
     std::vector<double> differences;
     for (const Model& model : stiff) {
       const Trajectory bent = run(*both_solvers(model)[who], kUntil, 1e-10, kSamples, integrators[who]);
-      differences.push_back(largest_difference(bent, reference));
+      differences.push_back(largest_difference(bent, reference, rigid.length_scale()));
     }
     INFO(integrators[who] << ": " << differences[0] << " N, then " << differences[1] << " N");
     if (std::getenv("CONCORD_PRINT_DIGITS") != nullptr) {
