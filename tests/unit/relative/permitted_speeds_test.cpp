@@ -177,7 +177,7 @@ TEST(PermittedSpeeds, BallOnATurntableCirclesAtTwoSeventhsOfItsRate) {
   for (const bool cut : {false, true}) {
     // Cut at the contact, with a free joint to carry the ball.
     if (cut) {
-      contact.named_as_cut = true;
+      model.joints[0].named_as_cut = true;
       Joint flight = test::joint(model, "flight", "free", 0, 1, numbers);
       test::release(flight);
       model.joints.push_back(flight);
