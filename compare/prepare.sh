@@ -2,6 +2,7 @@
 # Everything that is not the program's own output goes to stderr. What cannot be prepared ends with 3: no verdict.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=${CONCORD_BUILD:-$root/build}  # a folder of its own for each set of options
 
 # Debian 12 packages, the tools first.
 packages=(

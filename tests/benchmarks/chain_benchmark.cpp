@@ -160,9 +160,38 @@ class TableReporter : public benchmark::BenchmarkReporter {
     fmt::print("{:>6}", "slope");
     for (const auto& [name, times] : times_) fmt::print("{:>12.3f}", slope(times));
     fmt::print("\nslope: fitted exponent of time over N on logarithmic scales; 1 is proportional to N\n");
+    within_limits_ = keeps("relative", kRelativeSlope) && keeps("cartesian", kCartesianSlope) && is_not_slower();
   }
 
+  /// Of what was measured: slopes at most these, and relative at no length slower than Simbody.
+  [[nodiscard]] bool within_limits() const { return within_limits_; }
+
  private:
+  static constexpr double kRelativeSlope = 1.1;
+  static constexpr double kCartesianSlope = 1.2;
+
+  /// A slope through fewer than four lengths says nothing.
+  [[nodiscard]] bool keeps(const std::string& name, double largest) const {
+    const auto found = times_.find(name);
+    if (found == times_.end() || found->second.size() < 4 || slope(found->second) <= largest) return true;
+    fmt::print("{}: slope {:.3f}, allowed {}\n", name, slope(found->second), largest);
+    return false;
+  }
+
+  [[nodiscard]] bool is_not_slower() const {
+    bool good = true;
+    const auto own = times_.find("relative");
+    const auto outside = times_.find("simbody");
+    if (own == times_.end() || outside == times_.end()) return true;
+    for (const auto& [n, ns] : outside->second) {
+      const auto found = own->second.find(n);
+      if (found == own->second.end() || found->second <= ns) continue;
+      fmt::print("relative: slower than Simbody at N = {}\n", n);
+      good = false;
+    }
+    return good;
+  }
+
   /// Least squares of log(time) over log(N).
   static double slope(const std::map<int, double>& times) {
     double count = 0.0;
@@ -181,6 +210,7 @@ class TableReporter : public benchmark::BenchmarkReporter {
   }
 
   std::map<std::string, std::map<int, double>> times_;
+  bool within_limits_ = true;
 };
 
 template <class Evaluator>
@@ -206,5 +236,5 @@ int main(int argc, char** argv) {
   }
   TableReporter table;
   benchmark::RunSpecifiedBenchmarks(&table);
-  return 0;
+  return table.within_limits() ? 0 : 1;
 }
