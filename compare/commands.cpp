@@ -53,9 +53,24 @@ struct Case {
   Verdict verdict;
 };
 
+/// What an earlier comparison wrote for this machine: beside the table of a failed one it would pass for its results.
+void remove_results(const std::filesystem::path& folder, const Case& one) {
+  const auto remove = [&](const std::string& name) {
+    std::error_code ignored;
+    std::filesystem::remove(folder / name, ignored);
+  };
+  for (const SolverSummary& solver : one.verdict.solvers) {
+    for (const char* ending : {"nc", "motion.csv", "reactions.csv", "elements.csv"}) {
+      remove(fmt::format("{}.{}.{}", one.model.name, solver.name, ending));
+    }
+  }
+  for (const Joint& joint : one.model.joints) remove(fmt::format("{}.reaction_{}.svg", one.model.name, joint.name));
+}
+
 void write_results(const std::filesystem::path& folder, const Case& one, const std::string& table,
                    const Console& console) {
   make_folder(folder);
+  remove_results(folder, one);
   write_file(folder / (one.model.name + ".table.txt"), table);
   const auto& runs = one.verdict.trajectories;
   const std::array<std::string_view, 2> names{one.verdict.solvers[0].name, one.verdict.solvers[1].name};

@@ -122,8 +122,9 @@ std::string format_info(const Model& model, const std::array<SolverView, 2>& sol
   const int bodies = static_cast<int>(model.bodies.size()) - 1;
   const int joints = static_cast<int>(model.joints.size());
   std::string text =
-      fmt::format("{}: {} moving bodies, {} joints, {} loops, gravity ({:g}, {:g}, {:g}) m/s2\n\n", model.name, bodies,
-                  joints, joints - bodies, model.gravity(0), model.gravity(1), model.gravity(2));
+      fmt::format("{}: {}, {}, {}, gravity ({:g}, {:g}, {:g}) m/s2\n\n", model.name,
+                  plural(bodies, "moving body", "moving bodies"), plural(joints, "joint", "joints"),
+                  plural(joints - bodies, "loop", "loops"), model.gravity(0), model.gravity(1), model.gravity(2));
   text += body_table(model) + '\n' + joint_table(model, solvers) + '\n' + coupling_table(model) + element_table(model);
   for (const SolverView& solver : solvers) text += rank_text(model, solver);
   return text;

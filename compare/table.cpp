@@ -34,11 +34,11 @@ std::string format_table(const std::vector<std::vector<std::string>>& lines, con
   return text;
 }
 
-namespace {
-
 std::string plural(int count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
+
+namespace {
 
 std::string cuts_of(const SolverSummary& solver) {
   return solver.cut_joints.empty() ? "" : fmt::format("{} cuts {}", solver.name, fmt::join(solver.cut_joints, ", "));

@@ -18,4 +18,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
 /// in `right` are aligned right.
 std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right);
 
+/// "1 loop", "2 loops".
+std::string plural(int count, const char* one, const char* many);
+
 }  // namespace concord::compare

@@ -27,8 +27,6 @@ struct Arrangement {
   bool child_bends = false;
   bool tree_runs_against = false;  // from the joint's child to its parent
   std::vector<Load> loads;         // one for each of coordinates_of(type)
-
-  [[nodiscard]] bool is_rigid() const { return !parent_bends && !child_bends; }
 };
 
 /// "rigid parent, flexible child, tree against the joint; coordinate 2 driven".

@@ -256,6 +256,23 @@ TEST_CASE("Results hold the rows that were asked for", "[program]") {
   CHECK(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
 }
 
+TEST_CASE("Results of an earlier comparison do not stand beside the table of one that failed", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  REQUIRE(desk.run("compare pendulum.toml --out results").code == 0);
+  std::string weightless = kPendulum;
+  weightless.replace(weightless.find("[0.3, -9.81, 0.2]"), 17, "[0, 0, 0]");
+  weightless.replace(weightless.find("keep_speed = 2"), 14, "keep_speed = 0");
+  desk.write("pendulum.toml", weightless + "[[need]]\njoint = \"hinge\"\nsame_state = 15.99\n");
+  desk.write("results/note.txt", "kept");
+  const Told told = desk.run("compare pendulum.toml --out results");
+  INFO(told.out << told.err);
+  CHECK(told.code == 3);
+  CHECK(contains(told.out, "during the run no joint and no force element carries anything"));
+  CHECK(fs::exists(desk.work() / "results" / "note.txt"));
+  CHECK(contains(read(desk.work() / "results" / "pendulum.table.txt"), "failed pendulum"));
+}
+
 TEST_CASE("Several models: the summary survives a failing one, the exit code is the worst", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);

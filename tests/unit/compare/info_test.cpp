@@ -18,7 +18,7 @@ TEST(InfoTest, TellsWhatBothSolversSee) {
   rank.joints[0].unique[index(Side::child)][5] = false;  // not carried: not named
   SolverView other{"relative", {"A"}, {"rk4"}, rank};
   const std::string text = format_info(model, {one, other});
-  EXPECT_THAT(text, HasSubstr("pendulum: 1 moving bodies, 1 joints, 0 loops, gravity (0.4, -9.6, 1.1) m/s2\n"));
+  EXPECT_THAT(text, HasSubstr("pendulum: 1 moving body, 1 joint, 0 loops, gravity (0.4, -9.6, 1.1) m/s2\n"));
   EXPECT_THAT(text, HasSubstr("| bob  |       1.7 |     0 |"));
   EXPECT_THAT(text, HasSubstr("| A     | revolute | ground | bob   |       0 |       0 | relative |\n"));
   EXPECT_THAT(text, HasSubstr("cartesian: 5 constraints of rank 5, 1 degrees of freedom, integrators rk4, other\n"
