@@ -260,17 +260,20 @@ TEST_CASE("Results of an earlier comparison do not stand beside the table of one
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
   REQUIRE(desk.run("compare pendulum.toml --out results").code == 0);
-  std::string weightless = kPendulum;
-  weightless.replace(weightless.find("[0.3, -9.81, 0.2]"), 17, "[0, 0, 0]");
-  weightless.replace(weightless.find("keep_speed = 2"), 14, "keep_speed = 0");
-  desk.write("pendulum.toml", weightless + "[[need]]\njoint = \"hinge\"\nsame_state = 15.99\n");
+  REQUIRE(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
+  std::string turning = kPendulum;  // past what a turn spring reads
+  turning.replace(turning.find("[0.3, -9.81, 0.2]"), 17, "[0, 0, 0]");
+  turning.replace(turning.find("until = 0.3"), 11, "until = 3");
+  turning += "[[turn_spring]]\nname = \"torsion\"\nparent = \"ground\"\nchild = \"bob\"\nstiffness = 0.001\n";
+  desk.write("pendulum.toml", turning);
   desk.write("results/note.txt", "kept");
   const Told told = desk.run("compare pendulum.toml --out results");
   INFO(told.out << told.err);
   CHECK(told.code == 3);
-  CHECK(contains(told.out, "during the run no joint and no force element carries anything"));
-  CHECK(fs::exists(desk.work() / "results" / "note.txt"));
+  CHECK(contains(told.out, "is turned by 175"));
   CHECK(contains(read(desk.work() / "results" / "pendulum.table.txt"), "failed pendulum"));
+  CHECK(desk.left_behind() ==
+        std::vector<std::string>{"pendulum.toml", "results", "results/note.txt", "results/pendulum.table.txt"});
 }
 
 TEST_CASE("Several models: the summary survives a failing one, the exit code is the worst", "[program]") {
