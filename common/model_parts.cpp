@@ -113,6 +113,7 @@ class PartsReader {
     const TableReader table(found, "include", {"file", "prefix", "parameters"}, part.reading);
     Inclusion inner;
     const std::string own_prefix = table.text("prefix").value_or("");
+    table.require_fit_for_files("prefix", own_prefix);
     inner.prefix = outer.prefix + own_prefix;
     inner.parameters = read_overrides(table);
     inner.includer = &part.reading;

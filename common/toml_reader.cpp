@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -229,15 +230,18 @@ std::optional<std::string> TableReader::text(std::string_view key) const {
   return std::nullopt;
 }
 
+void TableReader::require_fit_for_files(std::string_view key, const std::string& value) const {
+  const auto is_bad = [](char c) { return c == '/' || std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+  if (std::none_of(value.begin(), value.end(), is_bad)) return;
+  complain(key,
+           fmt::format("'{}' must be one line without '/', for result files are named by it, found {:?}", key, value));
+}
+
 std::string TableReader::name() const {
   if (!require({"name"})) return "";
   const auto value = text("name");
   if (value && value->empty()) complain("name", "'name' must not be empty");
-  const auto is_bad = [](char c) { return c == '/' || std::iscntrl(static_cast<unsigned char>(c)) != 0; };
-  if (value && std::any_of(value->begin(), value->end(), is_bad)) {
-    complain("name",
-             fmt::format("'name' must be one line without '/', for result files are named by it, found {:?}", *value));
-  }
+  if (value) require_fit_for_files("name", *value);
   return value && !value->empty() ? reading_->prefix + *value : "";
 }
 

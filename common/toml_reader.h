@@ -77,6 +77,8 @@ class TableReader {
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
   /// The text of `name`, which must be there and not be empty, after the file's prefix; empty after a complaint.
   [[nodiscard]] std::string name() const;
+  /// Complains of a text, the whole of a name or a part of one, that a file's name cannot hold.
+  void require_fit_for_files(std::string_view key, const std::string& value) const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
   /// A list of numbers; of `length` numbers if that is not negative.
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, int length = -1) const;

@@ -1,4 +1,4 @@
-# Shared by compare/run, tests/run and .ci/run: what must be there before anything runs. Sourced by bash.
+# Shared by compare/run, tests/run, tests/sanitized and .ci/run: what must be there before anything runs. Sourced by bash.
 # Everything that is not the program's own output goes to stderr. What cannot be prepared ends with 3: no verdict.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

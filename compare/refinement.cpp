@@ -147,9 +147,7 @@ bool has_judged(const Verdict& verdict) {
 }
 
 bool carries_something(const Verdict& verdict) {
-  const auto carries = [](const Row& row) {
-    return row.unique && row.scale > 0.0 && (row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element);
-  };
+  const auto carries = [](const Row& row) { return row.unique && row.scale > 0.0 && gives_digits(row.quantity.kind); };
   return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
          std::any_of(verdict.others.begin(), verdict.others.end(), carries);
 }

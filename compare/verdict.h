@@ -41,7 +41,7 @@ struct Row {
 struct RungSummary {
   std::optional<double> digits;  // worst, missing if the rung did not run
   int samples = 0;
-  bool carries = false;  // whether any reaction or force element that is judged differs from zero
+  bool carries = false;  // whether any reaction or force element that is judged is not exactly zero
   bool climbed = false;
 };
 

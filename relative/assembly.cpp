@@ -13,9 +13,10 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
+constexpr double kRankThreshold = 1e-10;    // of the largest singular value, or of 1, the size of a row, if all vanish
 constexpr double kClosed = 1e-13;           // of the largest coordinate or speed, at least of 1
 constexpr double kNearlyClosed = 1e-7;      // a gap over which Phi_u does not change so that speeds would notice
+constexpr double kNoRoundOff = 1e-9;        // of the largest speed: a slip that no dependent row explains
 constexpr double kRoundOffOfSpeed = 1e-15;  // of the largest speed
 constexpr double kLargestStep = 0.5;        // in machine units: half a radian, half the length
 
@@ -132,7 +133,9 @@ bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes
     if (!improved) break;
   }
   measure(coordinates, closure);
-  return gap < kClosed * std::max(1.0, largest(coordinates.q));
+  // Round-off adds up along a loop, which has at most all links.
+  const double longest = 0.01 * static_cast<double>(equations_->topology().links.size());
+  return gap < kClosed * std::max({1.0, largest(coordinates.q), longest});
 }
 
 bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Modes modes) {
@@ -249,10 +252,12 @@ void Assembly::project_velocities(Coordinates& coordinates) {
     is_fresh = is_slow;
   }
   slip = largest(closure.slip());
-  const double allowed = 1e-12 * std::max(1.0, largest(coordinates.u));
+  const double allowed = kNoRoundOff * std::max(1.0, largest(coordinates.u));
   if (closure.slip().allFinite() && slip <= allowed) return;
-  throw SolverError(fmt::format("{} will not move together: slip {:.1e} m/s or rad/s, allowed {:.0e}",
-                                closure.worst_place(closure.slip()), slip, allowed));
+  throw SolverError(
+      fmt::format("{} will not move together: slip {:.1e} m/s or rad/s, allowed {:.0e}; it did at the "
+                  "start: tighten the tolerance",
+                  closure.worst_place(closure.slip()), slip, allowed));
 }
 
 /// Modes stay where joints alone can close: round-off of a loop, put into a stiff mode, would be a force.

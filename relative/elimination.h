@@ -48,13 +48,13 @@ struct FlexibleFactors {
   VecX addot;            // m
 };
 
-/// Recursive elimination over the tree. All memory is laid out at construction.
 /// A motion of a link's joint: its speeds.
 struct SlackMotion {
   int link;
   JointVector u;
 };
 
+/// Recursive elimination over the tree. All memory is laid out at construction.
 class Elimination {
  public:
   /// The kinematics must outlive this object. `driven`: speeds whose accelerations are prescribed.

@@ -1,6 +1,7 @@
 #include "relative/reactions.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "relative/wrenches.h"
 

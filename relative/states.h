@@ -25,7 +25,7 @@ class States {
   /// Coordinates of a state: those of every joint are measured between its two bodies, tree and cut joints alike, with
   /// the state's q as first guess; cost proportional to the number of joints. `misfit` gets what the joints do not
   /// permit, and how far driven coordinates are from their laws. Throws SolverError if the state has the wrong size or
-  /// holds what is no number.
+  /// its bodies hold what is no number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
   /// The complete state of the pose that the equations hold; Euler parameters of the sign nearest to those of `before`

@@ -345,7 +345,8 @@ void judge_modes(AnalysisVerdict& result) {
   for (std::size_t k = 0; k < count; ++k) {
     const Mode& mode = one.modes[k];
     const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
-    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest * mode.condition});
+    const double condition = std::max(mode.condition, other.modes[k].condition);
+    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest * condition});
     NumberRow row{fmt::format("eigenvalue {}", k + 1),
                   "1/s",
                   {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},

@@ -66,11 +66,13 @@ Eigenpairs undamped_pairs(const MatX& A) {
   const Eigen::EigenSolver<MatX> solution(A);
   const Eigen::MatrixXcd vectors = solution.eigenvectors();
   const Eigen::Index n = A.rows();
-  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(n, 2 * n), VecX::Ones(2 * n)};
+  const VecX conditions = conditions_of(vectors);
+  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(n, 2 * n), VecX(2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
     const Complex root = std::sqrt(solution.eigenvalues()(k));
     pairs.values(2 * k) = root;
     pairs.values(2 * k + 1) = -root;
+    pairs.condition(2 * k) = pairs.condition(2 * k + 1) = conditions(k);
     pairs.vectors.col(2 * k) = pairs.vectors.col(2 * k + 1) = vectors.col(k);
   }
   return pairs;

@@ -12,7 +12,7 @@ namespace concord::compare::analyses {
 /// An eigenvalue of the linearized machine: of a conjugate pair the one with positive imaginary part.
 struct Mode {
   std::complex<double> eigenvalue;  // 1/s
-  /// By how much of the round-off of the derivatives the eigenvalue moves, at least 1; 1 where nothing is damped.
+  /// By how much of the round-off of the derivatives the eigenvalue moves, at least 1.
   double condition = 1.0;
   /// Takes part in nothing that pulls back: its eigenvalue is zero within the round-off of differences.
   bool is_free = false;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "closed_forms.h"
 #include "common/modes_file.h"
@@ -29,6 +33,7 @@ std::vector<std::string> shipped(bool cars) {
     const std::string name = entry.path().filename().string();
     if (entry.path().extension() == ".toml" && name.starts_with("car") == cars) names.push_back(name);
   }
+  REQUIRE(names.size() > 3);
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -55,8 +60,8 @@ TEST_CASE("Every shipped car agrees over its whole run", "[nightly]") {
 TEST_CASE("Whichever integrators run the spatial flexible slider-crank, stiff ones too, all its reactions agree",
           "[nightly]") {
   const Model model = read_model(kModels / "slider_crank_spatial_flexible.toml");
-  for (const std::string& first : {"gbs", "ida"}) {
-    for (const std::string& second : {"erk", "dirk"}) {
+  for (const std::string first : {"gbs", "ida"}) {
+    for (const std::string second : {"erk", "dirk"}) {
       compare::VerifyOptions options;
       options.integrators = {first, second};
       const compare::Verdict verdict = verdict_of(model, options);
@@ -78,9 +83,11 @@ Model with_modes_file(const ModalData& modes, InertiaForm form) {
   const std::size_t first = text.find("[body.beam]");
   const std::string last = "damping_ratio = 0.01\n";
   text.replace(first, text.find(last) + last.size() - first, "modes_file = \"coupler.toml\"\n");
-  Model model = parse_model(text, folder / "machine.toml");
-  std::filesystem::remove_all(folder);
-  return model;
+  const struct Cleaner {
+    const std::filesystem::path& path;
+    ~Cleaner() { std::filesystem::remove_all(path); }
+  } cleaner{folder};
+  return parse_model(text, folder / "machine.toml");
 }
 
 TEST_CASE(

@@ -58,7 +58,7 @@ struct Pushed {
 
 Model two_bodies_with(const std::function<ForceElement(Numbers&, const Model&)>& element) {
   Model model = testing::make_pair(77, *joints::find("free"), 2, 1);
-  Numbers numbers(79);
+  Numbers numbers(79);  // ends that a bushing can join: turned by less than 175 deg
   model.elements.push_back(element(numbers, model));
   return model;
 }
@@ -208,11 +208,12 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
   Model model = testing::make_pair(11, *joints::find("free"), 0, 0);
   const Attachment at_origin{1, Vec3::Zero(), Mat3::Identity(), Mat3X(3, 0), Mat3X(3, 0)};
   const Attachment on_ground{kGround, Vec3::Zero(), Mat3::Identity(), Mat3X(3, 0), Mat3X(3, 0)};
+  double turned = 177.0;  // deg
   const auto refusal = [&](const ForceElement& element) {
     model.elements = {element};
     Pushed rig(model);
     rig.q.setZero();
-    const double half = 177.0 / 2.0 * EIGEN_PI / 180.0;
+    const double half = turned / 2.0 * EIGEN_PI / 180.0;
     rig.layout.p(rig.q, 1) = Vec4(std::cos(half), 0.0, 0.0, std::sin(half));
     rig.layout.p(rig.q, 2) = Vec4(1.0, 0.0, 0.0, 0.0);
     try {
@@ -234,6 +235,14 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
       "joint count turns instead");
   EXPECT_EQ(refusal({"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}),
             "cartesian: at t = 0.3 s bushing 'rubber' is turned by 177.0 deg, allowed are 175 deg: it is no joint");
+  turned = 173.0;
+  beside_origin.point_L.x() = 1e-8 * model.length_scale();
+  for (const ForceElement& sound :
+       {ForceElement{"short", LineSpring{{on_ground, beside_origin}, {}}, {}},
+        ForceElement{"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}},
+        ForceElement{"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}}) {
+    EXPECT_EQ(refusal(sound), "nothing");
+  }
 }
 
 }  // namespace
