@@ -212,7 +212,7 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double referen
   unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
   free_ = MatX::Zero(n, missing);
   free_.bottomRows(n - m) = svd.matrixV().rightCols(missing);
-  if (m > 0) free_.topRows(m) = -R11_.partialPivLu().solve(R12_ * free_.bottomRows(n - m));
+  if (m > 0 && missing > 0) free_.topRows(m) = -R11_.partialPivLu().solve(R12_ * free_.bottomRows(n - m));
 }
 
 VecX StiffnessSplit::newton_step(const VecX& f) const {
