@@ -39,4 +39,11 @@ class SolverError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A pose where the constraints, or the motion that a joint permits, lose rank: motion may branch there and reactions
+/// may be unbounded. The text names the joint or loop and the time.
+class SingularPose : public SolverError {
+ public:
+  using SolverError::SolverError;
+};
+
 }  // namespace concord

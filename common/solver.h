@@ -46,6 +46,12 @@ struct RankReport {
   double smallest_kept = 0.0;  // relative to the largest singular value
   double largest_dropped = 0.0;
   std::vector<JointUniqueness> joints;
+  /// Whether each flag of `joints` stays what it is when the thresholds that decide it move by 1000, half of that each
+  /// way; false: the flag is undecided. Empty: all stay.
+  std::vector<JointUniqueness> decided;
+  /// The same two of the force of each coupling. Empty: all unique, and all stay.
+  std::vector<bool> unique_coupling;
+  std::vector<bool> decided_coupling;
 };
 
 /// One formulation of multibody dynamics, bound to one model. Not thread-safe: one solver per thread.
@@ -68,17 +74,20 @@ class Solver {
   virtual std::optional<State> close(const State& guess) = 0;
 
   /// Accelerations, reactions, total wrenches and driver forces in a closed state. The state is taken as it is, not
-  /// projected. Throws SolverError if its own closure residual exceeds 1e-12, naming the joint and the residual.
+  /// projected. Throws SolverError if its own closure residual exceeds 1e-12, naming the joint and the residual, and
+  /// SingularPose where the constraints lose rank against the machine's generic one.
   virtual Evaluation evaluate(const State& state) = 0;
 
-  /// Rank of the constraints and uniqueness of every reaction component in a closed state.
+  /// Rank of the constraints and uniqueness of every reaction, total wrench, driver and coupling force in a closed
+  /// state. Decided anew at each state; costs at most what twenty evaluations cost.
   virtual RankReport rank(const State& state) = 0;
 
   /// Orthonormal columns that span the velocities which the constraints permit in a closed state, drivers at rest: rows
   /// are [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length [rad/s]).
   virtual MatX tangent(const State& state) = 0;
 
-  /// Integrates from the start state. Throws SolverError with time, place and reason if it cannot reach the tolerance.
+  /// Integrates from the start state. Throws SolverError with time, place and reason if it cannot reach the tolerance,
+  /// and SingularPose if the motion reaches or passes a singular pose, between steps too.
   virtual Trajectory integrate(const RunOptions& options, const Progress& progress) = 0;
 
   /// Names of the joints that this solver cuts, in the order of the model; empty if it cuts none.
