@@ -95,7 +95,9 @@ const Driver* driver_of(const Joint& joint, int word, int component = 0);
 
 /// A change of the digits needed, made by the model: see compare/README.
 struct NeedOverride {
-  std::string joint;      // empty: every joint
+  std::string joint;  // at most one of the three is named; none: everything
+  std::string element;
+  std::string body;
   std::string component;  // "F_x" ... "T_z"; empty: every component
   std::optional<double> same_state;
   std::optional<double> same_run;

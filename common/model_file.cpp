@@ -155,13 +155,16 @@ std::optional<double> read_digits(const TableReader& need, std::string_view key)
 std::vector<NeedOverride> read_needs(const TableReader& document, const std::vector<std::string>& joints) {
   std::vector<NeedOverride> needs;
   for (const toml::table* found : document.tables("need")) {
-    const TableReader table(*found, "need", {"joint", "component", "same_state", "same_run", "refined", "because"},
+    const TableReader table(*found, "need",
+                            {"joint", "element", "body", "component", "same_state", "same_run", "refined", "because"},
                             document.reading());
     NeedOverride need;
     need.where = table.where();
     const std::string joint = table.text("joint").value_or("");
     if (!joint.empty()) check_joint_name(table, joint, joints);
     need.joint = document.reading().name_in_model("joint", joint);
+    if (const auto element = table.text("element")) need.element = document.reading().prefix + *element;
+    need.body = document.reading().name_in_model("body", table.text("body").value_or(""));
     need.component = table.text("component").value_or("");
     if (!need.component.empty()) check_component(table, need.component);
     need.same_state = read_digits(table, "same_state");

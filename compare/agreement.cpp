@@ -1,6 +1,8 @@
 #include "compare/agreement.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "compare/digits.h"
 #include "compare/joint_motion.h"
@@ -22,11 +24,15 @@ double peak(const Series& series, int row, int count) {
 struct BlockScale {
   double linear = 0.0;
   double angular = 0.0;
+  ScaleSource linear_source = ScaleSource::own_peak;
+  ScaleSource angular_source = ScaleSource::own_peak;
 };
+
+double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
 double total_mass(const Model& model) {
   double mass = 0.0;
-  for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
+  for (const Body& body : model.bodies) mass += mass_of(body);
   return mass;
 }
 
@@ -40,28 +46,50 @@ class Scales {
 
   void assign(const Quantity& quantity, Measured& measured) const {
     const bool is_acceleration = quantity.kind == Kind::acceleration;
-    const BlockScale own = is_acceleration ? accelerations_[quantity.owner] : wrench_scale(quantity);
-    const BlockScale floor = is_acceleration ? acceleration_floor_ : wrench_floor_;
     if (is_acceleration && quantity.component >= 6) {
-      measured.scale = modal_[quantity.owner];
+      measured.scale = measured.machine = modal_[quantity.owner];
       return;
     }
+    const BlockScale own = is_acceleration ? accelerations_[quantity.owner] : wrench_scale(quantity);
+    const BlockScale floor = is_acceleration ? acceleration_floor_ : wrench_floor_;
     const bool angular = unit_of(layout_.model(), quantity) == (is_acceleration ? "rad/s2" : "N m");
     const double scale = angular ? own.angular : own.linear;
     const double least = angular ? floor.angular : floor.linear;
-    measured.floored = scale < least;
     measured.scale = std::max(scale, least);
+    measured.source = scale < least ? ScaleSource::floor : (angular ? own.angular_source : own.linear_source);
+    measured.machine = std::max(measured.scale, least / kScaleFloor);
   }
 
  private:
   [[nodiscard]] BlockScale wrench_at(int row) const {
     const double force = peak(series_, row, 3);
-    return {force, std::max(peak(series_, row + 3, 3), force * length_)};
+    const double torque = peak(series_, row + 3, 3);
+    const bool by_lever = force * length_ > torque;
+    return {force, by_lever ? force * length_ : torque, ScaleSource::own_peak,
+            by_lever ? ScaleSource::lever : ScaleSource::own_peak};
   }
 
   static void enlarge(BlockScale& scale, const BlockScale& other) {
-    scale.linear = std::max(scale.linear, other.linear);
-    scale.angular = std::max(scale.angular, other.angular);
+    if (other.linear > scale.linear) {
+      scale.linear = other.linear;
+      scale.linear_source = other.linear_source;
+    }
+    if (other.angular > scale.angular) {
+      scale.angular = other.angular;
+      scale.angular_source = other.angular_source;
+    }
+  }
+
+  /// Weight and inertia of the bodies: what joints would pass on if they passed anything.
+  [[nodiscard]] BlockScale loads() const {
+    const Model& model = layout_.model();
+    BlockScale largest;
+    for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
+      const double acceleration = peak(series_, layout_.first_row(Kind::acceleration, i), 3) + model.gravity.norm();
+      const double force = mass_of(model.bodies[i]) * acceleration;
+      enlarge(largest, {force, force * length_});
+    }
+    return largest;
   }
 
   void collect_wrenches() {
@@ -85,6 +113,8 @@ class Scales {
       }
       enlarge(wrench_floor_, scale);
     }
+    enlarge(wrench_floor_, loads());
+    wrench_floor_.linear_source = wrench_floor_.angular_source = ScaleSource::floor;
     hold_idle_joints_against_the_machine(wrench_floor_);
     collect_couplings();
     wrench_floor_ = {kScaleFloor * wrench_floor_.linear, kScaleFloor * wrench_floor_.angular};
@@ -132,9 +162,14 @@ class Scales {
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const int row = layout_.first_row(Kind::acceleration, i);
       const double spin = series_.spin[i];
-      const double linear = std::max(
-          {peak(series_, row, 3), peak(series_, row + 3, 3) * length_, spin * spin * length_, model.gravity.norm()});
-      accelerations_[i] = {linear, linear / length_};
+      const double own = peak(series_, row, 3);
+      const double by_turning = std::max(peak(series_, row + 3, 3), spin * spin) * length_;
+      const double gravity = model.gravity.norm();
+      const double linear = std::max({own, by_turning, gravity});
+      const ScaleSource source = linear == own          ? ScaleSource::own_peak
+                                 : linear == by_turning ? ScaleSource::lever
+                                                        : ScaleSource::gravity;
+      accelerations_[i] = {linear, linear / length_, source, source};
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
     }
@@ -177,20 +212,66 @@ class Scales {
 
 }  // namespace
 
-std::vector<Measured> measure(const Layout& layout, const Series& series) {
+const char* name_of(ScaleSource source) {
+  switch (source) {
+    case ScaleSource::own_peak:
+      return "peak";
+    case ScaleSource::lever:
+      return "F l";
+    case ScaleSource::gravity:
+      return "g";
+    default:
+      return "floor";
+  }
+}
+
+namespace {
+
+/// Goes over the samples of one quantity.
+void measure_row(const Series& series, const Budget& budget, Eigen::Index row, Measured& measured) {
+  std::optional<Eigen::Index> worst;
+  for (Eigen::Index sample = 0; sample < series.values[0].cols(); ++sample) {
+    if (budget.judged != nullptr && !(*budget.judged)(row, sample)) {
+      ++measured.not_unique;
+      continue;
+    }
+    const double resolution =
+        budget.resolution != nullptr ? (*budget.resolution)(row, sample) : std::numeric_limits<double>::quiet_NaN();
+    const double within = kWithinResolution * resolution;
+    if (within > kCoarsest * measured.machine && measured.machine > 0.0) {
+      ++measured.too_coarse;
+      continue;
+    }
+    ++measured.samples;
+    measured.unresolved = measured.unresolved || within > kCoarsest * measured.scale;
+    const double difference = std::abs(series.values[0](row, sample) - series.values[1](row, sample));
+    const bool is_explained = difference <= within;
+    if (resolution > 0.0) {
+      measured.resolution = std::fmax(measured.resolution, resolution);
+      measured.ratio = std::max(measured.ratio, difference / resolution);
+    }
+    const bool is_worse = !is_explained && difference > measured.unexplained;
+    if (is_worse || !worst || (measured.unexplained == 0.0 && difference > measured.difference)) worst = sample;
+    if (!is_explained) measured.unexplained = std::max(measured.unexplained, difference);
+    measured.difference = std::max(measured.difference, difference);
+  }
+  if (!worst) return;
+  measured.worst = static_cast<std::size_t>(*worst);
+  measured.t = series.times[measured.worst];
+  measured.values = {series.values[0](row, *worst), series.values[1](row, *worst)};
+}
+
+}  // namespace
+
+std::vector<Measured> measure(const Layout& layout, const Series& series, const Budget& budget) {
   const Scales scales(layout, series);
   std::vector<Measured> all(layout.quantities().size());
   for (std::size_t row = 0; row < all.size(); ++row) {
     Measured& measured = all[row];
     scales.assign(layout.quantities()[row], measured);
-    if (series.times.empty()) continue;
-    const auto line = static_cast<Eigen::Index>(row);
-    Eigen::Index worst = 0;
-    measured.difference = (series.values[0].row(line) - series.values[1].row(line)).cwiseAbs().maxCoeff(&worst);
-    measured.worst = static_cast<std::size_t>(worst);
-    measured.t = series.times[measured.worst];
-    measured.values = {series.values[0](line, worst), series.values[1](line, worst)};
+    measure_row(series, budget, static_cast<Eigen::Index>(row), measured);
     measured.digits = matching_digits(measured.difference, measured.scale);
+    measured.unexplained_digits = matching_digits(measured.unexplained, measured.scale);
   }
   return all;
 }

@@ -29,10 +29,11 @@ struct Series {
 /// the times differ, or if a number is missing or not finite.
 Series align(const Layout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
 
-/// One state, evaluated by both solvers.
+/// One state, evaluated by both solvers. `row`: the sample of the run that it is taken from, or -1.
 struct SharedState {
   State state;
   std::array<Evaluation, 2> evaluations;
+  int row = -1;
 };
 
 /// Evaluations of the same states side by side. Throws IncompleteResult like the other one.

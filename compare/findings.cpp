@@ -48,7 +48,9 @@ std::vector<Shortfall> shortfalls(const Verdict& verdict, Rung rung) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const Row& row : *rows) {
       const auto digits = digits_of(row, rung);
-      if (row.unique && digits && !climbs(row, rung)) found.push_back({&row, need_of(row, rung) - *digits});
+      if (row.unique && digits && !climbs(row, rung)) {
+        found.push_back({&row, need_of(row, rung) - detail_of(row, rung).unexplained});
+      }
     }
   }
   std::stable_sort(found.begin(), found.end(), [rung](const Shortfall& a, const Shortfall& b) {
@@ -61,11 +63,16 @@ std::vector<Shortfall> shortfalls(const Verdict& verdict, Rung rung) {
 }  // namespace
 
 std::string describe(const Model& model, const Quantity& quantity, const Measured& measured, double need) {
-  return fmt::format("{}, {}, t = {:.4g} s: cartesian {}, relative {} {}, {} digits (need {:g})",
+  // Where resolution limits the digits, the reader must know how many there could have been.
+  const double resolvable = matching_digits(measured.resolution, measured.scale);
+  const std::string of = measured.resolution > 0.0 && resolvable < need + 2.0
+                             ? fmt::format(" of {} resolvable", format_digits(resolvable))
+                             : std::string();
+  return fmt::format("{}, {}, t = {:.4g} s: cartesian {}, relative {} {}, {} digits{} (need {:g})",
                      describe_owner(model, quantity), describe_component(quantity), measured.t,
                      with_enough_digits(measured.values[0], measured.digits),
                      with_enough_digits(measured.values[1], measured.digits), unit_of(model, quantity),
-                     measured.digits < 0.05 ? "0" : format_digits(measured.digits), need);
+                     measured.digits < 0.05 ? "0" : format_digits(measured.digits), of, need);
 }
 
 std::vector<Finding> find_differences(const Layout& layout, const Series& series, const std::vector<Measured>& measured,
@@ -83,32 +90,6 @@ std::vector<Finding> find_differences(const Layout& layout, const Series& series
     findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)),
                         fmt::format("{}: {}{}", name_of(rung), diagnose(layout, series, row),
                                     is_integration ? "; the same state agrees: the motions part" : "")});
-  }
-  return findings;
-}
-
-std::vector<Finding> compare_ranks(const Model& model, const RankReport& cartesian, const RankReport& relative) {
-  std::vector<Finding> findings;
-  const auto compare_counts = [&](const char* what, int one, int other) {
-    if (one == other) return;
-    findings.push_back({fmt::format("rank at the start: cartesian finds {} {}, relative {}", one, what, other),
-                        "the solvers do not see the same constraints"});
-  };
-  compare_counts("redundant constraints", cartesian.constraints - cartesian.rank, relative.constraints - relative.rank);
-  compare_counts("degrees of freedom", cartesian.degrees_of_freedom, relative.degrees_of_freedom);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    for (const Side side : {Side::parent, Side::child}) {
-      for (int c = 0; c < 6; ++c) {
-        const bool one = cartesian.joints.at(k).unique[index(side)][c];
-        const bool other = relative.joints.at(k).unique[index(side)][c];
-        if (one == other || !joints::carries(*model.joints[k].type, side, c)) continue;
-        const Quantity quantity{Kind::reaction, static_cast<int>(k), side, c};
-        findings.push_back({fmt::format("rank at the start: {}, {} is {} for cartesian, {} for relative",
-                                        describe_owner(model, quantity), describe_component(quantity),
-                                        one ? "unique" : "not unique", other ? "unique" : "not unique"),
-                            "the solvers do not see the same redundancy"});
-      }
-    }
   }
   return findings;
 }

@@ -17,7 +17,4 @@ std::string describe(const Model& model, const Quantity& quantity, const Measure
 std::vector<Finding> find_differences(const Layout& layout, const Series& series, const std::vector<Measured>& measured,
                                       const Verdict& verdict, Rung rung, std::vector<Quantity>& known);
 
-/// Where the two rank reports disagree: redundant constraints, degrees of freedom, uniqueness of a component.
-std::vector<Finding> compare_ranks(const Model& model, const RankReport& cartesian, const RankReport& relative);
-
 }  // namespace concord::compare

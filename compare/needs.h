@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/model.h"
+#include "compare/observe.h"
 
 /// How many digits are enough.
 namespace concord::compare {
@@ -30,11 +31,14 @@ inline constexpr double kEnergyPerTolerance = 1e3;
 /// What the comparator asks of a model that says nothing.
 Needs default_needs(const Model& model);
 
-/// Needs of a component ("F_x" ... "T_z") of a joint: the default, then the model's changes in the order of the file.
-Needs needs_of(const Model& model, const std::string& joint, const std::string& component);
+/// Needs of a quantity: the default, then the model's changes in the order of the file. A change that names a joint
+/// holds for its reactions, total wrenches, driver and coupling forces and for the sums on its bodies, one that names a
+/// force element for its wrenches, one that names a body for its accelerations and the sum on it, one without a name
+/// for all.
+Needs needs_of(const Model& model, const Quantity& quantity);
 
-/// Throws InputError, each at its place, if a change names no joint or component of the model, or lowers a need
-/// without `because`.
+/// Throws InputError, each at its place, if a change names no joint, force element, body or component of the model, or
+/// lowers a need without `because`.
 void check_needs(const Model& model);
 
 }  // namespace concord::compare

@@ -46,38 +46,6 @@ RungSummary& summary_of(Verdict& verdict, Rung rung) {
 /// The kinds whose worst digits stand for a rung.
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
-bool constraints_are_independent(const SolverSummary& solver) { return solver.rank.rank == solver.rank.constraints; }
-
-/// Uniqueness of a wrench component or a driver's force by both solvers; of global components by all that enters them.
-/// Of the forces of couplings nothing is known where constraints depend on each other.
-bool is_unique(const Model& model, const Verdict& verdict, const Quantity& quantity) {
-  const bool by_coupling = quantity.kind == Kind::driver && model.is_coupled(quantity.owner);
-  if (quantity.kind == Kind::coupling || by_coupling) {
-    return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), constraints_are_independent);
-  }
-  const auto by_solver = [&](const SolverSummary& solver) {
-    const auto joint = [&]() -> const JointUniqueness& {
-      return solver.rank.joints.at(static_cast<std::size_t>(quantity.owner));
-    };
-    switch (quantity.kind) {
-      case Kind::reaction:
-        return joint().unique[index(quantity.side)][quantity.component];
-      case Kind::total:
-        return joint().unique_total[index(quantity.side)][quantity.component];
-      case Kind::driver:
-        return joint().unique_tau[quantity.component];
-      case Kind::reaction_global: {
-        const auto& flags = joint().unique[index(quantity.side)];
-        const auto first = flags.begin() + (quantity.component < 3 ? 0 : 3);
-        return std::all_of(first, first + 3, [](bool flag) { return flag; });
-      }
-      default:
-        return true;
-    }
-  };
-  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), by_solver);
-}
-
 }  // namespace
 
 std::optional<double> digits_of(const Row& row, Rung rung) { return row.*digits_at(rung); }
@@ -96,8 +64,15 @@ double need_of(const Row& row, Rung rung) {
 bool climbs(const Row& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   if (!digits) return false;
-  if (*digits >= need_of(row, rung)) return true;
+  if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
   return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+}
+
+const RungDetail& detail_of(const Row& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
+
+bool is_judged_by_resolution(const Row& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
 }
 
 bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
@@ -107,18 +82,38 @@ void make_rows(const Layout& layout, Verdict& verdict) {
   for (const Quantity& quantity : layout.quantities()) {
     Row row;
     row.quantity = quantity;
-    row.unique = is_unique(model, verdict, quantity);
-    row.need = default_needs(model);
+    row.need = needs_of(model, quantity);
     if (quantity.kind != Kind::reaction) {
       verdict.others.push_back(row);
       continue;
     }
     const Joint& joint = model.joints[quantity.owner];
     if (!joints::carries(*joint.type, quantity.side, quantity.component)) continue;
-    row.need = needs_of(model, joint.name, component_names()[quantity.component]);
     verdict.rows.push_back(row);
   }
 }
+
+namespace {
+
+/// Whether the rung ran for the row, and double precision or redundancy kept it from being judged there.
+bool is_left_out(const Row& row, Rung rung) {
+  const RungDetail& detail = detail_of(row, rung);
+  return detail.samples == 0 && detail.not_unique + detail.too_coarse > 0;
+}
+
+RungDetail detail_from(const Measured& found) {
+  RungDetail detail;
+  detail.unexplained = found.unexplained_digits;
+  if (found.resolution > 0.0) detail.resolvable = matching_digits(found.resolution, found.scale);
+  detail.ratio = found.ratio;
+  detail.samples = found.samples;
+  detail.not_unique = found.not_unique;
+  detail.too_coarse = found.too_coarse;
+  detail.unresolved = found.unresolved;
+  return detail;
+}
+
+}  // namespace
 
 void record(const Layout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
   const auto& quantities = layout.quantities();
@@ -128,11 +123,15 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
     const Measured& found = measured[place];
     if (row.scale == 0.0) {
       row.scale = found.scale;
-      row.floored = found.floored;
+      row.source = found.source;
     }
+    // The first rung that runs says where a row is unique.
+    if (rung == Rung::same_state) row.unique = found.samples + found.too_coarse > 0;
     RungSummary& summary = summary_of(verdict, rung);
     summary.carries = summary.carries || (row.unique && found.scale > 0.0 && gives_digits(row.quantity.kind));
     if (!judges(rung, row.quantity.kind)) return;
+    row.detail[static_cast<std::size_t>(rung)] = detail_from(found);
+    if (found.samples == 0) return;
     row.*digits_at(rung) = found.digits;
     row.worst_t[static_cast<std::size_t>(rung)] = found.t;
   };
@@ -140,6 +139,8 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
   place = 0;
   for (Row& row : verdict.others) fill(row);
 }
+
+bool is_judged(const Row& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
 bool has_judged(const Verdict& verdict) {
   const auto is_judged_element = [](const Row& row) { return row.quantity.kind == Kind::element; };
@@ -158,7 +159,7 @@ void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.climbed = has_judged(verdict);
   const auto take = [&](const Row& row) {
-    if (!row.unique || !judges(rung, row.quantity.kind)) return;
+    if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
     summary.climbed = summary.climbed && climbs(row, rung);
     const auto digits = digits_of(row, rung);
     if (!digits || !gives_digits(row.quantity.kind)) return;
@@ -172,10 +173,10 @@ void sum_up(Rung rung, Verdict& verdict) {
 
 void judge(Verdict& verdict) {
   const auto judge_row = [](Row& row) {
-    if (!row.unique) return;
+    if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
     for (const Rung rung : kRungs) {
-      if (!judges(rung, row.quantity.kind) || climbs(row, rung)) continue;
+      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || climbs(row, rung)) continue;
       if (digits_of(row, rung)) row.judgement = Judgement::differ;
       // A rung that did not run condemns nobody and acquits nobody.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
@@ -185,7 +186,7 @@ void judge(Verdict& verdict) {
   for (Row& row : verdict.others) judge_row(row);
   verdict.total = static_cast<int>(verdict.rows.size());
   verdict.judged = static_cast<int>(
-      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return row.unique; }));
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
   for (const Rung rung : kRungs) sum_up(rung, verdict);
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/refinement.h"
+
 namespace concord::compare {
 
 namespace {
@@ -20,20 +22,27 @@ Json rung(const RungSummary& summary) { return {{"digits", digits(summary.digits
 
 /// A row of a joint's reaction or of a force element's wrench; `owner` says which.
 Json wrench_row(const char* owner, const std::string& name, const Row& row) {
-  const auto judged = [&](const std::optional<double>& value) { return row.unique ? digits(value) : Json(nullptr); };
+  const bool is_shown = is_judged(row);
+  const auto judged = [&](const std::optional<double>& value) { return is_shown ? digits(value) : Json(nullptr); };
+  const RungDetail& detail = detail_of(row, Rung::same_state);
   Json need{{"same_state", row.need.same_state}, {"same_run", row.need.same_run}, {"refined", row.need.refined}};
-  return {{owner, name},
-          {"side", row.quantity.side == Side::child ? "child" : "parent"},
-          {"component", describe_component(row.quantity)},
-          {"scale", row.scale},
-          {"unique", row.unique},
-          {"same_state_digits", judged(row.same_state)},
-          {"same_run_digits", judged(row.same_run)},
-          {"refined_digits", judged(row.refined)},
-          {"need", std::move(need)},
-          {"verdict", row.judgement == Judgement::agree    ? "agree"
-                      : row.judgement == Judgement::differ ? "differ"
-                                                           : "not_judged"}};
+  return {
+      {owner, name},
+      {"side", row.quantity.side == Side::child ? "child" : "parent"},
+      {"component", describe_component(row.quantity)},
+      {"scale", row.scale},
+      {"scale_from", name_of(row.source)},
+      {"unique", row.unique},
+      {"states", {{"judged", detail.samples}, {"not_unique", detail.not_unique}, {"too_coarse", detail.too_coarse}}},
+      {"same_state_digits", judged(row.same_state)},
+      {"same_state_resolvable_digits", judged(detail.resolvable)},
+      {"same_run_digits", judged(row.same_run)},
+      {"refined_digits", judged(row.refined)},
+      {"need", std::move(need)},
+      {"judged_by_resolution", is_judged_by_resolution(row, Rung::same_state)},
+      {"verdict", row.judgement == Judgement::agree    ? "agree"
+                  : row.judgement == Judgement::differ ? "differ"
+                                                       : "not_judged"}};
 }
 
 Json reference_row(const Model& model, const ReferenceRow& row) {

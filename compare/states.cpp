@@ -30,7 +30,7 @@ std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& traje
     const int turn = static_cast<int>(k % 2);
     for (const int who : {turn, 1 - turn}) {
       if (k >= rows_of(who)) continue;
-      states.push_back({trajectories[who]->samples[k].state, static_cast<Who>(who)});
+      states.push_back({trajectories[who]->samples[k].state, static_cast<Who>(who), static_cast<int>(k)});
       if (!take_both) break;
     }
   }
@@ -38,7 +38,7 @@ std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& traje
 }
 
 Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
-    : generator_(seed), length_(model.length_scale()) {
+    : draws_(seed), length_(model.length_scale()) {
   modal_.reserve(model.bodies.size());
   for (const Body& body : model.bodies) {
     modal_.push_back(VecX::Zero(body.n_modes()));
@@ -69,24 +69,15 @@ Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint
   }
 }
 
-double Shaker::uniform() {
-  // splitmix64: the same numbers on every machine.
-  std::uint64_t z = (generator_ += 0x9e3779b97f4a7c15ULL);
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-  z ^= z >> 31U;
-  return std::ldexp(static_cast<double>(z >> 11U), -52) - 1.0;
-}
-
 Vec3 Shaker::uniform3() {
   Vec3 v;
-  for (double& one : v) one = uniform();
+  for (double& one : v) one = draws_.next();
   return v;
 }
 
 VecX Shaker::within(const VecX& largest) {
   VecX drawn = largest;
-  for (double& one : drawn) one *= uniform();
+  for (double& one : drawn) one *= draws_.next();
   return drawn;
 }
 
@@ -118,26 +109,38 @@ std::optional<State> Shaker::shake_along(const Model& model, Solver& solver, con
   return chart.at(delta, chart.rates_at_origin() + within(amplitude * kRate * turning_ * ones));
 }
 
+namespace {
+
+/// Hands one state to both solvers; what stands in the way goes to `shared`.
+void share_one(const std::array<Solver*, 2>& solvers, const OwnedState& owned, SharedStates& shared) {
+  SharedState both{owned.state, {}, owned.row};
+  bool accepted = true;
+  for (int who = 0; who < 2; ++who) {
+    const bool own = who == index(owned.owner);
+    const auto said = [&](const SolverError& error) {
+      return fmt::format("{} does not accept {} state at t = {:.6g} s: {}", solvers[who]->name(),
+                         own ? "its own" : fmt::format("{}'s", solvers[index(owned.owner)]->name()), owned.state.t,
+                         error.what());
+    };
+    try {
+      both.evaluations[who] = solvers[who]->evaluate(owned.state);
+      continue;
+    } catch (const SingularPose& error) {
+      shared.singular.emplace_back(error.what());
+    } catch (const SolverError& error) {
+      (own ? shared.failures : shared.refusals).push_back(said(error));
+    }
+    accepted = false;
+  }
+  if (accepted) shared.states.push_back(std::move(both));
+}
+
+}  // namespace
+
 SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run) {
   SharedStates shared;
   shared.states.reserve(run.size());
-  for (const OwnedState& owned : run) {
-    SharedState both{owned.state, {}};
-    bool accepted = true;
-    for (int who = 0; who < 2; ++who) {
-      try {
-        both.evaluations[who] = solvers[who]->evaluate(owned.state);
-      } catch (const SolverError& error) {
-        const bool own = who == index(owned.owner);
-        (own ? shared.failures : shared.refusals)
-            .push_back(fmt::format("{} does not accept {} state at t = {:.6g} s: {}", solvers[who]->name(),
-                                   own ? "its own" : fmt::format("{}'s", solvers[index(owned.owner)]->name()),
-                                   owned.state.t, error.what()));
-        accepted = false;
-      }
-    }
-    if (accepted) shared.states.push_back(std::move(both));
-  }
+  for (const OwnedState& owned : run) share_one(solvers, owned, shared);
   return shared;
 }
 
@@ -178,20 +181,36 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
   SharedStates shared;
   if (run.empty()) return shared;
   Shaker shaker(model, run, seed);
-  std::vector<OwnedState> closed;
   for (int k = 0; k < kRandomStates; ++k) {
     const auto owner = static_cast<Who>(k % 2);
     const State& base = run[static_cast<std::size_t>(k) * run.size() / kRandomStates].state;
-    if (auto state = neighbour(model, *solvers[index(owner)], shaker, base)) {
-      closed.push_back({std::move(*state), owner});
-    } else {
+    SharedStates drawn;
+    bool found = false;
+    for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {
+      auto state = neighbour(model, *solvers[index(owner)], shaker, base);
+      if (!state) continue;
+      found = true;
+      share_one(solvers, {std::move(*state), owner}, drawn);
+      if (drawn.states.empty()) ++shared.drawn_anew;
+    }
+    if (!drawn.states.empty()) {
+      shared.states.push_back(std::move(drawn.states.front()));
+      continue;
+    }
+    if (!found) {
       shared.failures.push_back(fmt::format("{} finds no consistent state near t = {:.6g} s in {} tries",
                                             solvers[index(owner)]->name(), base.t, kTries));
+      continue;
     }
+    // Singular poses all around say nothing about the closures.
+    if (!drawn.refusals.empty())
+      shared.refusals.push_back(drawn.refusals.back());
+    else if (!drawn.failures.empty())
+      shared.failures.push_back(drawn.failures.back());
+    else
+      shared.singular.push_back(drawn.singular.back());
   }
-  SharedStates evaluated = share(solvers, closed);
-  evaluated.failures.insert(evaluated.failures.end(), shared.failures.begin(), shared.failures.end());
-  return evaluated;
+  return shared;
 }
 
 }  // namespace concord::compare

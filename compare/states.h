@@ -7,18 +7,21 @@
 
 #include "common/solver.h"
 #include "compare/align.h"
+#include "compare/draws.h"
 
 /// The states at which both solvers are asked the same question.
 namespace concord::compare {
 
 inline constexpr int kTrajectoryStates = 200;  // at least
 inline constexpr int kRandomStates = 50;
+inline constexpr int kRedraws = 5;
 inline constexpr std::uint64_t kSeed = 19971025;
 
-/// A state, and the solver that closed it.
+/// A state, and the solver that closed it; `row`: the sample of a run that it is taken from, or -1.
 struct OwnedState {
   State state;
   Who owner = Who::cartesian;
+  int row = -1;
 };
 
 /// States of a run from both trajectories in turn (the first from cartesian), t = 0 among them; both of each row if
@@ -40,11 +43,10 @@ class Shaker {
   std::optional<State> shake_along(const Model& model, Solver& solver, const State& state, double amplitude);
 
  private:
-  double uniform();  // in [-1, 1)
   Vec3 uniform3();
   VecX within(const VecX& largest);
 
-  std::uint64_t generator_;
+  Draws draws_;
   double length_;
   double speed_ = 0.0;
   double turning_ = 0.0;
@@ -59,12 +61,19 @@ struct SharedStates {
   std::vector<std::string> refusals;
   /// A solver does not accept its own state, or finds none: no verdict.
   std::vector<std::string> failures;
+  /// A solver calls the pose singular, in its words.
+  std::vector<std::string> singular;
+  /// Shaken states that were drawn anew: singular poses, and states that mean another turn or branch to the other
+  /// solver.
+  int drawn_anew = 0;
 };
 
 /// The states of a run, each handed once to both solvers.
 SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run);
 
-/// kRandomStates consistent states near those of a run, closed by the solvers in turn and handed once to both.
+/// kRandomStates consistent states near those of a run, closed by the solvers in turn and handed once to both. A state
+/// that the other solver does not accept may be another turn or branch of the same joints: it is drawn anew, up to
+/// kRedraws times; if none of them is accepted, the closures differ.
 SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
                           std::uint64_t seed);
 

@@ -77,7 +77,7 @@ std::string digits_cell(const std::optional<double>& digits) { return digits ? f
 double margin(const Row& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   if (!digits) return kMostDigits;
-  const double above = *digits - need_of(row, rung);
+  const double above = detail_of(row, rung).unexplained - need_of(row, rung);
   const bool may_rise = rung == Rung::refined && row.same_run.has_value();
   return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
 }
@@ -106,18 +106,49 @@ std::string worst_time(const Row& row) {
   return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
 }
 
+/// Digits that agree, and of how many that double precision resolves: "13.4 of 15.1".
+std::string same_state_cell(const Row& row) {
+  if (!is_judged(row) || !row.same_state) return "-";
+  const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
+  return resolvable ? fmt::format("{} of {}", format_digits(*row.same_state), format_digits(*resolvable))
+                    : format_digits(*row.same_state);
+}
+
+/// In how many of the states a row is not unique, in words; empty if in none.
+std::string share_not_unique(const RungDetail& detail) {
+  const int all = detail.samples + detail.too_coarse + detail.not_unique;
+  if (detail.not_unique == 0) return "";
+  return fmt::format("not unique in {} of {} states", detail.not_unique, all);
+}
+
+std::string judgement_text(const Row& row) {
+  const RungDetail& detail = detail_of(row, Rung::same_state);
+  if (!row.unique) return "not unique, not judged";
+  if (!is_judged(row)) return "not judged: double precision resolves too little";
+  std::string said = to_string(row.judgement);
+  for (const Rung rung : kRungs) {
+    if (row.judgement != Judgement::agree || !is_judged_by_resolution(row, rung)) continue;
+    said += fmt::format(", judged by resolution ({})", name_of(rung));
+    break;
+  }
+  if (detail.unresolved) said += ", unresolved";
+  if (detail.not_unique > 0) said += ", " + share_not_unique(detail);
+  return said;
+}
+
 std::vector<std::string> cells(const Model& model, const Verdict& verdict, const Row& row) {
   const auto [owner, body] = owner_names(model, row.quantity);
-  const bool is_judged = row.unique;
-  const auto shown = [&](const std::optional<double>& digits) { return is_judged ? digits_cell(digits) : "-"; };
-  std::string said = row.unique ? to_string(row.judgement) : "not unique, not judged";
+  const bool judged = is_judged(row);
+  const auto shown = [&](const std::optional<double>& digits) { return judged ? digits_cell(digits) : "-"; };
+  std::string said = judgement_text(row);
   if (!row.need.because.empty()) said += fmt::format(" (need lowered: {})", row.need.because);
   return {verdict.name,
           owner,
           body,
           describe_component(row.quantity),
-          fmt::format("{:.4g}{} {}", row.scale, row.floored ? " (floor)" : "", unit_of(model, row.quantity)),
-          shown(row.same_state),
+          fmt::format("{:.4g} {}", row.scale, unit_of(model, row.quantity)),
+          name_of(row.source),
+          same_state_cell(row),
           shown(row.same_run),
           shown(row.refined),
           fmt::format("{:g} / {:g} / {:g}", row.need.same_state, row.need.same_run, row.need.refined),
@@ -150,8 +181,8 @@ std::vector<const Row*> compact(const std::vector<Row>& rows) {
 std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict, const std::vector<Row>& rows,
                          bool all_rows) {
   std::vector<std::vector<std::string>> lines{
-      {"case", owner, "on", "component", "scale", "same state", "same run", "refined", "need", "verdict"}};
-  std::vector<bool> right{false, false, false, false, true, true, true, true, false, false};
+      {"case", owner, "on", "component", "scale", "from", "same state", "same run", "refined", "need", "verdict"}};
+  std::vector<bool> right{false, false, false, false, true, false, true, true, true, false, false};
   if (!all_rows) {
     for (const Row* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
     return format_table(lines, right);
@@ -197,12 +228,31 @@ std::string also_compared(const Verdict& verdict, Rung rung) {
   return text;
 }
 
+/// Components that are unique in some states only: judged there, and named with their share.
+std::string unique_in_part(const Model& model, const Verdict& verdict) {
+  std::map<std::string, std::string> components;  // by owner and share
+  for (const std::vector<Row>* rows : {&verdict.rows, &verdict.others}) {
+    for (const Row& row : *rows) {
+      const bool is_named =
+          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
+      const RungDetail& detail = detail_of(row, Rung::same_state);
+      if (!row.unique || !is_named || detail.not_unique == 0) continue;
+      components[fmt::format("{}, {}", describe_owner(model, row.quantity), share_not_unique(detail))] +=
+          " " + describe_component(row.quantity);
+    }
+  }
+  std::string text;
+  for (const auto& [where, names] : components) text += fmt::format("judged where unique: {}:{}\n", where, names);
+  return text;
+}
+
 std::string not_unique(const Model& model, const Verdict& verdict) {
   using Place = std::tuple<int, int, Kind>;
   std::map<Place, std::string> names;
   for (const std::vector<Row>* rows : {&verdict.rows, &verdict.others}) {
     for (const Row& row : *rows) {
-      const bool is_named = rows == &verdict.rows || row.quantity.kind == Kind::driver;
+      const bool is_named =
+          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
       if (row.unique || !is_named) continue;
       std::string& line = names[Place(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
       if (line.empty()) line = describe_owner(model, row.quantity) + ":";
@@ -211,7 +261,7 @@ std::string not_unique(const Model& model, const Verdict& verdict) {
   }
   std::string text;
   for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
-  return text;
+  return text + unique_in_part(model, verdict);
 }
 
 std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v(0), v(1), v(2)); }
@@ -286,6 +336,12 @@ std::string reference_table(const Model& model, const Verdict& verdict) {
   return '\n' + format_table(lines, {false, false, true, true, true, true, false}) + '\n';
 }
 
+int count_too_coarse(const Verdict& verdict) {
+  return static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) {
+    return detail_of(row, Rung::same_state).too_coarse > 0 && !is_judged(row) && row.unique;
+  }));
+}
+
 std::string last_line(const Verdict& verdict) {
   std::vector<std::string> climbed;
   std::vector<std::string> missed;
@@ -301,6 +357,8 @@ std::string last_line(const Verdict& verdict) {
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
   std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
                                  verdict.judged, verdict.total);
+  const int coarse = count_too_coarse(verdict);
+  if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
   if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));
   if (!missed.empty()) text += fmt::format("; not climbed: {}", fmt::join(missed, ", "));
   return text + '\n';
@@ -336,8 +394,9 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   }
   text += motion_text(verdict) + audit_text(verdict);
   if (verdict.same_state.samples > 0) {
-    text += fmt::format("states handed to both: {}, of which {} shaken with seed {}\n", verdict.same_state.samples,
-                        kRandomStates, kSeed);
+    text += fmt::format("states handed to both: {}, of which {} shaken with seed {}{}\n", verdict.same_state.samples,
+                        kRandomStates, kSeed,
+                        verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }
   text += reference_table(model, verdict);
   for (const std::string& note : verdict.notes) text += fmt::format("note: {}\n", note);

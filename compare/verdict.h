@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/agreement.h"
 #include "compare/align.h"
 #include "compare/needs.h"
 #include "compare/observe.h"
@@ -23,12 +24,28 @@ std::string to_string(Judgement judgement);
 /// 0 agree, 1 differ, 3 could not finish.
 int exit_code(Outcome outcome);
 
+/// What stands behind the digits of one row on one rung.
+struct RungDetail {
+  /// Digits of what exceeds round-off: these are held against the need.
+  double unexplained = 16.0;
+  /// Digits that double precision resolves, -log10(resolution / scale); missing where that is unknown.
+  std::optional<double> resolvable;
+  /// The largest ratio of a difference to its resolution.
+  double ratio = 0.0;
+  int samples = 0;     // in which the row is judged
+  int not_unique = 0;  // in which it is not unique
+  int too_coarse = 0;  // in which double precision resolves too little to judge
+  bool unresolved = false;
+};
+
 /// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
 struct Row {
   Quantity quantity;
   double scale = 0.0;
-  bool floored = false;
+  ScaleSource source = ScaleSource::own_peak;
+  /// Whether it is unique in any state that is judged.
   bool unique = true;
+  std::array<RungDetail, 3> detail;  // by rung
   std::optional<double> same_state;
   std::optional<double> same_run;
   std::optional<double> refined;
@@ -99,6 +116,9 @@ struct Verdict {
   int total = 0;
 
   bool rank_agrees = false;
+  /// States at singular poses, and shaken states that mean different things to the solvers: left out and counted.
+  int singular_states = 0;
+  int drawn_anew = 0;
   RungSummary same_state;
   RungSummary same_run;
   RungSummary refined;

@@ -13,6 +13,7 @@
 #include "compare/refinement.h"
 #include "compare/states.h"
 #include "compare/sums.h"
+#include "compare/weighed_states.h"
 
 namespace concord::compare {
 
@@ -69,7 +70,7 @@ class Climb {
     describe_case();
     try {
       if (!assemble()) return std::move(verdict_);
-      compare_rank();
+      check_rank();
       make_rows(layout_, verdict_);
       const Trajectories trajectories = integrate(verdict_.run, "same run");
       same_state(trajectories);
@@ -120,20 +121,19 @@ class Climb {
     return verdict_.failures.empty();
   }
 
-  void compare_rank() {
+  /// What must hold at the start before anything else is asked. Uniqueness is compared state by state later.
+  void check_rank() {
     for (const SolverSummary& solver : verdict_.solvers) {
       if (solver.rank.joints.size() != model_.joints.size()) {
         throw IncompleteResult(fmt::format("{}: the rank report has {} joints, the model {}", solver.name,
                                            solver.rank.joints.size(), model_.joints.size()));
       }
       if (!solver.rank.undecided) continue;
-      verdict_.failures.push_back(fmt::format(
+      verdict_.notes.push_back(fmt::format(
           "{}: the rank of the constraints is undecided at the start: relative singular values {:.1e} kept, {:.1e} "
-          "dropped; state the machine away from this pose, or with a joint that forbids clearly more or less",
+          "dropped; what depends on it is not judged there",
           solver.name, solver.rank.smallest_kept, solver.rank.largest_dropped));
     }
-    verdict_.findings = compare_ranks(model_, verdict_.solvers[0].rank, verdict_.solvers[1].rank);
-    verdict_.rank_agrees = verdict_.findings.empty();
   }
 
   void report(std::string_view rung) {
@@ -180,15 +180,40 @@ class Climb {
     SharedStates random = share_random(model_, solvers_, run, kSeed);
     check_enough(shared, random);
     for (SharedStates* part : {&shared, &random}) note_refusals(*part);
-    compare_generic_rank(random);
+    verdict_.drawn_anew = random.drawn_anew;
+    const std::size_t of_run = shared.states.size();
     std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
-    verdict_.same_state.samples = static_cast<int>(shared.states.size());
-    if (shared.states.empty()) return;
-    judge_series(align(layout_, shared.states), Rung::same_state);
-    for (const SharedState& one : shared.states) {
+    weighed_ = weigh(layout_, solvers_, std::move(shared.states), kSeed);
+    take_uniqueness(of_run);
+    verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
+    if (weighed_.states.empty()) return;
+    judge_series(weighed_.series, Rung::same_state, weighed_.budget());
+    note_resolution();
+    for (const SharedState& one : weighed_.states) {
       for (const Who who : kWho) auditors_[index(who)].add(one.state, one.evaluations[index(who)]);
     }
-    verdict_.pair_sums = compare_pair_sums(model_, shared.states);
+    verdict_.pair_sums = compare_pair_sums(model_, weighed_.states);
+  }
+
+  /// Both solvers said in every state what is unique there.
+  void take_uniqueness(std::size_t of_run) {
+    if (!weighed_.dropped.empty()) verdict_.failures.push_back(weighed_.dropped);
+    verdict_.rank_agrees = weighed_.findings.empty() && !weighed_.reports.empty();
+    std::move(weighed_.findings.begin(), weighed_.findings.end(), std::back_inserter(verdict_.findings));
+    for (const Who who : kWho) note_singular_start(weighed_.reports, who, of_run);
+  }
+
+  void note_resolution() {
+    if (weighed_.resolution.unknown_states > 0) {
+      verdict_.notes.push_back(fmt::format(
+          "resolution unknown in {} of {} states: fewer than {} of {} draws within round-off were accepted; "
+          "judged there by the need alone",
+          weighed_.resolution.unknown_states, weighed_.states.size(), kFewestDraws, kDraws));
+    }
+    if (weighed_.resolution.closings_left_out > 0) {
+      verdict_.notes.push_back(fmt::format("resolution: {} closings found another state and were left out",
+                                           weighed_.resolution.closings_left_out));
+    }
   }
 
   void check_enough(const SharedStates& shared, const SharedStates& random) {
@@ -202,6 +227,8 @@ class Climb {
   }
 
   void note_refusals(const SharedStates& shared) {
+    verdict_.singular_states += static_cast<int>(shared.singular.size());
+    if (!shared.singular.empty()) verdict_.failures.push_back(shared.singular.front());
     if (!shared.failures.empty()) verdict_.failures.push_back(shared.failures.front());
     if (shared.refusals.empty()) return;
     verdict_.findings.push_back(
@@ -211,23 +238,21 @@ class Climb {
                      shared.refusals.size())});
   }
 
-  /// A rank at the start that is lower than at generic states is a singular pose.
-  void compare_generic_rank(const SharedStates& random) {
-    for (const Who who : kWho) {
-      const RankReport& start = verdict_.solvers[index(who)].rank;
-      for (std::size_t k = 0; k < random.states.size(); k += 17) {
-        const int generic = solvers_[index(who)]->rank(random.states[k].state).rank;
-        if (generic <= start.rank) continue;
-        verdict_.notes.push_back(
-            fmt::format("{}: the start pose is singular: rank {} there, {} at a neighbouring pose; motion may branch",
-                        solvers_[index(who)]->name(), start.rank, generic));
-        break;
-      }
+  /// A rank at the start that is lower than in the shaken states is a singular pose.
+  void note_singular_start(const RankReports& reports, Who who, std::size_t of_run) {
+    const RankReport& start = verdict_.solvers[index(who)].rank;
+    for (std::size_t k = of_run; k < reports.size(); ++k) {
+      const int generic = reports[k][index(who)].rank;
+      if (generic <= start.rank) continue;
+      verdict_.notes.push_back(
+          fmt::format("{}: the start pose is singular: rank {} there, {} at a neighbouring pose; motion may branch",
+                      solvers_[index(who)]->name(), start.rank, generic));
+      return;
     }
   }
 
-  void judge_series(const Series& series, Rung rung) {
-    const std::vector<Measured> measured = measure(layout_, series);
+  void judge_series(const Series& series, Rung rung, const Budget& budget) {
+    const std::vector<Measured> measured = measure(layout_, series, budget);
     record(layout_, measured, rung, verdict_);
     std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
     std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
@@ -240,7 +265,8 @@ class Climb {
     if (!is_complete(trajectories)) return;
     const int rows = verdict_.run.samples + 1;
     verdict_.motion = compare_motions(model_, view(trajectories));
-    judge_series(align(layout_, view(trajectories), rows), Rung::same_run);
+    weighed_run_ = weigh_run(weighed_, rows);
+    judge_series(align(layout_, view(trajectories), rows), Rung::same_run, weighed_run_.budget());
     verdict_.same_run.samples = rows;
   }
 
@@ -251,7 +277,7 @@ class Climb {
     const Trajectories trajectories = integrate(run, "refined");
     if (!is_complete(trajectories)) return;
     verdict_.refined_motion = compare_motions(model_, view(trajectories));
-    judge_series(align(layout_, view(trajectories), run.samples + 1), Rung::refined);
+    judge_series(align(layout_, view(trajectories), run.samples + 1), Rung::refined, weighed_run_.budget());
     verdict_.refined.samples = run.samples + 1;
   }
 
@@ -330,6 +356,8 @@ class Climb {
   std::array<double, 2> done_{};
   int asked_samples_ = 0;
   std::array<State, 2> starts_;
+  WeighedStates weighed_;  // of the same state rung: of the run, then shaken ones
+  WeighedRun weighed_run_;
   std::vector<Quantity> known_;
   std::array<Auditor, 2> auditors_;
   Verdict verdict_;

@@ -17,6 +17,7 @@
 #include "compare/refinement.h"
 #include "compare/states.h"
 #include "compare/table.h"
+#include "compare/weighed_states.h"
 
 namespace concord::compare::analyses {
 
@@ -51,7 +52,9 @@ class Judge {
     }
     judge_same_states(found);
     const std::array<const Trajectory*, 2> both{&found[0], &found[1]};
-    judge_series(align(layout_, both, static_cast<int>(found[0].samples.size())), Rung::same_run);
+    const auto samples = static_cast<int>(found[0].samples.size());
+    const WeighedRun own = weigh_run(weighed_, samples);
+    judge_series(align(layout_, both, samples), Rung::same_run, own.budget());
     verdict_.motion = compare_motions(model_, both);
     audit(found);
     judge_rows();
@@ -68,12 +71,7 @@ class Judge {
       SolverSummary& summary = verdict_.solvers[index(who)];
       summary.name = solvers_[index(who)]->name();
       summary.rank = solvers_[index(who)]->rank(found[index(who)].samples.front().state);
-      if (summary.rank.undecided) {
-        verdict_.failures.push_back(fmt::format("{}: the rank of the constraints is undecided", summary.name));
-      }
     }
-    verdict_.findings = compare_ranks(model_, verdict_.solvers[0].rank, verdict_.solvers[1].rank);
-    verdict_.rank_agrees = verdict_.findings.empty();
   }
 
   void judge_same_states(const std::array<Trajectory, 2>& found) {
@@ -82,12 +80,17 @@ class Judge {
     for (const std::string& refusal : shared.refusals) {
       verdict_.findings.push_back({refusal, "same state: the closures differ"});
     }
-    verdict_.same_state.samples = static_cast<int>(shared.states.size());
-    if (!shared.states.empty()) judge_series(align(layout_, shared.states), Rung::same_state);
+    for (const std::string& pose : shared.singular) verdict_.failures.push_back(pose);
+    weighed_ = weigh(layout_, {solvers_[0].get(), solvers_[1].get()}, shared.states, kSeed);
+    if (!weighed_.dropped.empty()) verdict_.failures.push_back(weighed_.dropped);
+    verdict_.rank_agrees = weighed_.findings.empty() && !weighed_.reports.empty();
+    verdict_.findings.insert(verdict_.findings.end(), weighed_.findings.begin(), weighed_.findings.end());
+    verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
+    if (!weighed_.states.empty()) judge_series(weighed_.series, Rung::same_state, weighed_.budget());
   }
 
-  void judge_series(const Series& series, Rung rung) {
-    const std::vector<Measured> measured = measure(layout_, series);
+  void judge_series(const Series& series, Rung rung, const Budget& budget) {
+    const std::vector<Measured> measured = measure(layout_, series, budget);
     record(layout_, measured, rung, verdict_);
     std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
     std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
@@ -116,11 +119,11 @@ class Judge {
     }
     verdict_.total = static_cast<int>(verdict_.rows.size());
     verdict_.judged = static_cast<int>(
-        std::count_if(verdict_.rows.begin(), verdict_.rows.end(), [](const Row& row) { return row.unique; }));
+        std::count_if(verdict_.rows.begin(), verdict_.rows.end(), [](const Row& row) { return is_judged(row); }));
   }
 
   void judge_row(Row& row) {
-    if (!row.unique) return;
+    if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
     for (const Rung rung : {Rung::same_state, Rung::same_run}) {
       if (!judges(rung, row.quantity.kind)) continue;
@@ -137,6 +140,7 @@ class Judge {
   const Solvers& solvers_;
   AnalysisVerdict& result_;
   Verdict& verdict_;
+  WeighedStates weighed_;
   std::vector<Quantity> known_;
 };
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "compare/agreement.h"
+#include "compare/align.h"
+#include "compare/verdict.h"
+
+/// Which quantities are unique in which states, as both solvers find it, state by state.
+namespace concord::compare {
+
+/// What one solver says of a quantity in a state.
+enum class Uniqueness { unique, undecided, not_unique };
+
+/// Uniqueness of every quantity of the layout by one solver's report. A reaction in global axes is unique if all three
+/// components of its force, or of its torque, are; accelerations, force elements and sums on bodies always are.
+std::vector<Uniqueness> uniqueness_of(const Layout& layout, const RankReport& report);
+
+/// The reports of both solvers in the same states.
+using RankReports = std::vector<std::array<RankReport, 2>>;
+
+/// Asks both solvers in every state. States in which a solver finds a singular pose, or cannot say, are dropped from
+/// `states`; their number is returned in `dropped`, the first one's words in `why`.
+RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
+                         std::string& why);
+
+/// Where both find a quantity unique, and nothing is undecided.
+Mask judged_states(const Layout& layout, const RankReports& reports);
+
+/// What the two solvers say differently of the same state: of redundant constraints, degrees of freedom, uniqueness of
+/// reactions, totals, and forces of drivers and couplings. One finding for each of these and each owner, with the
+/// number of states; what is undecided is no difference.
+std::vector<Finding> compare_uniqueness(const Layout& layout, const std::vector<SharedState>& states,
+                                        const RankReports& reports);
+
+/// The mask in the samples of a run: a quantity is judged in a sample if it is in all states taken from it.
+Mask mask_of_run(const Mask& mask, const std::vector<SharedState>& states, int samples);
+
+}  // namespace concord::compare
