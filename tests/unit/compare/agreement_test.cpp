@@ -70,8 +70,8 @@ TEST_F(AgreementTest, SmallJointsAreHeldAgainstTheMachinesLargest) {
   put({Kind::total, 1, Side::parent, 2}, 0, 1e7, 1e7);
   put(F_x, 0, 1.0, 1.1);
   EXPECT_DOUBLE_EQ(of(F_x).scale, 10.0);
-  EXPECT_TRUE(of(F_x).floored);
-  EXPECT_FALSE(of({Kind::total, 1, Side::parent, 2}).floored);
+  EXPECT_EQ(of(F_x).source, ScaleSource::floor);
+  EXPECT_EQ(of({Kind::total, 1, Side::parent, 2}).source, ScaleSource::own_peak);
   EXPECT_NEAR(of(F_x).digits, 2.0, 1e-12);
 }
 

@@ -75,6 +75,7 @@ class FakePendulum : public Solver {
   std::function<void(const State&, Evaluation&)> spoil = [](const State&, Evaluation&) {};
   std::function<void(Trajectory&)> spoil_run = [](Trajectory&) {};
   std::function<void(RankReport&)> spoil_rank = [](RankReport&) {};
+  std::function<void(const State&)> see_rank = [](const State&) {};
   /// Angle error of a run per second and per relative tolerance [rad/s].
   double drift = 0.0;
   bool cannot_integrate = false;
@@ -96,7 +97,8 @@ class FakePendulum : public Solver {
     return evaluation;
   }
 
-  RankReport rank(const State& /*state*/) override {
+  RankReport rank(const State& state) override {
+    see_rank(state);
     RankReport report;
     report.constraints = report.rank = 5;
     report.degrees_of_freedom = 1;

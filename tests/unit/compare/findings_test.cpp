@@ -20,6 +20,12 @@ TEST(FindingsTest, DescribesADifferenceInOneLine) {
   EXPECT_EQ(describe(model, {Kind::driver, 0, Side::child, 0}, measured, 8.5),
             "driver of joint A, tau_1, t = 1.284 s: cartesian +12.3456789, relative +12.3456781 N m, 7.1 digits "
             "(need 8.5)");
+  measured.resolution = 1e-9;
+  measured.scale = 12.0;
+  EXPECT_EQ(
+      describe(model, {Kind::driver, 0, Side::child, 0}, measured, 12.0),
+      "driver of joint A, tau_1, t = 1.284 s: cartesian +12.3456789, relative +12.3456781 N m, 7.1 digits of 10.0 "
+      "resolvable (need 12)");
 }
 
 class FindDifferencesTest : public ::testing::Test {
@@ -65,27 +71,6 @@ TEST_F(FindDifferencesTest, WhoFailedBeforeIsNotNamedAgain) {
 }
 
 TEST_F(FindDifferencesTest, AgreementFindsNothing) { EXPECT_TRUE(find(Rung::same_state).empty()); }
-
-TEST(CompareRanksTest, ComparesRedundancyFreedomAndUniqueness) {
-  const Model model = pendulum_model();
-  RankReport one;
-  one.constraints = one.rank = 5;
-  one.degrees_of_freedom = 1;
-  one.joints.resize(1);
-  RankReport other = one;
-  other.constraints = other.rank = 0;  // relative coordinates need no constraint in a tree
-  EXPECT_TRUE(compare_ranks(model, one, other).empty());
-  other.rank = -1;
-  other.degrees_of_freedom = 2;
-  other.joints[0].unique[index(Side::parent)][4] = false;
-  other.joints[0].unique[index(Side::parent)][5] = false;  // about the hinge: nothing is carried there
-  const std::vector<Finding> findings = compare_ranks(model, one, other);
-  ASSERT_EQ(findings.size(), 3U);
-  EXPECT_EQ(findings[0].what, "rank at the start: cartesian finds 0 redundant constraints, relative 1");
-  EXPECT_EQ(findings[1].what, "rank at the start: cartesian finds 1 degrees of freedom, relative 2");
-  EXPECT_EQ(findings[2].what,
-            "rank at the start: joint A on ground, T_y is unique for cartesian, not unique for relative");
-}
 
 }  // namespace
 }  // namespace concord::compare

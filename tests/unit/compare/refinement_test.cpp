@@ -16,8 +16,9 @@ class RefinementTest : public ::testing::Test {
   void record_all(Rung rung, double digits) {
     std::vector<Measured> measured(layout_.quantities().size());
     for (Measured& one : measured) {
-      one.digits = digits;
+      one.digits = one.unexplained_digits = digits;
       one.scale = 2.0;
+      one.samples = 3;
     }
     record(layout_, measured, rung, verdict_);
   }
@@ -58,13 +59,16 @@ TEST_F(RefinementTest, TolerancesFallAHundredTimesUntilRoundOff) {
 TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {
   Row row;
   row.need = default_needs(model_);
-  row.same_run = 3.0;
-  row.refined = 4.4;
+  const auto set = [&](double same_run, double refined) {
+    row.same_run = same_run;
+    row.refined = refined;
+    row.detail[static_cast<std::size_t>(Rung::refined)].unexplained = refined;
+  };
+  set(3.0, 4.4);
   EXPECT_FALSE(climbs(row, Rung::refined));
-  row.refined = 4.5;
+  set(3.0, 4.5);
   EXPECT_TRUE(climbs(row, Rung::refined));
-  row.same_run = 8.4;
-  row.refined = 8.5;
+  set(8.4, 8.5);
   EXPECT_TRUE(climbs(row, Rung::refined));
 }
 
@@ -79,23 +83,59 @@ TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
 }
 
-TEST_F(RefinementTest, EitherSolverMakesAComponentNotUnique) {
-  verdict_.solvers[1].rank.joints[0].unique[index(Side::child)][1] = false;
-  verdict_.solvers[0].rank.joints[0].unique_total[index(Side::child)][1] = false;
+TEST_F(RefinementTest, WhatIsNotUniqueAnywhereIsNotJudged) {
   make_rows(layout_, verdict_);
-  record_all(Rung::same_state, 1.0);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.digits = one.unexplained_digits = 13.0;
+    one.scale = 2.0;
+    one.samples = 3;
+  }
+  Measured& redundant = measured[layout_.row_of(verdict_.rows[1].quantity)];
+  redundant.samples = 0;
+  redundant.not_unique = 3;
+  record(layout_, measured, Rung::same_state, verdict_);
   judge(verdict_);
   EXPECT_EQ(verdict_.judged, 9);
-  for (const std::vector<Row>& rows : {verdict_.rows, verdict_.others}) {
-    for (const Row& row : rows) {
-      const Quantity& quantity = row.quantity;
-      const bool on_child = quantity.side == Side::child;
-      const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
-      const bool expected = !(on_child && ((is_wrench && quantity.component == 1) ||
-                                           (quantity.kind == Kind::reaction_global && quantity.component < 3)));
-      EXPECT_EQ(row.unique, expected);
-    }
+  EXPECT_FALSE(verdict_.rows[1].unique);
+  EXPECT_FALSE(is_judged(verdict_.rows[1]));
+  EXPECT_FALSE(verdict_.rows[1].same_state.has_value());
+  EXPECT_TRUE(verdict_.same_state.climbed);
+}
+
+TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
+  make_rows(layout_, verdict_);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.digits = 9.7;
+    one.unexplained_digits = 16.0;
+    one.resolution = 2e-11;
+    one.scale = 2.0;
+    one.samples = 3;
   }
+  record(layout_, measured, Rung::same_state, verdict_);
+  EXPECT_TRUE(climbs(verdict_.rows[0], Rung::same_state));
+  EXPECT_TRUE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
+  EXPECT_DOUBLE_EQ(*detail_of(verdict_.rows[0], Rung::same_state).resolvable, 11.0);
+  for (Measured& one : measured) one.unexplained_digits = 9.7;
+  record(layout_, measured, Rung::same_state, verdict_);
+  EXPECT_FALSE(climbs(verdict_.rows[0], Rung::same_state));
+  EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
+}
+
+TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
+  make_rows(layout_, verdict_);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.samples = 0;
+    one.too_coarse = 4;
+    one.scale = 2.0;
+  }
+  record(layout_, measured, Rung::same_state, verdict_);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.judged, 0);
+  EXPECT_TRUE(verdict_.rows[0].unique);
+  EXPECT_FALSE(has_judged(verdict_));
 }
 
 TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {

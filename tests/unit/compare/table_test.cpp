@@ -66,7 +66,7 @@ TEST_F(TableTest, TheCompactRowIsTheOneThatFails) {
 }
 
 TEST_F(TableTest, TheReasonForALoweredNeedStandsInTheRow) {
-  model_.needs.push_back({"A", "F_z", 5.0, {}, {}, "tested elsewhere", {}});
+  model_.needs.push_back({"A", "", "", "F_z", 5.0, {}, {}, "tested elsewhere", {}});
   const std::string table = text(false);
   EXPECT_THAT(table, HasSubstr("(need lowered: tested elsewhere)"));
   EXPECT_THAT(table, HasSubstr("5 / 7 / 8.5"));

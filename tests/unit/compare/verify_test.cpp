@@ -154,7 +154,7 @@ TEST_F(VerifyTest, AMotionThatDriftsFailsTheSameRunOnly) {
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
-  model_.needs.push_back({"", "", {}, 3.0, {}, "the drift is under test", {}});
+  model_.needs.push_back({"", "", "", "", {}, 3.0, {}, "the drift is under test", {}});
   relative_.spoil_run = [](Trajectory& run) {
     for (Sample& sample : run.samples) sample.evaluation.joints[0].reaction[1].in_C.force(0) *= 1.0 + 1e-5;
   };
@@ -243,13 +243,58 @@ TEST_F(VerifyTest, DisagreementOnUniquenessIsADifference) {
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::differ);
   EXPECT_FALSE(verdict.rank_agrees);
-  EXPECT_EQ(verdict.findings.at(0).what,
-            "rank at the start: joint A on bob, F_x is unique for cartesian, not unique for relative");
+  EXPECT_EQ(
+      verdict.findings.at(0).what,
+      "rank: joint A on bob, F_x is unique for cartesian, not unique for relative, in 251 of 251 states, first at "
+      "t = 0 s");
 }
 
-TEST_F(VerifyTest, AnUndecidedRankIsNoVerdict) {
-  cartesian_.spoil_rank = [](RankReport& report) { report.undecided = true; };
-  EXPECT_EQ(judge().outcome, Outcome::failed);
+TEST_F(VerifyTest, AnUndecidedRankIsToldAndWhatDependsOnItIsNotJudged) {
+  cartesian_.spoil_rank = [](RankReport& report) {
+    report.undecided = true;
+    report.decided.resize(1);
+    report.decided[0].unique[index(Side::child)][0] = false;
+  };
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
+  EXPECT_EQ(verdict.judged, 9);
+  EXPECT_THAT(verdict.notes, ::testing::Contains(HasSubstr("cartesian: the rank of the constraints is undecided at")));
+}
+
+TEST_F(VerifyTest, AComponentIsJudgedInTheStatesInWhichItIsUnique) {
+  // Not unique in the first half of the run; wrong in those states alone.
+  const auto in_first_half = [](double t) { return t < 0.1; };
+  double t_of_rank = 0.0;
+  const auto of_state = [&](RankReport& report) {
+    if (!in_first_half(t_of_rank)) return;
+    for (auto* unique : {&report.joints[0].unique, &report.joints[0].unique_total}) {
+      for (auto& side : *unique) side[2] = false;
+    }
+  };
+  cartesian_.see_rank = relative_.see_rank = [&](const State& state) { t_of_rank = state.t; };
+  cartesian_.spoil_rank = relative_.spoil_rank = of_state;
+  relative_.spoil = [&](const State& state, Evaluation& evaluation) {
+    if (!in_first_half(state.t)) return;
+    for (auto* wrenches : {&evaluation.joints[0].reaction, &evaluation.joints[0].total}) {
+      for (auto& side : *wrenches) side.in_C.force(2) += 5.0;
+    }
+  };
+  const Verdict verdict = judge();
+  EXPECT_TRUE(verdict.same_state.climbed) << format_verdict(model_, verdict, true);
+  EXPECT_EQ(verdict.judged, 10);
+  EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr("judged where unique: joint A on bob, not unique in "));
+}
+
+TEST_F(VerifyTest, ASingularPoseIsNoVerdictAndIsNoDifference) {
+  relative_.spoil_run = [this](Trajectory&) {
+    relative_.spoil = [](const State& state, Evaluation&) {
+      if (std::abs(state.t - 0.2) < 1e-9) throw SingularPose("relative: the loop of joint 'A' is singular");
+    };
+  };
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
+  EXPECT_TRUE(verdict.findings.empty());
+  EXPECT_EQ(verdict.failures.at(0), "relative: the loop of joint 'A' is singular");
 }
 
 TEST_F(VerifyTest, AStateThatOnlyItsOwnerAcceptsIsADifference) {
