@@ -74,6 +74,14 @@ Uniqueness uniqueness_of(const Model& model, const RankReport& report, const Qua
   }
 }
 
+/// Whether anything can pass along a component: a joint's reaction where the joint forbids motion, its total wrench
+/// also where something acts on its coordinates.
+bool can_carry(const Model& model, const Quantity& quantity) {
+  const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
+  if (!is_wrench || joints::carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
+  return quantity.kind == Kind::total && !forced_speeds(model, quantity.owner).empty();
+}
+
 bool can_be_redundant(Kind kind) {
   return kind != Kind::element && kind != Kind::acceleration && kind != Kind::body_sum;
 }
@@ -167,10 +175,7 @@ std::vector<Finding> compare_uniqueness(const Layout& layout, const std::vector<
       if (!can_be_redundant(quantity.kind) || quantity.kind == Kind::reaction_global) continue;
       if (of_one[row] == Uniqueness::undecided || of_other[row] == Uniqueness::undecided) continue;
       if (of_one[row] == of_other[row]) continue;
-      if (quantity.kind == Kind::reaction &&
-          !joints::carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) {
-        continue;
-      }
+      if (!can_carry(model, quantity)) continue;
       const std::tuple place(quantity.kind, quantity.owner, quantity.side);
       if (!here.emplace(place, quantity).second) continue;
       Disagreement& found = flags[place];

@@ -7,7 +7,10 @@
 
 #include "cartesian/solver.h"
 #include "common/error.h"
+#include "compare/digits.h"
+#include "compare/refinement.h"
 #include "compare/states.h"
+#include "compare/weighed_states.h"
 #include "relative/solver.h"
 
 namespace concord::compare {
@@ -146,6 +149,36 @@ ParameterScan::ParameterScan(const Model& model) : model_(model), solvers_(make_
     if (states_.size() < kSamples) states_.push_back({shared.state, Who::relative});
   }
   states_.insert(states_.end(), owned.begin(), owned.end());
+}
+
+std::string ParameterScan::ratios() {
+  const Layout layout(model_);
+  const std::array<Solver*, 2> both{solvers_[0].get(), solvers_[1].get()};
+  const WeighedStates weighed = weigh(layout, both, share(both, states_).states, kSeed);
+  const MatX difference = (weighed.series.values[0] - weighed.series.values[1]).cwiseAbs();
+  std::vector<double> ratios;
+  for (Eigen::Index row = 0; row < difference.rows(); ++row) {
+    for (Eigen::Index state = 0; state < difference.cols(); ++state) {
+      const double resolution = weighed.resolution.both(row, state);
+      if (weighed.mask(row, state) && resolution > 0.0) ratios.push_back(difference(row, state) / resolution);
+    }
+  }
+  std::sort(ratios.begin(), ratios.end());
+  Verdict verdict;
+  make_rows(layout, verdict);
+  const std::vector<Measured> measured = measure(layout, weighed.series, weighed.budget());
+  record(layout, measured, Rung::same_state, verdict);
+  double resolvable = kMostDigits;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const Row& row : *rows) {
+      if (row.quantity.kind != Kind::reaction && row.quantity.kind != Kind::element) continue;
+      if (is_judged(row)) resolvable = std::min(resolvable, detail_of(row, Rung::same_state).resolvable.value_or(16.0));
+    }
+  }
+  if (ratios.empty()) return model_.name + ": nothing to judge";
+  return fmt::format("{}: {} component-states, ratio median {:.2g}, 99 % {:.2g}, largest {:.3g}; resolvable {:.1f}",
+                     model_.name, ratios.size(), ratios[ratios.size() / 2], ratios[ratios.size() * 99 / 100],
+                     ratios.back(), resolvable);
 }
 
 bool ParameterScan::is_seen(const ParameterFault& fault, Who faulty, double size) {

@@ -33,6 +33,10 @@ class ParameterScan {
   /// Makes the states: a short run of the model, and neighbours of it.
   explicit ParameterScan(const Model& model);
 
+  /// The sound solvers' largest ratio of a difference to its resolution, its median and 99 % quantile, and the fewest
+  /// resolvable digits of a reaction or element, as text.
+  std::string ratios();
+
   bool is_seen(const ParameterFault& fault, Who faulty, double size);
 
   /// The smallest size on a grid of four to a decade, between 1e-16 and 1e-2, at which the slip is seen; nothing if not

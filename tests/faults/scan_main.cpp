@@ -7,6 +7,7 @@
 #include "compare/agreement.h"
 #include "compare/needs.h"
 #include "compare/refinement.h"
+#include "compare/weighed_states.h"
 #include "tests/faults/parameter_scan.h"
 
 namespace concord::compare {
@@ -14,12 +15,12 @@ namespace concord::compare {
 bool differs_at_same_state(const Model& model, const std::array<Solver*, 2>& solvers,
                            const std::vector<OwnedState>& states) {
   const Layout layout(model);
-  const SharedStates shared = share(solvers, states);
+  SharedStates shared = share(solvers, states);
   if (!shared.refusals.empty() || !shared.failures.empty()) return true;
+  const WeighedStates weighed = weigh(layout, solvers, std::move(shared.states), kSeed);
   Verdict verdict;
-  for (int who = 0; who < 2; ++who) verdict.solvers[who].rank = solvers[who]->rank(states.front().state);
   make_rows(layout, verdict);
-  record(layout, measure(layout, align(layout, shared.states)), Rung::same_state, verdict);
+  record(layout, measure(layout, weighed.series, weighed.budget()), Rung::same_state, verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const Row& row : *rows) {
       if (row.unique && row.same_state && !climbs(row, Rung::same_state)) return true;
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
     const Model model = read_model(argv[k]);
     try {
       ParameterScan scan(model);
+      fmt::print(stderr, "{}\n", scan.ratios());
       for (const ParameterFault& fault : parameter_faults(model)) {
         for (const Who who : {Who::cartesian, Who::relative}) {
           const auto size = scan.smallest_seen(fault, who);
