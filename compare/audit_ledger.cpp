@@ -13,7 +13,7 @@ namespace concord::compare {
 
 namespace {
 
-constexpr double kSmallestScale = 1e-6;  // of the machine's largest
+constexpr double kLeastShare = 1e-6;  // of the machine's largest
 
 bool is_worse(const AuditFinding& one, const AuditFinding& other) {
   const double spare = one.digits - need_of(one.rule);
@@ -86,7 +86,7 @@ AuditFinding AuditEntity::worst(AuditRule rule, const AuditScales& largest) cons
   found.where = name;
   for (const AuditRow& row : rows) {
     if (row.rule != rule) continue;
-    const double floor = (is_idle ? 1.0 : kSmallestScale) * largest[index(row.unit)];
+    const double floor = (is_idle ? 1.0 : kLeastShare) * largest[index(row.unit)];
     const double scale = std::max(row.scale, floor);
     keep_worse(found, {matching_digits(row.residual, scale), row.residual, scale, row.t, rule, name, row.name,
                        row.scale < floor});

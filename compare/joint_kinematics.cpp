@@ -11,9 +11,9 @@ namespace concord::compare {
 namespace {
 
 /// A difference quotient moves the machine by this part of what it does in the time in which something turns by 1 rad.
-constexpr double kStep = 1.5e-3;
+constexpr double kLookAhead = 1.5e-3;
 /// A quotient that errs by less than this part of the terms is good enough.
-constexpr double kGoodQuotient = 1e-11;
+constexpr double kGoodRate = 1e-11;
 
 /// A body `h` seconds on, with velocities that change at constant rates, seen from a frame that moves like the origin
 /// of `parent`: exact to first order, which is all that a derivative needs.
@@ -112,9 +112,11 @@ void raise(LineAndTurn& sizes, const LineAndTurn& others) {
 
 /// What of a_rel is neither permitted nor Sdot u, and the joint accelerations.
 void difference(const JointOnItsWay& joint, const VecX& expected_udot, double length, JointKinematics& found) {
-  // The time in which something turns by 1 rad; at rest, in which the machine's loads move it by its length.
-  double rate = std::max({found.speed.turn, found.speed.line / length,
-                          std::sqrt(std::max(found.rate_of_speed.turn, found.rate_of_speed.line / length))});
+  // The time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in which the
+  // accelerations do so. That both bodies travel together matters to nothing here.
+  double rate =
+      std::max({found.speed.turn, found.relative.v_rel.head<3>().norm() / length, std::sqrt(found.rate_of_speed.turn)});
+  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
   if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
   const auto n_u = expected_udot.size();
   VecX expected(6 + n_u);
@@ -124,7 +126,7 @@ void difference(const JointOnItsWay& joint, const VecX& expected_udot, double le
   const std::vector<bool> turns = turning_speeds(joint.type());
   for (Eigen::Index k = 0; k < n_u; ++k) scales(6 + k) *= turns[static_cast<std::size_t>(k)] ? 1.0 : length;
   const SlopeMisfit misfit =
-      slope_misfit([&](double h) { return joint.after(h); }, expected, scales, kStep / rate, kGoodQuotient);
+      slope_misfit([&](double h) { return joint.after(h); }, expected, scales, kLookAhead / rate, kGoodRate);
   found.acceleration = misfit.slope.head(6);
   found.udot = misfit.slope.tail(n_u);
 }

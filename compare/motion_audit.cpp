@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array kDirections{"along x", "along y", "along z", "about x", "about y", "about z"};
 
-double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+double mass_in(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
 double largest_force_in(const Evaluation& evaluation) {
   double largest = 0.0;
@@ -49,7 +49,7 @@ AuditScales scales_of(const JointKinematics& found, const State& state, const Jo
 }  // namespace
 
 MotionAudit::MotionAudit(const Model& model) : model_(model), length_(model.length_scale()) {
-  for (const Body& body : model.bodies) mass_ += mass_of(body);
+  for (const Body& body : model.bodies) mass_ += mass_in(body);
   for (const Joint& joint : model.joints) lay_out(joint);
   for (const Coupling& coupling : model.couplings) {
     AuditEntity& entity = couplings_.emplace_back(AuditEntity{coupling.name, {}, false});

@@ -15,8 +15,8 @@ using joints::ByResidual;
 using joints::FunctionOfCoordinates;
 using joints::FunctionOfPlacement;
 
-constexpr double kStep = 2e-3;           // rad, or of the length
-constexpr double kGoodQuotient = 1e-10;  // of the terms
+constexpr double kLongestStep = 2e-3;           // rad, or of the length
+constexpr double kGoodSlope = 1e-10;  // of the terms
 
 template <class Word, class Words>
 const Word* word_of(const Words& words) {
@@ -131,7 +131,7 @@ class Notes {
   static void note_worst(const Function& f, const VecX& stated, const VecX& units, double size,
                          StatedDerivative& worst) {
     const double scale = std::max(size, kSmallest);
-    const SlopeMisfit found = slope_misfit(f, stated, scale * units, kStep, kGoodQuotient);
+    const SlopeMisfit found = slope_misfit(f, stated, scale * units, kLongestStep, kGoodSlope);
     if (!(found.size * scale <= worst.misfit)) worst.misfit = found.size * scale;
     worst.scale = std::max(worst.scale, scale);
   }
