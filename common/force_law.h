@@ -17,6 +17,8 @@ class ForceTable {
 
   [[nodiscard]] double evaluate(double x) const;
   [[nodiscard]] double slope(double x) const;
+  /// The points as they were given.
+  [[nodiscard]] const SplineTable& points() const { return spline_; }
 
  private:
   SplineTable spline_;

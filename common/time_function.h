@@ -51,6 +51,7 @@ class SplineTable {
 
   [[nodiscard]] TimeFunctionValue evaluate(double t) const;
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
 
  private:
   std::vector<double> times_;

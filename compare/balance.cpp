@@ -5,10 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "compare/digits.h"
-#include "compare/element_laws.h"
 #include "compare/joint_motion.h"
 #include "compare/places.h"
 
@@ -16,7 +13,7 @@ namespace concord::compare {
 
 namespace {
 
-constexpr double kSmallestScale = 1e-6;  // of the machine's largest
+constexpr double kSmallestScale = 1e-6;  // of what the largest force would do
 
 constexpr std::array kComponentNames{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
 constexpr std::array kOnSide{" on parent", " on child"};
@@ -70,12 +67,13 @@ Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& po
     const Vec3 point_acceleration = acceleration.vdot + acceleration.omegadot.cross(s) + omega.cross(omega.cross(s)) +
                                     2.0 * omega.cross(sdot) + sddot;
     const Vec3 force = point.mass * (point_acceleration - gravity);
+    const double size = point.mass * (point_acceleration.norm() + gravity.norm());
     balance.rows.head<3>() += force;
     balance.rows.segment<3>(3) += s.cross(force);
     balance.rows.tail(n_modes) += point.Psi_t_L.transpose() * (A.transpose() * force);
-    sizes.head<3>().array() += force.norm();
-    sizes.segment<3>(3).array() += s.norm() * force.norm();
-    sizes.tail(n_modes) += force.norm() * point.Psi_t_L.colwise().norm().transpose();
+    sizes.head<3>().array() += size;
+    sizes.segment<3>(3).array() += s.norm() * size;
+    sizes.tail(n_modes) += size * point.Psi_t_L.colwise().norm().transpose();
   }
   if (body.modal) {
     const VecX elastic = body.modal->stiffness * state.a;
@@ -152,14 +150,14 @@ VecX side_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<S
 class JointPower {
  public:
   /// `coupled`: tau of the couplings on the joint.
-  JointPower(const Joint& joint, const std::array<PlacedFrame, 2>& frames, const JointWrenches& wrenches,
-             const VecX& coupled, const VecX& hint, double t)
+  JointPower(const Joint& joint, const std::vector<LawOfForce>& springs, const std::array<PlacedFrame, 2>& frames,
+             const JointWrenches& wrenches, const VecX& coupled, const VecX& hint, double t)
       : relative_(relative_motion(frames[index(Side::parent)], frames[index(Side::child)])),
         motion_(read_motion(*joint.type, relative_, hint)),
         total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
         reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
         tau_(wrenches.tau),
-        lawful_tau_(lawful_tau(joint, motion_, t) + coupled),
+        lawful_tau_(lawful_tau(joint, springs, motion_, t) + coupled),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
   /// S^T [F; T] of the reaction, along the speeds that are possible.
@@ -199,8 +197,8 @@ class JointPower {
 };
 
 /// Both sides' wrenches, global axes, minus what the element's law says.
-VecX law_residuals(const ForceElement& element, const State& state, const ElementWrenches& wrenches) {
-  const std::array<Wrench, 2> lawful = lawful_wrenches(element, state);
+VecX law_residuals(const ElementLaw& law, const State& state, const ElementWrenches& wrenches) {
+  const std::array<Wrench, 2> lawful = law.wrenches(state);
   VecX residuals(12);
   for (const Side side : kSides) {
     residuals.segment<6>(6 * index(side)) = wrenches.on_side(side).in_global.vector() - lawful[index(side)].vector();
@@ -216,13 +214,23 @@ double largest_torque(const std::array<SideWrench, 2>& wrenches) {
   return std::max(wrenches[0].in_C.torque.norm(), wrenches[1].in_C.torque.norm());
 }
 
-bool worse(const AuditFinding& one, const AuditFinding& other) {
-  if (one.digits != other.digits) return one.digits < other.digits;
-  return one.residual * other.scale > other.residual * one.scale;
+/// Scales of a joint or a force element: a force, and the larger of a torque and of the force times a length.
+AuditScales scales_of(double force, double torque, double length) {
+  AuditScales scales{};
+  scales[index(AuditUnit::force)] = force;
+  scales[index(AuditUnit::torque)] = std::max(torque, force * length);
+  return scales;
 }
 
-void keep_worse(AuditFinding& kept, const AuditFinding& other) {
-  if (kept.row.empty() || worse(other, kept)) kept = other;
+AuditUnit unit_of_component(int component) { return component < 3 ? AuditUnit::force : AuditUnit::torque; }
+
+/// Six rows, "F_x of total on parent", with what stands behind the component.
+void add_components(AuditRule rule, const std::string& of, AuditEntity& entity) {
+  for (int c = 0; c < 6; ++c) entity.rows.push_back({rule, kComponentNames[c] + of, unit_of_component(c)});
+}
+
+void add_speeds(AuditRule rule, const char* what, const std::vector<bool>& turning, AuditEntity& entity) {
+  for (const bool turns : turning) entity.rows.push_back({rule, what, turns ? AuditUnit::torque : AuditUnit::force});
 }
 
 struct Energies {
@@ -249,82 +257,47 @@ Energies energies_of(const Model& model, const State& state) {
 
 }  // namespace
 
-std::string_view name_of(AuditRule rule) {
-  constexpr std::array<std::string_view, kAuditRules> names{"free body",  "workless", "both sides",
-                                                            "two frames", "drivers",  "force law"};
-  return names[static_cast<std::size_t>(rule)];
+Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale()), motions_(model) {
+  for (const Body& body : model.bodies) lay_out_body(body);
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) lay_out_joint(k);
+  for (const ForceElement& element : model.elements) lay_out_element(element);
 }
 
-std::string AuditFinding::text() const {
-  if (row.empty()) return fmt::format("{}: nothing to audit", name_of(rule));
-  return fmt::format("{}: {}, {}, t = {:.6g} s: residual {:.2e}, scale {:.3g}, {:.1f} digits", name_of(rule), where,
-                     row, t, residual, scale, digits);
-}
-
-void Auditor::Row::take(double new_residual, double new_scale, double at_t) {
-  if (std::isnan(new_residual)) new_residual = std::numeric_limits<double>::infinity();
-  if (new_residual > residual) {
-    residual = new_residual;
-    t = at_t;
-  }
-  scale = std::max(scale, new_scale);
-}
-
-void Auditor::Entity::take(const VecX& residuals, double force, double torque, double at_t) {
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const double residual = std::abs(residuals(static_cast<Eigen::Index>(r)));
-    rows[r].take(residual, rows[r].unit == Unit::force ? force : torque, at_t);
+void Auditor::lay_out_body(const Body& body) {
+  std::vector<MassPoint> of_rigid;
+  mass_points_.push_back(mass_points_of(body, of_rigid));
+  AuditEntity& entity = bodies_.emplace_back(AuditEntity{body.name, {}, false});
+  if (bodies_.size() == 1) return;  // ground
+  add_components(AuditRule::free_body, "", entity);
+  for (int mode = 1; mode <= body.n_modes(); ++mode) {
+    entity.rows.push_back({AuditRule::free_body, "mode " + std::to_string(mode), AuditUnit::own});
   }
 }
 
-Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale()) {
-  const auto unit = [](int component) { return component < 3 ? Unit::force : Unit::torque; };
-  for (const Body& body : model.bodies) {
-    std::vector<MassPoint> of_rigid;
-    mass_points_.push_back(mass_points_of(body, of_rigid));
-    Entity& entity = bodies_.emplace_back(Entity{body.name, {}, false});
-    if (bodies_.size() == 1) continue;  // ground
-    for (int c = 0; c < 6; ++c) entity.rows.push_back({AuditRule::free_body, kComponentNames[c], unit(c)});
-    for (int mode = 1; mode <= body.n_modes(); ++mode) {
-      entity.rows.push_back({AuditRule::free_body, "mode " + std::to_string(mode), Unit::modal});
-    }
+/// In the order of joint_rows().
+void Auditor::lay_out_joint(int k) {
+  const Joint& joint = model_.joints[k];
+  AuditEntity& entity = joints_.emplace_back(AuditEntity{joint.name, {}, model_.carries_nothing(k)});
+  for (const char* side : kOnSide) add_components(AuditRule::workless, std::string(" of reaction") + side, entity);
+  add_speeds(AuditRule::workless, "power of the reaction", turning_free_speeds(*joint.type), entity);
+  for (const char* wrench : {" of reaction", " of total"}) {
+    for (const char* side : kOnSide) add_components(AuditRule::two_frames, std::string(wrench) + side, entity);
   }
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
-    const Joint& joint = model.joints[k];
-    Entity& entity = joints_.emplace_back(Entity{joint.name, {}, model.carries_nothing(k)});
-    const auto add_rows = [&](AuditRule rule, const char* wrench, const char* side) {
-      for (int c = 0; c < 6; ++c) {
-        entity.rows.push_back({rule, fmt::format("{} of {}{}", kComponentNames[c], wrench, side), unit(c)});
-      }
-    };
-    const auto add_speeds = [&](AuditRule rule, const char* what, const std::vector<bool>& speeds) {
-      for (const bool turns : speeds) {
-        entity.rows.push_back({rule, what, turns ? Unit::torque : Unit::force});
-      }
-    };
-    // In the order of joint_rows().
-    for (const char* side : kOnSide) add_rows(AuditRule::workless, "reaction", side);
-    add_speeds(AuditRule::workless, "power of the reaction", turning_free_speeds(*joint.type));
-    for (const char* wrench : {"reaction", "total"}) {
-      for (const char* side : kOnSide) add_rows(AuditRule::two_frames, wrench, side);
-    }
-    for (const char* wrench : {"reaction", "total"}) add_rows(AuditRule::both_sides, wrench, "");
-    add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type));
-    add_rows(AuditRule::drivers, "total minus reaction", " on child");
-    add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type));
-  }
-  for (const ForceElement& element : model.elements) {
-    Entity& entity = elements_.emplace_back(Entity{element.name, {}, false});
-    const auto add_rows = [&](AuditRule rule, const char* side) {
-      for (int c = 0; c < 6; ++c) {
-        entity.rows.push_back({rule, fmt::format("{}{}", kComponentNames[c], side), unit(c)});
-      }
-    };
-    // In the order of add_element().
-    for (const char* side : kOnSide) add_rows(AuditRule::force_law, side);
-    for (const char* side : kOnSide) add_rows(AuditRule::two_frames, side);
-    if (end_of(element, Side::parent) != nullptr) add_rows(AuditRule::both_sides, "");
-  }
+  for (const char* wrench : {" of reaction", " of total"}) add_components(AuditRule::both_sides, wrench, entity);
+  add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type), entity);
+  add_components(AuditRule::drivers, " of total minus reaction on child", entity);
+  add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type), entity);
+  std::vector<LawOfForce>& laws = joint_springs_.emplace_back();
+  for (const JointSpring& spring : joint.springs) laws.emplace_back(spring.law);
+}
+
+/// In the order of add_element().
+void Auditor::lay_out_element(const ForceElement& element) {
+  element_laws_.emplace_back(element);
+  AuditEntity& entity = elements_.emplace_back(AuditEntity{element.name, {}, false});
+  for (const char* side : kOnSide) add_components(AuditRule::force_law, side, entity);
+  for (const char* side : kOnSide) add_components(AuditRule::two_frames, side, entity);
+  if (end_of(element, Side::parent) != nullptr) add_components(AuditRule::both_sides, "", entity);
 }
 
 void Auditor::add(const State& state, const Evaluation& evaluation) {
@@ -332,6 +305,7 @@ void Auditor::add(const State& state, const Evaluation& evaluation) {
   for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
   for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation);
   for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
+  motions_.add(state, evaluation);
 }
 
 void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
@@ -352,7 +326,7 @@ void Auditor::add_body(int body, const State& state, const Evaluation& evaluatio
       subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
     }
   }
-  std::vector<Row>& rows = bodies_[body].rows;
+  std::vector<AuditRow>& rows = bodies_[body].rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto row = static_cast<Eigen::Index>(r);
     rows[r].take(std::abs(balance.rows(row)), balance.scales(row), state.t);
@@ -366,7 +340,7 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
                                           place(joint.sides[1], state.bodies[joint.sides[1].body])};
   const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
   const VecX coupled = coupled_tau(model_, static_cast<int>(index_of_joint), evaluation.couplings);
-  const JointPower power(joint, frames, wrenches, coupled, hint, state.t);
+  const JointPower power(joint, joint_springs_[index_of_joint], frames, wrenches, coupled, hint, state.t);
   VecX residuals(joint_rows(*joint.type));
   residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
       frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
@@ -374,8 +348,8 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
       power.outside_coordinates(length_), power.beyond_law();
 
   const double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
-  const double torque = std::max({largest_torque(wrenches.total), largest_torque(wrenches.reaction), force * length_});
-  joints_[index_of_joint].take(residuals, force, torque, state.t);
+  const double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
+  joints_[index_of_joint].take(residuals, scales_of(force, torque, length_), state.t);
 }
 
 void Auditor::add_element(std::size_t index_of_element, const State& state, const ElementWrenches& wrenches) {
@@ -386,73 +360,54 @@ void Auditor::add_element(std::size_t index_of_element, const State& state, cons
   const std::array<PlacedFrame, 2> frames{parent != nullptr ? place(*parent, state.bodies[parent->body]) : at_child,
                                           at_child};
   VecX residuals(parent != nullptr ? 30 : 24);
-  residuals.head<12>() = law_residuals(element, state, wrenches);
+  residuals.head<12>() = law_residuals(element_laws_[index_of_element], state, wrenches);
   residuals.segment<12>(12) = frame_residuals(frames, wrenches.on);
   if (parent != nullptr) residuals.tail<6>() = side_residuals(frames, wrenches.on);
-  const double force = largest_force(wrenches.on);
-  elements_[index_of_element].take(residuals, force, std::max(largest_torque(wrenches.on), force * length_), state.t);
+  const AuditScales scales = scales_of(largest_force(wrenches.on), largest_torque(wrenches.on), length_);
+  elements_[index_of_element].take(residuals, scales, state.t);
 }
 
-/// Largest scale of the rows of each unit; 0 for modal rows, which have no common unit.
-Auditor::Scales Auditor::largest_scales() const {
-  Scales largest{};
-  for (const auto* entities : {&bodies_, &joints_, &elements_}) {
-    for (const Entity& entity : *entities) {
-      for (const Row& row : entity.rows) {
-        double& own = largest[static_cast<std::size_t>(row.unit)];
-        own = row.unit == Unit::modal ? 0.0 : std::max(own, row.scale);
-      }
-    }
+AuditScales Auditor::largest_scales() const {
+  AuditScales largest{};
+  for (const auto* entities : {&bodies_, &joints_, &elements_, &motions_.joints()}) {
+    for (const AuditEntity& entity : *entities) entity.raise(largest);
   }
   return largest;
 }
 
-AuditFinding Auditor::worst_of(const Entity& entity, AuditRule rule, const Scales& largest) {
-  AuditFinding worst;
-  worst.rule = rule;
-  worst.where = entity.name;
-  for (const Row& row : entity.rows) {
-    if (row.rule != rule) continue;
-    const double floor = (entity.is_idle ? 1.0 : kSmallestScale) * largest[static_cast<std::size_t>(row.unit)];
-    const double scale = std::max(row.scale, floor);
-    keep_worse(worst, {matching_digits(row.residual, scale), row.residual, scale, row.t, rule, entity.name, row.name,
-                       row.scale < floor});
-  }
-  return worst;
-}
-
 AuditReport Auditor::report() const {
   AuditReport report;
-  const Scales largest = largest_scales();
   report.states = states_;
+  const AuditScales largest = largest_scales();
   for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
-  const auto count = [&](const AuditFinding& finding) {
-    keep_worse(report.rules[static_cast<std::size_t>(finding.rule)], finding);
-    keep_worse(report.worst, finding);
+  // The worst of an entity's own rules, which count for the whole too.
+  const auto judge = [&](const AuditEntity& entity, AuditFinding& worst) {
+    for (int k = 0; k < kAuditRules; ++k) {
+      const AuditFinding finding = entity.worst(static_cast<AuditRule>(k), largest);
+      report.rows[k] += entity.count(finding.rule);
+      keep_worse(report.rules[k], finding);
+      keep_worse(report.worst, finding);
+      keep_worse(worst, finding);
+    }
   };
-  for (const Entity& body : bodies_) {
-    report.bodies.push_back(worst_of(body, AuditRule::free_body, largest));
-    count(report.bodies.back());
+  for (const AuditEntity& body : bodies_) {
+    report.bodies.emplace_back().where = body.name;
+    judge(body, report.bodies.back());
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     AuditFinding& joint = report.joints.emplace_back();
     joint.where = joints_[k].name;
     for (const Attachment& side : model_.joints[k].sides) keep_worse(joint, report.bodies[side.body]);
-    for (const AuditRule rule : {AuditRule::workless, AuditRule::both_sides, AuditRule::two_frames, AuditRule::drivers,
-                                 AuditRule::force_law}) {
-      const AuditFinding finding = worst_of(joints_[k], rule, largest);
-      keep_worse(joint, finding);
-      count(finding);
-    }
+    judge(joints_[k], joint);
+    judge(motions_.joints()[k], joint);
   }
-  for (const Entity& entity : elements_) {
-    AuditFinding& element = report.elements.emplace_back();
-    element.where = entity.name;
-    for (const AuditRule rule : {AuditRule::force_law, AuditRule::both_sides, AuditRule::two_frames}) {
-      const AuditFinding finding = worst_of(entity, rule, largest);
-      keep_worse(element, finding);
-      count(finding);
-    }
+  for (const AuditEntity& element : elements_) {
+    report.elements.emplace_back().where = element.name;
+    judge(element, report.elements.back());
+  }
+  for (const AuditEntity& coupling : motions_.couplings()) {
+    report.couplings.emplace_back().where = coupling.name;
+    judge(coupling, report.couplings.back());
   }
   return report;
 }

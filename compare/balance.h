@@ -1,69 +1,46 @@
 #pragma once
 
 #include <array>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/model.h"
 #include "common/results.h"
+#include "compare/audit_ledger.h"
+#include "compare/element_laws.h"
+#include "compare/law_of_force.h"
+#include "compare/motion_audit.h"
 
-/// The third opinion: are a solver's motions and wrenches in balance? Computed from the results, mass points, modal
-/// stiffness and damping, force laws and gravity alone; no solver's inertia terms, Jacobians or multipliers are used.
+/// The third opinion: are a solver's motions and wrenches in balance, and do they obey joints and laws? Computed from
+/// the results, mass points, modal stiffness and damping, laws and gravity alone; no solver's inertia terms, Jacobians
+/// or multipliers are used, and no evaluator of a law that the solvers call.
 namespace concord::compare {
-
-/// What the audit demands of every state.
-enum class AuditRule {
-  free_body,   // d'Alembert on every body: 6 + m rows against the total wrenches that act on it
-  workless,    // reactions vanish along permitted directions, eq. S^T [F; T] = 0
-  both_sides,  // F_j = -F_i, T_j = -(T_i + (r_Pi - r_Pj) x F_i), of joints and of force elements
-  two_frames,  // components in the joint frame (or an element's end frame) and in global axes are one vector
-  drivers,     // S^T [F; T] of the total wrench on the child is tau; total minus reaction is its coordinate wrench
-  force_law    // each element's wrench is what its law says of the state, and tau what springs, actuators and couplings
-               // add
-};
-inline constexpr int kAuditRules = 6;
-
-/// "free body", "workless", ...
-std::string_view name_of(AuditRule rule);
-
-/// The worst that a rule met, over all states added.
-struct AuditFinding {
-  /// -log10(residual / scale), between 0 and 16; 0 if the residual is not a number.
-  double digits = 16.0;
-  double residual = 0.0;  // N, N m, or J per unit of a modal coordinate
-  double scale = 0.0;
-  double t = 0.0;  // s, where the residual is largest
-  AuditRule rule = AuditRule::free_body;
-  std::string where;  // a body, a joint or a force element
-  std::string row;    // "F_x", "mode 3", "T_y of reaction on parent", "tau"; empty if there was nothing to audit
-  /// The scale is 1e-6 of the machine's largest, because the body's or joint's own is smaller.
-  bool floored = false;
-
-  /// All of it in one line: "free body: coupler, T_y, t = 1.284 s: residual 3.1e-11, scale 2.4, 10.9 digits".
-  [[nodiscard]] std::string text() const;
-};
 
 struct AuditReport {
   long states = 0;
-  /// The worst of everything; 16 digits if nothing was added.
+  /// The finding that is farthest below its need, or nearest to it; 16 digits if nothing was added.
   AuditFinding worst;
   std::array<AuditFinding, kAuditRules> rules;
+  /// How many numbers each rule holds against zero in a state.
+  std::array<int, kAuditRules> rows{};
   /// Free-body rows of every body, in the order of the model; ground (nothing is known of its mass) has 16 digits.
   std::vector<AuditFinding> bodies;
   /// For every joint, in the order of the model, the worst of its own rules and of the free-body rows of the bodies
   /// that it joins: a wrench is right only if both bodies move accordingly.
   std::vector<AuditFinding> joints;
-  /// For every force element, in the order of the model, the worst of its own rules.
+  /// For every force element, and for every coupling, in the order of the model, the worst of its own rules.
   std::vector<AuditFinding> elements;
+  std::vector<AuditFinding> couplings;
 
   [[nodiscard]] double digits() const { return worst.digits; }
+  /// Whether every rule reaches its need.
+  [[nodiscard]] bool holds() const { return worst.holds(); }
 };
 
 /// Audits evaluated states of one model, one after the other. Scales are peaks over all of them: for the force rows of
-/// a body the larger of the sum of its mass points' |m (acceleration - g)| and the largest force on it, likewise with
+/// a body the larger of the sum of its mass points' m (|acceleration| + |g|) and the largest force on it, likewise with
 /// levers for moments and mode shapes for modal rows; for a joint or a force element its peak |F|, and max(peak |T|,
-/// peak |F| l) with l the machine's length scale. The model must outlive the auditor.
+/// peak |F| l) with l the machine's length scale; each at least 1e-6 of the machine's largest, which for a machine that
+/// carries nothing is its weight; of motions see MotionAudit. The model must outlive the auditor.
 class Auditor {
  public:
   explicit Auditor(const Model& model);
@@ -73,40 +50,23 @@ class Auditor {
   [[nodiscard]] AuditReport report() const;
 
  private:
-  enum class Unit { force, torque, modal };
-  struct Row {
-    AuditRule rule;
-    std::string name;
-    Unit unit;
-    double residual = 0.0;
-    double scale = 0.0;
-    double t = 0.0;
-
-    void take(double new_residual, double new_scale, double at_t);
-  };
-  struct Entity {
-    std::string name;
-    std::vector<Row> rows;
-    /// A joint that can carry nothing has no scale of its own: it is held against the machine's largest.
-    bool is_idle = false;
-
-    /// Residuals of the rows in their order, at a time, with the scales of forces and of torques there.
-    void take(const VecX& residuals, double force, double torque, double at_t);
-  };
-
+  void lay_out_body(const Body& body);
+  void lay_out_joint(int joint);
+  void lay_out_element(const ForceElement& element);
   void add_body(int body, const State& state, const Evaluation& evaluation);
   void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
   void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
-  using Scales = std::array<double, 3>;  // by unit
-  [[nodiscard]] Scales largest_scales() const;
-  static AuditFinding worst_of(const Entity& entity, AuditRule rule, const Scales& largest);
+  [[nodiscard]] AuditScales largest_scales() const;
 
   const Model& model_;
   double length_;
-  std::vector<std::vector<MassPoint>> mass_points_;  // of each body
-  std::vector<Entity> bodies_;
-  std::vector<Entity> joints_;
-  std::vector<Entity> elements_;
+  std::vector<std::vector<MassPoint>> mass_points_;     // of each body
+  std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
+  std::vector<ElementLaw> element_laws_;
+  std::vector<AuditEntity> bodies_;
+  std::vector<AuditEntity> joints_;
+  std::vector<AuditEntity> elements_;
+  MotionAudit motions_;
   long states_ = 0;
 };
 

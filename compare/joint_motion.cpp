@@ -94,6 +94,7 @@ class Walk {
   void operator()(const joints::Arm& word) { place_ += word.length * frame_ * unit(word.axis); }
   void operator()(const joints::Ball&) {
     S_.block<3, 3>(3, column_).setIdentity();
+    frame_ = rotation_of(q_.segment<4>(next_));
     ends_with_ball_ = true;
   }
   void operator()(const joints::ByMotion& word) {
@@ -101,9 +102,14 @@ class Walk {
     const VecX at_rest = VecX::Zero(q_.size());
     word.motion->evaluate(q_.data(), at_rest.data(), motion);
     S_ = motion.S.leftCols(S_.cols());
+    place_ = motion.placement.d;
+    frame_ = motion.placement.R;
   }
 
   [[nodiscard]] const Mat6X& S() const { return S_; }
+  /// Where the motion leads, in the parent's joint frame.
+  [[nodiscard]] const Vec3& d() const { return place_; }
+  [[nodiscard]] const Mat3& R() const { return frame_; }
 
  private:
   struct Turned {
@@ -173,7 +179,10 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
   motion.q = VecX::Zero(type.n_q());
   Reading reading(relative, hint, motion.q);
   for (const joints::Read& word : type.reads) std::visit(reading, word);
-  motion.S = Walk(type, motion.q).S();
+  const Walk walk(type, motion.q);
+  motion.S = walk.S();
+  motion.d = walk.d();
+  motion.R = walk.R();
   motion.free = free_speeds(type, relative.R, motion.S);
   motion.u = motion.S.cols() > 0 ? VecX(motion.S.colPivHouseholderQr().solve(relative.v_rel)) : VecX();
   return motion;
@@ -187,12 +196,13 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
   return S;
 }
 
-VecX lawful_tau(const Joint& joint, const JointMotion& motion, double t) {
+VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
-  for (const JointSpring& spring : joint.springs) {
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const JointSpring& spring = joint.springs[k];
     const int q = first_q(*joint.type, spring.word) + spring.component;
     const int u = first_u(*joint.type, spring.word) + spring.component;
-    tau(u) += evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, motion.q(q), motion.u(u)).force;
+    tau(u) += springs[k].actuator(t) - springs[k].resistance(motion.q(q), motion.u(u));
   }
   for (const Driver& driver : joint.drivers) {
     tau(first_u(*joint.type, driver.word) + driver.component) = std::numeric_limits<double>::quiet_NaN();

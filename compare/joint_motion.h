@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/model.h"
+#include "compare/law_of_force.h"
 #include "compare/places.h"
 
 /// Coordinates, speeds and permitted directions of a joint as the third opinion reads them from the bodies alone.
@@ -18,6 +19,9 @@ struct JointMotion {
   Mat6X S;
   /// The speeds that are possible, u = free w: identity but where the type forbids velocities alone (n_u rows).
   MatX free;
+  /// Where the motion leads with the coordinates q: place and orientation in the parent's joint frame.
+  Vec3 d = Vec3::Zero();
+  Mat3 R = Mat3::Identity();
 };
 
 /// JointMotion::free of a type where its child stands turned by R and its speeds have the columns S.
@@ -33,8 +37,9 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
 Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S);
 
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
-/// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out.
-VecX lawful_tau(const Joint& joint, const JointMotion& motion, double t);
+/// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out. `springs`: the laws of
+/// Joint::springs, in their order.
+VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
 
 /// tau that the couplings of a model exert on the speeds of joint k, given their forces (one for each coupling).
 VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces);

@@ -103,8 +103,8 @@ std::vector<TestCase> tests_of(const JunitCase& one) {
   }
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) {
-      tests.push_back(yes_or_no(fmt::format("audit of {}", solver.name), *solver.audit_digits >= kAudit,
-                                fmt::format("{} (need {:g})", solver.audit_worst, kAudit)));
+      tests.push_back(yes_or_no(fmt::format("audit of {}", solver.name), *solver.audit_digits >= solver.audit_need,
+                                fmt::format("{} (need {:g})", solver.audit_worst, solver.audit_need)));
     }
     if (!solver.energy_error) continue;
     const double allowed = kEnergyPerTolerance * verdict.run.rtol;

@@ -25,6 +25,8 @@ inline constexpr double kRefined = 8.5;
 /// The refined rung is also met if the digits rise by this much when the tolerance falls 100 times.
 inline constexpr double kRefinedRise = 1.5;
 inline constexpr double kAudit = 9.0;
+/// Of the audit's rules on motions, which rest on difference quotients and on how well a run holds its constraints.
+inline constexpr double kAuditByDifferences = 7.0;
 /// The energy balance of a run may err by this many times its relative tolerance.
 inline constexpr double kEnergyPerTolerance = 1e3;
 

@@ -66,8 +66,10 @@ std::string head(const Verdict& verdict) {
                       verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name,
                       verdict.solvers[1].integrator);
   text += fmt::format(
-      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}\n",
-      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit);
+      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
+      "motions {:g}\n",
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit,
+      kAuditByDifferences);
   return text;
 }
 

@@ -75,7 +75,9 @@ struct SolverSummary {
   RankReport rank;
   SolverStatistics statistics;
   std::optional<double> audit_digits;
+  /// The audit's finding that is farthest below its need, or nearest to it, and that need.
   std::string audit_worst;
+  double audit_need = 0.0;
   std::optional<double> energy_error;
 };
 

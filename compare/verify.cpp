@@ -292,7 +292,10 @@ class Climb {
       }
       judge_audit(summary, auditors_[index(who)].report());
     }
-    verdict_.audit.climbed = verdict_.audit.digits.value_or(0.0) >= kAudit;
+    verdict_.audit.climbed =
+        std::all_of(verdict_.solvers.begin(), verdict_.solvers.end(), [](const SolverSummary& solver) {
+          return solver.audit_digits && *solver.audit_digits >= solver.audit_need;
+        });
   }
 
   void judge_audit(SolverSummary& summary, const AuditReport& found) {
@@ -301,9 +304,11 @@ class Climb {
     summary.audit_worst = found.worst.text();
     verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), found.digits());
     verdict_.audit.samples = static_cast<int>(found.states);
-    if (found.digits() >= kAudit) return;
+    summary.audit_need = need_of(found.worst.rule);
+    if (found.holds()) return;
     verdict_.findings.push_back(
-        {fmt::format("{} is not in balance: {} (need {:g})", summary.name, summary.audit_worst, kAudit),
+        {fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(found.worst.rule), summary.audit_worst,
+                     summary.audit_need),
          "audit: from motions, wrenches and mass points alone; look into this solver first"});
   }
 

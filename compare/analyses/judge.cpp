@@ -105,12 +105,17 @@ class Judge {
       summary.audit_digits = report.digits();
       summary.audit_worst = report.worst.text();
       verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), report.digits());
-      if (report.digits() >= kAudit) continue;
+      summary.audit_need = need_of(report.worst.rule);
+      if (report.holds()) continue;
       verdict_.findings.push_back(
-          {fmt::format("{} is not in balance: {} (need {:g})", summary.name, summary.audit_worst, kAudit),
+          {fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(report.worst.rule), summary.audit_worst,
+                       summary.audit_need),
            "audit: from motions, wrenches, force laws and mass points alone"});
     }
-    verdict_.audit.climbed = verdict_.audit.digits.value_or(0.0) >= kAudit;
+    verdict_.audit.climbed =
+        std::all_of(verdict_.solvers.begin(), verdict_.solvers.end(), [](const SolverSummary& solver) {
+          return solver.audit_digits && *solver.audit_digits >= solver.audit_need;
+        });
   }
 
   void judge_rows() {

@@ -10,6 +10,7 @@
 #include "compare/agreement.h"
 #include "compare/align.h"
 #include "compare/balance.h"
+#include "compare/needs.h"
 #include "compare/joint_check/parts.h"
 #include "relative/equations.h"
 #include "relative/solver.h"
@@ -125,7 +126,9 @@ class CouplingCheck {
  public:
   explicit CouplingCheck(const SheetOptions& options) : options_(options) {
     for (int rule = 0; rule < kAuditRules; ++rule) {
-      audits_.emplace_back(fmt::format("audit: {}", name_of(static_cast<AuditRule>(rule))), kCouplingDigits);
+      const auto which = static_cast<AuditRule>(rule);
+      audits_.emplace_back(fmt::format("audit: {}", name_of(which)),
+                           std::min(kCouplingDigits, kCouplingDigits - kAudit + need_of(which)));
     }
   }
 

@@ -11,6 +11,7 @@
 #include "compare/agreement.h"
 #include "compare/align.h"
 #include "compare/balance.h"
+#include "compare/needs.h"
 #include "compare/joint_check/rig.h"
 #include "relative/equations.h"
 #include "relative/solver.h"
@@ -335,6 +336,12 @@ std::string plain_name(AuditRule rule) {
       return "audit: what drivers, springs and motors add is their coordinate wrench";
     case AuditRule::force_law:
       return "audit: springs and motors obey their laws";
+    case AuditRule::kinematics:
+      return "audit: places, velocities and accelerations are such as the joint permits";
+    case AuditRule::driver_law:
+      return "audit: driven coordinates follow their laws";
+    case AuditRule::derivatives:
+      return "audit: derivatives of functions are those by differences";
     default:
       return fmt::format("audit: {}", name_of(rule));
   }
@@ -355,7 +362,8 @@ class RigCheck {
       }
     }
     for (int rule = 0; rule < kAuditRules; ++rule) {
-      audits_.emplace_back(plain_name(static_cast<AuditRule>(rule)), kNeed);
+      const auto which = static_cast<AuditRule>(rule);
+      audits_.emplace_back(plain_name(which), std::min(kNeed, kNeed - kAudit + need_of(which)));
     }
   }
 

@@ -112,7 +112,7 @@ Outcry look(const Model& model) {
     if (!told.empty() && found.blamed == "-" && names(told.front(), name)) found.blamed = name;
   }
   for (const SolverSummary& solver : verdict.solvers) {
-    if (!solver.audit_digits || *solver.audit_digits >= kAudit) continue;
+    if (!solver.audit_digits || *solver.audit_digits >= solver.audit_need) continue;
     found.audited = found.audited == "-" ? solver.name : "both";
   }
   return found;

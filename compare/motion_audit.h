@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/audit_ledger.h"
+#include "compare/joint_kinematics.h"
+#include "compare/law_of_time.h"
+
+namespace concord::compare {
+
+/// The third opinion on motions: do places, velocities and accelerations obey joints, drivers and couplings, and are
+/// the derivatives of joints by functions right? Scales are the speeds and accelerations of a joint's two places, at
+/// least what gravity and the largest force give to the machine's mass along its length. The model must outlive it.
+class MotionAudit {
+ public:
+  explicit MotionAudit(const Model& model);
+
+  void add(const State& state, const Evaluation& evaluation);
+
+  [[nodiscard]] const std::vector<AuditEntity>& joints() const { return joints_; }
+  [[nodiscard]] const std::vector<AuditEntity>& couplings() const { return couplings_; }
+
+ private:
+  void lay_out(const Joint& joint);
+  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation, double least_acceleration);
+  void add_coupling(std::size_t coupling, double t);
+  [[nodiscard]] VecX expected_udot(std::size_t joint, double t) const;
+  [[nodiscard]] double least_acceleration(const Evaluation& evaluation) const;
+
+  const Model& model_;
+  double length_;
+  double mass_ = 0.0;
+  std::vector<std::vector<LawOfTime>> drivers_;  // of each joint
+  std::vector<AuditEntity> joints_;
+  std::vector<AuditEntity> couplings_;
+  // Of the state that is being added, for each joint.
+  std::vector<JointKinematics> kinematics_;
+  std::vector<AuditScales> scales_;
+};
+
+}  // namespace concord::compare
