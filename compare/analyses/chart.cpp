@@ -128,6 +128,8 @@ MatX Chart::scaled_tangent(const State& state) const {
 
 VecX Chart::velocities(const VecX& delta) const { return (V_ * delta).cwiseQuotient(weights_); }
 
+VecX Chart::coordinates_of(const VecX& velocities) const { return V_.transpose() * velocities.cwiseProduct(weights_); }
+
 std::string Chart::describe(const VecX& delta) const { return describe_motion(model_, origin_, velocities(delta)); }
 
 VecX Chart::rates(const State& state) const {

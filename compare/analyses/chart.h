@@ -47,7 +47,9 @@ class Chart {
   /// Velocities [v; omega; adot] of bodies 1, 2, ... that belong to a change of the coordinates, in SI units.
   [[nodiscard]] VecX velocities(const VecX& delta) const;
 
-  /// The same in the words of describe_motion().
+  /// The coordinates that change so, as far as the chart permits the velocities.
+  [[nodiscard]] VecX coordinates_of(const VecX& velocities) const;
+  /// velocities(delta) in the words of describe_motion().
   [[nodiscard]] std::string describe(const VecX& delta) const;
 
  private:

@@ -37,8 +37,9 @@ MatX damping_matrix(Chart& chart, Solver& solver, double rate) {
     };
     const auto column = derivative_at_zero(along, kRateStep * rate, kLeastRateStep * rate, rate);
     if (!column) {
-      throw SolverError(
-          fmt::format("{}: no closed states with other speeds at t = {:.6g} s", solver.name(), chart.origin().t));
+      throw SingularPose(fmt::format(
+          "{}: at t = {:.6g} s no closed states with another speed along {} are found: is the pose singular?",
+          solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
     }
     B.col(k) = *column;
   }
@@ -189,14 +190,20 @@ void settle_on_an_axis(Complex& eigenvalue) {
   if (std::abs(eigenvalue.imag()) <= negligible) eigenvalue.imag(0.0);
 }
 
-/// The velocities of a mode, of unit norm, turned so that the largest one is real.
-Eigen::VectorXcd shape_of(const Chart& chart, const Eigen::VectorXcd& coordinates) {
-  Eigen::VectorXcd shape(chart.basis().rows());
-  shape.real() = chart.velocities(coordinates.real());
-  shape.imag() = chart.velocities(coordinates.imag());
+/// Turned so that the largest velocity is real, of unit norm.
+Eigen::VectorXcd normalized_shape(const Eigen::VectorXcd& velocities) {
   Eigen::Index largest = 0;
-  shape.cwiseAbs().maxCoeff(&largest);
-  return shape * (std::conj(shape(largest)) / std::abs(shape(largest)) / shape.norm());
+  velocities.cwiseAbs().maxCoeff(&largest);
+  return velocities * (std::conj(velocities(largest)) / std::abs(velocities(largest)) / velocities.norm());
+}
+
+/// The velocities of a mode, in SI units and in those of the machine.
+void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode) {
+  Eigen::VectorXcd velocities(chart.basis().rows());
+  velocities.real() = chart.velocities(coordinates.real());
+  velocities.imag() = chart.velocities(coordinates.imag());
+  mode.shape = normalized_shape(velocities);
+  mode.scaled_shape = normalized_shape(chart.basis() * coordinates);
 }
 
 bool comes_first(const Mode& a, const Mode& b) {
@@ -205,7 +212,47 @@ bool comes_first(const Mode& a, const Mode& b) {
   return a.eigenvalue.real() < b.eigenvalue.real();
 }
 
+/// How far two modes are from being one: 0 to about 1 by their eigenvalues, relative to the larger one or what is
+/// resolved, and a tenth as much by their shapes, 1 - MAC.
+double distance_between(const Mode& one, const Mode& other, double resolution) {
+  constexpr double kShape = 0.1;
+  const double size = std::max({std::abs(one.eigenvalue), std::abs(other.eigenvalue), resolution});
+  const double by_value = size > 0.0 ? std::abs(one.eigenvalue - other.eigenvalue) / size : 0.0;
+  return by_value + kShape * (1.0 - std::norm(other.scaled_shape.dot(one.scaled_shape)));
+}
+
 }  // namespace
+
+ModePairs pair_modes(const Linearization& one, const Linearization& other) {
+  struct Candidate {
+    double distance;
+    std::size_t k;
+    std::size_t partner;
+  };
+  const double resolution = std::max(one.resolution, other.resolution);
+  std::vector<Candidate> candidates;
+  for (std::size_t k = 0; k < one.modes.size(); ++k) {
+    for (std::size_t partner = 0; partner < other.modes.size(); ++partner) {
+      candidates.push_back({distance_between(one.modes[k], other.modes[partner], resolution), k, partner});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+  std::array<std::vector<bool>, 2> taken{std::vector<bool>(one.modes.size()), std::vector<bool>(other.modes.size())};
+  ModePairs pairs;
+  for (const Candidate& candidate : candidates) {
+    if (taken[0][candidate.k] || taken[1][candidate.partner]) continue;
+    taken[0][candidate.k] = taken[1][candidate.partner] = true;
+    pairs.both.emplace_back(candidate.k, candidate.partner);
+  }
+  std::sort(pairs.both.begin(), pairs.both.end());
+  for (std::size_t who = 0; who < 2; ++who) {
+    for (std::size_t k = 0; k < taken[who].size(); ++k) {
+      if (!taken[who][k]) pairs.alone[who].push_back(k);
+    }
+  }
+  return pairs;
+}
 
 double Mode::frequency() const { return std::abs(eigenvalue) / (2.0 * std::numbers::pi); }
 
@@ -236,7 +283,7 @@ void add_free_modes(const Model& model, const Chart& chart, const MatX& directio
   for (const auto& motion : motions.colwise()) {
     Mode mode;
     mode.is_free = true;
-    mode.shape = motion.normalized().cast<Complex>();
+    set_shape(chart, (chart.coordinates_of(motion)).cast<Complex>(), mode);
     mode.motion = describe_motion(model, chart.origin(), motion);
     modes.push_back(std::move(mode));
   }
@@ -252,7 +299,7 @@ void add_modes(const Model& model, const Chart& chart, const Eigenpairs& pairs, 
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (is_undamped) settle_on_an_axis(mode.eigenvalue);
     if (mode.eigenvalue.imag() < 0.0) continue;  // the other one of its pair is there
-    mode.shape = shape_of(chart, pairs.vectors.col(k));
+    set_shape(chart, pairs.vectors.col(k), mode);
     mode.motion = describe_motion(model, chart.origin(), mode.shape.real());
     result.modes.push_back(std::move(mode));
   }
