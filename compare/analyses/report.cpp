@@ -68,8 +68,9 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
 
 std::string last_line(const AnalysisVerdict& result) {
   const Verdict& verdict = result.wrenches;
-  std::string text = fmt::format("{} {}: {}: {} of {} reaction components judged", to_string(verdict.outcome),
-                                 verdict.name, result.analysis, verdict.judged, verdict.total);
+  std::string text =
+      fmt::format("{} {}: {}: {} of {} components of joints and force elements judged", to_string(verdict.outcome),
+                  verdict.name, result.analysis, verdict.judged, verdict.total);
   const auto add = [&](const char* name, const std::optional<double>& digits) {
     if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
   };
