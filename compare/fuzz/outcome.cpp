@@ -36,6 +36,7 @@ constexpr std::array kRefusals{
     RefusalKind{"bent too far", "deformation has turned its frame"},
     RefusalKind{"without inertia", "have no inertia"},
 };
+constexpr std::size_t kMostOfKind = 48;
 constexpr std::string_view kStartRefused = "start refused";
 
 std::string_view up_to(std::string_view text, std::string_view mark) { return text.substr(0, text.find(mark)); }
@@ -48,9 +49,10 @@ std::string differ_kind(const Finding& finding) {
   if (finding.what.find("does not keep its energy") != std::string::npos) {
     return fmt::format("{} loses energy", up_to(finding.what, " "));
   }
+  if (finding.what.find("does not accept") != std::string::npos) return "closures";
   const std::string_view rung = up_to(finding.symptom, ":");
   for (const std::string_view known : {"same state", "same run", "refined", "audit"}) {
-    if (rung == known) return std::string(rung);
+    if (rung == known) return without_particulars(finding.symptom).substr(0, kMostOfKind);
   }
   return without_particulars(up_to(finding.what, ":"));
 }

@@ -281,12 +281,17 @@ std::vector<Machine> smaller_machines(const Machine& machine, std::uint64_t choi
 }
 
 Machine shrink(Machine machine, std::uint64_t choice, const FirstThatKeeps& first_that_keeps) {
-  constexpr int kMostSteps = 60;
+  constexpr int kMostSteps = 100;
+  std::size_t from = 0;  // changes before this one did not keep the outcome a step ago: they are tried again last
   for (int step = 0; step < kMostSteps; ++step) {
     std::vector<Machine> candidates = smaller_machines(machine, choice);
+    if (candidates.empty()) break;
+    from %= candidates.size();
+    std::rotate(candidates.begin(), candidates.begin() + static_cast<long>(from), candidates.end());
     const auto kept = first_that_keeps(candidates);
     if (!kept) break;
     machine = std::move(candidates[*kept]);
+    from += *kept;
   }
   return machine;
 }

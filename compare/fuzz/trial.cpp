@@ -10,6 +10,9 @@ namespace concord::compare::fuzz {
 
 namespace {
 
+/// Fewer than for a model that somebody cares about: many machines see more than many states of one.
+constexpr int kStates = 40;
+
 void tell_rung(std::string_view rung) {
   std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
 }
@@ -36,6 +39,8 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
     const auto cartesian = makers.cartesian(*model);
     const auto relative = makers.relative(*model);
     VerifyOptions options;
+    options.states = kStates;
+    options.samples = kStates - 1;
     std::string last;
     options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
       if (rung == last) return;
