@@ -23,8 +23,7 @@ struct OwnedState {
 
 /// States of a run from both trajectories in turn (the first from cartesian), t = 0 among them; both of each row if
 /// there are fewer rows than `least`. A missing trajectory (nullptr) leaves its turns to the other one.
-std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories,
-                                   int least = kTrajectoryStates);
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories, int least = kTrajectoryStates);
 
 /// Makes generic neighbours of the states of a run, the same ones for the same seed.
 class Shaker {

@@ -137,7 +137,9 @@ class Climb {
   }
 
   [[nodiscard]] int trajectory_states() const { return options_.states.value_or(kTrajectoryStates); }
-  [[nodiscard]] int random_states() const { return options_.states ? std::max(1, *options_.states / 4) : kRandomStates; }
+  [[nodiscard]] int random_states() const {
+    return options_.states ? std::max(1, *options_.states / 4) : kRandomStates;
+  }
 
   void report(std::string_view rung) {
     done_ = {};

@@ -78,10 +78,10 @@ class Fuzz {
     try_all(start);
     const double took = seconds_since(start);
     wipe_line();
-    for (const Casualty& one : casualties_) tell(one);
+    if (!command_.keep.empty()) keep_all();
     console_.out << format_outcomes() << '\n' << coverage_.format();
-    console_.err << fmt::format("{} machines in {:.1f} s by {} workers: {:.1f} machines per second and worker\n", tried_,
-                                took, jobs_, static_cast<double>(tried_) / took / jobs_);
+    console_.err << fmt::format("{} machines in {:.1f} s by {} workers: {:.1f} machines per second and worker\n",
+                                tried_, took, jobs_, static_cast<double>(tried_) / took / jobs_);
     return code_;
   }
 
@@ -113,7 +113,11 @@ class Fuzz {
         ++regular_;
         if (outcome.sort == Sort::refusal) ++regular_refused_[outcome.kind];
       }
-      if (outcome.is_wrong()) casualties_.push_back({number, outcome});
+      if (outcome.is_wrong()) {
+        casualties_.push_back({number, outcome});
+        wipe_line();
+        console_.out << fmt::format("machine {}: {}\n{}\n", number, outcome.kind, indented(outcome.text)) << std::flush;
+      }
       if (outcome.sort == Sort::lost) code_ = kCouldNotFinish;
       if ((outcome.sort == Sort::differ || outcome.sort == Sort::stop) && code_ == kAgree) code_ = kDiffer;
       show_progress(start);
@@ -125,7 +129,8 @@ class Fuzz {
     const double spent = seconds_since(start);
     double left = static_cast<double>(count_ - tried_) * spent / static_cast<double>(tried_);
     if (command_.minutes) left = std::min(left, std::max(0.0, 60.0 * *command_.minutes - spent));
-    console_.err << fmt::format("\r\033[K{} machines, {} ended wrongly, {:.0f} s left", tried_, casualties_.size(), left)
+    console_.err << fmt::format("\r\033[K{} machines, {} ended wrongly, {:.0f} s left", tried_, casualties_.size(),
+                                left)
                  << std::flush;
   }
 
@@ -133,11 +138,16 @@ class Fuzz {
     if (console_.progress) console_.err << "\r\033[K" << std::flush;
   }
 
-  /// Prints one machine that ended wrongly, and keeps it.
-  void tell(const Casualty& one) {
-    console_.out << fmt::format("machine {}: {}\n", one.number, one.outcome.kind) << indented(one.outcome.text);
-    if (!command_.keep.empty()) console_.out << fmt::format("  kept as {}\n", keep(one).filename().string());
-    console_.out << '\n';
+  void keep_all() {
+    for (const Casualty& one : casualties_) {
+      if (console_.progress) console_.err << fmt::format("\r\033[Kshrinking machine {}", one.number) << std::flush;
+      const std::filesystem::path file = keep(one);
+      wipe_line();
+      console_.out << fmt::format("machine {} is kept as {}: {}\n", one.number, file.filename().string(),
+                                  one.outcome.kind)
+                   << std::flush;
+    }
+    if (!casualties_.empty()) console_.out << '\n';
   }
 
   static std::string indented(const std::string& text) {
@@ -152,15 +162,16 @@ class Fuzz {
   }
 
   std::filesystem::path keep(const Casualty& one) {
-    Machine smallest = shrink(machine(one.number), command_.seed,
-                              [&](const std::vector<Machine>& candidates) { return first_that_keeps(one, candidates); });
+    Machine smallest = shrink(machine(one.number), command_.seed, [&](const std::vector<Machine>& candidates) {
+      return first_that_keeps(one, candidates);
+    });
     smallest.name = fmt::format("fuzz_{}_{}", command_.seed, one.number);
     const ModelText text = write_machine(smallest);
     const std::filesystem::path file = command_.keep / (smallest.name + ".toml");
     for (const auto& [name, content] : text.beside) write_file(command_.keep / name, content);
-    std::string header = fmt::format("# {}\n# concord compare {}\n# Machine {} of seed {}, style {}, shrunk:\n",
-                                     one.outcome.kind, file.filename().string(), one.number, command_.seed,
-                                     command_.style);
+    std::string header =
+        fmt::format("# {}\n# concord compare {}\n# Machine {} of seed {}, style {}, shrunk:\n", one.outcome.kind,
+                    file.filename().string(), one.number, command_.seed, command_.style);
     for (const char c : one.outcome.text) header += header.back() == '\n' ? std::string("# ") + c : std::string(1, c);
     if (header.back() != '\n') header += '\n';
     write_file(file, header + text.model);

@@ -18,8 +18,8 @@ struct FuzzCommand {
   int jobs = 0;                     // worker processes; 0: one for each processor
   std::filesystem::path keep = {};  // folder for machines that end wrongly, shrunk; empty: none
   std::string style = "mixed";
-  bool print = false;               // print the machine `first` instead of trying any
-  double seconds = 20.0;            // limits of one machine
+  bool print = false;     // print the machine `first` instead of trying any
+  double seconds = 20.0;  // limits of one machine
   double megabytes = 1024.0;
 };
 

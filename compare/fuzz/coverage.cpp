@@ -30,8 +30,10 @@ void Coverage::add_joint(const JointPlan& joint, int outer_body) {
     ++counts_[joint.ends[1].body == outer_body ? "tree" : "reversed"][name];
   }
   const auto& all = joint.coordinates;
-  if (std::any_of(all.begin(), all.end(), [](const auto& one) { return !one.drive.empty(); })) ++counts_["driven"][name];
-  if (std::any_of(all.begin(), all.end(), [](const auto& one) { return !one.spring.empty(); })) ++counts_["sprung"][name];
+  if (std::any_of(all.begin(), all.end(), [](const auto& one) { return !one.drive.empty(); }))
+    ++counts_["driven"][name];
+  if (std::any_of(all.begin(), all.end(), [](const auto& one) { return !one.spring.empty(); }))
+    ++counts_["sprung"][name];
 }
 
 /// Two joints on one body, ground left out.

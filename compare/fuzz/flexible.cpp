@@ -57,9 +57,10 @@ Section draw_section(double thickness, Random& random) {
     case 2: {
       const double area = w * w;
       const double moment = std::pow(w, 4) / 12.0;
-      return {area, moment,
-              fmt::format("{{ area = {}, second_moment_y = {}, second_moment_z = {}, torsion_constant = {} }}",
-                          number_text(area), number_text(1.4 * moment), number_text(moment), number_text(0.8 * moment))};
+      return {
+          area, moment,
+          fmt::format("{{ area = {}, second_moment_y = {}, second_moment_z = {}, torsion_constant = {} }}",
+                      number_text(area), number_text(1.4 * moment), number_text(moment), number_text(0.8 * moment))};
     }
     default: {
       const double other = w * random.between(1.0, 2.0);
@@ -78,8 +79,8 @@ Flexible draw_beam(double mass, const Units& units, bool is_aligned, Random& ran
   const double density = mass / (section.area * length);
   // The lowest frequency of a cantilever is 3.516 / length^2 sqrt(E I / (rho A)).
   const double frequency = random.log_between(3.0, 30.0) / units.time;
-  const double modulus = std::pow(frequency * length * length / 3.516, 2) * density * section.area /
-                         section.smallest_moment;
+  const double modulus =
+      std::pow(frequency * length * length / 3.516, 2) * density * section.area / section.smallest_moment;
   const int elements = 4 + 2 * random.below(3);
   const Vec3 first_end = is_aligned ? Vec3(Vec3::Zero()) : random.vector(0.3 * units.length);
   const Vec4 axes = is_aligned ? Vec4(Vec4::Unit(0)) : random.rotation();
@@ -128,7 +129,8 @@ Flexible draw_modes_file(double mass, const Units& units, Random& random) {
   data.damping = MatX::Zero(modes, modes);
   for (int c = 0; c < modes; ++c) {
     const double frequency = random.log_between(3.0, 30.0) / units.time;
-    const double modal_mass = data.G(4 + 3 * c, 4 + 3 * c) + data.G(5 + 3 * c, 5 + 3 * c) + data.G(6 + 3 * c, 6 + 3 * c);
+    const double modal_mass =
+        data.G(4 + 3 * c, 4 + 3 * c) + data.G(5 + 3 * c, 5 + 3 * c) + data.G(6 + 3 * c, 6 + 3 * c);
     data.stiffness(c, c) = frequency * frequency * modal_mass;
     if (random.chance(0.5)) data.damping(c, c) = 2.0 * random.between(0.005, 0.1) * frequency * modal_mass;
   }
@@ -140,8 +142,7 @@ Flexible draw_modes_file(double mass, const Units& units, Random& random) {
     flexible.nodes.push_back(node.s0_L);
     data.nodes.push_back(std::move(node));
   }
-  flexible.modes_file =
-      format_modes(data, random.chance(0.5) ? InertiaForm::mass_points : InertiaForm::integrals);
+  flexible.modes_file = format_modes(data, random.chance(0.5) ? InertiaForm::mass_points : InertiaForm::integrals);
   flexible.a = VecX::Zero(modes);
   flexible.adot = VecX::Zero(modes);
   return flexible;

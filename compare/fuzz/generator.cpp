@@ -21,7 +21,7 @@ namespace concord::compare::fuzz {
 
 namespace {
 
-constexpr std::array kMixed{Style::generic, Style::loops,   Style::ordinary,  Style::forces,
+constexpr std::array kMixed{Style::generic, Style::loops,    Style::ordinary,  Style::forces,
                             Style::generic, Style::flexible, Style::redundant, Style::wide};
 
 /// What a machine is going to have, decided before any of its parts is drawn.
@@ -243,8 +243,8 @@ class Drawing {
       const int step = random_.below(7) - 3;
       return one.is_turn ? step * std::numbers::pi / 12.0 : rounded(0.1 * step * units_.length);
     }
-    const double reach = one.is_turn ? std::min(one.greatest, random_.chance(0.1) ? one.greatest : 1.4)
-                                     : one.greatest * units_.length;
+    const double reach =
+        one.is_turn ? std::min(one.greatest, random_.chance(0.1) ? one.greatest : 1.4) : one.greatest * units_.length;
     return random_.between(-reach, reach);
   }
 
@@ -360,7 +360,8 @@ class Drawing {
     const JointPlan& last = machine_.joints.back();
     if (recipe_.has_twin) return moves_along_z(*last.type) && !is_driven(last);
     int freedom = 0;
-    for (const JointPlan& joint : machine_.joints) freedom += joint.closes_loop ? joint.type->n_u() - 6 : joint.type->n_u();
+    for (const JointPlan& joint : machine_.joints)
+      freedom += joint.closes_loop ? joint.type->n_u() - 6 : joint.type->n_u();
     return recipe_.is_planar || freedom > 0 || (freedom == 0 && random_.chance(0.1));
   }
 
@@ -394,7 +395,8 @@ class Drawing {
 
   void add_element() {
     const auto count = static_cast<int>(element_tables().size());
-    const int kind = machine_.elements.empty() ? static_cast<int>(number_ % element_tables().size()) : random_.below(count);
+    const int kind =
+        machine_.elements.empty() ? static_cast<int>(number_ % element_tables().size()) : random_.below(count);
     const int one = random_.below(static_cast<int>(machine_.bodies.size()));
     const int outer = 1 + random_.below(static_cast<int>(machine_.bodies.size()) - 1);
     const int other = one != outer ? one : 0;
@@ -409,7 +411,8 @@ class Drawing {
 
   void name_cut_joint() {
     const bool has_loop = machine_.joints.size() >= machine_.bodies.size();
-    if (has_loop && random_.chance(0.4)) machine_.joints.back().named_as_cut = machine_.joints.size() == machine_.bodies.size();
+    if (has_loop && random_.chance(0.4))
+      machine_.joints.back().named_as_cut = machine_.joints.size() == machine_.bodies.size();
   }
 
   /// Every part was accepted only where the machine could be placed; without parts it always can.

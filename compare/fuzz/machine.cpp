@@ -14,9 +14,7 @@ std::string list_text(const VecX& values) {
   return text + "]";
 }
 
-Mat3 rotation_of(const Vec4& p) {
-  return Eigen::Quaterniond(p(0), p(1), p(2), p(3)).normalized().toRotationMatrix();
-}
+Mat3 rotation_of(const Vec4& p) { return Eigen::Quaterniond(p(0), p(1), p(2), p(3)).normalized().toRotationMatrix(); }
 
 Vec4 parameters_of(const Mat3& A) {
   const Eigen::Quaterniond turned(A);
@@ -25,8 +23,6 @@ Vec4 parameters_of(const Mat3& A) {
   return p(0) < 0.0 ? Vec4(-p) : p;
 }
 
-joints::JointType JointPlan::own_type() const {
-  return parameters.empty() ? *type : type->with_parameters(parameters);
-}
+joints::JointType JointPlan::own_type() const { return parameters.empty() ? *type : type->with_parameters(parameters); }
 
 }  // namespace concord::compare::fuzz

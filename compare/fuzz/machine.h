@@ -107,10 +107,10 @@ struct Machine {
   std::string name;
   Vec3 gravity = Vec3::Zero();
   double until = 1.0;
-  double length = 1.0;          // m, its size: the unit of slides against turns
-  bool is_redundant = false;    // built with constraints that depend on each other
-  bool is_regular = true;       // no straight, flat or folded pose on purpose
-  std::vector<BodyPlan> bodies;  // ground first
+  double length = 1.0;            // m, its size: the unit of slides against turns
+  bool is_redundant = false;      // built with constraints that depend on each other
+  bool is_regular = true;         // no straight, flat or folded pose on purpose
+  std::vector<BodyPlan> bodies;   // ground first
   std::vector<JointPlan> joints;  // joint k ties body k + 1 to earlier ones; those that close loops stand last
   std::vector<CouplingPlan> couplings;
   std::vector<ElementPlan> elements;

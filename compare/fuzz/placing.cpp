@@ -335,7 +335,8 @@ bool solve_speeds(Machine& machine, const Velocities& velocities, const std::vec
   }
   const VecX u = rows.colPivHouseholderQr().solve(values);
   const double largest = std::max(drawn.lpNorm<Eigen::Infinity>(), values.lpNorm<Eigen::Infinity>());
-  if ((rows * u - values).norm() > 1e-9 * largest || u.lpNorm<Eigen::Infinity>() > kLargestSpeed * largest) return false;
+  if ((rows * u - values).norm() > 1e-9 * largest || u.lpNorm<Eigen::Infinity>() > kLargestSpeed * largest)
+    return false;
   for (std::size_t k = 0; k < words.size(); ++k) {
     if (kept[k] || words[k].is_driven) continue;
     JointPlan& joint = machine.joints[words[k].joint];
@@ -348,7 +349,7 @@ bool solve_speeds(Machine& machine, const Velocities& velocities, const std::vec
 }
 
 void write_kept(Machine& machine, const std::vector<Word>& words, const std::vector<bool>& kept,
-                std::vector<bool> JointPlan::* roles) {
+                std::vector<bool> JointPlan::*roles) {
   for (JointPlan& joint : machine.joints) (joint.*roles).assign(joint.type->permits.size(), false);
   for (std::size_t k = 0; k < words.size(); ++k) (machine.joints[words[k].joint].*roles)[words[k].word] = kept[k];
 }

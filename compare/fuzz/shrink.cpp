@@ -231,9 +231,7 @@ void round_numbers(Machine& machine, int digits) {
   }
 }
 
-double digits_in(double value) {
-  return value == 0.0 ? 0.0 : static_cast<double>(number_text(value).size());
-}
+double digits_in(double value) { return value == 0.0 ? 0.0 : static_cast<double>(number_text(value).size()); }
 
 template <class Vector>
 double digits_in_all(const Vector& values) {
@@ -242,7 +240,9 @@ double digits_in_all(const Vector& values) {
   return sum;
 }
 
-double digits_of(const End& end) { return digits_in_all(end.point) + (end.p == Vec4::Unit(0) ? 0.0 : digits_in_all(end.p)); }
+double digits_of(const End& end) {
+  return digits_in_all(end.point) + (end.p == Vec4::Unit(0) ? 0.0 : digits_in_all(end.p));
+}
 
 }  // namespace
 

@@ -43,7 +43,9 @@ TEST(Shrink, LeavesWhatTheOutcomeNeedsAndLittleElse) {
     const Machine machine = draw_machine(77, number, Style::forces);
     if (machine.bodies.size() < 4 || !has_joint(machine, "universal") || !has_element(machine, "line_spring")) continue;
     ++found;
-    const auto keeps = [](const Machine& one) { return has_joint(one, "universal") && has_element(one, "line_spring"); };
+    const auto keeps = [](const Machine& one) {
+      return has_joint(one, "universal") && has_element(one, "line_spring");
+    };
     int tried = 0;
     const Machine small = shrunk(machine, keeps, tried);
     EXPECT_TRUE(keeps(small));
@@ -72,7 +74,8 @@ TEST(Shrink, LoopStaysClosedWhenNumbersAreRounded) {
 TEST(Shrink, MachineWhoseOutcomeNothingKeepsStaysAsItIs) {
   const Machine machine = draw_machine(79, 3, Style::mixed);
   int tried = 0;
-  const Machine same = shrunk(machine, [](const Machine&) { return false; }, tried);
+  const Machine same = shrunk(
+      machine, [](const Machine&) { return false; }, tried);
   EXPECT_EQ(pack(write_machine(same)), pack(write_machine(machine)));
   EXPECT_GT(tried, 10);
 }

@@ -1,5 +1,3 @@
-#include "compare/workers/pool.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,6 +9,8 @@
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "compare/workers/pool.h"
 
 using namespace concord::compare::workers;
 using testing::HasSubstr;
