@@ -62,6 +62,11 @@ struct Casualty {
   Outcome outcome;
 };
 
+struct Slowest {
+  std::uint64_t number = 0;
+  double seconds = 0.0;
+};
+
 class Fuzz {
  public:
   Fuzz(const FuzzCommand& command, const SolverMakers& makers, const Console& console)
@@ -74,14 +79,11 @@ class Fuzz {
               {command.seconds, command.megabytes}) {}
 
   int run() {
-    const auto start = Clock::now();
-    try_all(start);
-    const double took = seconds_since(start);
+    try_all(Clock::now());
     wipe_line();
     if (!command_.keep.empty()) keep_all();
     console_.out << format_outcomes() << '\n' << coverage_.format();
-    console_.err << fmt::format("{} machines in {:.1f} s by {} workers: {:.1f} machines per second and worker\n",
-                                tried_, took, jobs_, static_cast<double>(tried_) / took / jobs_);
+    tell_speed();
     return code_;
   }
 
@@ -106,6 +108,8 @@ class Fuzz {
       const std::uint64_t number = command_.first + k;
       const Outcome outcome = outcome_of(report);
       ++tried_;
+      seconds_ += report.seconds;
+      if (report.seconds > slowest_.seconds) slowest_ = {number, report.seconds};
       ++outcomes_[{outcome.sort, outcome.kind}];
       const Machine drawn = machine(number);
       coverage_.add(drawn);
@@ -136,6 +140,13 @@ class Fuzz {
 
   void wipe_line() {
     if (console_.progress) console_.err << "\r\033[K" << std::flush;
+  }
+
+  void tell_speed() const {
+    console_.err << fmt::format(
+        "{} machines in {:.1f} s of processor time: {:.1f} machines per second and core; "
+        "the slowest, machine {}, took {:.2f} s\n",
+        tried_, seconds_, static_cast<double>(tried_) / std::max(seconds_, 1e-9), slowest_.number, slowest_.seconds);
   }
 
   void keep_all() {
@@ -220,6 +231,8 @@ class Fuzz {
   ScratchFolder scratch_;
   workers::Pool pool_;
   long tried_ = 0;
+  double seconds_ = 0.0;
+  Slowest slowest_;
   long regular_ = 0;
   std::map<std::pair<Sort, std::string>, long> outcomes_;
   std::map<std::string, long> regular_refused_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/joint_reader.h"
@@ -284,7 +285,7 @@ class Drawing {
     for (const joint_check::Coordinate& one : joint_check::coordinates_of(*joint.type)) {
       CoordinatePlan& plan = joint.coordinates[named_place(*joint.type, one)];
       const double reach = one.is_turn ? 1.0 : units_.length;
-      const double force = units_.force() * (one.is_turn ? units_.length : 1.0);
+      const double force = units_of(joint.ends).force() * (one.is_turn ? units_.length : 1.0);
       if (random_.chance(recipe_.driven)) {
         LawPlan law = draw_law(joint.q(one.q), reach, units_.time, random_);
         plan.law = law.law;
@@ -294,6 +295,16 @@ class Drawing {
         plan.spring = draw_force_law(joint.q(one.q), reach, force, units_.time, false, random_);
       }
     }
+  }
+
+  /// Forces are of the size of the lighter body's inertia forces, so that nothing is hurled away.
+  [[nodiscard]] Units units_of(const std::array<End, 2>& ends) const {
+    Units units = units_;
+    units.mass = std::numeric_limits<double>::max();
+    for (const End& end : ends) {
+      if (end.body != 0) units.mass = std::min(units.mass, machine_.bodies[end.body].mass);
+    }
+    return units;
   }
 
   static std::size_t named_place(const joints::JointType& type, const joint_check::Coordinate& one) {
@@ -315,15 +326,18 @@ class Drawing {
   void add_loop() {
     constexpr int kMostTries = 12;
     for (int tries = 0; tries < kMostTries; ++tries) {
-      machine_.joints.push_back(recipe_.has_twin ? draw_twin() : draw_closing_joint());
+      machine_.joints.push_back(recipe_.has_twin ? draw_twin() : draw_closing_joint(tries));
       if (moves_enough() && place(machine_, choice_).ok()) return;
       machine_.joints.pop_back();
     }
     machine_.is_redundant = machine_.is_redundant && recipe_.is_planar;
   }
 
-  JointPlan draw_closing_joint() {
-    JointPlan joint = draw_joint(draw_type());
+  /// The first one in turn of the catalogue, then any: types of which fewer fit get their chance.
+  JointPlan draw_closing_joint(int tries) {
+    const auto& all = joints::catalogue();
+    const bool takes_turn = tries < 3 && !recipe_.is_planar;
+    JointPlan joint = draw_joint(takes_turn ? all[(number_ / 3) % all.size()] : draw_type());
     joint.closes_loop = true;
     const int count = static_cast<int>(machine_.bodies.size());
     const int one = recipe_.is_planar ? 0 : random_.below(count);
@@ -404,7 +418,10 @@ class Drawing {
     ends.parent = draw_end(random_.chance(0.5) ? other : outer);
     ends.child = draw_end(ends.parent.body == other ? outer : other);
     ends.alone = draw_end(outer);
-    ElementPlan element = draw_element(kind, ends, poses_of(machine_), units_, random_);
+    const std::string& table = element_tables()[static_cast<std::size_t>(kind)];
+    const bool is_alone = table == "load" || table == "tire";
+    const Units units = units_of(is_alone ? std::array{ends.alone, ends.alone} : std::array{ends.parent, ends.child});
+    ElementPlan element = draw_element(kind, ends, poses_of(machine_), units, random_);
     element.name = fmt::format("element{}", machine_.elements.size() + 1);
     machine_.elements.push_back(std::move(element));
   }

@@ -117,10 +117,10 @@ Entries draw_force_law(double x, double reach, double force, double time, bool i
   }
   if (random.chance(0.2)) entries.push_back({"damper_table", table_text(2.0 * reach / time, 0.3 * force, random)});
   if (random.chance(0.15)) {
-    entries.push_back({"lower_stop", stop_text(x + reach * random.between(-0.4, 0.1), reach, force, time, random)});
+    entries.push_back({"lower_stop", stop_text(x + reach * random.between(-0.5, -0.03), reach, force, time, random)});
   }
   if (random.chance(0.15)) {
-    entries.push_back({"upper_stop", stop_text(x + reach * random.between(-0.1, 0.4), reach, force, time, random)});
+    entries.push_back({"upper_stop", stop_text(x + reach * random.between(-0.02, 0.4), reach, force, time, random)});
   }
   if (random.chance(0.3)) {
     const std::string actuator = random.chance(0.3) ? number_text(random.between(-force, force))

@@ -14,10 +14,10 @@ namespace {
 
 using Motion = joints::FunctionOfCoordinates::Motion;
 
-constexpr double kZero = 1e-9;          // of the largest singular value
-constexpr double kFarFromZero = 0.01;   // what is not zero is more than this
-constexpr double kIndependent = 0.03;   // the least new part of a unit row that is taken for independent
-constexpr double kLargestSpeed = 30.0;  // solved speeds over those that were drawn
+constexpr double kZero = 1e-9;         // of the largest singular value
+constexpr double kFarFromZero = 0.04;  // what is not zero is more than this
+constexpr double kIndependent = 0.1;   // the least new part of a unit row that is taken for independent
+constexpr double kLargestSpeed = 5.0;  // solved speeds over those that were drawn
 
 /// Place of a joint's frame on a side in the global frame.
 Pose frame_of(const End& end, const Pose& body) { return {body.r + body.A * end.point, body.A * rotation_of(end.p)}; }

@@ -35,6 +35,7 @@ struct Report {
   int signal = 0;          // that ended the process; 0 if none did
   std::string answer;      // of a task that answered or threw
   std::string last_words;  // the last 4 kB that the task wrote to stderr
+  double seconds = 0.0;    // processor time, as far as it was seen; no two runs take the same
 };
 
 /// Called in a worker process with the input of a task; returns its answer.

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -175,12 +176,14 @@ void Worker::give(std::size_t number, const std::string& input) {
   hear_words();
   last_words_.clear();
   started_processor_ = processor_seconds(process_);
+  used_ = 0.0;
   started_wall_ = seconds_of(CLOCK_MONOTONIC);
   send_message(answers_, kTask, input);  // a worker that is gone is seen by look()
 }
 
-bool Worker::is_over_time() const {
-  if (processor_seconds(process_) - started_processor_ > limits_.seconds) return true;
+bool Worker::is_over_time() {
+  used_ = std::max(used_, processor_seconds(process_) - started_processor_);
+  if (used_ > limits_.seconds) return true;
   return seconds_of(CLOCK_MONOTONIC) - started_wall_ > kWallPerProcessor * limits_.seconds;
 }
 
@@ -222,6 +225,7 @@ std::optional<Report> Worker::take_report() {
   busy_ = false;
   hear_words();
   report.last_words = last_words_;
+  report.seconds = std::max(used_, processor_seconds(process_) - started_processor_);
   if (report.end == End::out_of_memory) {
     int status = 0;
     kill_and_wait(status);
@@ -250,6 +254,7 @@ Report Worker::report_end(bool killed_for_time) {
   report.end = killed_for_time ? End::hung : End::crashed;
   report.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   report.last_words = last_words_;
+  report.seconds = used_;
   if (!killed_for_time && last_words_.find("std::bad_alloc") != std::string::npos) report.end = End::out_of_memory;
   return report;
 }

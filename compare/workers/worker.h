@@ -33,7 +33,7 @@ class Worker {
   std::optional<Report> look();
 
  private:
-  [[nodiscard]] bool is_over_time() const;
+  [[nodiscard]] bool is_over_time();
   void hear_words();
   bool hear_answers();
   std::optional<Report> take_report();
@@ -48,6 +48,7 @@ class Worker {
   bool ended_ = false;
   std::size_t number_ = 0;
   double started_processor_ = 0.0;
+  double used_ = 0.0;  // processor time of the task when it was last looked at
   double started_wall_ = 0.0;
   std::string received_;
   std::string last_words_;
