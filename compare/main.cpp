@@ -8,6 +8,7 @@
 #include "cartesian/solver.h"
 #include "compare/analyses/command.h"
 #include "compare/commands.h"
+#include "compare/fuzz/options.h"
 #include "compare/joint_check/command.h"
 #include "relative/solver.h"
 
@@ -41,6 +42,8 @@ constexpr const char* kEpilogue = R"(Examples:
       forces that give the kept coordinates these accelerations, and the way back
   concord joint --all
       a sheet for each joint type that proves or refutes it, and a summary
+  concord fuzz --count 1000 --keep found
+      random machines compared; those that end wrongly stand in found/, made small
 
 Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
@@ -80,6 +83,7 @@ struct CommandLine {
   compare::analyses::AnalysisCommand analysis;
   std::string linearize_at = "start";
   compare::joint_check::JointCommand joint;
+  compare::fuzz::FuzzCommand fuzz;
 };
 
 CLI::App* add_compare(CLI::App& program, CommandLine& line) {
@@ -195,6 +199,7 @@ int main(int argc, char** argv) {
   const CLI::App* compare_command = add_compare(program, line);
   const CLI::App* run_command = add_run(program, line);
   const CLI::App* joint_command = add_joint(program, line);
+  const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
   add_info(program, line);
   AnalysisCommands analyses(program, line);
   try {
@@ -212,6 +217,7 @@ int main(int argc, char** argv) {
     return compare::run_model(line.run, makers, console);
   }
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
+  if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);
   return compare::show_info(line.info_model, makers, console);
 }

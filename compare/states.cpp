@@ -21,11 +21,11 @@ constexpr double kQuietDeflection = 1e-4;
 
 }  // namespace
 
-std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories) {
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories, int least) {
   std::vector<OwnedState> states;
   const auto rows_of = [&](int who) { return trajectories[who] != nullptr ? trajectories[who]->samples.size() : 0; };
   const std::size_t rows = std::max(rows_of(0), rows_of(1));
-  const bool take_both = rows < kTrajectoryStates;
+  const bool take_both = rows < static_cast<std::size_t>(least);
   for (std::size_t k = 0; k < rows; ++k) {
     const int turn = static_cast<int>(k % 2);
     for (const int who : {turn, 1 - turn}) {
@@ -177,13 +177,13 @@ std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shake
 }  // namespace
 
 SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
-                          std::uint64_t seed) {
+                          std::uint64_t seed, int count) {
   SharedStates shared;
   if (run.empty()) return shared;
   Shaker shaker(model, run, seed);
-  for (int k = 0; k < kRandomStates; ++k) {
+  for (int k = 0; k < count; ++k) {
     const auto owner = static_cast<Who>(k % 2);
-    const State& base = run[static_cast<std::size_t>(k) * run.size() / kRandomStates].state;
+    const State& base = run[static_cast<std::size_t>(k) * run.size() / static_cast<std::size_t>(count)].state;
     SharedStates drawn;
     bool found = false;
     for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {

@@ -25,8 +25,8 @@ struct OwnedState {
 };
 
 /// States of a run from both trajectories in turn (the first from cartesian), t = 0 among them; both of each row if
-/// there are fewer rows than kTrajectoryStates. A missing trajectory (nullptr) leaves its turns to the other one.
-std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories);
+/// there are fewer rows than `least`. A missing trajectory (nullptr) leaves its turns to the other one.
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories, int least = kTrajectoryStates);
 
 /// Makes generic neighbours of the states of a run, the same ones for the same seed.
 class Shaker {
@@ -71,10 +71,10 @@ struct SharedStates {
 /// The states of a run, each handed once to both solvers.
 SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run);
 
-/// kRandomStates consistent states near those of a run, closed by the solvers in turn and handed once to both. A state
+/// `count` consistent states near those of a run, closed by the solvers in turn and handed once to both. A state
 /// that the other solver does not accept may be another turn or branch of the same joints: it is drawn anew, up to
 /// kRedraws times; if none of them is accepted, the closures differ.
 SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
-                          std::uint64_t seed);
+                          std::uint64_t seed, int count = kRandomStates);
 
 }  // namespace concord::compare

@@ -37,9 +37,9 @@ namespace {
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
 
-/// Rows of the run so that at least kTrajectoryStates of them exist and the rows asked for are among them.
-int run_rows(int samples) {
-  const int parts = (kTrajectoryStates - 1 + samples - 1) / samples;
+/// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
+int run_rows(int samples, int states) {
+  const int parts = (states - 1 + samples - 1) / samples;
   return samples * std::max(1, parts);
 }
 
@@ -96,7 +96,7 @@ class Climb {
     for (const Body& body : model_.bodies) verdict_.modes += body.n_modes();
     verdict_.run = run_options(model_, options_);
     asked_samples_ = verdict_.run.samples;
-    verdict_.run.samples = run_rows(asked_samples_);
+    verdict_.run.samples = run_rows(asked_samples_, trajectory_states());
     verdict_.need = default_needs(model_);
     for (const Who who : kWho) {
       SolverSummary& summary = verdict_.solvers[index(who)];
@@ -136,6 +136,11 @@ class Climb {
     }
   }
 
+  [[nodiscard]] int trajectory_states() const { return options_.states.value_or(kTrajectoryStates); }
+  [[nodiscard]] int random_states() const {
+    return options_.states ? std::max(1, *options_.states / 4) : kRandomStates;
+  }
+
   void report(std::string_view rung) {
     done_ = {};
     if (options_.progress) options_.progress(rung, done_);
@@ -172,12 +177,12 @@ class Climb {
 
   void same_state(const Trajectories& trajectories) {
     report("same state");
-    std::vector<OwnedState> run = run_states(view(trajectories));
+    std::vector<OwnedState> run = run_states(view(trajectories), trajectory_states());
     if (run.empty()) {
       for (const Who who : kWho) run.push_back({starts_[index(who)], who});
     }
     SharedStates shared = share(solvers_, run);
-    SharedStates random = share_random(model_, solvers_, run, kSeed);
+    SharedStates random = share_random(model_, solvers_, run, kSeed, random_states());
     check_enough(shared, random);
     for (SharedStates* part : {&shared, &random}) note_refusals(*part);
     verdict_.drawn_anew = random.drawn_anew;
@@ -222,8 +227,8 @@ class Climb {
       if (found >= static_cast<std::size_t>(needed)) return;
       verdict_.failures.push_back(fmt::format("same state: {} {} states, need {}", found, what, needed));
     };
-    require(shared.states.size(), kTrajectoryStates, "trajectory");
-    require(random.states.size(), kRandomStates, "random");
+    require(shared.states.size(), trajectory_states(), "trajectory");
+    require(random.states.size(), random_states(), "random");
   }
 
   void note_refusals(const SharedStates& shared) {

@@ -1,0 +1,260 @@
+#include "compare/fuzz/command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <ostream>
+#include <thread>
+
+#include "common/spelling.h"
+#include "compare/files.h"
+#include "compare/fuzz/coverage.h"
+#include "compare/fuzz/outcome.h"
+#include "compare/fuzz/shrink.h"
+#include "compare/fuzz/trial.h"
+#include "compare/guarded.h"
+#include "compare/table.h"
+#include "compare/workers/pool.h"
+
+namespace concord::compare::fuzz {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+
+/// A folder for modes files that goes when the fuzz ends.
+class ScratchFolder {
+ public:
+  ScratchFolder()
+      : path_(std::filesystem::temp_directory_path() / fmt::format("concord_fuzz.{}", getpid())), owner_(getpid()) {
+    make_folder(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (getpid() == owner_) std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  /// That of one worker process.
+  [[nodiscard]] std::filesystem::path of_process() const { return path_ / fmt::format("{}", getpid()); }
+
+ private:
+  std::filesystem::path path_;
+  pid_t owner_;
+};
+
+Style style_of(const std::string& name) {
+  const auto& names = style_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<Style>(found - names.begin());
+  throw InputError({"command line", 0, 0}, fmt::format("no style '{}': {}", name, suggestion(name, names, "styles")));
+}
+
+/// A machine that ended wrongly.
+struct Casualty {
+  std::uint64_t number = 0;
+  Outcome outcome;
+};
+
+struct Slowest {
+  std::uint64_t number = 0;
+  double seconds = 0.0;
+};
+
+class Fuzz {
+ public:
+  Fuzz(const FuzzCommand& command, const SolverMakers& makers, const Console& console)
+      : command_(command),
+        console_(console),
+        style_(style_of(command.style)),
+        count_(command.count.value_or(command.minutes ? ~std::uint64_t{0} : 1000)),
+        jobs_(command.jobs > 0 ? command.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))),
+        pool_([this, &makers](const std::string& input) { return work(input, makers); }, jobs_,
+              {command.seconds, command.megabytes}) {}
+
+  int run() {
+    try_all(Clock::now());
+    wipe_line();
+    if (!command_.keep.empty()) keep_all();
+    console_.out << format_outcomes() << '\n' << coverage_.format();
+    tell_speed();
+    return code_;
+  }
+
+ private:
+  /// In a worker: a number is a machine of the seed, anything else the text of one.
+  std::string work(const std::string& input, const SolverMakers& makers) const {
+    const bool is_number = input.front() == '#';
+    const ModelText text = is_number ? write_machine(machine(std::stoull(input.substr(1)))) : unpack(input);
+    return format_outcome(try_machine(text, scratch_.of_process(), makers));
+  }
+
+  [[nodiscard]] Machine machine(std::uint64_t number) const { return draw_machine(command_.seed, number, style_); }
+
+  void try_all(Clock::time_point start) {
+    std::uint64_t given = 0;
+    const auto next = [&]() -> std::optional<std::string> {
+      const bool is_late = command_.minutes && seconds_since(start) > 60.0 * *command_.minutes;
+      if (given >= count_ || is_late) return std::nullopt;
+      return fmt::format("#{}", command_.first + given++);
+    };
+    pool_.run(next, [&](std::size_t k, const workers::Report& report) {
+      const std::uint64_t number = command_.first + k;
+      const Outcome outcome = outcome_of(report);
+      ++tried_;
+      seconds_ += report.seconds;
+      if (report.seconds > slowest_.seconds) slowest_ = {number, report.seconds};
+      ++outcomes_[{outcome.sort, outcome.kind}];
+      const Machine drawn = machine(number);
+      coverage_.add(drawn);
+      if (drawn.is_regular && !drawn.is_redundant) {
+        ++regular_;
+        if (outcome.sort == Sort::refusal) ++regular_refused_[outcome.kind];
+      }
+      if (outcome.is_wrong()) {
+        casualties_.push_back({number, outcome});
+        wipe_line();
+        console_.out << fmt::format("machine {}: {}\n{}\n", number, outcome.kind, indented(outcome.text)) << std::flush;
+      }
+      if (outcome.sort == Sort::lost) code_ = kCouldNotFinish;
+      if ((outcome.sort == Sort::differ || outcome.sort == Sort::stop) && code_ == kAgree) code_ = kDiffer;
+      show_progress(start);
+    });
+  }
+
+  void show_progress(Clock::time_point start) {
+    if (!console_.progress) return;
+    const double spent = seconds_since(start);
+    double left = static_cast<double>(count_ - tried_) * spent / static_cast<double>(tried_);
+    if (command_.minutes) left = std::min(left, std::max(0.0, 60.0 * *command_.minutes - spent));
+    console_.err << fmt::format("\r\033[K{} machines, {} ended wrongly, {:.0f} s left", tried_, casualties_.size(),
+                                left)
+                 << std::flush;
+  }
+
+  void wipe_line() {
+    if (console_.progress) console_.err << "\r\033[K" << std::flush;
+  }
+
+  void tell_speed() const {
+    console_.err << fmt::format(
+        "{} machines in {:.1f} s of processor time: {:.1f} machines per second and core; "
+        "the slowest, machine {}, took {:.2f} s\n",
+        tried_, seconds_, static_cast<double>(tried_) / std::max(seconds_, 1e-9), slowest_.number, slowest_.seconds);
+  }
+
+  void keep_all() {
+    for (const Casualty& one : casualties_) {
+      if (console_.progress) console_.err << fmt::format("\r\033[Kshrinking machine {}", one.number) << std::flush;
+      const std::filesystem::path file = keep(one);
+      wipe_line();
+      console_.out << fmt::format("machine {} is kept as {}: {}\n", one.number, file.filename().string(),
+                                  one.outcome.kind)
+                   << std::flush;
+    }
+    if (!casualties_.empty()) console_.out << '\n';
+  }
+
+  static std::string indented(const std::string& text) {
+    std::string lines;
+    std::size_t at = 0;
+    while (at < text.size()) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      lines += "  " + text.substr(at, end - at) + '\n';
+      at = end + 1;
+    }
+    return lines;
+  }
+
+  std::filesystem::path keep(const Casualty& one) {
+    Machine smallest = shrink(machine(one.number), command_.seed, [&](const std::vector<Machine>& candidates) {
+      return first_that_keeps(one, candidates);
+    });
+    smallest.name = fmt::format("fuzz_{}_{}", command_.seed, one.number);
+    const ModelText text = write_machine(smallest);
+    const std::filesystem::path file = command_.keep / (smallest.name + ".toml");
+    for (const auto& [name, content] : text.beside) write_file(command_.keep / name, content);
+    std::string header =
+        fmt::format("# {}\n# concord compare {}\n# Machine {} of seed {}, style {}, shrunk:\n", one.outcome.kind,
+                    file.filename().string(), one.number, command_.seed, command_.style);
+    for (const char c : one.outcome.text) header += header.back() == '\n' ? std::string("# ") + c : std::string(1, c);
+    if (header.back() != '\n') header += '\n';
+    write_file(file, header + text.model);
+    return file;
+  }
+
+  /// Candidates are tried side by side, some at a time, but the first of the list wins, whatever the number of workers.
+  std::optional<std::size_t> first_that_keeps(const Casualty& one, const std::vector<Machine>& candidates) {
+    std::optional<std::size_t> found;
+    std::size_t given = 0;
+    const auto next = [&]() -> std::optional<std::string> {
+      if (found || given >= candidates.size()) return std::nullopt;
+      return pack(write_machine(candidates[given++]));
+    };
+    pool_.run(next, [&](std::size_t k, const workers::Report& report) {
+      if (!found && outcome_of(report).kind == one.outcome.kind) found = k;
+    });
+    return found;
+  }
+
+  [[nodiscard]] std::string format_outcomes() const {
+    std::vector<std::vector<std::string>> lines{{"outcome", "machines", "share"}};
+    for (const auto& [outcome, count] : outcomes_) {
+      const std::string name = outcome.first == Sort::agree     ? "agree"
+                               : outcome.first == Sort::refusal ? "refused: " + outcome.second
+                                                                : outcome.second;
+      lines.push_back({name, fmt::format("{}", count), share(count, tried_)});
+    }
+    std::string text = format_table(lines, {false, true, true});
+    long refused = 0;
+    for (const auto& [kind, count] : regular_refused_) refused += count;
+    text += fmt::format("\nof {} regular machines {} refused\n", regular_, share(refused, regular_));
+    for (const auto& [kind, count] : regular_refused_) text += fmt::format("  {}: {}\n", kind, share(count, regular_));
+    return text;
+  }
+
+  static std::string share(long part, long all) {
+    return fmt::format("{:.2f} %", all == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(all));
+  }
+
+  const FuzzCommand& command_;
+  const Console& console_;
+  Style style_;
+  std::uint64_t count_;
+  int jobs_;
+  ScratchFolder scratch_;
+  workers::Pool pool_;
+  long tried_ = 0;
+  double seconds_ = 0.0;
+  Slowest slowest_;
+  long regular_ = 0;
+  std::map<std::pair<Sort, std::string>, long> outcomes_;
+  std::map<std::string, long> regular_refused_;
+  Coverage coverage_;
+  std::vector<Casualty> casualties_;
+  int code_ = kAgree;
+};
+
+int print_machine(const FuzzCommand& command, const Console& console) {
+  const ModelText text = write_machine(draw_machine(command.seed, command.first, style_of(command.style)));
+  console.out << text.model;
+  for (const auto& [name, content] : text.beside) console.out << fmt::format("\n# {}\n", name) << content;
+  return kAgree;
+}
+
+}  // namespace
+
+int fuzz_machines(const FuzzCommand& command, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] {
+    if (command.print) return print_machine(command, console);
+    return Fuzz(command, makers, console).run();
+  });
+}
+
+}  // namespace concord::compare::fuzz

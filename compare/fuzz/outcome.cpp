@@ -1,0 +1,144 @@
+#include "compare/fuzz/outcome.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace concord::compare::fuzz {
+
+namespace {
+
+struct RefusalKind {
+  std::string_view kind;
+  std::string_view message;  // a part of it
+};
+
+/// The closed list: a message that holds none of these parts is a needless stop until it is understood.
+constexpr std::array kRefusals{
+    RefusalKind{"not unique anywhere", "no component was judged"},
+    RefusalKind{"carries nothing", "carries anything"},
+    RefusalKind{"rank undecided", "rank of the constraints is undecided"},
+    RefusalKind{"singular pose", "singular pose"},
+    RefusalKind{"singular pose", "pose is singular"},
+    RefusalKind{"singular pose", "singular in this pose"},
+    RefusalKind{"singular pose", "its velocity is singular there"},
+    RefusalKind{"stiff beyond the integrator", "too stiff for this integrator"},
+    RefusalKind{"turned too far for its element", "allowed are 175 deg"},
+    RefusalKind{"element without direction", "its force has no direction"},
+    RefusalKind{"element without direction", "has no forward direction"},
+    RefusalKind{"element without direction", "the wheel lies flat on the road"},
+    RefusalKind{"element without direction", "has no angle"},
+    RefusalKind{"element without direction", "that it has no angle"},
+    RefusalKind{"tire chatters", "changes its regime"},
+    RefusalKind{"bent too far", "through deformation alone"},
+    RefusalKind{"bent too far", "deformation has turned its frame"},
+    RefusalKind{"without inertia", "have no inertia"},
+};
+constexpr std::size_t kMostOfKind = 48;
+constexpr std::string_view kStartRefused = "start refused";
+
+std::string_view up_to(std::string_view text, std::string_view mark) { return text.substr(0, text.find(mark)); }
+
+/// "same state", "audit", "same run", ...: findings say it before the first colon of their symptom.
+std::string differ_kind(const Finding& finding) {
+  if (finding.what.find("is not in balance") != std::string::npos) {
+    return fmt::format("{} not in balance", up_to(finding.what, " "));
+  }
+  if (finding.what.find("does not keep its energy") != std::string::npos) {
+    return fmt::format("{} loses energy", up_to(finding.what, " "));
+  }
+  if (finding.what.find("does not accept") != std::string::npos) return "closures";
+  const std::string_view rung = up_to(finding.symptom, ":");
+  for (const std::string_view known : {"same state", "same run", "refined", "audit"}) {
+    if (rung == known) return without_particulars(finding.symptom).substr(0, kMostOfKind);
+  }
+  return without_particulars(up_to(finding.what, ":"));
+}
+
+constexpr std::array<std::string_view, 5> kSorts{"agree", "refusal", "differ", "stop", "lost"};
+
+}  // namespace
+
+std::vector<std::string> refusal_kinds() {
+  std::vector<std::string> kinds;
+  for (const RefusalKind& one : kRefusals) {
+    if (kinds.empty() || kinds.back() != one.kind) kinds.emplace_back(one.kind);
+  }
+  kinds.emplace_back(kStartRefused);
+  return kinds;
+}
+
+std::string refusal_kind(std::string_view message) {
+  for (const RefusalKind& one : kRefusals) {
+    if (message.find(one.message) != std::string_view::npos) return std::string(one.kind);
+  }
+  return "";
+}
+
+std::string without_particulars(std::string_view message) {
+  std::string plain;
+  bool quoted = false;
+  for (const char c : message) {
+    if (c == '\'') quoted = !quoted;
+    if (quoted) continue;
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (is_digit && !plain.empty() && plain.back() == '#') continue;
+    plain += is_digit ? '#' : c;
+  }
+  constexpr std::size_t kMost = 90;
+  std::replace(plain.begin(), plain.end(), '\n', ' ');
+  return plain.substr(0, kMost);
+}
+
+Outcome outcome_of_error(const std::string& message) {
+  const std::string kind = refusal_kind(message);
+  if (!kind.empty()) return {Sort::refusal, kind, message};
+  return {Sort::stop, "stop: " + without_particulars(message), message};
+}
+
+Outcome outcome_of_input_error(const std::string& message, bool is_read) {
+  const std::string kind = refusal_kind(message);
+  if (!kind.empty()) return {Sort::refusal, kind, message};
+  if (is_read) return {Sort::refusal, std::string(kStartRefused), message};
+  return {Sort::stop, "stop: the model is not read", message};
+}
+
+/// A difference outweighs a failure: it is the graver news.
+Outcome outcome_of(const Verdict& verdict) {
+  if (!verdict.findings.empty()) {
+    const Finding& first = verdict.findings.front();
+    std::string text;
+    for (const Finding& finding : verdict.findings) text += fmt::format("{}\n  {}\n", finding.what, finding.symptom);
+    return {Sort::differ, "differ: " + differ_kind(first), text};
+  }
+  Outcome worst;
+  for (const std::string& failure : verdict.failures) {
+    const Outcome one = outcome_of_error(failure);
+    if (worst.sort == Sort::agree || (worst.sort == Sort::refusal && one.sort == Sort::stop)) worst = one;
+  }
+  return worst;
+}
+
+Outcome outcome_of(const workers::Report& report) {
+  if (report.end == workers::End::threw) return outcome_of_error(report.answer);
+  if (report.end != workers::End::answered) {
+    const std::string signal = report.signal != 0 ? fmt::format(" by signal {}", report.signal) : "";
+    return {Sort::lost, fmt::format("{}{}", to_string(report.end), signal), report.last_words};
+  }
+  const std::size_t first = report.answer.find('\n');
+  const std::size_t second = report.answer.find('\n', first + 1);
+  Outcome outcome;
+  const auto sort = std::find(kSorts.begin(), kSorts.end(), report.answer.substr(0, first));
+  outcome.sort = static_cast<Sort>(sort - kSorts.begin());
+  outcome.kind = report.answer.substr(first + 1, second - first - 1);
+  outcome.text = report.answer.substr(second + 1);
+  return outcome;
+}
+
+std::string format_outcome(const Outcome& outcome) {
+  return fmt::format("{}\n{}\n{}", kSorts[static_cast<std::size_t>(outcome.sort)], outcome.kind, outcome.text);
+}
+
+}  // namespace concord::compare::fuzz

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compare/verdict.h"
+#include "compare/workers/pool.h"
+
+/// What became of a machine, told apart by kinds from closed lists.
+namespace concord::compare::fuzz {
+
+enum class Sort {
+  agree,
+  refusal,  // honest: of a kind in refusal_kinds()
+  differ,   // the solvers, or one of them and the audit: exit code 1
+  stop,     // a refusal of no known kind
+  lost      // crashed, hung or out of memory: exit code 3
+};
+
+struct Outcome {
+  Sort sort = Sort::agree;
+  std::string kind;  // what a shrunk machine must keep; the same for machines with the same trouble
+  std::string text;  // what was said
+  [[nodiscard]] bool is_wrong() const { return sort != Sort::agree && sort != Sort::refusal; }
+};
+
+/// All kinds of honest refusals.
+std::vector<std::string> refusal_kinds();
+
+/// The kind of honest refusal that a message of the program tells; empty if it is none.
+std::string refusal_kind(std::string_view message);
+
+Outcome outcome_of(const Verdict& verdict);
+/// Of an input error: `is_read` tells whether the model could be read, so that its start was refused.
+Outcome outcome_of_input_error(const std::string& message, bool is_read);
+Outcome outcome_of_error(const std::string& message);
+/// Of the process: what the task answered is what format_outcome() wrote.
+Outcome outcome_of(const workers::Report& report);
+
+std::string format_outcome(const Outcome& outcome);
+
+/// A message without what differs from machine to machine: numbers and names.
+std::string without_particulars(std::string_view message);
+
+}  // namespace concord::compare::fuzz

@@ -1,0 +1,56 @@
+#include "compare/fuzz/trial.h"
+
+#include <cstdio>
+#include <optional>
+
+#include "common/model_file.h"
+#include "compare/files.h"
+
+namespace concord::compare::fuzz {
+
+namespace {
+
+/// Fewer than for a model that somebody cares about: many machines see more than many states of one.
+constexpr int kStates = 40;
+
+void tell_rung(std::string_view rung) {
+  std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
+}
+
+std::optional<Model> read(const ModelText& text, const std::filesystem::path& folder, Outcome& outcome) {
+  try {
+    for (const auto& [name, content] : text.beside) write_file(folder / name, content);
+    return parse_model(text.model, folder / "machine.toml");
+  } catch (const InputError& error) {
+    outcome = outcome_of_input_error(error.what(), false);
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers) {
+  Outcome outcome;
+  tell_rung("reading");
+  const std::optional<Model> model = read(text, folder, outcome);
+  if (!model) return outcome;
+  try {
+    tell_rung("start");
+    const auto cartesian = makers.cartesian(*model);
+    const auto relative = makers.relative(*model);
+    VerifyOptions options;
+    options.states = kStates;
+    options.samples = kStates - 1;
+    std::string last;
+    options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
+      if (rung == last) return;
+      last = rung;
+      tell_rung(rung);
+    };
+    return outcome_of(verify(*model, *cartesian, *relative, options));
+  } catch (const InputError& error) {
+    return outcome_of_input_error(error.what(), true);
+  }
+}
+
+}  // namespace concord::compare::fuzz

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "compare/commands.h"
+#include "compare/fuzz/outcome.h"
+#include "compare/fuzz/writer.h"
+
+namespace concord::compare::fuzz {
+
+/// Reads a machine from its text, its modes files from `folder`, and compares the solvers on it with default settings.
+/// Says on stderr which rung it climbs, for whoever reads a crashed worker's last words.
+Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers);
+
+}  // namespace concord::compare::fuzz

@@ -1,0 +1,57 @@
+#include "compare/fuzz/outcome.h"
+
+#include <gtest/gtest.h>
+
+using namespace concord::compare;
+using namespace concord::compare::fuzz;
+
+TEST(Outcome, HonestRefusalsAreOfKindsFromAList) {
+  EXPECT_EQ(refusal_kind("same state: no component was judged"), "not unique anywhere");
+  EXPECT_EQ(refusal_kind("same run: cartesian: at t = 1 s the equations of motion are singular: the machine is in a "
+                         "singular pose, or a body can move without inertia"),
+            "singular pose");
+  EXPECT_EQ(refusal_kind("something nobody has thought of"), "");
+  for (const std::string& kind : refusal_kinds()) EXPECT_FALSE(kind.empty());
+}
+
+TEST(Outcome, FailureOfNoKnownKindIsAStop) {
+  Verdict verdict;
+  EXPECT_EQ(outcome_of(verdict).sort, Sort::agree);
+  verdict.failures = {"no component was judged"};
+  EXPECT_EQ(outcome_of(verdict).sort, Sort::refusal);
+  EXPECT_FALSE(outcome_of(verdict).is_wrong());
+  verdict.failures.emplace_back("relative: joint 'joint7' is odd at t = 0.125 s");
+  const Outcome stop = outcome_of(verdict);
+  EXPECT_EQ(stop.sort, Sort::stop);
+  EXPECT_EQ(stop.kind, "stop: relative: joint ' is odd at t = #.# s");
+}
+
+TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
+  Verdict verdict;
+  verdict.failures = {"no component was judged"};
+  verdict.findings = {{"joint B on rod, F_x, t = 1 s: ...", "same run: factor 2 in all 300 samples"}};
+  const Outcome outcome = outcome_of(verdict);
+  EXPECT_EQ(outcome.sort, Sort::differ);
+  EXPECT_EQ(outcome.kind, "differ: same run: factor # in all # samples");
+  verdict.findings.front() = {"cartesian is not in balance: body 'a' ...", "audit: ..."};
+  EXPECT_EQ(outcome_of(verdict).kind, "differ: cartesian not in balance");
+}
+
+TEST(Outcome, GoesThroughTextAndComesBack) {
+  for (const Sort sort : {Sort::agree, Sort::refusal, Sort::differ, Sort::stop}) {
+    const Outcome outcome{sort, sort == Sort::agree ? "" : "some kind", "line one\nline two\n"};
+    const Outcome back = outcome_of(workers::Report{workers::End::answered, 0, format_outcome(outcome), ""});
+    EXPECT_EQ(back.sort, outcome.sort);
+    EXPECT_EQ(back.kind, outcome.kind);
+    EXPECT_EQ(back.text, outcome.text);
+  }
+}
+
+TEST(Outcome, LostWorkersAreTold) {
+  const Outcome crashed = outcome_of(workers::Report{workers::End::crashed, 11, "", "rung: same run\n"});
+  EXPECT_EQ(crashed.sort, Sort::lost);
+  EXPECT_EQ(crashed.kind, "crashed by signal 11");
+  EXPECT_EQ(crashed.text, "rung: same run\n");
+  EXPECT_EQ(outcome_of(workers::Report{workers::End::hung, 9, "", ""}).kind, "hung by signal 9");
+  EXPECT_EQ(outcome_of(workers::Report{workers::End::threw, 0, "odd", ""}).kind, "stop: odd");
+}
