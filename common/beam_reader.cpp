@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/magnitude.h"
 #include "common/orientation_reader.h"
 #include "common/spelling.h"
 
@@ -107,6 +108,40 @@ std::optional<Section> read_section(const TableReader& beam) {
   return std::nullopt;
 }
 
+/// Complains if what follows from sizes of the beam has no usable size; true if all is well.
+bool check_sizes(const TableReader& reader, const BeamSpecification& beam) {
+  struct Size {
+    std::string_view key;
+    std::string_view name;
+    double value;
+  };
+  const double L = beam.length;
+  const double width = L / beam.elements;
+  const double mass = beam.density * beam.area * L;
+  const double E = beam.youngs_modulus;
+  const Size sizes[] = {{"section", "area", beam.area},
+                        {"section", "second moment of area about y", beam.second_moment_y},
+                        {"section", "second moment of area about z", beam.second_moment_z},
+                        {"section", "torsion constant", beam.torsion_constant},
+                        {"density", "mass", mass},
+                        {"density", "mass times the square of its length", mass * L * L},
+                        {"density", "polar moment of inertia", beam.density * L * beam.second_moment_y},
+                        {"density", "polar moment of inertia", beam.density * L * beam.second_moment_z},
+                        {"youngs_modulus", "axial stiffness", E * beam.area / width},
+                        {"youngs_modulus", "bending stiffness", E * beam.second_moment_y / width / width / width},
+                        {"youngs_modulus", "bending stiffness", E * beam.second_moment_z / width / width / width},
+                        {"youngs_modulus", "bending stiffness", E * beam.second_moment_y / L / L / L},
+                        {"youngs_modulus", "bending stiffness", E * beam.second_moment_z / L / L / L},
+                        {"youngs_modulus", "square of a frequency", E / beam.density / L / L},
+                        {"youngs_modulus", "torsional stiffness", beam.shear_modulus * beam.torsion_constant / width}};
+  for (const Size& size : sizes) {
+    if (has_usable_size(size.value)) continue;
+    reader.complain(size.key, fmt::format("the {} that follows {}", size.name, complaint_about_size(size.value)));
+    return false;
+  }
+  return true;
+}
+
 /// Modes of `modes` or `static_modes`, families in the order of BeamFamily.
 std::optional<std::vector<BeamMode>> read_modes(const TableReader& beam, std::string_view key, bool is_static) {
   std::vector<BeamMode> modes;
@@ -197,9 +232,12 @@ std::optional<ModalData> read_beam(const toml::table& table, const std::string& 
   }
   // The beam is made only of what was read without a fault.
   if (reading.complaints.size() != complaints_before) return std::nullopt;
+  if (!check_sizes(reader, beam)) return std::nullopt;
   const SourceLocation modes_place = reader.where(reader.has("modes") ? "modes" : "static_modes");
   try {
-    return make_beam(beam);
+    ModalData data = make_beam(beam);
+    if (are_bounded(data.G) && are_bounded(data.stiffness) && are_bounded(data.damping)) return data;
+    reader.complain(fmt::format("the modal matrices go beyond {}", kLargestSize));
   } catch (const std::invalid_argument& error) {
     reading.complain(modes_place, fmt::format("{}, {}", body, error.what()));
   } catch (const std::runtime_error& error) {

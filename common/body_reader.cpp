@@ -59,13 +59,19 @@ std::optional<ModalData> read_modal_data(const TableReader& table) {
   const auto path = table.text("modes_file");
   if (!path) return std::nullopt;
   const std::filesystem::path file = beside(table.reading().file, *path);
-  if (!std::filesystem::is_regular_file(file)) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(file, unknown)) {
     table.complain("modes_file", fmt::format("there is no modes file '{}'", file.generic_string()));
     return std::nullopt;
   }
   try {
     return read_modes_file(file);
   } catch (const InputError& error) {
+    const Diagnostic& first = error.diagnostics().front();
+    if (first.where.line == 0) {  // about the file as a whole
+      table.complain("modes_file", fmt::format("'{}': {}", first.where.file, first.message));
+      return std::nullopt;
+    }
     auto& complaints = table.reading().complaints;
     complaints.insert(complaints.end(), error.diagnostics().begin(), error.diagnostics().end());
     return std::nullopt;

@@ -5,11 +5,20 @@
 #include <algorithm>
 #include <array>
 
+#include "common/magnitude.h"
 #include "common/spelling.h"
 
 namespace concord {
 
 namespace {
+
+/// The law; nothing after a complaint at the key if the law's derivatives overflow.
+std::optional<TimeFunction> if_usable(TimeFunction law, const TableReader& table, std::string_view key) {
+  constexpr double kStart = 0.0;
+  if (stays_usable(law, kStart)) return law;
+  table.complain(key, fmt::format("the law or one of its first two derivatives goes beyond {}", kLargestSize));
+  return std::nullopt;
+}
 
 std::optional<TimeFunction> read_constant_speed(const TableReader& table) {
   if (!table.require({"speed"})) return std::nullopt;
@@ -34,10 +43,11 @@ std::optional<TimeFunction> read_harmonic(const TableReader& table) {
   const auto amplitude = table.number("amplitude");
   const auto frequency = table.number("frequency");
   if (!amplitude || !frequency) return std::nullopt;
-  return Harmonic{.offset = table.number("offset").value_or(0.0),
-                  .amplitude = *amplitude,
-                  .frequency = *frequency,
-                  .phase = table.number("phase").value_or(0.0)};
+  const Harmonic law{.offset = table.number("offset").value_or(0.0),
+                     .amplitude = *amplitude,
+                     .frequency = *frequency,
+                     .phase = table.number("phase").value_or(0.0)};
+  return if_usable(law, table, "amplitude");
 }
 
 std::optional<TimeFunction> read_smooth_step(const TableReader& table) {
@@ -51,13 +61,13 @@ std::optional<TimeFunction> read_smooth_step(const TableReader& table) {
     table.complain("t1", fmt::format("'t1' must be later than 't0' = {} s, found {} s", *t0, *t1));
     return std::nullopt;
   }
-  return SmoothStep{.t0 = *t0, .t1 = *t1, .from = *from, .to = *to};
+  return if_usable(SmoothStep{.t0 = *t0, .t1 = *t1, .from = *from, .to = *to}, table, "to");
 }
 
 std::optional<TimeFunction> read_spline(const TableReader& table) {
   auto points = read_points(table, "times", "values", " s");
   if (!points) return std::nullopt;
-  return SplineTable(std::move(points->x), std::move(points->y));
+  return if_usable(SplineTable(std::move(points->x), std::move(points->y)), table, "values");
 }
 
 struct Law {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -47,8 +48,19 @@ class Parameters {
   [[nodiscard]] double evaluate(const std::string& expression) const;
 
  private:
-  /// Nothing: the parameter is at fault.
-  std::map<std::string, std::optional<double>> values_;
+  /// The parameters of one file; those of the file that includes it are looked up behind them.
+  struct Scope {
+    /// Nothing: the parameter is at fault.
+    std::map<std::string, std::optional<double>> values;
+    std::shared_ptr<const Scope> outer;
+  };
+  friend class ParameterResolver;
+
+  /// The value of a parameter, nullptr if there is none of that name.
+  [[nodiscard]] const std::optional<double>* find(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> names() const;
+
+  std::shared_ptr<Scope> scope_;
 };
 
 }  // namespace concord

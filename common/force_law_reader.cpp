@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/driver_reader.h"
+#include "common/magnitude.h"
 
 namespace concord {
 
@@ -23,6 +24,10 @@ std::optional<ForceTable> read_table(const TableReader& law, std::string_view ke
   const TableReader table(*found, fmt::format("{}, {}", law.title(), key), {"x", "force"}, law.reading());
   auto points = read_points(table, "x", "force", "");
   if (!points) return std::nullopt;
+  if (!stays_usable(SplineTable(points->x, points->y), 0.0)) {
+    table.complain("force", fmt::format("a slope of the table or its change goes beyond {}", kLargestSize));
+    return std::nullopt;
+  }
   return ForceTable(std::move(points->x), std::move(points->y));
 }
 

@@ -9,6 +9,7 @@
 #include "common/coupling_reader.h"
 #include "common/force_element_reader.h"
 #include "common/joint_reader.h"
+#include "common/magnitude.h"
 #include "common/model_checks.h"
 #include "common/model_parts.h"
 #include "common/road_reader.h"
@@ -179,18 +180,28 @@ std::vector<NeedOverride> read_needs(const TableReader& document, const std::vec
   return needs;
 }
 
+/// Complaints about what stands in a file of the model are told by that file's reading.
+void tell(Diagnostic complaint, ModelParts& parts) {
+  const auto part = std::find_if(parts.begin(), parts.end(),
+                                 [&](const ModelPart& one) { return one.reading.file == complaint.where.file; });
+  part->reading.complain(complaint.where, std::move(complaint.message));
+}
+
 /// Complains of bodies that nothing connects to ground, where the first of them stands.
 void check_graph(const Model& model, ModelParts& parts) {
   std::vector<std::string> names;
   for (const int i : bodies_without_ground(model)) names.push_back(model.bodies[i].name);
   if (names.empty()) return;
   const SourceLocation where = model.bodies[bodies_without_ground(model).front()].where;
-  const auto part =
-      std::find_if(parts.begin(), parts.end(), [&](const ModelPart& one) { return one.reading.file == where.file; });
-  part->reading.complain(where,
-                         fmt::format("no chain of joints connects to ground: {}: add a joint, of type \"free\" if "
-                                     "nothing holds it",
-                                     join_names(names)));
+  tell({where,
+        fmt::format("no chain of joints connects to ground: {}: add a joint, of type \"free\" if nothing holds it",
+                    join_names(names))},
+       parts);
+}
+
+bool has_complaints(const ModelParts& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const ModelPart& part) { return !part.reading.complaints.empty(); });
 }
 
 }  // namespace
@@ -226,6 +237,10 @@ Model parse_model(std::string_view text, const std::filesystem::path& file) {
   model.joints = std::move(found.joints);
   for (BodyReading& one : found.bodies) model.bodies.push_back(std::move(one.body));
   if (has_bodies && found.graph_is_complete) check_graph(model, parts);
+  // Of numbers that could be read.
+  if (!has_complaints(parts)) {
+    for (Diagnostic& complaint : complaints_about_products(model)) tell(std::move(complaint), parts);
+  }
   throw_if_any(parts);
   return model;
 }

@@ -12,6 +12,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
+/// Files that are included in all, each counted as often as it is, how deep, and their text together.
+constexpr std::size_t kMostIncluded = 1000;
+constexpr std::size_t kDeepestInclude = 30;
+constexpr std::size_t kMostIncludedBytes = std::size_t{16} << 20U;
 /// What other tables of a model refer to by name.
 constexpr std::string_view kNamedKinds[] = {"body", "joint", "road"};
 
@@ -121,11 +125,40 @@ class PartsReader {
     const SourceLocation where = table.where();
     inner.included_from = fmt::format("\n  included from {}:{}:{}", where.file, where.line, where.column);
     inner.included_from += outer.included_from;
-    if (!find_file(table, outer, inner)) return;
-    const ModelPart& included = read(read_text_file(inner.file), inner);
+    if (is_exhausted_ || !find_file(table, outer, inner)) return;
+    const auto text = read_text(table, inner.file);
+    if (!text || !is_within_limits(table, inner, text->size())) return;
+    const ModelPart& included = read(*text, inner);
     for (const auto& [kind, names] : included.reading.own_names) {
       for (const std::string& name : names) part.reading.own_names[kind].insert(own_prefix + name);
     }
+  }
+
+  /// The file's text; nothing after a complaint.
+  static std::optional<std::string> read_text(const TableReader& table, const fs::path& file) {
+    try {
+      return read_text_file(file);
+    } catch (const InputError& error) {
+      table.complain("file", fmt::format("'{}': {}", file.generic_string(), error.diagnostics().front().message));
+      return std::nullopt;
+    }
+  }
+
+  /// Whether one more file may be read. The first complaint ends all including: two includes in each of n files are
+  /// 2^n.
+  bool is_within_limits(const TableReader& table, const Inclusion& inner, std::size_t bytes) {
+    bytes_ += bytes;
+    if (parts_->size() > kMostIncluded) {
+      table.complain("file", fmt::format("more than {} files are included in all", kMostIncluded));
+    } else if (inner.way.size() > kDeepestInclude) {
+      table.complain("file", fmt::format("files include each other more than {} deep", kDeepestInclude));
+    } else if (bytes_ > kMostIncludedBytes) {
+      table.complain("file", fmt::format("the included files have more than {} MiB in all", kMostIncludedBytes >> 20U));
+    } else {
+      return true;
+    }
+    is_exhausted_ = true;
+    return false;
   }
 
   /// Where the file is; false after a complaint.
@@ -134,13 +167,17 @@ class PartsReader {
     const auto path = table.text("file");
     if (!path) return false;
     inner.file = (outer.file.parent_path() / *path).lexically_normal();
-    if (!fs::is_regular_file(inner.file)) {
+    std::error_code trouble;
+    const fs::path file = fs::canonical(inner.file, trouble);
+    if (trouble || path->find('\0') != std::string::npos) {
       table.complain("file", fmt::format("there is no file '{}'", inner.file.generic_string()));
       return false;
     }
     inner.way.push_back(inner.file);
-    const fs::path file = fs::canonical(inner.file);
-    const auto is_it = [&](const fs::path& other) { return fs::weakly_canonical(other) == file; };
+    const auto is_it = [&](const fs::path& other) {
+      std::error_code unknown;
+      return fs::weakly_canonical(other, unknown) == file;
+    };
     const auto begin = std::find_if(outer.way.begin(), outer.way.end(), is_it);
     if (begin == outer.way.end()) return true;
     std::string circle;
@@ -151,6 +188,8 @@ class PartsReader {
 
   KnownKeys known_;
   ModelParts* parts_;
+  std::size_t bytes_ = 0;
+  bool is_exhausted_ = false;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/magnitude.h"
 #include "common/model_checks.h"
 #include "common/rotation.h"
 #include "common/toml_reader.h"
@@ -66,6 +67,13 @@ bool check_semidefinite(const TableReader& table, std::string_view key, const Ma
     return false;
   }
   return true;
+}
+
+/// Complains of what follows from the key's numbers if an entry overflows; true if none does.
+bool check_bounded(const TableReader& table, std::string_view key, std::string_view what, const MatX& matrix) {
+  if (are_bounded(matrix)) return true;
+  table.complain(key, fmt::format("{} go beyond {}", what, kLargestSize));
+  return false;
 }
 
 /// An m x m matrix, as rows or as the m numbers of its diagonal.
@@ -153,7 +161,11 @@ bool read_inertia(const TableReader& document, int m, ModalData& data) {
     if (!G) return false;
     data.G = *G;
     data.mass_points = equivalent_mass_points(*G);
-    return true;
+    const bool are_all_bounded =
+        std::all_of(data.mass_points.begin(), data.mass_points.end(),
+                    [](const MassPoint& point) { return are_bounded(point.s0_L) && are_bounded(point.Psi_t_L); });
+    if (!are_all_bounded) document.complain("inertia_integrals", "the mass is too small for its moments");
+    return are_all_bounded;
   }
   int number = 0;
   for (const toml::table* table : document.tables("mass_point")) {
@@ -161,7 +173,7 @@ bool read_inertia(const TableReader& document, int m, ModalData& data) {
   }
   if (document.reading().complaints.size() != complaints_before) return false;
   data.G = mass_integrals(data.mass_points, m);
-  return true;
+  return check_bounded(document, "mass_point", "the mass integrals", data.G);
 }
 
 void read_nodes(const TableReader& document, int m, std::vector<ModalNode>& nodes) {
@@ -214,6 +226,7 @@ void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
   } else if (const auto ratios = read_damping_ratios(document, m)) {
     const MatX shapes = mass * modes.eigenvectors();
     data.damping = shapes * (2.0 * ratios->cwiseProduct(data.frequencies)).asDiagonal() * shapes.transpose();
+    check_bounded(document, "damping_ratios", "the damping's entries", data.damping);
   }
 }
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 #include "common/driver_reader.h"
+#include "common/magnitude.h"
 #include "common/spelling.h"
 
 namespace concord {
@@ -27,6 +29,11 @@ std::optional<Profile> read_half_sine(const TableReader& table) {
   const auto length = table.positive_number("length");
   const auto height = table.number("height");
   if (!start || !length || !height) return std::nullopt;
+  // Its wave is the same as that of a harmonic law.
+  if (!stays_usable(Harmonic{.amplitude = *height, .frequency = std::numbers::pi / *length}, 0.0)) {
+    table.complain("height", fmt::format("the road's slope or its change goes beyond {}", kLargestSize));
+    return std::nullopt;
+  }
   return HalfSineBump{.start = *start, .length = *length, .height = *height};
 }
 
@@ -35,7 +42,12 @@ std::optional<Profile> read_table(const TableReader& table) {
   if (!points) return std::nullopt;
   const double first = points->x.front();
   const double last = points->x.back();
-  return RoadTable{SplineTable(std::move(points->x), std::move(points->y)), first, last};
+  SplineTable spline(std::move(points->x), std::move(points->y));
+  if (!stays_usable(spline, 0.0)) {
+    table.complain("height", fmt::format("the road's slope or its change goes beyond {}", kLargestSize));
+    return std::nullopt;
+  }
+  return RoadTable{std::move(spline), first, last};
 }
 
 struct RoadKind {

@@ -4,8 +4,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace concord {
+
+namespace {
+
+/// Nobody wants guesses about longer words or among more names; they would take long.
+constexpr std::size_t kLongestGuess = 100;
+constexpr std::size_t kMostGuesses = 1000;
+constexpr std::ptrdiff_t kMostListed = 60;
+
+}  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
   const auto rows = a.size() + 1;
@@ -27,16 +37,25 @@ int edit_distance(std::string_view a, std::string_view b) {
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates, std::string_view plural) {
   if (candidates.empty()) return fmt::format("there are no {}", plural);
-  const auto nearest = std::min_element(
-      candidates.begin(), candidates.end(),
-      [word](const std::string& a, const std::string& b) { return edit_distance(word, a) < edit_distance(word, b); });
+  if (word.size() > kLongestGuess || candidates.size() > kMostGuesses) {
+    return fmt::format("known {}: {}", plural, join_names(candidates));
+  }
+  const auto distance_to = [word](const std::string& candidate) {
+    return edit_distance(word, std::string_view(candidate).substr(0, 2 * kLongestGuess));
+  };
+  const auto nearest =
+      std::min_element(candidates.begin(), candidates.end(),
+                       [&](const std::string& a, const std::string& b) { return distance_to(a) < distance_to(b); });
   const int near_enough = static_cast<int>(std::max(word.size(), nearest->size()) + 2) / 3;
-  if (edit_distance(word, *nearest) <= near_enough && nearest->size() > 1) {
+  if (distance_to(*nearest) <= near_enough && nearest->size() > 1) {
     return fmt::format("did you mean '{}'?", *nearest);
   }
   return fmt::format("known {}: {}", plural, join_names(candidates));
 }
 
-std::string join_names(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
+std::string join_names(const std::vector<std::string>& names) {
+  if (std::ssize(names) <= kMostListed) return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}, ... ({} in all)", fmt::join(names.begin(), names.begin() + kMostListed, ", "), names.size());
+}
 
 }  // namespace concord

@@ -1,14 +1,20 @@
 #include "common/toml_reader.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <iterator>
 
+#include "common/magnitude.h"
 #include "common/spelling.h"
 
 namespace concord {
@@ -28,6 +34,141 @@ std::string quoted(const KnownKeys& keys, std::string_view last_separator) {
   return text;
 }
 
+/// More complaints than this are not told.
+constexpr std::size_t kMostComplaints = 200;
+
+/// Looks through a document before it is parsed: the parser builds and takes down nested values by recursion.
+class NestingCheck {
+ public:
+  NestingCheck(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  void run() {
+    while (place_ < text_.size()) {
+      const char c = text_[place_];
+      if (c == '#') {
+        skip_to("\n");
+      } else if (c == '"' || c == '\'') {
+        skip_string(c);
+      } else {
+        look_at(c);
+        step();
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kDeepest = 100;
+  static constexpr std::size_t kMostValues = 4000000;
+
+  /// Every dot of a key nests a table, every bracket a value. Numbers have a dot too, which does no harm.
+  void look_at(char c) {
+    switch (c) {
+      case '.':
+        ++levels_.back();
+        break;
+      case '[':
+      case '{':
+        levels_.push_back(levels_.back() + 1);
+        ++values_;
+        break;
+      case ']':
+      case '}':
+        if (levels_.size() > 1) levels_.pop_back();
+        break;
+      case ',':
+      case '\n':
+        levels_.back() = levels_.size() > 1 ? levels_[levels_.size() - 2] + 1 : 0;
+        ++values_;
+        break;
+      default:
+        break;
+    }
+    if (levels_.back() > kDeepest) refuse(fmt::format("nested deeper than {} levels", kDeepest));
+    if (values_ > kMostValues) refuse(fmt::format("more than {} values in one file", kMostValues));
+  }
+
+  void step() {
+    if (text_[place_] == '\n') {
+      ++line_;
+      column_ = 1;
+    } else if ((static_cast<unsigned char>(text_[place_]) & 0xC0U) != 0x80U) {
+      ++column_;  // not within a character of several bytes
+    }
+    ++place_;
+  }
+
+  void skip_to(std::string_view end) {
+    while (place_ < text_.size() && !text_.substr(place_).starts_with(end)) step();
+  }
+
+  void skip_string(char quote) {
+    const std::string three(3, quote);
+    const bool is_long = text_.substr(place_).starts_with(three);
+    const std::string_view end = is_long ? std::string_view(three) : std::string_view(three).substr(0, 1);
+    for (std::size_t k = 0; k < end.size(); ++k) step();
+    while (place_ < text_.size() && !text_.substr(place_).starts_with(end)) {
+      if (!is_long && text_[place_] == '\n') return;  // not closed: the parser will say so
+      if (quote == '"' && text_[place_] == '\\' && place_ + 1 < text_.size()) step();
+      step();
+    }
+    // A long string may end with up to two quotes of its own before the three that close it.
+    const std::size_t most = is_long ? 5 : 1;
+    for (std::size_t k = 0; k < most && place_ < text_.size() && text_[place_] == quote; ++k) step();
+  }
+
+  [[noreturn]] void refuse(const std::string& reason) const {
+    throw InputError(SourceLocation{file_, line_, column_}, reason + ": no model needs that");
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t place_ = 0;
+  int line_ = 1;
+  int column_ = 1;
+  std::vector<std::size_t> levels_{0};  // reached at each open bracket
+  std::size_t values_ = 0;
+};
+
+std::string_view kind_of(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISFIFO(mode)) return "a fifo";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+/// An open file, closed at the end.
+class OpenFile {
+ public:
+  /// Does not wait for somebody to write into a fifo.
+  explicit OpenFile(const std::filesystem::path& path)
+      : file_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  [[nodiscard]] bool is_open() const { return file_ >= 0; }
+  [[nodiscard]] mode_t mode() const {
+    struct stat found {};
+    return ::fstat(file_, &found) == 0 ? found.st_mode : 0;
+  }
+
+  /// Appends the next bytes to `text`; 0 at the end, negative if the system refuses.
+  ssize_t read_more(std::string& text) {
+    std::array<char, 65536> bytes;
+    ssize_t count = 0;
+    do {
+      count = ::read(file_, bytes.data(), bytes.size());
+    } while (count < 0 && errno == EINTR);
+    if (count > 0) text.append(bytes.data(), static_cast<std::size_t>(count));
+    return count;
+  }
+
+ private:
+  int file_;
+};
+
 }  // namespace
 
 SourceLocation FileReading::at(const toml::source_region& region) const {
@@ -36,6 +177,10 @@ SourceLocation FileReading::at(const toml::source_region& region) const {
 
 void FileReading::complain(const SourceLocation& where, std::string message) {
   complaints.push_back({where, std::move(message)});
+  if (complaints.size() < kMostComplaints) return;
+  std::vector<Diagnostic> all = sorted_complaints();
+  all.push_back({where, fmt::format("too many errors: these are the first {}", kMostComplaints)});
+  throw InputError(std::move(all));
 }
 
 std::vector<Diagnostic> FileReading::sorted_complaints() const {
@@ -65,6 +210,7 @@ std::string FileReading::name_in_file(std::string_view kind, const std::string& 
 }
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
+  NestingCheck(text, file).run();
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
@@ -82,11 +228,22 @@ void check_format(const TableReader& document, int known) {
 }
 
 std::string read_text_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw InputError(SourceLocation{.file = file.generic_string()}, "cannot read the file: is the path right?");
+  const auto refuse = [&](const std::string& reason) {
+    throw InputError(SourceLocation{.file = file.generic_string()}, reason);
+  };
+  OpenFile open_file(file);
+  const bool holds_nul = file.native().find('\0') != std::string::npos;
+  if (!open_file.is_open() || holds_nul) refuse("cannot read the file: is the path right?");
+  if (!S_ISREG(open_file.mode())) {
+    refuse(fmt::format("cannot read the file: it is {}, expected a regular file", kind_of(open_file.mode())));
   }
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text;
+  ssize_t count = 0;
+  while ((count = open_file.read_more(text)) > 0) {
+    if (text.size() > kMostBytes) refuse(fmt::format("the file is longer than {} MiB", kMostBytes >> 20U));
+  }
+  if (count < 0) refuse(fmt::format("cannot read the file: {}", std::strerror(errno)));
+  return text;
 }
 
 std::string title_with_name(const toml::table& table, std::string_view kind) {
@@ -171,6 +328,9 @@ std::optional<double> TableReader::number_of(const toml::node& node, const std::
   } else if (!std::isfinite(*value)) {
     complain_at(where, fmt::format("{} must be a finite number, found {}", name, not_finite_text(*value)));
     value.reset();
+  } else if (!has_usable_size(*value)) {
+    complain_at(where, fmt::format("{} {}", name, complaint_about_size(*value)));
+    value.reset();
   }
   return value;
 }
@@ -232,9 +392,16 @@ std::optional<std::string> TableReader::text(std::string_view key) const {
 
 void TableReader::require_fit_for_files(std::string_view key, const std::string& value) const {
   const auto is_bad = [](char c) { return c == '/' || std::iscntrl(static_cast<unsigned char>(c)) != 0; };
-  if (std::none_of(value.begin(), value.end(), is_bad)) return;
+  if (std::none_of(value.begin(), value.end(), is_bad)) return require_short(key, value);
   complain(key,
            fmt::format("'{}' must be one line without '/', for result files are named by it, found {:?}", key, value));
+}
+
+void TableReader::require_short(std::string_view key, const std::string& value) const {
+  constexpr std::size_t kLongest = 100;
+  if (value.size() <= kLongest) return;
+  complain(key, fmt::format("'{}' has {} characters, at most {} are allowed: result files are named by it", key,
+                            value.size(), kLongest));
 }
 
 std::string TableReader::name() const {
@@ -242,7 +409,9 @@ std::string TableReader::name() const {
   const auto value = text("name");
   if (value && value->empty()) complain("name", "'name' must not be empty");
   if (value) require_fit_for_files("name", *value);
-  return value && !value->empty() ? reading_->prefix + *value : "";
+  if (!value || value->empty()) return "";
+  if (!reading_->prefix.empty()) require_short("name", reading_->prefix + *value);
+  return reading_->prefix + *value;
 }
 
 std::optional<bool> TableReader::flag(std::string_view key) const {

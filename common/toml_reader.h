@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -37,6 +38,7 @@ struct FileReading {
   [[nodiscard]] bool defines(std::string_view kind, const std::string& name) const;
 
   [[nodiscard]] SourceLocation at(const toml::source_region& region) const;
+  /// Throws InputError with all complaints when they become too many to be read.
   void complain(const SourceLocation& where, std::string message);
 
   /// All complaints in the order of the file.
@@ -45,14 +47,16 @@ struct FileReading {
   void throw_if_any() const;
 };
 
-/// The document; throws InputError where TOML's own grammar is broken.
+/// The document; throws InputError where TOML's own grammar is broken, and where it is nested deeper or holds more
+/// values than any model needs: such a document would use up stack or memory.
 toml::table parse_toml(std::string_view text, const std::string& file);
 
 /// Keys that a table may have.
 using KnownKeys = std::vector<std::string_view>;
 
 /// One table of a file. Each reading returns nothing if the key is missing, or if its value is wrong: then it has
-/// complained at the value's place. Numbers may be expressions of the parameters, and are finite.
+/// complained at the value's place. Numbers may be expressions of the parameters, and are zero or of a usable size
+/// (common/magnitude.h).
 class TableReader {
  public:
   /// `title` opens every message about the table ("joint 'A'"; may be empty). Complains of keys that are not known.
@@ -100,6 +104,7 @@ class TableReader {
   void complain(std::string_view message) const;
 
  private:
+  void require_short(std::string_view key, const std::string& value) const;
   void complain_at(const SourceLocation& where, std::string_view message) const;
   [[nodiscard]] std::optional<double> number_of(const toml::node& node, const std::string& name) const;
   [[nodiscard]] std::optional<std::vector<double>> numbers_of(const toml::node& node, const std::string& name,
@@ -113,7 +118,11 @@ class TableReader {
 /// Complains unless the document's `format` is there and is `known`.
 void check_format(const TableReader& document, int known);
 
-/// Everything in a file; throws InputError if it cannot be read.
+/// A file that is read must be no longer than this.
+inline constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20U;
+
+/// Everything in a regular file; throws InputError if it cannot be read, is too long, or is a folder, a fifo or a
+/// device, from which reading might never end: those are not waited for.
 std::string read_text_file(const std::filesystem::path& file);
 
 /// Title of a table in messages: "joint 'A'", or "joint" if it has no name.
