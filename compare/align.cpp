@@ -83,6 +83,9 @@ double angle_between(const Mat3& A1, const Mat3& A2) {
 
 namespace {
 
+/// Least part of the machine's length, and of the speed that gravity gives it, that motion is held against.
+constexpr double kAtRest = 1e-3;
+
 /// Largest speeds and modal coordinates of a run: the scales of motion.
 struct MotionScales {
   double speed = 0.0;
@@ -107,8 +110,22 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
     }
   }
   const double length = model.length_scale();
+  const double until = trajectory.samples.empty() ? 0.0 : trajectory.samples.back().state.t;
   scales.speed = std::max(scales.speed, scales.turning * length);
+  // A machine at rest is held against what gravity, or the time of the run, would make of it.
+  scales.speed = std::max(scales.speed, kAtRest * std::sqrt(model.gravity.norm() * length));
+  if (until > 0.0) scales.speed = std::max(scales.speed, kAtRest * length / until);
   scales.turning = scales.speed / length;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (!model.bodies[i].modal) continue;
+    double shape = 0.0;
+    for (const MassPoint& point : model.bodies[i].modal->mass_points) {
+      if (point.Psi_t_L.cols() > 0) shape = std::max(shape, point.Psi_t_L.colwise().norm().maxCoeff());
+    }
+    if (shape == 0.0) continue;
+    scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
+    scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
+  }
   return scales;
 }
 

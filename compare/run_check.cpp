@@ -65,8 +65,9 @@ RunCheck check_run(const Layout& layout, Solver& solver, const Trajectory& traje
   check.audit = auditor.report();
   check.energy = audit_energy(layout.model(), trajectory);
   check.energy_allowed = kEnergyPerTolerance * options.rtol;
-  if (!(check.audit.digits() >= kAudit)) {
-    check.failures.push_back(fmt::format("not in balance: {} (need {:g})", check.audit.worst.text(), kAudit));
+  if (!check.audit.holds()) {
+    check.failures.push_back(fmt::format("{} {}: {} (need {:g})", solver.name(), breach_of(check.audit.worst.rule),
+                                         check.audit.worst.text(), need_of(check.audit.worst.rule)));
   }
   if (!(check.energy.relative() <= check.energy_allowed)) {
     check.failures.push_back(fmt::format("energy is not kept: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}",

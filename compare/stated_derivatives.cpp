@@ -15,8 +15,8 @@ using joints::ByResidual;
 using joints::FunctionOfCoordinates;
 using joints::FunctionOfPlacement;
 
-constexpr double kLongestStep = 2e-3;           // rad, or of the length
-constexpr double kGoodSlope = 1e-10;  // of the terms
+constexpr double kLongestStep = 2e-3;  // rad, or of the length
+constexpr double kGoodSlope = 1e-10;   // of the terms
 
 template <class Word, class Words>
 const Word* word_of(const Words& words) {

@@ -50,6 +50,7 @@ PairSum compare_pair(const Model& model, const std::vector<SharedState>& states,
   const Joint& first = model.joints[joints.front()];
   for (const int k : joints) pair.what += (pair.what.empty() ? "" : " + ") + model.joints[k].name;
   pair.what += fmt::format(" on {}, at the point of {}", model.bodies[first.on(Side::child).body].name, first.name);
+  pair.body = first.on(Side::child).body;
   const double length = model.length_scale();
   Wrench scale;
   Wrench difference;

@@ -68,8 +68,7 @@ std::string head(const Verdict& verdict) {
   text += fmt::format(
       "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
       "motions {:g}\n",
-      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit,
-      kAuditByDifferences);
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences);
   return text;
 }
 

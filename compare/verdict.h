@@ -85,6 +85,7 @@ struct SolverSummary {
 /// point, in global axes, at t = 0.
 struct PairSum {
   std::string what;
+  int body = 0;  // on which it acts
   std::array<Wrench, 2> at_start;
   double digits = 16.0;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <future>
 #include <mutex>
 
@@ -198,6 +199,21 @@ class Climb {
       for (const Who who : kWho) auditors_[index(who)].add(one.state, one.evaluations[index(who)]);
     }
     verdict_.pair_sums = compare_pair_sums(model_, weighed_.states);
+    for (const PairSum& pair : verdict_.pair_sums) judge_pair_sum(pair);
+  }
+
+  /// A sum over joints of a pair of bodies is unique, and is resolved as the sum of all joints on the body is.
+  void judge_pair_sum(const PairSum& pair) {
+    double need = verdict_.need.same_state;
+    for (const Row& row : verdict_.others) {
+      if (row.quantity.kind != Kind::body_sum || row.quantity.owner != pair.body) continue;
+      const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
+      if (resolvable) need = std::min(need, *resolvable - std::log10(kWithinResolution));
+    }
+    if (pair.digits >= need || !verdict_.findings.empty()) return;
+    verdict_.findings.push_back(
+        {fmt::format("sum of {}: {} digits (need {:.1f})", pair.what, format_digits(pair.digits), need),
+         "same state: the joints' total on the body differs"});
   }
 
   /// Both solvers said in every state what is unique there.
@@ -273,6 +289,16 @@ class Climb {
     weighed_run_ = weigh_run(weighed_, rows);
     judge_series(align(layout_, view(trajectories), rows), Rung::same_run, weighed_run_.budget());
     verdict_.same_run.samples = rows;
+    judge_motion(*verdict_.motion, Rung::same_run, verdict_.need.same_run);
+  }
+
+  /// Motions that part, where no reaction has told of it.
+  void judge_motion(const MotionAgreement& motion, Rung rung, double need) {
+    if (motion.digits >= need || !verdict_.findings.empty()) return;
+    verdict_.findings.push_back(
+        {fmt::format("{}, t = {:.4g} s: {} digits (need {:g})", motion.worst, motion.t, format_digits(motion.digits),
+                     need),
+         fmt::format("{}: the motions part; look at integration, not at reactions", name_of(rung))});
   }
 
   void refine() {
@@ -284,6 +310,8 @@ class Climb {
     verdict_.refined_motion = compare_motions(model_, view(trajectories));
     judge_series(align(layout_, view(trajectories), run.samples + 1), Rung::refined, weighed_run_.budget());
     verdict_.refined.samples = run.samples + 1;
+    const double rise = verdict_.motion->digits + kRefinedRise;
+    judge_motion(*verdict_.refined_motion, Rung::refined, std::min(verdict_.need.refined, rise));
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.
@@ -297,10 +325,9 @@ class Climb {
       }
       judge_audit(summary, auditors_[index(who)].report());
     }
-    verdict_.audit.climbed =
-        std::all_of(verdict_.solvers.begin(), verdict_.solvers.end(), [](const SolverSummary& solver) {
-          return solver.audit_digits && *solver.audit_digits >= solver.audit_need;
-        });
+    verdict_.audit.climbed = std::all_of(
+        verdict_.solvers.begin(), verdict_.solvers.end(),
+        [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
   }
 
   void judge_audit(SolverSummary& summary, const AuditReport& found) {
@@ -311,10 +338,9 @@ class Climb {
     verdict_.audit.samples = static_cast<int>(found.states);
     summary.audit_need = need_of(found.worst.rule);
     if (found.holds()) return;
-    verdict_.findings.push_back(
-        {fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(found.worst.rule), summary.audit_worst,
-                     summary.audit_need),
-         "audit: from motions, wrenches and mass points alone; look into this solver first"});
+    verdict_.findings.push_back({fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(found.worst.rule),
+                                             summary.audit_worst, summary.audit_need),
+                                 "audit: from motions, wrenches and mass points alone; look into this solver first"});
   }
 
   void judge_energy(SolverSummary& summary, const EnergyReport& found) {
