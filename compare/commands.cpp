@@ -13,6 +13,7 @@
 #include "compare/files.h"
 #include "compare/guarded.h"
 #include "compare/info.h"
+#include "compare/interrupt.h"
 #include "compare/junit.h"
 #include "compare/plots.h"
 #include "compare/reference.h"
@@ -53,34 +54,56 @@ struct Case {
   Verdict verdict;
 };
 
-/// What an earlier comparison wrote for this machine: beside the table of a failed one it would pass for its results.
-void remove_results(const std::filesystem::path& folder, const Case& one) {
-  const auto remove = [&](const std::string& name) {
-    std::error_code ignored;
-    std::filesystem::remove(folder / name, ignored);
-  };
-  for (const SolverSummary& solver : one.verdict.solvers) {
-    for (const char* ending : {"nc", "motion.csv", "reactions.csv", "elements.csv"}) {
-      remove(fmt::format("{}.{}.{}", one.model.name, solver.name, ending));
-    }
+std::vector<std::string> run_files(const Model& model, std::string_view solver) {
+  std::vector<std::string> names;
+  for (const char* ending : {"nc", "motion.csv", "reactions.csv", "elements.csv"}) {
+    names.push_back(fmt::format("{}.{}.{}", model.name, solver, ending));
   }
-  for (const Joint& joint : one.model.joints) remove(fmt::format("{}.reaction_{}.svg", one.model.name, joint.name));
+  return names;
+}
+
+/// All that a comparison may write for a machine: what an earlier one left would pass for results of this one.
+std::vector<std::string> result_files(const Model& model, const std::array<std::string_view, 2>& solvers) {
+  std::vector<std::string> names{model.name + ".table.txt"};
+  for (const std::string_view solver : solvers) {
+    for (std::string& name : run_files(model, solver)) names.push_back(std::move(name));
+  }
+  for (const Joint& joint : model.joints) names.push_back(fmt::format("{}.reaction_{}.svg", model.name, joint.name));
+  return names;
+}
+
+void write_run_files(const std::filesystem::path& folder, const Model& model, const NamedRun& run) {
+  const auto path = [&](const char* ending) {
+    return folder / fmt::format("{}.{}.{}", model.name, run.solver, ending);
+  };
+  write_netcdf(path("nc"), model, run.solver, *run.trajectory);
+  write_motion_csv(path("motion.csv"), model, *run.trajectory);
+  write_reaction_csv(path("reactions.csv"), model, *run.trajectory);
+  if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory);
 }
 
 void write_results(const std::filesystem::path& folder, const Case& one, const std::string& table,
                    const Console& console) {
-  make_folder(folder);
-  remove_results(folder, one);
-  write_file(folder / (one.model.name + ".table.txt"), table);
+  StagedFolder staged(folder);
+  write_file(staged.path() / (one.model.name + ".table.txt"), table);
   const auto& runs = one.verdict.trajectories;
   const std::array<std::string_view, 2> names{one.verdict.solvers[0].name, one.verdict.solvers[1].name};
   for (std::size_t who = 0; who < 2; ++who) {
-    if (runs[who]) write_run(folder, one.model, names[who], *runs[who]);
+    if (runs[who]) write_run_files(staged.path(), one.model, {names[who], &*runs[who]});
   }
-  if (!runs[0] || !runs[1]) return;
-  if (const auto reason = plot_reactions(folder, one.model, names, *runs[0], *runs[1])) {
-    console.err << fmt::format("{}: {}\n", one.model.name, *reason);
+  if (runs[0] && runs[1]) {
+    if (const auto reason = plot_reactions(staged.path(), one.model, names, *runs[0], *runs[1])) {
+      console.err << fmt::format("{}: {}\n", one.model.name, *reason);
+    }
   }
+  staged.finish(result_files(one.model, names));
+}
+
+/// Refuses a folder in which something stands that results cannot replace.
+void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  if (folder.empty()) return;
+  check_target_folder(folder);
+  for (const std::string& name : names) check_target(folder / name);
 }
 
 void tell_wall_times(const Verdict& verdict, const Console& console) {
@@ -110,6 +133,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   one.model = analyses::as_it_starts(one.model, makers, note);
   const auto cartesian = makers.cartesian(one.model);
   const auto relative = makers.relative(one.model);
+  check_results(command.out, result_files(one.model, {cartesian->name(), relative->name()}));
   VerifyOptions options = command.options;
   {
     ProgressLine line(console);
@@ -125,6 +149,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
   if (!command.out.empty()) write_results(command.out, one, table, console);
+  note_finished(one.model.name);
   return one;
 }
 
@@ -154,7 +179,8 @@ std::string format_summary(const std::vector<std::filesystem::path>& files, cons
       continue;
     }
     const Verdict& verdict = cases[k]->verdict;
-    lines.push_back({verdict.name, fmt::format("{} of {}", verdict.judged, verdict.total),
+    const ComponentCount count = count_components(verdict);
+    lines.push_back({verdict.name, fmt::format("{} of {}", count.judged, count.total),
                      summary_digits(verdict.same_state), summary_digits(verdict.same_run),
                      summary_digits(verdict.refined), summary_digits(verdict.audit), meaning(codes[k])});
   }
@@ -203,19 +229,56 @@ void write_json(const std::filesystem::path& file, const std::vector<std::option
   if (!found.empty()) write_file(file, format_json(found));
 }
 
+/// Whether two paths lead to one file, by other names too, or would if the file and its folders were there.
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
+  std::error_code unknown;
+  return std::filesystem::equivalent(one, other, unknown) ||
+         std::filesystem::weakly_canonical(one, unknown) == std::filesystem::weakly_canonical(other, unknown);
+}
+
+/// Refuses what cannot be written, and removes what an earlier run wrote there.
+void prepare_outputs(const CompareCommand& command) {
+  std::vector<std::filesystem::path> inputs = command.models;
+  if (!command.reference.empty()) inputs.push_back(command.reference);
+  check_output(command.json, inputs);
+  check_output(command.junit, inputs);
+  if (!command.json.empty() && !command.junit.empty() && is_same_file(command.json, command.junit)) {
+    throw InputError({command.json.string(), 0, 0}, "cannot be both the JSON file and the JUnit file");
+  }
+  if (!command.out.empty()) check_target_folder(command.out);
+  for (const auto& stale : {command.json, command.junit}) {
+    if (!stale.empty()) std::filesystem::remove(stale);
+  }
+}
+
 }  // namespace
 
-void write_run(const std::filesystem::path& folder, const Model& model, std::string_view solver,
-               const Trajectory& trajectory) {
-  make_folder(folder);
-  const auto path = [&](const char* ending) { return folder / fmt::format("{}.{}.{}", model.name, solver, ending); };
-  write_netcdf(path("nc"), model, solver, trajectory);
-  write_motion_csv(path("motion.csv"), model, trajectory);
-  write_reaction_csv(path("reactions.csv"), model, trajectory);
-  if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, trajectory);
+void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs) {
+  StagedFolder staged(folder);
+  std::vector<std::string> stale;
+  for (const NamedRun& run : runs) {
+    write_run_files(staged.path(), model, run);
+    for (std::string& name : run_files(model, run.solver)) stale.push_back(std::move(name));
+  }
+  staged.finish(stale);
+}
+
+void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs) {
+  if (target.empty()) return;
+  check_target(target);
+  for (const std::filesystem::path& input : inputs) {
+    if (is_same_file(target, input)) {
+      throw InputError({target.string(), 0, 0}, "cannot be written: it is an input of this run");
+    }
+  }
 }
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
+  const int prepared = guarded(console, [&] {
+    prepare_outputs(command);
+    return static_cast<int>(kAgree);
+  });
+  if (prepared != kAgree) return prepared;
   std::vector<int> codes;
   std::vector<std::optional<Case>> cases(command.models.size());
   std::vector<std::string> troubles(command.models.size());
@@ -246,9 +309,11 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
+    if (!command.out.empty()) check_target_folder(command.out);
     std::string note;
     const Model model = analyses::as_it_starts(read_model(command.model), makers, note);
     const auto solver = (command.is_cartesian ? makers.cartesian : makers.relative)(model);
+    check_results(command.out, run_files(model, solver->name()));
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, *solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;
@@ -263,9 +328,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     if (!note.empty()) console.out << fmt::format("note: {}\n", note);
-    if (!command.out.empty()) {
-      write_run(command.out, model, solver->name(), trajectory);
-    }
+    if (!command.out.empty()) write_runs(command.out, model, {{solver->name(), &trajectory}});
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
     return static_cast<int>(kAgree);
   });

@@ -49,13 +49,24 @@ struct RunCommand {
 };
 
 /// Compares each model and prints its table; with several models a summary of all, a failing one included. Returns the
-/// worst exit code. Writes nothing about a model that cannot be read but its error into the JUnit file.
+/// worst exit code. Writes nothing about a model that cannot be read but its error into the JUnit file. Refuses outputs
+/// that cannot be written before any work; JSON and JUnit files of an earlier run are removed then, because they would
+/// pass for this one's.
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console);
 
-/// Writes one solver's run: NetCDF and CSV files `folder`/`model`.`solver`.nc, .motion.csv, .reactions.csv, and
-/// .elements.csv if the model has force elements. Throws InputError if the place cannot be written.
-void write_run(const std::filesystem::path& folder, const Model& model, std::string_view solver,
-               const Trajectory& trajectory);
+/// One solver's run.
+struct NamedRun {
+  std::string_view solver;
+  const Trajectory* trajectory = nullptr;
+};
+
+/// Writes solvers' runs: NetCDF and CSV files `folder`/`model`.`solver`.nc, .motion.csv, .reactions.csv, and
+/// .elements.csv if the model has force elements. They replace those of an earlier run together. Throws InputError if
+/// the place cannot be written.
+void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
+
+/// Throws InputError unless a file can be written at `target` (an empty one is none) that is none of the `inputs`.
+void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs);
 
 /// Integrates one model with one solver and prints the peak reactions.
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console);

@@ -1,14 +1,20 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstring>
 #include <iostream>
 
 #include "cartesian/solver.h"
+#include "common/magnitude.h"
 #include "compare/analyses/command.h"
 #include "compare/commands.h"
 #include "compare/fuzz/options.h"
+#include "compare/interrupt.h"
 #include "compare/joint_check/command.h"
 #include "relative/solver.h"
 
@@ -45,7 +51,7 @@ constexpr const char* kEpilogue = R"(Examples:
   concord fuzz --count 1000 --keep found
       random machines compared; those that end wrongly stand in found/, made small
 
-Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish.
+Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish; 128 + the signal's number if interrupted.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
 /// The ranges of CLI11 let NaN through.
@@ -53,7 +59,8 @@ const CLI::Validator kNumber(
     [](std::string& text) {
       double value = 0.0;
       const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      return is_number ? std::string() : fmt::format("{} is no finite number", text);
+      if (!is_number) return fmt::format("{} is no finite number", text);
+      return has_usable_size(value) ? std::string() : fmt::format("the number {}", complaint_about_size(value));
     },
     "");
 
@@ -188,9 +195,25 @@ class AnalysisCommands {
   std::vector<std::pair<CLI::App*, compare::analyses::Analysis>> commands_;
 };
 
-}  // namespace
+/// A stream that is closed would give its number to the next file that is opened, and tables would run into results.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDONLY);
+  }
+}
 
-int main(int argc, char** argv) {
+/// The code, unless the tables could not be written: a full disk, a closed pipe.
+int code_if_told(int code) {
+  errno = 0;
+  std::cout.flush();
+  if (std::cout) return code;
+  std::cerr << fmt::format("could not finish: the standard output cannot be written{}{}\n", errno != 0 ? ": " : "",
+                           errno != 0 ? std::strerror(errno) : "");
+  return compare::kCouldNotFinish;
+}
+
+/// Reads the command line and does what it says.
+int run_program(int argc, char** argv) {
   CLI::App program(kAbout, "concord");
   program.footer(kEpilogue);
   program.set_version_flag("--version", "concord " CONCORD_VERSION);
@@ -220,4 +243,18 @@ int main(int argc, char** argv) {
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);
   return compare::show_info(line.info_model, makers, console);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  occupy_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is told
+  try {
+    const compare::InterruptWatch watch;
+    return code_if_told(run_program(argc, argv));
+  } catch (const std::exception& error) {
+    std::cerr << "could not finish: " << error.what() << '\n';
+    return compare::kCouldNotFinish;
+  }
 }

@@ -158,15 +158,10 @@ VecX component_of(const Trajectory& trajectory, std::size_t joint, int component
 std::optional<std::string> draw_page(const std::filesystem::path& svg, const Page& page) {
   make_folder(svg.parent_path());
   if (!has_gnuplot()) return "no plots: gnuplot is not installed (Debian package gnuplot-nox)";
-  std::filesystem::path unfinished = svg;
-  unfinished += ".unfinished";
-  const bool drawn = run_gnuplot(script_of(unfinished, page));
-  std::error_code trouble;
-  if (drawn) std::filesystem::rename(unfinished, svg, trouble);
-  if (drawn && !trouble) return std::nullopt;
-  std::error_code ignored;
-  std::filesystem::remove(unfinished, ignored);
-  return fmt::format("no plot {}: {}", svg.string(), drawn ? trouble.message() : "gnuplot failed");
+  UnfinishedFile unfinished(svg);
+  if (!run_gnuplot(script_of(unfinished.path(), page))) return fmt::format("no plot {}: gnuplot failed", svg.string());
+  unfinished.finish();
+  return std::nullopt;
 }
 
 Page reaction_page(const Model& model, std::size_t joint, const std::array<std::string_view, 2>& solvers,

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
+#include <sstream>
 
 #include "common/error.h"
+#include "common/magnitude.h"
+#include "common/toml_reader.h"
 
 namespace concord::compare {
 
@@ -48,27 +50,16 @@ std::optional<double> number_in(const std::string& text) {
   const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
   const auto [read, trouble] = std::from_chars(first, end, value);
-  if (trouble != std::errc() || read != end || !std::isfinite(value)) return std::nullopt;
+  if (trouble != std::errc() || read != end || !has_usable_size(value)) return std::nullopt;
   return value;
 }
 
 /// Every column that a reference may have, by its name: "D.child.T_z".
-std::map<std::string, Quantity> known_columns(const Model& model) {
-  std::map<std::string, Quantity> known;
-  const auto add = [&](const std::string& owner, Kind kind, int place, Side side) {
-    for (int c = 0; c < 6; ++c) {
-      const char* on = side == Side::child ? "child" : "parent";
-      known.try_emplace(fmt::format("{}.{}.{}", owner, on, component_names()[c]), Quantity{kind, place, side, c});
-    }
-  };
-  for (const Side side : {Side::parent, Side::child}) {
-    for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      add(model.joints[k].name, Kind::reaction, static_cast<int>(k), side);
-    }
-    for (std::size_t k = 0; k < model.elements.size(); ++k) {
-      if (end_of(model.elements[k], side) == nullptr) continue;
-      add(model.elements[k].name, Kind::element, static_cast<int>(k), side);
-    }
+std::map<std::string, Column> known_columns(const Model& model) {
+  std::map<std::string, Column> known;
+  for (const auto& columns :
+       {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
+    for (const Column& column : columns) known.try_emplace(column.name, column);
   }
   return known;
 }
@@ -81,14 +72,12 @@ struct StatedError {
 
 class ReferenceReader {
  public:
-  ReferenceReader(const std::filesystem::path& file, const Model& model)
-      : file_(file), model_(model), known_(known_columns(model)) {
+  ReferenceReader(const std::filesystem::path& file, const Model& model) : file_(file), known_(known_columns(model)) {
     reference_.file = file.string();
   }
 
   Reference read() {
-    std::ifstream stream(file_);
-    if (!stream) refuse("cannot be read");
+    std::istringstream stream(read_text_file(file_));
     std::string text;
     while (std::getline(stream, text)) {
       ++line_;
@@ -121,8 +110,7 @@ class ReferenceReader {
     const std::size_t space = said.find_first_of(" %");
     const auto size = number_in(said.substr(0, space));
     const std::string unit = space == std::string::npos ? "" : trimmed(said.substr(space));
-    const bool is_known_unit = unit == "%" || unit == "N" || unit == "N m";
-    if (!size || !(*size >= 0.0) || !is_known_unit) {
+    if (!size || !(*size >= 0.0) || unit.empty()) {
       refuse(
           fmt::format("'{}': expected a stated error such as `error = 0.5 %` or `error D.child.T_z = 0.02 N m`", text));
     }
@@ -142,16 +130,17 @@ class ReferenceReader {
     const std::string name = trimmed(header.substr(0, bracket));
     const auto found = known_.find(name);
     if (found == known_.end()) {
-      refuse(fmt::format("the model has no '{}'; columns are called JOINT.child.F_x [N] ... JOINT.parent.T_z [N m]",
-                         name));
+      refuse(fmt::format(
+          "the model has no '{}'; columns are called JOINT.child.F_x [N] ... JOINT.parent.T_z [N m], and as "
+          "in all our result files",
+          name));
     }
-    const std::string unit = fmt::format("[{}]", unit_of(model_, found->second));
+    const std::string unit = fmt::format("[{}]", found->second.unit);
     if (bracket == std::string::npos || header.substr(bracket) != unit) {
       refuse(fmt::format("column '{}': the unit must be said, {}", header, unit));
     }
     ReferenceColumn column;
-    column.name = name;
-    column.quantity = found->second;
+    column.column = found->second;
     return column;
   }
 
@@ -176,21 +165,21 @@ class ReferenceReader {
 
   void state_errors() {
     for (const auto& [name, error] : errors_) {
-      const auto is_it = [&, &wanted = name](const ReferenceColumn& column) { return column.name == wanted; };
+      const auto is_it = [&, &wanted = name](const ReferenceColumn& column) { return column.column.name == wanted; };
       if (name.empty() || std::any_of(reference_.columns.begin(), reference_.columns.end(), is_it)) continue;
       refuse(fmt::format("an error is stated for '{}', which is no column", name));
     }
     for (ReferenceColumn& column : reference_.columns) {
-      auto found = errors_.find(column.name);
+      auto found = errors_.find(column.column.name);
       if (found == errors_.end()) found = errors_.find("");
       if (found == errors_.end()) {
         refuse(fmt::format("'{}' has no stated error: say how far the source may be off, such as `# error = 1 %`",
-                           column.name));
+                           column.column.name));
       }
       const StatedError& stated = found->second;
-      if (!stated.is_relative && stated.unit != unit_of(model_, column.quantity)) {
-        refuse(fmt::format("the error of '{}' is in {}, the column in {}", column.name, stated.unit,
-                           unit_of(model_, column.quantity)));
+      if (!stated.is_relative && stated.unit != column.column.unit) {
+        refuse(fmt::format("the error of '{}' is in {}, the column in {}", column.column.name, stated.unit,
+                           column.column.unit));
       }
       column.error = stated.size;
       column.is_relative = stated.is_relative;
@@ -198,20 +187,12 @@ class ReferenceReader {
   }
 
   std::filesystem::path file_;
-  const Model& model_;
-  std::map<std::string, Quantity> known_;
+  std::map<std::string, Column> known_;
   std::map<std::string, StatedError> errors_;
   Reference reference_;
   bool has_header_ = false;
   int line_ = 0;
 };
-
-double value_of(const Quantity& quantity, const Evaluation& evaluation) {
-  const Wrench& wrench = quantity.kind == Kind::element
-                             ? evaluation.elements.at(quantity.owner).on_side(quantity.side).in_C
-                             : evaluation.joints.at(quantity.owner).reaction_on(quantity.side).in_C;
-  return wrench.vector()(quantity.component);
-}
 
 /// Output times of a run, by their number, that are the reference's times.
 std::vector<std::size_t> samples_at(const Reference& reference, double until, std::size_t count) {
@@ -246,7 +227,24 @@ double scale_of(const Verdict& verdict, const Quantity& quantity) {
   return scale;
 }
 
-bool is_judged(const Verdict& verdict, const Quantity& quantity) {
+/// Largest length of the vector that the column is a component of, over the run; of a number alone its largest size.
+double peak_of(const Column& column, const Trajectory& run) {
+  const bool is_vector = column.field == Field::position || column.field == Field::velocity ||
+                         column.field == Field::angular_velocity || column.field == Field::euler_parameter;
+  double peak = 0.0;
+  for (const Sample& sample : run.samples) {
+    double square = 0.0;
+    Column part = column;
+    const int count = column.field == Field::euler_parameter ? 4 : 3;
+    for (part.component = 0; is_vector && part.component < count; ++part.component) {
+      square += std::pow(value_of(part, sample), 2);
+    }
+    peak = std::max(peak, is_vector ? std::sqrt(square) : std::abs(value_of(column, sample)));
+  }
+  return peak;
+}
+
+bool is_unique(const Verdict& verdict, const Quantity& quantity) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const Row& row : *rows) {
       if (row.quantity == quantity) return row.unique;
@@ -255,13 +253,89 @@ bool is_judged(const Verdict& verdict, const Quantity& quantity) {
   return true;  // a component that the joint cannot carry: zero, and unique
 }
 
-void add_finding(const Model& model, const ReferenceColumn& column, const ReferenceRow& row, Verdict& verdict) {
+/// Whether a column's number follows from the machine alone. One in axes that have no row mixes the components of the
+/// row's axes: all of them must be unique.
+bool is_judged(const Verdict& verdict, const Column& column) {
+  auto quantity = quantity_of(column);
+  if (!quantity) return true;
+  if (column.field != Field::total_global && column.field != Field::element_global)
+    return is_unique(verdict, *quantity);
+  const int first = column.component / 3 * 3;
+  bool all = true;
+  for (quantity->component = first; quantity->component < first + 3; ++quantity->component) {
+    all = all && is_unique(verdict, *quantity);
+  }
+  return all;
+}
+
+/// A column without a sign of its own: one of the Euler parameters of a body or of a ball.
+bool has_free_sign(const Column& column) {
+  return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
+}
+
+double difference_of(const Column& column, const Sample& sample, double said) {
+  const double value = value_of(column, sample);
+  const double difference = std::abs(value - said);
+  return has_free_sign(column) ? std::min(difference, std::abs(value + said)) : difference;
+}
+
+/// Both solvers' runs at the times of a reference.
+struct RunsAtTimes {
+  const Verdict& verdict;
+  std::vector<std::size_t> samples;
+
+  [[nodiscard]] const Sample& sample(std::size_t who, std::size_t k) const {
+    return verdict.trajectories[who]->samples.at(samples[k]);
+  }
+};
+
+/// Whether the numbers of a reference fit another column, or its opposite, within the allowed error at every time.
+bool fits(const RunsAtTimes& runs, const std::vector<double>& values, const Column& other, double sign,
+          double allowed) {
+  for (std::size_t who = 0; who < 2; ++who) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (!(std::abs(value_of(other, runs.sample(who, k)) - sign * values[k]) <= allowed)) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether two columns are of one owner and one unit.
+bool is_kin(const Column& one, const Column& other) {
+  const auto is_of_body = [](const Column& column) { return column.field <= Field::modal_acceleration; };
+  const auto is_of_element = [](const Column& column) { return column.field >= Field::element; };
+  return one.owner == other.owner && one.unit == other.unit && is_of_body(one) == is_of_body(other) &&
+         is_of_element(one) == is_of_element(other) &&
+         (one.field == Field::coupling) == (other.field == Field::coupling);
+}
+
+/// What else of the same owner the numbers of a column that misses would fit: on the other side, in other axes, of the
+/// other sign. Empty if nothing, or if they are all about zero and would fit much.
+std::string hint(const Model& model, const RunsAtTimes& runs, const ReferenceColumn& column, double allowed) {
+  const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
+                                                 [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  if (peak <= 10.0 * allowed) return "";
+  for (const auto& columns :
+       {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
+    for (const Column& other : columns) {
+      if (!is_kin(other, column.column)) continue;
+      for (const double sign : {1.0, -1.0}) {
+        if (!fits(runs, column.values, other, sign, allowed)) continue;
+        return fmt::format("; it agrees with {}{}: on another side, in other axes, or of the other sign?",
+                           sign < 0.0 ? "-" : "", other.name);
+      }
+    }
+  }
+  return "";
+}
+
+void add_finding(const Model& model, const RunsAtTimes& runs, const ReferenceColumn& column, const ReferenceRow& row,
+                 Verdict& verdict) {
   verdict.findings.push_back(
       {fmt::format("{}, {}, against the reference: off by {:.3g} (cartesian) and {:.3g} (relative) {} at t = {:.4g} s, "
                    "stated error {:.3g}",
-                   describe_owner(model, column.quantity), describe_component(column.quantity), row.differences[0],
-                   row.differences[1], unit_of(model, column.quantity), row.t, row.allowed),
-       fmt::format("reference: {}", verdict.reference_file)});
+                   row.of, row.component, row.differences[0], row.differences[1], row.unit, row.t, row.allowed),
+       fmt::format("reference: {}{}", verdict.reference_file, hint(model, runs, column, row.allowed))});
 }
 
 }  // namespace
@@ -278,27 +352,29 @@ void judge_reference(const Model& model, const Reference& reference, Verdict& ve
   verdict.reference_file = std::filesystem::path(reference.file).filename().string();
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
   const Trajectory& run = *verdict.trajectories[0];
-  const std::vector<std::size_t> samples = samples_at(reference, run.samples.back().state.t, run.samples.size() - 1);
+  const RunsAtTimes runs{verdict, samples_at(reference, run.samples.back().state.t, run.samples.size() - 1)};
   for (const ReferenceColumn& column : reference.columns) {
     ReferenceRow& row = verdict.references.emplace_back();
-    row.quantity = column.quantity;
-    row.is_judged = is_judged(verdict, column.quantity);
-    row.allowed = column.is_relative ? column.error * scale_of(verdict, column.quantity) : column.error;
+    row.of = describe_owner(model, column.column);
+    row.component = describe_component(column.column);
+    row.unit = column.column.unit;
+    row.is_judged = is_judged(verdict, column.column);
+    const auto quantity = quantity_of(column.column);
+    const double scale = quantity ? scale_of(verdict, *quantity) : peak_of(column.column, run);
+    row.allowed = column.is_relative ? column.error * scale : column.error;
     double worst = -1.0;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      std::array<double, 2> differences{};
+    for (std::size_t k = 0; k < column.values.size(); ++k) {
       for (std::size_t who = 0; who < 2; ++who) {
-        const Sample& sample = verdict.trajectories[who]->samples.at(samples[k]);
-        differences[who] = std::abs(value_of(column.quantity, sample.evaluation) - column.values[k]);
-        row.differences[who] = std::max(row.differences[who], differences[who]);
+        const double difference = difference_of(column.column, runs.sample(who, k), column.values[k]);
+        row.differences[who] = std::max(row.differences[who], difference);
+        if (difference <= worst) continue;
+        worst = difference;
+        row.t = reference.times[k];
       }
       row.peak = std::max(row.peak, std::abs(column.values[k]));
-      if (std::max(differences[0], differences[1]) <= worst) continue;
-      worst = std::max(differences[0], differences[1]);
-      row.t = reference.times[k];
     }
     row.agrees = worst <= row.allowed;
-    if (row.is_judged && !row.agrees) add_finding(model, column, row, verdict);
+    if (row.is_judged && !row.agrees) add_finding(model, runs, column, row, verdict);
   }
   const bool any_off = std::any_of(verdict.references.begin(), verdict.references.end(),
                                    [](const ReferenceRow& row) { return row.is_judged && !row.agrees; });

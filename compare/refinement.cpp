@@ -142,7 +142,10 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
 
 bool is_judged(const Row& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
-bool has_judged(const Verdict& verdict) { return verdict.judged > 0; }
+bool has_judged(const Verdict& verdict) {
+  const auto is_judged_element = [](const Row& row) { return row.quantity.kind == Kind::element && is_judged(row); };
+  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_element);
+}
 
 bool carries_something(const Verdict& verdict) {
   const auto carries = [](const Row& row) { return row.unique && row.scale > 0.0 && gives_digits(row.quantity.kind); };
@@ -181,14 +184,9 @@ void judge(Verdict& verdict) {
   };
   for (Row& row : verdict.rows) judge_row(row);
   for (Row& row : verdict.others) judge_row(row);
-  verdict.total = verdict.judged = 0;
-  const auto count = [&](const Row& row) {
-    if (!gives_digits(row.quantity.kind)) return;
-    ++verdict.total;
-    if (is_judged(row)) ++verdict.judged;
-  };
-  for (const Row& row : verdict.rows) count(row);
-  for (const Row& row : verdict.others) count(row);
+  verdict.total = static_cast<int>(verdict.rows.size());
+  verdict.judged =
+      static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
   for (const Rung rung : kRungs) sum_up(rung, verdict);
 }
 

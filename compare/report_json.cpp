@@ -45,9 +45,9 @@ Json wrench_row(const char* owner, const std::string& name, const Row& row) {
                                                        : "not_judged"}};
 }
 
-Json reference_row(const Model& model, const ReferenceRow& row) {
-  return {{"of", describe_owner(model, row.quantity)},
-          {"component", describe_component(row.quantity)},
+Json reference_row(const ReferenceRow& row) {
+  return {{"of", row.of},
+          {"component", row.component},
           {"peak", row.peak},
           {"stated_error", row.allowed},
           {"cartesian_off", row.differences[0]},
@@ -88,7 +88,7 @@ Json document(const Model& model, const Verdict& verdict) {
             {"audit", rung(verdict.audit)},
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
-  for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(model, row));
+  for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(row));
   if (!elements.empty()) said["elements"] = std::move(elements);
   return said;
 }

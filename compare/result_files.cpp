@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "common/error.h"
+#include "compare/columns.h"
 #include "compare/files.h"
 #include "compare/observe.h"
 
@@ -23,32 +25,6 @@ constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 constexpr std::array<const char*, 2> kSideNames{"parent", "child"};
 
 const char* component_unit(int component) { return component < 3 ? "N" : "N m"; }
-
-/// Units of a joint's coordinates, of its speeds and of the forces that drive them.
-struct WordUnits {
-  const char* q;
-  const char* u;
-  const char* tau;
-};
-
-WordUnits units_of(const joints::Permit& word, int number) {
-  constexpr WordUnits kLength{"m", "m/s", "N"};
-  constexpr WordUnits kAngle{"rad", "rad/s", "N m"};
-  if (std::holds_alternative<joints::Slide>(word)) return kLength;
-  if (std::holds_alternative<joints::Ball>(word)) return {"1", "rad/s", "N m"};
-  const auto* by_functions = std::get_if<joints::ByMotion>(&word);
-  return by_functions != nullptr && !by_functions->turns.at(static_cast<std::size_t>(number)) ? kLength : kAngle;
-}
-
-/// Units number by number of a joint: of q, u or tau.
-std::vector<std::string> unit_list(const joints::JointType& type, int (*count)(const joints::Permit&),
-                                   const char* WordUnits::*which) {
-  std::vector<std::string> units;
-  for (const joints::Permit& word : type.permits) {
-    for (int number = 0; number < count(word); ++number) units.emplace_back(units_of(word, number).*which);
-  }
-  return units;
-}
 
 std::vector<std::string> numbered(const char* letter, int count) {
   std::vector<std::string> names;
@@ -71,16 +47,12 @@ std::mutex& netcdf_mutex() {
 /// A NetCDF-4 file that stands under a temporary name until it is finished.
 class NetcdfFile {
  public:
-  explicit NetcdfFile(std::filesystem::path path) : path_(std::move(path)), unfinished_(path_) {
-    make_folder(path_.parent_path());
-    unfinished_ += ".unfinished";
-    check(nc_create(unfinished_.c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "nc_create");
+  explicit NetcdfFile(const std::filesystem::path& path) : path_(path), unfinished_(path) {
+    check(nc_create(unfinished_.path().c_str(), NC_NETCDF4 | NC_CLOBBER, &id_), "nc_create");
     open_ = true;
   }
   ~NetcdfFile() {
     if (open_) nc_abort(id_);
-    std::error_code ignored;
-    std::filesystem::remove(unfinished_, ignored);
   }
   NetcdfFile(const NetcdfFile&) = delete;
   NetcdfFile& operator=(const NetcdfFile&) = delete;
@@ -115,21 +87,17 @@ class NetcdfFile {
   void finish() {
     open_ = false;
     check(nc_close(id_), "nc_close");
-    std::error_code trouble;
-    std::filesystem::rename(unfinished_, path_, trouble);
-    if (trouble) refuse(trouble.message());
+    unfinished_.finish();
   }
 
  private:
   void check(int code, const char* call) const {
-    if (code != NC_NOERR) refuse(fmt::format("{}: {}", call, nc_strerror(code)));
-  }
-  [[noreturn]] void refuse(const std::string& reason) const {
-    throw InputError({path_.string(), 0, 0}, fmt::format("cannot be written: {}", reason));
+    if (code == NC_NOERR) return;
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}: {}", path_.string(), call, nc_strerror(code)));
   }
 
   std::filesystem::path path_;
-  std::filesystem::path unfinished_;
+  UnfinishedFile unfinished_;
   int id_ = 0;
   bool open_ = false;
 };
@@ -232,10 +200,9 @@ class TrajectoryWriter {
            [](const JointWrenches& wrenches, int side) { return wrenches.total[side].in_global; });
     if (n_u_ == 0) return;
     texts("coordinate_units", "units of the joint coordinates", {joint_, coordinate_},
-          padded_units(joints::n_q, &WordUnits::q, n_q_));
-    texts("speed_units", "units of the joint speeds", {joint_, speed_}, padded_units(joints::n_u, &WordUnits::u, n_u_));
-    texts("driver_force_units", "units of the driver forces", {joint_, speed_},
-          padded_units(joints::n_u, &WordUnits::tau, n_u_));
+          padded_units(coordinate_units, n_q_));
+    texts("speed_units", "units of the joint speeds", {joint_, speed_}, padded_units(speed_units, n_u_));
+    texts("driver_force_units", "units of the driver forces", {joint_, speed_}, padded_units(speed_force_units, n_u_));
     joint("joint_coordinates", "see coordinate_units", "joint coordinates, turns counted", coordinate_, n_q_,
           [](const Sample& sample, std::size_t k) { return sample.state.q[k]; });
     joint("joint_speeds", "see speed_units", "joint speeds", speed_, n_u_,
@@ -267,10 +234,11 @@ class TrajectoryWriter {
                    [](const SideWrench& on) { return on.in_global; });
   }
 
-  std::vector<std::string> padded_units(int (*count)(const joints::Permit&), const char* WordUnits::*which, int width) {
+  std::vector<std::string> padded_units(std::vector<std::string> (*units_of_type)(const joints::JointType&),
+                                        int width) {
     std::vector<std::string> units;
     for (const Joint& one : model_.joints) {
-      std::vector<std::string> of_joint = unit_list(*one.type, count, which);
+      std::vector<std::string> of_joint = units_of_type(*one.type);
       of_joint.resize(static_cast<std::size_t>(width));
       units.insert(units.end(), of_joint.begin(), of_joint.end());
     }
@@ -364,135 +332,24 @@ class TrajectoryWriter {
   int speed_ = 0;
 };
 
-/// Comma-separated values: a header, then rows of numbers that read back exactly.
-class CsvText {
- public:
-  void header(const std::string& name, const char* unit) { field(quoted(fmt::format("{} [{}]", name, unit))); }
-  void header(const std::string& name, const VecX& like, const char* unit) {
-    for (int k = 1; k <= like.size(); ++k) header(fmt::format("{}_{}", name, k), unit);
-  }
-  void header_xyz(const std::string& name, const char* unit) {
-    for (const char* axis : kAxes) header(name + axis, unit);
-  }
-  void number(double value) { field(fmt::format("{}", value)); }
-  template <class Vector>
-  void numbers(const Vector& values) {
-    for (const double value : values) number(value);
-  }
-  void end_line() {
-    text_ += '\n';
-    starts_line_ = true;
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  void field(const std::string& field) {
-    if (!starts_line_) text_ += ',';
-    starts_line_ = false;
-    text_ += field;
-  }
-  static std::string quoted(const std::string& field) {
-    if (field.find_first_of(",\"\n") == std::string::npos) return field;
-    std::string result = "\"";
-    for (const char c : field) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + '"';
-  }
-
-  std::string text_;
-  bool starts_line_ = true;
-};
-
-void add_motion_header(const Model& model, CsvText& csv) {
-  csv.header("t", "s");
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const std::string name = model.bodies[i].name + ".";
-    const VecX like = VecX::Zero(model.bodies[i].n_modes());
-    csv.header_xyz(name, "m");
-    for (const char* parameter : {"e0", "e1", "e2", "e3"}) csv.header(name + parameter, "1");
-    csv.header_xyz(name + "v_", "m/s");
-    csv.header_xyz(name + "omega_", "rad/s");
-    csv.header_xyz(name + "vdot_", "m/s2");
-    csv.header_xyz(name + "omegadot_", "rad/s2");
-    csv.header(name + "a", like, "1");
-    csv.header(name + "adot", like, "1/s");
-    csv.header(name + "addot", like, "1/s2");
-  }
-  for (const Joint& joint : model.joints) {
-    int number = 0;
-    for (const std::string& unit : unit_list(*joint.type, joints::n_q, &WordUnits::q)) {
-      csv.header(fmt::format("{}.q_{}", joint.name, ++number), unit.c_str());
-    }
-  }
-  csv.end_line();
+std::string csv_field(const std::string& field) {
+  if (field.find_first_of(",\"\n") == std::string::npos) return field;
+  std::string result = "\"";
+  for (const char c : field) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + '"';
 }
 
-void add_motion_row(const Sample& sample, CsvText& csv) {
-  csv.number(sample.state.t);
-  for (std::size_t i = 1; i < sample.state.bodies.size(); ++i) {
-    const BodyState& state = sample.state.bodies[i];
-    const BodyAcceleration& rate = sample.evaluation.bodies[i];
-    csv.numbers(state.r);
-    csv.numbers(state.p);
-    csv.numbers(state.v);
-    csv.numbers(state.omega);
-    csv.numbers(rate.vdot);
-    csv.numbers(rate.omegadot);
-    csv.numbers(state.a);
-    csv.numbers(state.adot);
-    csv.numbers(rate.addot);
+/// Comma-separated values: a header, then rows of numbers that read back exactly, the time first.
+void write_csv(const std::filesystem::path& path, const std::vector<Column>& columns, const Trajectory& trajectory) {
+  std::string text = "t [s]";
+  for (const Column& column : columns) text += ',' + csv_field(fmt::format("{} [{}]", column.name, column.unit));
+  text += '\n';
+  for (const Sample& sample : trajectory.samples) {
+    fmt::format_to(std::back_inserter(text), "{}", sample.state.t);
+    for (const Column& column : columns) fmt::format_to(std::back_inserter(text), ",{}", value_of(column, sample));
+    text += '\n';
   }
-  for (const VecX& q : sample.state.q) csv.numbers(q);
-  csv.end_line();
-}
-
-void add_reaction_header(const Model& model, CsvText& csv) {
-  csv.header("t", "s");
-  for (const Joint& joint : model.joints) {
-    for (const char* side : kSideNames) {
-      for (int c = 0; c < 6; ++c) {
-        csv.header(fmt::format("{}.{}.{}", joint.name, side, component_names()[c]), component_unit(c));
-      }
-    }
-    int number = 0;
-    for (const std::string& unit : unit_list(*joint.type, joints::n_u, &WordUnits::tau)) {
-      csv.header(fmt::format("{}.tau_{}", joint.name, ++number), unit.c_str());
-    }
-  }
-  csv.end_line();
-}
-
-void add_reaction_row(const Sample& sample, CsvText& csv) {
-  csv.number(sample.state.t);
-  for (const JointWrenches& wrenches : sample.evaluation.joints) {
-    for (const SideWrench& reaction : wrenches.reaction) csv.numbers(reaction.in_C.vector());
-    csv.numbers(wrenches.tau);
-  }
-  csv.end_line();
-}
-
-void add_element_header(const Model& model, CsvText& csv) {
-  csv.header("t", "s");
-  for (const ForceElement& element : model.elements) {
-    for (const Side side : {Side::parent, Side::child}) {
-      if (end_of(element, side) == nullptr) continue;
-      for (int c = 0; c < 6; ++c) {
-        csv.header(fmt::format("{}.{}.{}", element.name, kSideNames[index(side)], component_names()[c]),
-                   component_unit(c));
-      }
-    }
-  }
-  csv.end_line();
-}
-
-void add_element_row(const Model& model, const Sample& sample, CsvText& csv) {
-  csv.number(sample.state.t);
-  for (std::size_t k = 0; k < model.elements.size(); ++k) {
-    for (const Side side : {Side::parent, Side::child}) {
-      if (end_of(model.elements[k], side) == nullptr) continue;
-      csv.numbers(sample.evaluation.elements[k].on_side(side).in_C.vector());
-    }
-  }
-  csv.end_line();
+  write_file(path, text);
 }
 
 }  // namespace
@@ -506,24 +363,15 @@ void write_netcdf(const std::filesystem::path& path, const Model& model, std::st
 }
 
 void write_motion_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {
-  CsvText csv;
-  add_motion_header(model, csv);
-  for (const Sample& sample : trajectory.samples) add_motion_row(sample, csv);
-  write_file(path, csv.text());
+  write_csv(path, motion_columns(model), trajectory);
 }
 
 void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {
-  CsvText csv;
-  add_reaction_header(model, csv);
-  for (const Sample& sample : trajectory.samples) add_reaction_row(sample, csv);
-  write_file(path, csv.text());
+  write_csv(path, reaction_columns(model), trajectory);
 }
 
 void write_element_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {
-  CsvText csv;
-  add_element_header(model, csv);
-  for (const Sample& sample : trajectory.samples) add_element_row(model, sample, csv);
-  write_file(path, csv.text());
+  write_csv(path, element_columns(model), trajectory);
 }
 
 }  // namespace concord::compare

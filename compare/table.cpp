@@ -321,13 +321,12 @@ std::string audit_text(const Verdict& verdict) {
   return text;
 }
 
-std::string reference_table(const Model& model, const Verdict& verdict) {
+std::string reference_table(const Verdict& verdict) {
   if (verdict.references.empty()) return "";
   std::vector<std::vector<std::string>> lines{{"against " + verdict.reference_file, "component", "peak", "stated error",
                                                "cartesian off", "relative off", "verdict"}};
   for (const ReferenceRow& row : verdict.references) {
-    lines.push_back({describe_owner(model, row.quantity), describe_component(row.quantity),
-                     fmt::format("{:.4g} {}", row.peak, unit_of(model, row.quantity)),
+    lines.push_back({row.of, row.component, fmt::format("{:.4g} {}", row.peak, row.unit),
                      fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
                      fmt::format("{:.3g}", row.differences[1]),
                      !row.is_judged ? "not unique, not judged"
@@ -356,8 +355,9 @@ std::string last_line(const Verdict& verdict) {
   sort(verdict.audit.climbed, rung_text("audit", verdict.audit));
   sort(keeps_energy(verdict), "energy");
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
+  const ComponentCount count = count_components(verdict);
   std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
-                                 verdict.judged, verdict.total);
+                                 count.judged, count.total);
   const int coarse = count_too_coarse(verdict);
   if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
   if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));
@@ -399,7 +399,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
                         kRandomStates, kSeed,
                         verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }
-  text += reference_table(model, verdict);
+  text += reference_table(verdict);
   for (const std::string& note : verdict.notes) text += fmt::format("note: {}\n", note);
   return text + trouble(verdict, all_rows) + last_line(verdict);
 }

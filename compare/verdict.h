@@ -92,7 +92,9 @@ struct PairSum {
 
 /// One component against a reference from outside.
 struct ReferenceRow {
-  Quantity quantity;
+  std::string of;  // "joint D on slider"
+  std::string component;
+  std::string unit;
   double peak = 0.0;     // of the reference
   double allowed = 0.0;  // the error that its source states, in the component's unit
   /// Largest differences of both solvers from it, and the time of the larger one.
@@ -139,5 +141,12 @@ struct Verdict {
   /// Both trajectories of the same run; empty where a solver did not finish.
   std::array<std::optional<Trajectory>, 2> trajectories;
 };
+
+/// Components of joints' reactions and of force elements: how many are judged, of how many.
+struct ComponentCount {
+  int judged = 0;
+  int total = 0;
+};
+ComponentCount count_components(const Verdict& verdict);
 
 }  // namespace concord::compare

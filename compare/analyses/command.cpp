@@ -48,17 +48,28 @@ AnalysisVerdict judge(const AnalysisCommand& command, const Model& model, const 
   }
 }
 
+/// Refuses what cannot be written, and removes what an earlier run wrote there.
+void prepare_outputs(const AnalysisCommand& command) {
+  check_output(command.json, {command.model});
+  if (!command.out.empty()) check_target_folder(command.out);
+  if (!command.json.empty()) std::filesystem::remove(command.json);
+}
+
 }  // namespace
 
 int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
+    prepare_outputs(command);
     const Model model = read_model(command.model);
     const AnalysisVerdict result = judge(command, model, makers);
     console.out << format_analysis(model, result, command.all_rows) << std::flush;
-    for (std::size_t who = 0; who < 2 && !command.out.empty(); ++who) {
-      const SolverSummary& solver = result.wrenches.solvers[who];
-      if (const auto& run = result.wrenches.trajectories[who]) write_run(command.out, model, solver.name, *run);
+    std::vector<NamedRun> runs;
+    for (std::size_t who = 0; who < 2; ++who) {
+      if (const auto& run = result.wrenches.trajectories[who]) {
+        runs.push_back({result.wrenches.solvers[who].name, &*run});
+      }
     }
+    if (!command.out.empty() && !runs.empty()) write_runs(command.out, model, runs);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);
   });

@@ -12,6 +12,7 @@
 #include "common/joints/catalogue.h"
 #include "common/spelling.h"
 #include "compare/files.h"
+#include "compare/interrupt.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/joint_check/sheet.h"
 
@@ -78,16 +79,33 @@ std::vector<Sheet> check_all(const std::vector<Subject>& subjects, const SheetOp
   return sheets;
 }
 
+std::filesystem::path sheet_file(const JointCommand& command, std::string_view subject, std::string_view ending) {
+  return command.out / fmt::format("{}.sheet.{}", subject, ending);
+}
+
+/// Refuses places at which no sheet can be written.
+void check_outputs(const JointCommand& command, const std::vector<Subject>& subjects) {
+  if (command.out.empty()) return;
+  check_target_folder(command.out);
+  for (const Subject subject : subjects) {
+    const std::string_view name = subject != nullptr ? std::string_view(subject->name) : kCouplings;
+    for (const char* ending : {"txt", "json"}) check_target(sheet_file(command, name, ending));
+  }
+}
+
 int check_and_tell(const JointCommand& command, const Console& console) {
-  const std::vector<Sheet> sheets = check_all(subjects_of(command), options_of(command));
+  const std::vector<Subject> subjects = subjects_of(command);
+  check_outputs(command, subjects);
+  const std::vector<Sheet> sheets = check_all(subjects, options_of(command));
   bool all_hold = true;
   for (const Sheet& sheet : sheets) {
     const std::string text = format_sheet(sheet);
     console.out << text << '\n';
     all_hold = all_hold && sheet.holds();
     if (command.out.empty()) continue;
-    write_file(command.out / (sheet.joint + ".sheet.txt"), text);
-    write_file(command.out / (sheet.joint + ".sheet.json"), format_sheet_json(sheet));
+    write_file(sheet_file(command, sheet.joint, "txt"), text);
+    write_file(sheet_file(command, sheet.joint, "json"), format_sheet_json(sheet));
+    note_finished(sheet.joint);
   }
   if (sheets.size() > 1) console.out << format_summary(sheets);
   return all_hold ? kAgree : kDiffer;

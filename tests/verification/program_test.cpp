@@ -1,6 +1,11 @@
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +13,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "../unit/common/broken_models.h"
@@ -53,6 +59,36 @@ class Desk {
     return {WEXITSTATUS(status), read(folder_ / "out"), read(folder_ / "err")};
   }
 
+  /// A line of the shell in the working folder, with the program as $concord; what it prints is not kept.
+  [[nodiscard]] int shell(const std::string& line) const {
+    const std::string command = "cd '" + work().string() + "' && concord='" CONCORD_PROGRAM "' && { " + line +
+                                "; } 2> '" + (folder_ / "err").string() + "'";
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  [[nodiscard]] std::string errors() const { return read(folder_ / "err"); }
+
+  /// Starts the program, waits until `sign` is there and a little longer, and sends a signal.
+  Told interrupted(const std::vector<std::string>& arguments, const std::string& sign, int signal) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      chdir_or_die(work());
+      redirect(folder_ / "out", STDOUT_FILENO);
+      redirect(folder_ / "err", STDERR_FILENO);
+      std::vector<char*> argv{const_cast<char*>(CONCORD_PROGRAM)};
+      for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+      argv.push_back(nullptr);
+      execv(CONCORD_PROGRAM, argv.data());
+      _exit(127);
+    }
+    const auto pause = std::chrono::milliseconds(50);
+    for (int k = 0; k < 1200 && !fs::exists(work() / sign); ++k) std::this_thread::sleep_for(pause);
+    std::this_thread::sleep_for(4 * pause);
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder_ / "out"), read(folder_ / "err")};
+  }
+
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(work() / name) << text;
     return work() / name;
@@ -69,6 +105,14 @@ class Desk {
   }
 
  private:
+  static void chdir_or_die(const fs::path& folder) {
+    if (chdir(folder.c_str()) != 0) _exit(126);
+  }
+  static void redirect(const fs::path& file, int stream) {
+    const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (opened < 0 || dup2(opened, stream) < 0) _exit(126);
+  }
+
   fs::path folder_;
 };
 
@@ -304,4 +348,99 @@ TEST_CASE("run and info do what they say", "[program]") {
   CHECK(info.code == 0);
   CHECK(contains(info.out, "cartesian: 20 constraints of rank 17"));
   CHECK(contains(info.out, "joint A on crank: F_z T_x T_y"));
+}
+
+TEST_CASE("Places that are no regular file are refused before any work and stay what they are", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  desk.write("kept.json", "{}");
+  fs::create_symlink("kept.json", desk.work() / "link.json");
+  REQUIRE(mkfifo((desk.work() / "fifo").c_str(), 0600) == 0);
+  const auto before = desk.left_behind();
+  for (const char* command :
+       {"compare pendulum.toml --json /dev/null", "compare pendulum.toml --junit /dev/full",
+        "compare pendulum.toml --json fifo", "compare pendulum.toml --json link.json",
+        "compare pendulum.toml --junit .", "compare pendulum.toml --json pendulum.toml",
+        "compare pendulum.toml --json no/../pendulum.toml", "compare pendulum.toml --out fifo",
+        "compare pendulum.toml --out /dev/null", "compare pendulum.toml --out kept.json",
+        "run pendulum.toml --solver relative --out kept.json/below", "statics pendulum.toml --json fifo",
+        "kinematics pendulum.toml --out /dev/null", "joint weld --poses 1 --out fifo"}) {
+    const Told told = desk.run(command);
+    INFO(command << '\n' << told.out << told.err);
+    CHECK(told.code == 2);
+    CHECK(told.out.empty());
+    CHECK(contains(told.err, "error: cannot be written: "));
+    CHECK(desk.left_behind() == before);
+  }
+  CHECK(fs::is_character_file("/dev/null"));
+  CHECK(fs::is_symlink(desk.work() / "link.json"));
+  CHECK(read(desk.work() / "pendulum.toml") == kPendulum);
+}
+
+TEST_CASE("Models, parts and references that are no regular file are refused without waiting", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  REQUIRE(mkfifo((desk.work() / "fifo").c_str(), 0600) == 0);
+  desk.write("part.toml", kPendulum + "\n[[include]]\nfile = \"fifo\"\n");
+  desk.write("modes.toml", kPendulum + "\n[[body]]\nname = \"flex\"\nmodes_file = \"fifo\"\n");
+  for (const char* command :
+       {"info fifo", "info /dev/zero", "info .", "compare part.toml", "info modes.toml",
+        "compare pendulum.toml --reference fifo", "compare pendulum.toml --reference /dev/zero"}) {
+    const Told told = desk.run(command);
+    INFO(command << '\n' << told.out << told.err);
+    CHECK(told.code == 2);
+    CHECK(contains(told.err, "expected a regular file"));
+  }
+}
+
+TEST_CASE("A full disk, a closed pipe and a closed stream are exit 3 with a word", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  for (const char* line :
+       {"\"$concord\" info pendulum.toml > /dev/full", "\"$concord\" --help > /dev/full",
+        "\"$concord\" run pendulum.toml --solver relative > /dev/full", "\"$concord\" info pendulum.toml >&-",
+        "{ \"$concord\" compare pendulum.toml; echo $? > code; } | sleep 0; exit $(cat code)"}) {
+    INFO(line);
+    CHECK(desk.shell(line) == 3);
+    CHECK(contains(desk.errors(), "could not finish: the standard output cannot be written"));
+  }
+}
+
+TEST_CASE("An interrupted comparison says what was finished and leaves nothing half", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  desk.write("endless.toml", std::regex_replace(kPendulum, std::regex("until = 0.3"), "until = 1e7"));
+  desk.write("verdict.json", "of an earlier run");
+  const bool by_key = GENERATE(true, false);
+  const Told told =
+      desk.interrupted({"compare", "pendulum.toml", "endless.toml", "--out", "results", "--json", "verdict.json"},
+                       "results/pendulum.table.txt", by_key ? SIGINT : SIGTERM);
+  INFO(told.out << told.err);
+  CHECK(told.code == (by_key ? 130 : 143));
+  CHECK(contains(told.err,
+                 by_key ? "interrupted by SIGINT: finished: pendulum; " : "interrupted by SIGTERM: finished: "));
+  CHECK_FALSE(fs::exists(desk.work() / "verdict.json"));
+  CHECK(fs::exists(desk.work() / "results" / "pendulum.relative.nc"));
+  for (const std::string& name : desk.left_behind()) {
+    CHECK_FALSE(contains(name, "unfinished"));
+    CHECK_FALSE(contains(name,
+                         "endless."
+                         "c"));
+  }
+}
+
+TEST_CASE("Two comparisons that write the same results leave whole files", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  REQUIRE(desk.run("compare pendulum.toml --out alone").code == 0);
+  const std::string one = "\"$concord\" compare pendulum.toml --out shared --json verdict.json > /dev/null";
+  CHECK(desk.shell(one + " & " + one + " & " + one + "; code=$?; wait; exit $code") == 0);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(desk.work() / "shared")) {
+    names.push_back(entry.path().filename().string());
+    CHECK(read(entry.path()) == read(desk.work() / "alone" / names.back()));
+  }
+  CHECK(static_cast<long>(names.size()) ==
+        std::distance(fs::directory_iterator(desk.work() / "alone"), fs::directory_iterator()));
+  CHECK(Json::parse(read(desk.work() / "verdict.json"))["verdict"] == "agree");
 }

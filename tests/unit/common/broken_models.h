@@ -137,6 +137,73 @@ colour_of_paint = "red")~",
        "13:8: error: body 'crank': 'mass' must be a finite number, found nan"},
       {"mass_infinite", "mass = 0.36", R"~(mass = "1/0")~",
        "13:8: error: body 'crank': 'mass' must be a finite number, found inf"},
+      {"mass_too_large", "mass = 0.36", "mass = 3e151",
+       "13:8: error: body 'crank': 'mass' must be zero or of a size from 1e-150 to 1e+150, found 3e+151"},
+      {"mass_too_small", "mass = 0.36", R"~(mass = "2^(-600)")~",
+       "13:8: error: body 'crank': 'mass' must be zero or of a size from 1e-150 to 1e+150, found "
+       "2.409919865102884e-181"},
+      {"axis_too_long", "x = [0, 1, 0]", "x = [0, 7e180, 0]",
+       "31:37: error: joint 'A', parent: entry 2 of 'x' must be zero or of a size from 1e-150 to 1e+150, found 7e+180"},
+      {"parameter_too_large", "L = 0.3", R"~(L = 0.3
+C = "2^600")~",
+       "6:5: error: parameter 'C': must be zero or of a size from 1e-150 to 1e+150, found 4.149515568880993e+180"},
+      {"parameter_of_a_long_name", "L = 0.3", "L = 0.3\n" + std::string(101, 'k') + " = 1",
+       "6:105: error: parameter '" + std::string(101, 'k') + "': the name has 101 characters, at most 100 are allowed"},
+      {"name_too_long", R"~(name = "crank")~", "name = \"" + std::string(101, 'k') + "\"",
+       "12:8: error: body '" + std::string(101, 'k') +
+           "': 'name' has 101 characters, at most 100 are allowed: result files are named by it\n"
+           "32:9: error: joint 'A': unknown body 'crank': known bodies: ground, " +
+           std::string(101, 'k') + ", rod\n" +
+           "38:19: error: joint 'B', parent: unknown body 'crank': known bodies: ground, " + std::string(101, 'k') +
+           ", rod"},
+      {"moment_of_inertia_overflows", R"~(gravity = [0, -9.81, 0])~", R"~(gravity = [0, -9.81, 0]
+[[body]]
+name = "star"
+mass = 2e71
+inertia = [1, 1, 1]
+[[joint]]
+name = "orbit"
+type = "weld"
+parent = { body = "ground", point = [4e40, 0, 0] }
+child = "star"
+)~",
+       "3:1: error: body 'star': mass times the square of the machine's length is of the size 1e+153, beyond 1e+150: "
+       "choose units in which it is nearer to one"},
+      {"spring_overflows", "[run]", R"~([[line_spring]]
+name = "wire"
+parent = { body = "ground", point = [0, 3e60, 0] }
+child = "crank"
+free = 1
+stiffness = 1e31
+
+[run])~",
+       "8:1: error: force element 'wire': stiffness times the square of its stretch is of the size 1e+152, beyond "
+       "1e+150: choose units in which it is nearer to one"},
+      {"driver_overflows", R"~({ law = "constant_speed", speed = 1 })~",
+       R"~({ law = "harmonic", amplitude = 5e120, frequency = 2e20 })~",
+       "46:49: error: joint 'D' (cylindrical), drive, slide_z: the law or one of its first two derivatives goes beyond "
+       "1e+150"},
+      {"table_overflows", "[run]", R"~([[line_spring]]
+name = "wire"
+parent = "ground"
+child = "crank"
+free = 1
+spring_table = { x = [0, 1e-90, 1, 2], force = [0, 1e80, 3, 4] }
+
+[run])~",
+       "13:48: error: line_spring 'wire', spring_table: a slope of the table or its change goes beyond 1e+150"},
+      {"beam_overflows", "section = { diameter = 0.006 }", "section = { diameter = 1.4965776766268446e51 }",
+       "22:11: error: body 'rod', beam: the second moment of area about y that follows must be zero or of a size from "
+       "1e-150 to 1e+150, found 2.4624473311287602e+203"},
+      {"nested_too_deep", "until = 1",
+       "until" +
+           [] {
+             std::string key;
+             for (int k = 0; k < 101; ++k) key += ".a";
+             return key;
+           }() +
+           " = 1",
+       "9:206: error: nested deeper than 100 levels: no model needs that"},
       {"mass_a_root_of_minus_one", "mass = 0.36", R"~(mass = "sqrt(-1)")~",
        "13:8: error: body 'crank': 'mass' must be a finite number, found nan"},
       {"inertia_missing",

@@ -57,6 +57,48 @@ TEST(Parameters, NameACircleAndStaySilentAboutItsConsequences) {
   EXPECT_EQ(expression_complaint("d", parameters), "");
 }
 
+TEST(Parameters, MayReferToEachOtherAsDeepAsTheyLike) {
+  constexpr int kMany = 30000;
+  std::vector<ParameterDefinition> chain{{"p0", "p1 + 2", {}}};
+  for (int k = 1; k < kMany; ++k) {
+    chain.push_back({"p" + std::to_string(k), "p" + std::to_string(k + 1) + " + 2", {}});
+  }
+  chain.push_back({"p" + std::to_string(kMany), 5.0, {}});
+  std::vector<Diagnostic> complaints;
+  EXPECT_DOUBLE_EQ(Parameters(chain, complaints).evaluate("p0"), 5.0 + 2.0 * kMany);
+  EXPECT_TRUE(complaints.empty());
+  chain.back().value = "3*p7";
+  const Parameters circle(chain, complaints);
+  ASSERT_EQ(complaints.size(), 1U);
+  EXPECT_EQ(complaints.front().message,
+            "parameter 'p30000': goes round in a circle: p7 -> p8 -> p9 -> p10 -> p11 -> ... -> p29996 -> p29997 -> "
+            "p29998 -> p29999 -> p30000 -> p7");
+  EXPECT_EQ(expression_complaint("p0", circle), "");
+}
+
+TEST(Parameters, OfTheIncludingFileAreBehindTheOwnOnes) {
+  std::vector<Diagnostic> complaints;
+  const Parameters outer({{"a", 2.0, {}}, {"b", 3.0, {}}}, complaints);
+  const Parameters inner({{"b", "a*5", {}}, {"c", "d", {}}}, complaints, outer);
+  EXPECT_DOUBLE_EQ(inner.evaluate("a + b"), 12.0);
+  EXPECT_DOUBLE_EQ(outer.evaluate("a + b"), 5.0);
+  ASSERT_EQ(complaints.size(), 1U);
+  EXPECT_EQ(complaints.front().message, "parameter 'c': unknown name 'd' in 'd': known parameters: a, b, c");
+}
+
+TEST(Expression, HasLimits) {
+  EXPECT_EQ(expression_complaint(std::string(10001, '1')),
+            "an expression of 10001 characters is too long: at most 10000 are allowed");
+  const std::string open(4000, '(');
+  EXPECT_DOUBLE_EQ(Parameters{}.evaluate(open + "7" + std::string(4000, ')')), 7.0);
+  EXPECT_EQ(expression_complaint(open), "cannot read '" + std::string(120, '(') +
+                                            "...': Unexpected end of expression "
+                                            "at position 4001");
+  std::vector<Diagnostic> complaints;
+  const Parameters parameters({{"L", 2.0, {}}}, complaints);
+  EXPECT_EQ(expression_complaint("20L", parameters), "cannot read '20L': Unexpected value \"L\" found at position 2");
+}
+
 TEST(Parameters, RefuseNamesThatMeanSomethingElse) {
   std::vector<Diagnostic> complaints;
   const Parameters parameters({{"pi", 3.0, {}}, {"cos", 1.0, {}}, {"a-b", 1.0, {}}}, complaints);

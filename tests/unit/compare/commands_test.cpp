@@ -75,6 +75,54 @@ TEST_F(CommandsTest, OneModelGivesItsTableAndItsFiles) {
   EXPECT_TRUE(fs::exists(folder_ / "verdict.json"));
 }
 
+TEST_F(CommandsTest, OutputsThatCannotBeWrittenAreRefusedBeforeAnyWork) {
+  CompareCommand command;
+  command.models = {file("pendulum.toml")};
+  const auto refused = [&](const fs::path& json, const fs::path& junit, const fs::path& out) {
+    command.json = json;
+    command.junit = junit;
+    command.out = out;
+    out_.str("");
+    EXPECT_EQ(compare(command), kBadInput) << json << junit << out;
+    EXPECT_EQ(out_.str(), "");
+  };
+  refused("/dev/null", "", "");
+  refused("", "/dev/null", "");
+  refused("", "", "/dev/null");
+  refused("", folder_, "");
+  refused(folder_ / "pendulum.toml", "", "");
+  refused(folder_ / "not_there" / ".." / "pendulum.toml", "", "");
+  refused(folder_ / "v", folder_ / "." / "v", "");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}), 1);
+}
+
+TEST_F(CommandsTest, ResultsThatCannotBeReplacedAreRefusedBeforeTheRun) {
+  fs::create_directories(folder_ / "results");
+  fs::create_symlink("elsewhere", folder_ / "results" / "pendulum.relative.nc");
+  CompareCommand command;
+  command.models = {file("pendulum.toml")};
+  command.out = folder_ / "results";
+  EXPECT_EQ(compare(command), kBadInput);
+  EXPECT_EQ(out_.str(), "");
+  EXPECT_THAT(err_.str(), HasSubstr("pendulum.relative.nc: error: cannot be written: it is a symbolic link"));
+}
+
+TEST_F(CommandsTest, AVerdictOfAnEarlierRunDoesNotStandAfterABadModel) {
+  CompareCommand command;
+  command.models = {file("pendulum.toml")};
+  command.json = folder_ / "verdict.json";
+  command.junit = folder_ / "verdict.xml";
+  ASSERT_EQ(compare(command), kAgree);
+  ASSERT_TRUE(fs::exists(command.json));
+  file("pendulum.toml", "format = 2\n");
+  EXPECT_EQ(compare(command), kBadInput);
+  EXPECT_FALSE(fs::exists(command.json));
+  std::ostringstream junit;
+  junit << std::ifstream(command.junit).rdbuf();
+  EXPECT_THAT(junit.str(), HasSubstr("errors=\"1\""));
+}
+
 TEST_F(CommandsTest, TheExitCodeIsTheWorstAndTheSummaryNamesAll) {
   makers_.relative = [](const Model& model) { return make(model, "relative", model.name == "stuck"); };
   CompareCommand command;

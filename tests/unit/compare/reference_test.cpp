@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <functional>
+
+#include "common/error.h"
 #include "compare/files.h"
 #include "compare/table.h"
 #include "compare/verify.h"
@@ -41,10 +44,10 @@ TEST_F(ReferenceTest, ReadsColumnsAndTheirStatedErrors) {
       "# Somebody, 1997, fig. 3\n# error = 0.5 %\n# error strut.child.F_x = 0.2 N\n"
       "t [s],A.child.T_y [N m],strut.child.F_x [N]\n0,1.5,-2\n0.2, +1.25 ,3e-1\n");
   ASSERT_EQ(reference.columns.size(), 2U);
-  EXPECT_EQ(reference.columns[0].quantity, (Quantity{Kind::reaction, 0, Side::child, 4}));
+  EXPECT_EQ(quantity_of(reference.columns[0].column), (Quantity{Kind::reaction, 0, Side::child, 4}));
   EXPECT_TRUE(reference.columns[0].is_relative);
   EXPECT_DOUBLE_EQ(reference.columns[0].error, 0.005);
-  EXPECT_EQ(reference.columns[1].quantity, (Quantity{Kind::element, 0, Side::child, 0}));
+  EXPECT_EQ(quantity_of(reference.columns[1].column), (Quantity{Kind::element, 0, Side::child, 0}));
   EXPECT_FALSE(reference.columns[1].is_relative);
   EXPECT_DOUBLE_EQ(reference.columns[1].error, 0.2);
   EXPECT_EQ(reference.times, (std::vector<double>{0.0, 0.2}));
@@ -55,7 +58,7 @@ TEST_F(ReferenceTest, SaysWhereAndWhy) {
   EXPECT_EQ(
       complaint("# error = 1 %\nt [s],B.child.F_x [N]\n0,1\n"),
       "measured.csv:2:1: error: reference: the model has no 'B.child.F_x'; columns are called JOINT.child.F_x [N] "
-      "... JOINT.parent.T_z [N m]");
+      "... JOINT.parent.T_z [N m], and as in all our result files");
   EXPECT_EQ(complaint("# error = 1 %\nt [s],A.child.F_x [kN]\n0,1\n"),
             "measured.csv:2:1: error: reference: column 'A.child.F_x [kN]': the unit must be said, [N]");
   EXPECT_THAT(complaint("t [s],A.child.F_x [N]\n0,1\n"), HasSubstr("'A.child.F_x' has no stated error"));
@@ -89,6 +92,95 @@ TEST_F(ReferenceTest, BothSolversAreHeldAgainstItWithinItsStatedError) {
   EXPECT_THAT(bad.findings.at(0).what, HasSubstr("joint A on bob, F_y, against the reference: off by 0.011"));
   EXPECT_THAT(format_verdict(model_, bad, false), HasSubstr("| joint A on bob       | F_y       |"));
   EXPECT_THAT(format_verdict(model_, bad, false), HasSubstr("not climbed: reference"));
+}
+
+TEST_F(ReferenceTest, TakesEveryColumnOfOurOwnFiles) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  const Verdict verdict = verify(model_, cartesian, relative, {});
+  const std::vector<Sample>& samples = verdict.trajectories[0]->samples;
+  std::size_t tried = 0;
+  for (const auto& columns :
+       {motion_columns(model_), reaction_columns(model_), element_columns(model_), further_columns(model_)}) {
+    for (const Column& column : columns) {
+      const double value = value_of(column, samples[150]);
+      const auto judged_with = [&](double said) {
+        Verdict judged = verdict;
+        judge_reference(
+            model_,
+            read(fmt::format("# error {0} = 1e-3 {1}\nt [s],{0} [{1}]\n0.3,{2}\n", column.name, column.unit, said)),
+            judged);
+        return judged;
+      };
+      const Verdict good = judged_with(value + 0.9e-3);
+      EXPECT_EQ(good.outcome, Outcome::agree) << column.name;
+      EXPECT_TRUE(good.references.at(0).agrees) << column.name;
+      const Verdict bad = judged_with(value + 1.1e-3 * (value < 0.0 ? -1.0 : 1.0));
+      EXPECT_FALSE(bad.references.at(0).agrees) << column.name;
+      EXPECT_EQ(bad.outcome, bad.references[0].is_judged ? Outcome::differ : Outcome::agree) << column.name;
+      EXPECT_FALSE(good.references[0].of.empty()) << column.name;
+      ++tried;
+    }
+  }
+  EXPECT_EQ(tried, 20U + 13U + 30U + 66U);
+}
+
+TEST_F(ReferenceTest, ErrorsInPercentOfMotionsAreOfThePeakOfTheirVector) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  Verdict verdict = verify(model_, cartesian, relative, {});
+  double peak = 0.0;
+  for (const Sample& sample : verdict.trajectories[0]->samples) {
+    peak = std::max(peak, sample.state.bodies[1].v.norm());
+  }
+  judge_reference(model_, read("# error = 2 %\nt [s],bob.v_y [m/s],bob.e1 [1]\n0,0,0\n"), verdict);
+  EXPECT_DOUBLE_EQ(verdict.references.at(0).allowed, 0.02 * peak);
+  EXPECT_NEAR(verdict.references.at(1).allowed, 0.02, 1e-12);
+  EXPECT_EQ(verdict.references[0].of, "body bob");
+  EXPECT_EQ(verdict.references[0].component, "v_y");
+}
+
+TEST_F(ReferenceTest, EulerParametersMayHaveEitherSign) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  Verdict verdict = verify(model_, cartesian, relative, {});
+  const double e2 = verdict.trajectories[0]->samples[0].state.bodies[1].p(2);
+  judge_reference(model_, read(fmt::format("# error = 0.001 %\nt [s],bob.e2 [1]\n0,{}\n", -e2)), verdict);
+  EXPECT_TRUE(verdict.references.at(0).agrees);
+}
+
+TEST_F(ReferenceTest, AMissSaysWhichOtherColumnFits) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  const Verdict verdict = verify(model_, cartesian, relative, {});
+  const auto hint_for = [&](const std::string& column, const std::function<double(const Sample&)>& said) {
+    std::string text = fmt::format("# error = 0.01 %\nt [s],{}\n", column);
+    for (const std::size_t k : {0U, 70U, 200U}) {
+      const Sample& sample = verdict.trajectories[0]->samples[k];
+      text += fmt::format("{},{}\n", 0.4 * static_cast<double>(k) / 200.0, said(sample));
+    }
+    Verdict judged = verdict;
+    judge_reference(model_, read(text), judged);
+    return judged.findings.empty() ? std::string("none") : judged.findings.front().symptom;
+  };
+  const std::string question = ": on another side, in other axes, or of the other sign?";
+  EXPECT_THAT(hint_for("A.child.F_y [N]",
+                       [](const Sample& sample) { return sample.evaluation.joints[0].reaction[1].in_global.force(1); }),
+              HasSubstr("measured.csv; it agrees with A.child.global.F_y" + question));
+  EXPECT_THAT(hint_for("A.child.F_x [N]",
+                       [](const Sample& sample) { return sample.evaluation.joints[0].reaction[0].in_C.force(2); }),
+              HasSubstr("it agrees with A.parent.F_z" + question));
+  EXPECT_THAT(hint_for("A.tau_1 [N m]", [](const Sample& sample) { return -sample.evaluation.joints[0].tau(0); }),
+              HasSubstr("it agrees with -A.tau_1" + question));
+  EXPECT_THAT(hint_for("bob.omega_x [rad/s]", [](const Sample& sample) { return sample.state.bodies[1].omega(2); }),
+              HasSubstr("it agrees with bob.omega_z" + question));
+  EXPECT_EQ(hint_for("A.child.F_x [N]", [](const Sample& sample) { return 7.0 + sample.state.t; }),
+            "reference: measured.csv");
+}
+
+TEST_F(ReferenceTest, IsARegularFile) {
+  EXPECT_THROW((void)read_reference("/dev/zero", model_), InputError);
+  EXPECT_THROW((void)read_reference(folder_.path(), model_), InputError);
 }
 
 TEST_F(ReferenceTest, TimesMustBeOutputTimes) {

@@ -51,6 +51,18 @@ TEST_F(TableTest, CompactHasOneRowForEachJointAndSide) {
   EXPECT_THAT(table, HasSubstr("\nagree pendulum: 10 of 10 components judged; climbed: rank, same state 16.0"));
 }
 
+TEST(ComponentCount, HoldsForceElementsToo) {
+  Verdict verdict;
+  verdict.name = "thrown";
+  verdict.others.resize(5);
+  for (Row& row : verdict.others) row.quantity.kind = Kind::element;
+  verdict.others[1].unique = false;
+  verdict.others[4].quantity.kind = Kind::acceleration;
+  EXPECT_EQ(count_components(verdict).judged, 3);
+  EXPECT_EQ(count_components(verdict).total, 4);
+  EXPECT_THAT(format_verdict(pendulum_model(), verdict, false), HasSubstr("thrown: 3 of 4 components judged"));
+}
+
 TEST_F(TableTest, AllHasEveryComponent) { EXPECT_EQ(rows_of(text(true)).size(), 10U); }
 
 TEST_F(TableTest, TheCompactRowIsTheOneThatFails) {
