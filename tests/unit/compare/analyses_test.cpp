@@ -188,7 +188,7 @@ TEST_F(AnalysesTest, APoseWithMoreMotionsThanItsNeighboursIsRefusedAsSingular) {
   Chart chart(held, flat, flat.assemble());
   ASSERT_EQ(chart.n(), 2);
   try {
-    chart.at(VecX::Constant(2, 1e-3), VecX::Zero(2));
+    static_cast<void>(chart.at(VecX::Constant(2, 1e-3), VecX::Zero(2)));
     FAIL();
   } catch (const SingularPose& error) {
     EXPECT_THAT(error.what(), HasSubstr("cartesian: at t = 0 s the constraints permit 2 directions of motion, but only "

@@ -9,6 +9,7 @@
 #include "common/beam.h"
 #include "common/joints/revolute.h"
 #include "common/rotation.h"
+#include "compare/places.h"
 
 namespace concord::compare {
 namespace {
