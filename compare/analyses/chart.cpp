@@ -87,18 +87,12 @@ Chart::Chart(const Model& model, Solver& solver, const State& origin)
       origin_(origin),
       length_(model.length_scale()),
       weights_(row_weights(model, length_)) {
-  const MatX tangent = scaled_tangent(origin);
-  if (tangent.cols() == 0) {
-    V_ = MatX::Zero(weights_.size(), 0);
-    return;
-  }
-  const Eigen::HouseholderQR<MatX> factors(tangent);
-  V_ = factors.householderQ() * MatX::Identity(tangent.rows(), tangent.cols());
-  put_modes_first();
+  V_ = scaled_tangent(origin);
+  if (n() > 0) put_modes_first();
 }
 
 void Chart::put_modes_first() {
-  constexpr double kMovesNoMode = 1e-9;  // of what moves modes most
+  constexpr double kMovesNoMode = 1e-7;  // of what moves modes most
   int n_modes = 0;
   for (const Body& body : model_.bodies) n_modes += body.n_modes();
   if (n_modes == 0) return;
@@ -115,7 +109,7 @@ void Chart::put_modes_first() {
   V_ = V_ * MatX(split.householderQ());
 }
 
-/// The solver scales only v, by the machine's length; here modal rows are scaled too.
+/// The solver scales only v, by the machine's length; here modal rows are scaled too, and columns orthonormal again.
 MatX Chart::scaled_tangent(const State& state) const {
   MatX tangent = solver_.tangent(state);
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
@@ -123,7 +117,9 @@ MatX Chart::scaled_tangent(const State& state) const {
     tangent.middleRows(row + 6, modes) =
         weights_.segment(row + 6, modes).asDiagonal() * MatX(tangent.middleRows(row + 6, modes));
   });
-  return tangent;
+  if (tangent.cols() == 0) return MatX::Zero(weights_.size(), 0);
+  const Eigen::HouseholderQR<MatX> factors(tangent);
+  return factors.householderQ() * MatX::Identity(tangent.rows(), tangent.cols());
 }
 
 VecX Chart::velocities(const VecX& delta) const { return (V_ * delta).cwiseQuotient(weights_); }
@@ -262,7 +258,8 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     if (!plus) return std::nullopt;
     const auto minus = function(-h);
     if (!minus) return std::nullopt;
-    return VecX((*plus - *minus) / (2.0 * h));
+    VecX slope = (*plus - *minus) / (2.0 * h);
+    return slope.allFinite() ? std::optional(std::move(slope)) : std::nullopt;
   };
   constexpr double kGood = 1e-12;
   constexpr double kFair = 1e-5;  // worse than that, a kink lies within the step

@@ -55,6 +55,20 @@ void prepare_outputs(const AnalysisCommand& command) {
   if (!command.json.empty()) std::filesystem::remove(command.json);
 }
 
+/// Runs of both solvers, and of a linearization the modes of each.
+void write_results(const std::filesystem::path& folder, const Model& model, const AnalysisVerdict& result) {
+  make_folder(folder);
+  std::vector<NamedRun> runs;
+  for (std::size_t who = 0; who < 2; ++who) {
+    const std::string& solver = result.wrenches.solvers[who].name;
+    if (const auto& run = result.wrenches.trajectories[who]) runs.push_back({solver, &*run});
+    if (const auto& found = result.linearizations[who]) {
+      write_file(folder / fmt::format("{}.{}.modes.csv", model.name, solver), format_modes_csv(model, *found));
+    }
+  }
+  if (!runs.empty()) write_runs(folder, model, runs);
+}
+
 }  // namespace
 
 int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
@@ -63,13 +77,7 @@ int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, co
     const Model model = read_model(command.model);
     const AnalysisVerdict result = judge(command, model, makers);
     console.out << format_analysis(model, result, command.all_rows) << std::flush;
-    std::vector<NamedRun> runs;
-    for (std::size_t who = 0; who < 2; ++who) {
-      if (const auto& run = result.wrenches.trajectories[who]) {
-        runs.push_back({result.wrenches.solvers[who].name, &*run});
-      }
-    }
-    if (!command.out.empty() && !runs.empty()) write_runs(command.out, model, runs);
+    if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);
   });
