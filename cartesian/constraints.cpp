@@ -80,6 +80,7 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     equations.n_rows = equations.first_driver + static_cast<int>(joint.drivers.size());
     for (int row = 0; row < equations.n_rows; ++row) {
       holds_positions_.push_back(row < equations.n_forbids || equations.is_driver(row));
+      is_driver_.push_back(equations.is_driver(row));
     }
     n_rows_ += equations.n_rows;
     for (const Side side : {Side::parent, Side::child}) {
@@ -100,6 +101,7 @@ void Constraints::add_couplings() {
     CouplingEquations coupling;
     coupling.row = n_rows_++;
     holds_positions_.push_back(true);
+    is_driver_.push_back(false);
     coupling.offset = stated.offset;
     for (const CouplingTerm& term : stated.terms) {
       coupling.terms.push_back({term.joint, find_coupled(term), term.factor});
@@ -194,14 +196,22 @@ void Constraints::write_turns(std::vector<VecX>& q) const {
   }
 }
 
-double Constraints::largest_coupled() const {
-  double largest = 0.0;
+void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
+  terms.setZero();
+  for (int k = 0; k < n_joints(); ++k) {
+    const JointEquations& joint = joints_[k];
+    for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
+      terms(joint.first_row + row) = std::abs(evaluate(driver.law, t).f);
+    }
+  }
   for (const CouplingEquations& coupling : couplings_) {
+    double largest = std::abs(coupling.offset);
     for (const CouplingEquations::Term& term : coupling.terms) {
       largest = std::max(largest, std::abs(term.factor * value_of(joints_[term.joint], term.row)));
     }
+    terms(coupling.row) = largest;
   }
-  return largest;
 }
 
 Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {

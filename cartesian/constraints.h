@@ -86,6 +86,7 @@ class Constraints {
   [[nodiscard]] int n_rows() const { return n_rows_; }
   /// Whether a row holds for positions too, and not for velocities alone.
   [[nodiscard]] bool holds_positions(int row) const { return holds_positions_[row]; }
+  [[nodiscard]] bool is_driver(int row) const { return is_driver_[row]; }
   [[nodiscard]] bool has_slip_rows() const;
   [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
   [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
@@ -109,8 +110,9 @@ class Constraints {
   void follow_turns();
   /// Writes the coupled coordinates that turns are counted from, others untouched.
   void write_turns(std::vector<VecX>& q) const;
-  /// The largest term of a coupling, in m or rad: what its residual's round-off is relative to.
-  [[nodiscard]] double largest_coupled() const;
+  /// Terms that a row's residual subtracts, in the row's unit, which its round-off is relative to: a driver's law, the
+  /// largest of a coupling's terms; zero for all other rows.
+  void write_own_terms(double t, Eigen::Ref<VecX> terms) const;
 
   /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone.
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
@@ -148,6 +150,7 @@ class Constraints {
   std::vector<CouplingEquations> couplings_;
   std::vector<RowBlock> blocks_;
   std::vector<bool> holds_positions_;
+  std::vector<bool> is_driver_;
   std::vector<Mat3> rotations_;
   int n_rows_ = 0;
 };

@@ -24,7 +24,7 @@ TEST(Closing, ClosesEveryTypeToRoundOffAndLeavesTheModesAlone) {
       equations.layout().p(q, i) += Vec4::Unit(0);
     }
     const VecX a = equations.layout().a(q, 2);
-    const Closing closing = close_machine(equations, 0.0, false, Modes::kept, q, Y);
+    const Closing closing = close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y);
     if (!closing.closed) {  // random frames may lead Newton to the wrong branch, which is told
       EXPECT_EQ(closing.joints_left_open, std::vector<std::string>{type->name});
       continue;
@@ -48,7 +48,7 @@ TEST(Closing, CountsKeptCoordinatesAgainstTheFreedom) {
   VecX q = VecX::Zero(7);
   q(3) = 1.0;
   VecX Y = VecX::Zero(6);
-  ASSERT_TRUE(close_machine(equations, 0.0, true, Modes::kept, q, Y).closed);
+  ASSERT_TRUE(close_machine(equations, 0.0, Hold::start, Modes::kept, q, Y).closed);
   const KeptCount kept = count_kept(equations, 0.0, q, Y);
   EXPECT_EQ(kept.coordinates, 2);
   EXPECT_EQ(kept.speeds, 1);
