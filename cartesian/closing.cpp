@@ -65,6 +65,35 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   return kept;
 }
 
+std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
+  return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
+}
+
+/// Calls visit(joint, place among its q, reading, component) for each reading that counts turns by itself.
+template <class Visit>
+void each_counting_reading(const Model& model, const Visit& visit) {
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    int place = 0;
+    for (const joints::Read& read : model.joints[k].type->reads) {
+      const auto* by = std::get_if<joints::ByReading>(&read);
+      for (int c = 0; by != nullptr && c < n_speeds(read); ++c) {
+        if (by->turns[c] && !reads_turn(read, c)) visit(static_cast<int>(k), place + c, read, c);
+      }
+      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+    }
+  }
+}
+
+std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
+  std::vector<KeptRow> rows;
+  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+    Row row = evaluate_read(read, component, equations.constraints().joint(k).motion);
+    row.value -= known[k](place);
+    rows.push_back({k, row, 0.0, std::abs(known[k](place))});
+  });
+  return rows;
+}
+
 /// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
 /// the length, or not at all. Steps of positions move them less, as their stiffness asks.
 VecX units_of_steps(const Equations& equations, Modes modes) {
@@ -151,11 +180,12 @@ struct ClosingSystem {
   [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 };
 
-ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units) {
+ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,
+                          std::vector<KeptRow> kept_rows) {
   const Constraints& constraints = equations.constraints();
   const int n_rows = constraints.n_rows();
   ClosingSystem system;
-  if (hold == Hold::start) system.kept = kept_rows(equations, what);
+  system.kept = std::move(kept_rows);
   const std::vector<KeptRow>& kept = system.kept;
   system.jacobian = closing_jacobian(equations, what, kept, units);
   VecX by_size = closing_sizes(equations, system.jacobian).cwiseInverse();
@@ -205,13 +235,15 @@ bool goes_on(double size, double last, double closed) {
 }
 
 /// Newton's method on positions; the best q that it meets stays.
-void close_positions(Equations& equations, double t, Hold hold, Modes modes, VecX& q, const VecX& Y, Closing& closing) {
+template <class Rows>
+void close_positions(Equations& equations, double t, Hold hold, const Rows& rows, Modes modes, VecX& q, const VecX& Y,
+                     Closing& closing) {
   constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
   const VecX units = units_of_displacements(equations, modes);
   const auto system_at = [&] {
     equations.update(t, q, Y);
     equations.measure_terms(t, q);
-    return make_system(equations, hold, Kept::coordinates, units);
+    return make_system(equations, hold, Kept::coordinates, units, rows());
   };
   ClosingSystem system = system_at();
   VecX best_q = q;
@@ -255,7 +287,7 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
   const VecX units = units_of_steps(equations, modes);
   const auto system_at = [&] {
     equations.update(t, q, Y);
-    return make_system(equations, hold, Kept::speeds, units);
+    return make_system(equations, hold, Kept::speeds, units, kept_at(equations, hold, Kept::speeds));
   };
   ClosingSystem system = system_at();
   const auto speed = [&] { return largest_rate(equations, t, Y, system.kept); };
@@ -282,7 +314,8 @@ bool restrict_modes(const Equations& equations) {
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y) {
   Closing closing;
   equations.layout().normalize(q);
-  close_positions(equations, t, hold, modes, q, Y, closing);
+  const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
+  close_positions(equations, t, hold, rows, modes, q, Y, closing);
   if (!closing.closed) return closing;
   if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
     closing.closed = false;
@@ -291,6 +324,26 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   }
   close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
+}
+
+TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
+  TurnError largest;
+  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+    const double value = evaluate_read(read, component, equations.constraints().joint(k).motion).value;
+    const double error = std::abs(value - q[k](place));
+    if (largest.joint < 0 || error > largest.size) largest = {k, error, value, q[k](place)};
+  });
+  return largest;
+}
+
+void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y) {
+  const VecX before = q;
+  Closing closing;
+  const auto rows = [&] { return turn_rows(equations, known); };
+  close_positions(equations, t, Hold::constraints, rows, modes, q, Y, closing);
+  if (closing.closed) return;
+  q = before;
+  equations.count_turns_from(known);
 }
 
 KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y) {

@@ -23,6 +23,20 @@ enum class Modes { kept, moving };
 /// couplings without drivers.
 enum class Hold { constraints, start, joints_alone };
 
+/// Of readings that count turns by themselves, as the height on a thread does: the joint that reads farthest from its
+/// known coordinate q (by joint) at the last update, and by how much; -1 if there is no such reading.
+struct TurnError {
+  int joint = -1;
+  double size = 0.0;  // rad
+  double read = 0.0;
+  double known = 0.0;
+};
+TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
+
+/// Moves q by shortest steps towards these coordinates of such readings with all other constraints held, so that a
+/// shaken machine closes on the turns that it is said to be on. Leaves q as it is where that leads nowhere.
+void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y);
+
 /// Whether the constraints at the last update of `equations` restrict the modes, as where a flexible body is held at
 /// both ends: rigid coordinates alone cannot close such a machine.
 bool restrict_modes(const Equations& equations);

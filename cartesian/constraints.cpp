@@ -40,7 +40,7 @@ void evaluate_rows(const Joint& stated, JointEquations& joint) {
 /// A coupled coordinate at the last place(), turns counted.
 double value_of(const JointEquations& joint, int row) {
   const CoupledCoordinate& coordinate = joint.coupled[row - joint.n_rows];
-  return value_near(*coordinate.read, coordinate.component, joint.rows[row], coordinate.known);
+  return value_near(coordinate.turns, joint.rows[row], coordinate.known);
 }
 
 /// What gradient . a_rel + bias is without the accelerations Ydot.
@@ -83,6 +83,14 @@ Constraints::Constraints(const Model& model, const Layout& layout)
       is_driver_.push_back(equations.is_driver(row));
     }
     n_rows_ += equations.n_rows;
+    for (const Driver& driver : joint.drivers) {
+      equations.driver_turns.push_back(reads_turn(*read_of(*joint.type, driver.word), driver.component));
+    }
+    int place = 0;
+    for (const joints::Read& read : joint.type->reads) {
+      if (std::holds_alternative<joints::ElevationOfGap>(read)) equations.elevation = place;
+      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+    }
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment& attachment = joint.on(side);
       equations.markers[index(side)] = make_marker(attachment);
@@ -126,7 +134,8 @@ int Constraints::find_coupled(const CouplingTerm& term) {
   const int row = joint.n_rows + static_cast<int>(found - joint.coupled.begin());
   if (found == joint.coupled.end()) {
     const int place = first_q(type, term.word) + term.component;
-    joint.coupled.push_back({read_of(type, term.word), term.word, term.component, place, 0.0});
+    const joints::Read* read = read_of(type, term.word);
+    joint.coupled.push_back({read, term.word, term.component, place, reads_turn(*read, term.component), 0.0});
   }
   return row;
 }
@@ -179,6 +188,8 @@ void Constraints::place_couplings() {
 void Constraints::count_turns_from(const std::vector<VecX>& q) {
   for (int k = 0; k < n_joints(); ++k) {
     for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k](coordinate.place);
+    if (joints_[k].elevation < 0) continue;
+    joints_[k].motion.is_beyond_upright = std::cos(q[k](joints_[k].elevation)) < 0.0;
   }
 }
 
@@ -295,7 +306,7 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
       const Driver& driver = stated.drivers[row - joint.first_driver];
       const double error = joint.rows[row].value - evaluate(driver.law, t).f;
       residual(joint.first_row + row) =
-          reads_turn(*read_of(*stated.type, driver.word), driver.component) ? std::remainder(error, kFullTurn) : error;
+          joint.driver_turns[row - joint.first_driver] ? std::remainder(error, kFullTurn) : error;
     }
   }
   for (const CouplingEquations& coupling : couplings_) {

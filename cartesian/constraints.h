@@ -20,7 +20,8 @@ struct CoupledCoordinate {
   const joints::Read* read = nullptr;
   int word = 0;
   int component = 0;
-  int place = 0;  // among the joint's q
+  int place = 0;       // among the joint's q
+  bool turns = false;  // it is an angle known but for full turns
   double known = 0.0;
 };
 
@@ -43,6 +44,8 @@ struct JointEquations {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
+  int elevation = -1;              // place of an arm's elevation among the joint's q; -1: it has none
+  std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;
   std::vector<Row> rows;  // n_rows and one for each coupled coordinate
@@ -104,7 +107,8 @@ class Constraints {
   void move(const Eigen::Ref<const VecX>& Y);
   void move_joint(int k, const Eigen::Ref<const VecX>& Y);
 
-  /// Joint coordinates (by joint) from which the turns of coupled angles are counted: at most half a turn away.
+  /// Joint coordinates (by joint) from which the turns of coupled angles are counted, at most half a turn away, and
+  /// which tell the side that an arm stands on.
   void count_turns_from(const std::vector<VecX>& q);
   /// Counts on from the last place().
   void follow_turns();

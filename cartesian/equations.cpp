@@ -178,7 +178,7 @@ void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::R
   constraints_.move(Y);
   constraints_.write_residual(t, residual_);
   constraints_.write_velocity_residual(t, velocity_residual_);
-  measure_rows();
+  has_row_sizes_ = false;
   for (int i = 1; i < layout_.n_bodies(); ++i) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
   for (int i = 1; i < layout_.n_bodies(); ++i) {
     inertias_[i].write_forces(constraints_.rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
@@ -276,7 +276,7 @@ void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {
   step_ = unknowns_.head(layout_.n_Y());
 }
 
-void Equations::measure_rows() {
+void Equations::measure_rows() const {
   const auto norm_of = [&](int k, int row) {
     double squared = 0.0;
     for (const Side side : {Side::parent, Side::child}) {
@@ -298,6 +298,7 @@ void Equations::measure_rows() {
       sum += std::abs(term.factor) * norm_of(term.joint, term.row);
     row_sizes_(coupling.row) = sum;
   }
+  has_row_sizes_ = true;
 }
 
 void Equations::measure_terms(double t, const Eigen::Ref<const VecX>& q) {
@@ -313,7 +314,7 @@ void Equations::measure_terms(double t, const Eigen::Ref<const VecX>& q) {
   }
   constraints_.write_own_terms(t, terms_);
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    const double own = row_sizes_(row) > 0.0 ? terms_(row) / row_sizes_(row) : 0.0;
+    const double own = row_sizes()(row) > 0.0 ? terms_(row) / row_sizes()(row) : 0.0;
     terms_(row) = std::max(reach_, own);
   }
 }
@@ -328,7 +329,7 @@ double Equations::compliance(int body, int mode) const {
 double Equations::gap(const VecX& residual) const {
   double largest = 0.0;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    const double size = row_sizes_(row) > 0.0 ? row_sizes_(row) : 1.0;
+    const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
     const double own = std::abs(residual(row)) / (size * terms_(row));
     if (!(own <= largest)) largest = own;
   }
@@ -338,7 +339,7 @@ double Equations::gap(const VecX& residual) const {
 double Equations::rate_error(const VecX& velocity_residual) const {
   double largest = 0.0;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    const double size = row_sizes_(row) > 0.0 ? row_sizes_(row) : 1.0;
+    const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
     const double own = std::abs(velocity_residual(row)) / size;
     if (!(own <= largest)) largest = own;
   }
@@ -361,7 +362,7 @@ double Equations::largest_rate(double t, const Eigen::Ref<const VecX>& Y) const 
   for (int k = 0; k < constraints_.n_joints(); ++k) {
     const JointEquations& joint = constraints_.joint(k);
     for (int row = joint.first_driver; row < joint.n_rows; ++row) {
-      const double size = row_sizes_(joint.first_row + row);
+      const double size = row_sizes()(joint.first_row + row);
       const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
       if (size > 0.0) largest = std::max(largest, std::abs(evaluate(driver.law, t).fdot) / size);
     }
@@ -386,7 +387,7 @@ std::string Equations::name_of_largest(const VecX& residual) const {
   int largest = 0;
   double size = -1.0;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    const double own = std::abs(residual(row)) / (row_sizes_(row) > 0.0 ? row_sizes_(row) : 1.0);
+    const double own = std::abs(residual(row)) / (row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0);
     if (own <= size) continue;
     size = own;
     largest = row;

@@ -58,9 +58,10 @@ class Equations {
   /// Norm of each constraint row over Y in the machine's units at the updated state: what its residual is measured by;
   /// a coupling's is the sum of its terms' norms, so that one whose terms cancel is seen to be small. Zero for a row
   /// that vanishes.
-  [[nodiscard]] const VecX& row_sizes() const { return row_sizes_; }
-  /// Computes row_sizes(); part of update().
-  void measure_rows();
+  [[nodiscard]] const VecX& row_sizes() const {
+    if (!has_row_sizes_) measure_rows();
+    return row_sizes_;
+  }
   /// How often a residual holds its round-off, by row: 1, or the distance from the origin in lengths of the machine, or
   /// the row's own terms (many turns) by its size.
   void measure_terms(double t, const Eigen::Ref<const VecX>& q);
@@ -114,6 +115,7 @@ class Equations {
 
  private:
   void lay_out();
+  void measure_rows() const;
   void find_entries();
   void stiffen_modes();
   void factor_position_matrix();
@@ -150,7 +152,8 @@ class Equations {
   VecX residual_;
   VecX velocity_residual_;
   VecX units_;
-  VecX row_sizes_;
+  mutable VecX row_sizes_;  // computed when they are asked for
+  mutable bool has_row_sizes_ = false;
   VecX terms_;  // by row
   double reach_ = 1.0;
   VecX Ydot_;

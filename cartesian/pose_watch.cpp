@@ -72,9 +72,7 @@ class PoseWatch::Overlap {
   VecX pivots(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& rows) {
     fill(a, b, rows);
     VecX found = VecX::Zero(matrix_.size() - first_row_);
-    if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
-    numeric_ = klu_factor(starts(), indices(), values_.data(), symbolic_, &common_);
-    if (numeric_ == nullptr || common_.status != KLU_OK) return found;
+    if (!factor()) return found;
     const auto* diagonal = static_cast<const double*>(numeric_->Udiag);
     for (int k = first_row_; k < matrix_.size(); ++k) {
       const int row = order_[k] - first_row_;
@@ -84,6 +82,18 @@ class PoseWatch::Overlap {
   }
 
  private:
+  /// The order of pivots is the same every time; a refactorization that fails leaves factors that cannot be used again.
+  bool factor() {
+    if (numeric_ == nullptr) {
+      numeric_ = klu_factor(starts(), indices(), values_.data(), symbolic_, &common_);
+      return numeric_ != nullptr && common_.status == KLU_OK;
+    }
+    const int done = klu_refactor(starts(), indices(), values_.data(), symbolic_, numeric_, &common_);
+    if (done != 0 && common_.status == KLU_OK) return true;
+    klu_free_numeric(&numeric_, &common_);
+    return false;
+  }
+
   int* starts() { return const_cast<int*>(matrix_.column_starts().data()); }  // KLU reads them only
   int* indices() { return const_cast<int*>(matrix_.row_indices().data()); }
 

@@ -25,6 +25,9 @@ namespace {
 /// A handed-over state is refused above this closure residual.
 constexpr double kClosureAllowed = 1e-12;
 
+constexpr double kHalfTurn = EIGEN_PI;
+constexpr double kQuarterTurn = 0.5 * EIGEN_PI;
+
 /// Holds the regimes that tires are in for the time of a run.
 struct HeldRegimes {
   AppliedForces& applied;
@@ -74,8 +77,14 @@ class CartesianSolver : public Solver {
     equations_.layout().unpack(guess, motion_.q, motion_.Y);
     equations_.count_turns_from(guess.q);
     try {
-      if (!close_machine(equations_, guess.t, Hold::constraints, closing_modes_, motion_.q, motion_.Y).closed)
+      equations_.update(guess.t, motion_.q, motion_.Y);
+      if (largest_turn_error(equations_, guess.q).size > kQuarterTurn) {
+        seek_turns(equations_, guess.t, closing_modes_, guess.q, motion_.q, motion_.Y);
+      }
+      if (!close_machine(equations_, guess.t, Hold::constraints, closing_modes_, motion_.q, motion_.Y).closed) {
         return std::nullopt;
+      }
+      if (largest_turn_error(equations_, guess.q).size > kHalfTurn) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
     }
@@ -90,6 +99,7 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(state.q);
     equations_.update(state.t, motion_.q, motion_.Y);
     refuse_open(state);
+    refuse_other_turn(state);
     use_independent_rows(state.t);
     equations_.solve(true);
     return evaluation();
@@ -310,6 +320,16 @@ class CartesianSolver : public Solver {
         "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
         state.t, equations_.name_of_largest(moves ? equations_.velocity_residual() : equations_.residual()), gap,
         rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
+  }
+
+  /// Refuses a state that stands on another turn of a thread than its coordinates say.
+  void refuse_other_turn(const State& state) const {
+    const TurnError error = largest_turn_error(equations_, state.q);
+    if (!(error.size > kHalfTurn)) return;
+    throw SolverError(fmt::format(
+        "cartesian: in the state at t = {:.6g} s joint '{}' stands at {:.6g} rad, but its coordinate says {:.6g} rad: "
+        "another turn",
+        state.t, model_.joints[error.joint].name, error.read, error.known));
   }
 
   [[nodiscard]] Evaluation evaluation() const {

@@ -40,7 +40,8 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
       right_side_(VecX::Zero(size())),
       solution_(VecX::Zero(size())),
       residual_(VecX::Zero(size())),
-      sums_(size(), 0.0L) {
+      sums_(size(), 0.0),
+      long_sums_(size(), 0.0L) {
   for (int column = 0; column < size(); ++column) {
     const auto first = row_indices_.begin() + column_starts_[column];
     const auto last = row_indices_.begin() + column_starts_[column + 1];
@@ -96,8 +97,9 @@ void SparseLu::choose_symmetric_scales() {
   for (int column = 0; column < size(); ++column) {
     const bool is_constraint = column_scales_(column) < 0.0;
     const double scale = std::abs(column_scales_(column));
-    row_scales_(column) = is_constraint || is_idle(column) ? scale : scale / diagonal_unit_;
+    row_scales_(column) = is_constraint ? scale : scale / diagonal_unit_;
     column_scales_(column) = is_constraint ? scale * diagonal_unit_ : scale;
+    if (is_idle(column)) row_scales_(column) = column_scales_(column) = 0.0;
   }
 }
 
@@ -118,28 +120,21 @@ void SparseLu::choose_general_scales() {
   }
 }
 
-void SparseLu::scale() {
-  if (pattern_ == Pattern::symmetric) {
-    choose_symmetric_scales();
-  } else {
-    choose_general_scales();
-  }
+void SparseLu::scale(bool anew) {
+  if (anew && pattern_ == Pattern::symmetric) choose_symmetric_scales();
+  if (anew && pattern_ == Pattern::general) choose_general_scales();
   for (int column = 0; column < size(); ++column) {
-    const bool is_idle_column = is_idle(column);
+    const double of_column = column_scales_(column);
     for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
-      const int row = row_indices_[k];
-      if (is_idle_column || is_idle(row)) {
-        scaled_[k] = row == column ? 1.0 : 0.0;
-      } else {
-        scaled_[k] = values_[k] * row_scales_(row) * column_scales_(column);
-      }
+      scaled_[k] = values_[k] * (row_scales_(row_indices_[k]) * of_column);
     }
+    if (is_idle(column)) scaled_[diagonal_[column]] = 1.0;
   }
 }
 
 bool SparseLu::factor() {
   if (size() == 0) return true;
-  scale();
+  scale(true);
   if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
   numeric_ = klu_factor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, &common_);
   return numeric_ != nullptr && common_.status == KLU_OK;
@@ -148,7 +143,7 @@ bool SparseLu::factor() {
 bool SparseLu::refactor() {
   if (size() == 0) return true;
   if (numeric_ == nullptr) return factor();
-  scale();
+  scale(false);
   const int done =
       klu_refactor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, numeric_, &common_);
   return (done != 0 && common_.status == KLU_OK) || factor();
@@ -170,17 +165,16 @@ void SparseLu::subtract_product(const VecX& x, VecX& y) const {
   }
 }
 
-/// Of the scaled equations.
-void SparseLu::write_residual() {
-  for (int row = 0; row < size(); ++row) sums_[row] = right_side_(row);
+template <class Number>
+void SparseLu::write_residual(std::vector<Number>& sums) {
+  for (int row = 0; row < size(); ++row) sums[row] = right_side_(row);
   for (int column = 0; column < size(); ++column) {
-    const auto factor = static_cast<long double>(solution_(column));
-    if (factor == 0.0L) continue;
+    const auto factor = static_cast<Number>(solution_(column));
     for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
-      sums_[row_indices_[k]] -= scaled_[k] * factor;
+      sums[row_indices_[k]] -= scaled_[k] * factor;
     }
   }
-  for (int row = 0; row < size(); ++row) residual_(row) = static_cast<double>(sums_[row]);
+  for (int row = 0; row < size(); ++row) residual_(row) = static_cast<double>(sums[row]);
 }
 
 bool SparseLu::solve_refined(VecX& x, double good_enough) {
@@ -193,14 +187,20 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
   right_side_ = x.cwiseProduct(row_scales_);
   solution_ = right_side_;
   klu_solve(symbolic_, numeric_, size(), 1, solution_.data(), &common_);
-  write_residual();
   bool is_good = solution_.allFinite();
-  if (is_good && largest(residual_) > good_enough * largest(right_side_)) {
+  bool refines = is_good && good_enough <= 0.0;
+  if (is_good && !refines) {
+    write_residual(sums_);
+    refines = largest(residual_) > good_enough * largest(right_side_);
+  }
+  if (refines) {
+    write_residual(long_sums_);
     // A round more than round-off of the largest asks for: the smaller ones have theirs.
     double last = HUGE_VAL;
     for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
       klu_solve(symbolic_, numeric_, size(), 1, residual_.data(), &common_);
-      const double correction = largest(residual_) / largest(solution_);
+      const double size_of_solution = largest(solution_);
+      const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
       if (round == 0) {
         first_correction_ = correction;
         is_good = correction <= kFirstAllowed;
@@ -208,7 +208,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
       if (!is_good || !(correction < kFalling * last)) break;
       solution_ += residual_;
       last = correction;
-      write_residual();
+      write_residual(long_sums_);
     }
   }
   x = solution_.cwiseProduct(column_scales_);

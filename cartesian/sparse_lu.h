@@ -38,14 +38,14 @@ class SparseLu {
 
   /// Factorizes with new pivots. False if the matrix is singular.
   bool factor();
-  /// Factorizes with the pivots of the last factor(); falls back to factor() if they are no longer good.
+  /// Factorizes with the pivots and scales of the last factor(); falls back to factor() if they are no longer good.
   bool refactor();
   /// Solves in place.
   void solve(VecX& x);
   /// Solves in place and improves the solution from its residual, which is summed in extended precision, until the
-  /// corrections reach round-off or fall no more; not at all while the scaled residual is at most `good_enough` of the
-  /// scaled right side. False if the corrections do not fall: the matrix is singular for double precision, or the
-  /// pivots have gone bad.
+  /// corrections reach round-off or fall no more; not at all while the scaled residual, summed in double precision, is
+  /// at most `good_enough` of the scaled right side. False if the corrections do not fall: the matrix is singular for
+  /// double precision, or the pivots have gone bad.
   bool solve_refined(VecX& x, double good_enough);
   /// Size of the first correction of the last solve_refined() relative to the solution, a measure of how the condition
   /// magnifies round-off; 0 if there was none.
@@ -54,11 +54,13 @@ class SparseLu {
   void subtract_product(const VecX& x, VecX& y) const;
 
  private:
-  void scale();
+  void scale(bool anew);
   void choose_symmetric_scales();
   void choose_general_scales();
   [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
-  void write_residual();
+  /// Of the scaled equations, summed in numbers of this type.
+  template <class Number>
+  void write_residual(std::vector<Number>& sums);
 
   std::vector<int> column_starts_;
   std::vector<int> row_indices_;
@@ -76,7 +78,8 @@ class SparseLu {
   VecX right_side_;  // scaled
   VecX solution_;
   VecX residual_;
-  std::vector<long double> sums_;
+  std::vector<double> sums_;
+  std::vector<long double> long_sums_;
   double first_correction_ = 0.0;
 };
 
