@@ -331,7 +331,8 @@ double Equations::gap(const VecX& residual) const {
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
     const double own = std::abs(residual(row)) / (size * terms_(row));
-    if (!(own <= largest)) largest = own;
+    if (std::isnan(own)) return own;
+    largest = std::max(largest, own);
   }
   return largest;
 }
@@ -341,7 +342,8 @@ double Equations::rate_error(const VecX& velocity_residual) const {
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
     const double own = std::abs(velocity_residual(row)) / size;
-    if (!(own <= largest)) largest = own;
+    if (std::isnan(own)) return own;
+    largest = std::max(largest, own);
   }
   return largest;
 }

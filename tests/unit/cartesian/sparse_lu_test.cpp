@@ -38,16 +38,20 @@ TEST(SparseLu, TellsASingularMatrix) {
   EXPECT_FALSE(matrix.factor());
 }
 
-/// An 8 x 8 Hilbert matrix by its common denominator: integers, condition 1e10. `row` and `column` scale.
-SparseLu make_hilbert(double row, double column) {
-  constexpr int kSize = 8;
+constexpr int kSize = 8;
+
+SparseLu make_full() {
   std::vector<int> starts{0};
   std::vector<int> rows;
   for (int c = 0; c < kSize; ++c) {
     for (int r = 0; r < kSize; ++r) rows.push_back(r);
     starts.push_back(static_cast<int>(rows.size()));
   }
-  SparseLu matrix(starts, rows);
+  return {starts, rows};
+}
+
+/// An 8 x 8 Hilbert matrix by its common denominator: integers, condition 1e10. `row` and `column` scale.
+void fill_hilbert(SparseLu& matrix, double row, double column) {
   for (int c = 0; c < kSize; ++c) {
     for (int r = 0; r < kSize; ++r) {
       const double by_row = r % 2 == 0 ? row : 1.0;
@@ -55,13 +59,13 @@ SparseLu make_hilbert(double row, double column) {
       matrix.values()[matrix.find(r, c)] = 360360.0 / (r + c + 1) * by_row * by_column;
     }
   }
-  return matrix;
 }
 
 TEST(SparseLu, RefinesAnIllConditionedSystemToRoundOff) {
-  SparseLu matrix = make_hilbert(1.0, 1.0);
-  const VecX known = VecX::Ones(8);
-  VecX x = VecX::Zero(8);
+  SparseLu matrix = make_full();
+  fill_hilbert(matrix, 1.0, 1.0);
+  const VecX known = VecX::Ones(kSize);
+  VecX x = VecX::Zero(kSize);
   matrix.subtract_product(-known, x);
   ASSERT_TRUE(matrix.factor());
   VecX rough = x;
@@ -75,16 +79,18 @@ TEST(SparseLu, RefinesAnIllConditionedSystemToRoundOff) {
 TEST(SparseLu, UnitsThatArePowersOfTwoLeaveTheDigits) {
   const double row = std::ldexp(1.0, 70);
   const double column = std::ldexp(1.0, -90);
-  SparseLu plain = make_hilbert(1.0, 1.0);
-  SparseLu scaled = make_hilbert(row, column);
+  SparseLu plain = make_full();
+  SparseLu scaled = make_full();
+  fill_hilbert(plain, 1.0, 1.0);
+  fill_hilbert(scaled, row, column);
   ASSERT_TRUE(plain.factor());
   ASSERT_TRUE(scaled.factor());
-  VecX x = VecX::LinSpaced(8, 0.3, 2.9);
+  VecX x = VecX::LinSpaced(kSize, 0.3, 2.9);
   VecX y = x;
-  for (int r = 0; r < 8; r += 2) y(r) *= row;
+  for (int r = 0; r < kSize; r += 2) y(r) *= row;
   plain.solve(x);
   scaled.solve(y);
-  for (int c = 0; c < 8; ++c) EXPECT_EQ(x(c), y(c) * (c % 3 == 0 ? column : 1.0)) << c;
+  for (int c = 0; c < kSize; ++c) EXPECT_EQ(x(c), y(c) * (c % 3 == 0 ? column : 1.0)) << c;
 }
 
 TEST(SparseLu, IdleRowsAndColumnsAreThoseOfTheIdentity) {
