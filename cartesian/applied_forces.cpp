@@ -205,6 +205,9 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
     actor.ends = {&joint.on(Side::parent), &joint.on(Side::child)};
     actor.tau.setZero(joint.type->n_u());
     actor.known_q.setZero(joint.type->n_q());
+    for (const JointSpring& spring : joint.springs) {
+      actor.spring_turns.push_back(reads_turn(*read_of(*joint.type, spring.word), spring.component));
+    }
     give_room(actor);
     actors_.push_back(std::move(actor));
   }
@@ -258,11 +261,12 @@ void AppliedForces::push_by_springs(Actor& actor, double t) const {
   const Joint& stated = model_.joints[actor.joint];
   const JointEquations& joint = constraints_.joint(actor.joint);
   actor.tau.setZero();
-  for (const JointSpring& spring : stated.springs) {
+  for (std::size_t j = 0; j < stated.springs.size(); ++j) {
+    const JointSpring& spring = stated.springs[j];
     const joints::Read& read = *read_of(*stated.type, spring.word);
     const Row row = evaluate_read(read, spring.component, joint.motion);
     const double known = actor.known_q(first_q(*stated.type, spring.word) + spring.component);
-    const double x = value_near(read, spring.component, row, known);
+    const double x = value_near(actor.spring_turns[j], row, known);
     const double rate = rate_of(row, joint.motion);
     actor.tau(first_u(*stated.type, spring.word) + spring.component) +=
         evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, x, rate).force;

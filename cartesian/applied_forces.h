@@ -23,8 +23,10 @@ struct Actor {
   /// ground).
   std::array<Wrench, 2> wrenches;
   std::array<VecX, 2> forces;
-  /// Of a joint's springs: coordinate forces (n_u numbers), and the angles that the last known turns are counted from.
+  /// Of a joint's springs: coordinate forces (n_u numbers), whether each spring's coordinate is an angle known but for
+  /// full turns, and the angles that the last known turns are counted from.
   VecX tau;
+  std::vector<bool> spring_turns;
   VecX known_q;
 
   [[nodiscard]] bool sits_on_moving_body(Side side) const {

@@ -35,6 +35,8 @@ class BodyInertia {
     return n_modes_ == 0 ? 0.0 : adot.dot(damping_.lazyProduct(adot));
   }
 
+  /// Of m psi_k . psi_l.
+  [[nodiscard]] const MatX& modal_mass() const { return modal_mass_; }
   [[nodiscard]] const MatX& stiffness() const { return stiffness_; }
   [[nodiscard]] const MatX& damping() const { return damping_; }
 

@@ -10,7 +10,7 @@ namespace concord::cartesian {
 
 namespace {
 
-constexpr double kClosed = 1e-13;  // of the largest coordinate, in m or rad, if that is beyond 1
+constexpr double kClosed = 1e-13;  // in the machine's units and of the row's terms; velocities of the largest
 constexpr int kMaxSteps = 80;
 
 /// A row that is no constraint of the machine: a coordinate or speed that the start keeps.
@@ -18,6 +18,7 @@ struct KeptRow {
   int joint;
   Row row;        // gradient and, for coordinates, value less the kept value
   double target;  // of a speed
+  double size;    // of the kept value, which the round-off of `row` is relative to
 };
 
 /// The turn Q as axis times angle, angle in [0, pi]. Its rate is the angular velocity at Q = 1 and, for any Q, along
@@ -55,20 +56,60 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
       }
       for (int c = 0; c < n; ++c) {
         const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
-        if (!follows_law) kept.push_back({static_cast<int>(k), rows[c], start.u(c)});
+        if (follows_law) continue;
+        const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
+        kept.push_back({static_cast<int>(k), rows[c], start.u(c), size});
       }
     }
   }
   return kept;
 }
 
+std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
+  return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
+}
+
+/// Calls visit(joint, place among its q, reading, component) for each reading that counts turns by itself.
+template <class Visit>
+void each_counting_reading(const Model& model, const Visit& visit) {
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    int place = 0;
+    for (const joints::Read& read : model.joints[k].type->reads) {
+      const auto* by = std::get_if<joints::ByReading>(&read);
+      for (int c = 0; by != nullptr && c < n_speeds(read); ++c) {
+        if (by->turns[c] && !reads_turn(read, c)) visit(static_cast<int>(k), place + c, read, c);
+      }
+      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+    }
+  }
+}
+
+std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
+  std::vector<KeptRow> rows;
+  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+    Row row = evaluate_read(read, component, equations.constraints().joint(k).motion);
+    row.value -= known[k](place);
+    rows.push_back({k, row, 0.0, std::abs(known[k](place))});
+  });
+  return rows;
+}
+
 /// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
-/// the length, or not at all.
+/// the length, or not at all. Steps of positions move them less, as their stiffness asks.
 VecX units_of_steps(const Equations& equations, Modes modes) {
-  VecX units = column_scales(equations);
+  VecX units = equations.units();
   const Layout& layout = equations.layout();
   if (modes == Modes::moving) return units;
   for (int i = 1; i < layout.n_bodies(); ++i) layout.adot(units, i).setZero();
+  return units;
+}
+
+VecX units_of_displacements(const Equations& equations, Modes modes) {
+  VecX units = units_of_steps(equations, modes);
+  const Layout& layout = equations.layout();
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= equations.compliance(i, k);
+  }
   return units;
 }
 
@@ -105,9 +146,9 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
   return jacobian;
 }
 
-/// Rank of a closing Jacobian over steps in these units, its rows by their sizes.
-int rank_of_rows(const Equations& equations, SparseMatrix jacobian, const VecX& units) {
-  const int n_constraints = equations.constraints().n_rows();
+/// Norms of the rows of a closing Jacobian over steps, those of the constraints as the equations measure them; 1 for a
+/// row that vanishes.
+VecX closing_sizes(const Equations& equations, const SparseMatrix& jacobian) {
   VecX sizes = VecX::Zero(jacobian.rows());
   for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
     for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
@@ -115,30 +156,61 @@ int rank_of_rows(const Equations& equations, SparseMatrix jacobian, const VecX& 
     }
   }
   sizes = sizes.cwiseSqrt();
-  sizes.head(n_constraints) = row_sizes(equations, units);
-  jacobian = sizes.unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; }).asDiagonal() * jacobian;
+  sizes.head(equations.constraints().n_rows()) = equations.row_sizes();
+  return sizes.unaryExpr([](double size) { return size > 0.0 ? size : 1.0; });
+}
+
+/// Rank of a closing Jacobian over steps.
+int rank_of_rows(const Equations& equations, SparseMatrix jacobian) {
+  jacobian = closing_sizes(equations, jacobian).cwiseInverse().asDiagonal() * jacobian;
   return decide_rank(jacobian).rank;
 }
 
-VecX position_residual(const Equations& equations, const std::vector<KeptRow>& kept) {
-  VecX residual(equations.constraints().n_rows() + static_cast<Eigen::Index>(kept.size()));
-  residual.head(equations.constraints().n_rows()) = equations.residual();
-  for (std::size_t k = 0; k < kept.size(); ++k) residual(equations.constraints().n_rows() + k) = kept[k].row.value;
-  return residual;
-}
+/// Residuals by the sizes of their rows, and the Jacobian that goes with them: numbers in the machine's units.
+struct ClosingSystem {
+  std::vector<KeptRow> kept;
+  SparseMatrix jacobian;
+  VecX residual;
+  VecX terms;  // how often a residual holds its round-off
 
-VecX velocity_residual(const Equations& equations, const std::vector<KeptRow>& kept) {
-  VecX residual(equations.constraints().n_rows() + static_cast<Eigen::Index>(kept.size()));
-  residual.head(equations.constraints().n_rows()) = equations.velocity_residual();
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    const RelativeMotion& motion = equations.constraints().joint(kept[k].joint).motion;
-    residual(equations.constraints().n_rows() + k) = rate_of(kept[k].row, motion) - kept[k].target;
+  [[nodiscard]] VecX shortest_step() const { return solve_shortest(jacobian, -residual); }
+  [[nodiscard]] double gap() const {
+    return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
   }
-  return residual;
+  [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
+};
+
+ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,
+                          std::vector<KeptRow> kept_rows) {
+  const Constraints& constraints = equations.constraints();
+  const int n_rows = constraints.n_rows();
+  ClosingSystem system;
+  system.kept = std::move(kept_rows);
+  const std::vector<KeptRow>& kept = system.kept;
+  system.jacobian = closing_jacobian(equations, what, kept, units);
+  VecX by_size = closing_sizes(equations, system.jacobian).cwiseInverse();
+  for (int row = 0; row < n_rows; ++row) {
+    if (hold == Hold::joints_alone && constraints.is_driver(row)) by_size(row) = 0.0;
+  }
+  system.jacobian = by_size.asDiagonal() * system.jacobian;
+  system.residual.resize(system.jacobian.rows());
+  system.terms = VecX::Constant(system.residual.size(), equations.reach());
+  system.residual.head(n_rows) = what == Kept::coordinates ? equations.residual() : equations.velocity_residual();
+  system.terms.head(n_rows) = equations.terms();
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const RelativeMotion& motion = constraints.joint(kept[k].joint).motion;
+    const Eigen::Index row = n_rows + static_cast<Eigen::Index>(k);
+    system.residual(row) =
+        what == Kept::coordinates ? kept[k].row.value : rate_of(kept[k].row, motion) - kept[k].target;
+    system.terms(row) = std::max(equations.reach(), kept[k].size * by_size(row));
+  }
+  system.residual = system.residual.cwiseProduct(by_size);
+  return system;
 }
 
 double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 
+/// Residuals by the sizes of their rows.
 void name_open(const Equations& equations, const std::vector<KeptRow>& kept, const VecX& residual, Closing& closing) {
   const Model& model = equations.model();
   const double large = 0.05 * size_of(residual);
@@ -162,72 +234,116 @@ bool goes_on(double size, double last, double closed) {
   return size > closed ? true : size > 0.0 && size < 0.25 * last;
 }
 
-}  // namespace
-
-bool restrict_modes(const Equations& equations) {
-  const auto rank = [&](Modes modes) {
-    const VecX units = units_of_steps(equations, modes);
-    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units), units);
-  };
-  return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
-}
-
-Closing close_machine(Equations& equations, double t, bool keep_start, Modes modes, VecX& q, VecX& Y) {
+/// Newton's method on positions; the best q that it meets stays.
+template <class Rows>
+void close_positions(Equations& equations, double t, Hold hold, const Rows& rows, Modes modes, VecX& q, const VecX& Y,
+                     Closing& closing) {
   constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
-  const Layout& layout = equations.layout();
-  const VecX units = units_of_steps(equations, modes);
-  const auto kept = [&](Kept what) { return keep_start ? kept_rows(equations, what) : std::vector<KeptRow>{}; };
-
-  Closing closing;
-  layout.normalize(q);
-  const auto closed = [&] { return kClosed * std::max({1.0, size_of(q), equations.constraints().largest_coupled()}); };
-  equations.update(t, q, Y);
-  VecX residual = position_residual(equations, kept(Kept::coordinates));
+  const VecX units = units_of_displacements(equations, modes);
+  const auto system_at = [&] {
+    equations.update(t, q, Y);
+    equations.measure_terms(t, q);
+    return make_system(equations, hold, Kept::coordinates, units, rows());
+  };
+  ClosingSystem system = system_at();
   VecX best_q = q;
-  double best = size_of(residual);
+  double best = system.gap();
   double last = HUGE_VAL;
-  for (int step = 0; step < kMaxSteps && goes_on(size_of(residual), last, closed()); ++step) {
-    last = size_of(residual);
-    VecX move =
-        solve_shortest(closing_jacobian(equations, Kept::coordinates, kept(Kept::coordinates), units), -residual);
+  for (int step = 0; step < kMaxSteps && goes_on(system.gap(), last, kClosed); ++step) {
+    last = system.gap();
+    VecX move = system.shortest_step();
     if (!move.allFinite()) break;
-    move *= std::min(1.0, kLargestTurn / (1e-300 + size_of(move)));
-    layout.displace(units.cwiseProduct(move), q);
+    if (size_of(move) > kLargestTurn) move *= kLargestTurn / size_of(move);
+    equations.layout().displace(units.cwiseProduct(move), q);
     equations.update(t, q, Y);
     equations.constraints().follow_turns();
-    residual = position_residual(equations, kept(Kept::coordinates));
-    if (size_of(residual) <= best) {
-      best = size_of(residual);
+    system = system_at();
+    if (system.gap() <= best) {
+      best = system.gap();
       best_q = q;
     }
   }
   q = best_q;
-  equations.update(t, q, Y);
-  residual = position_residual(equations, kept(Kept::coordinates));
-  closing.position_residual = size_of(residual);
-  if (!(closing.position_residual <= closed())) {
-    name_open(equations, kept(Kept::coordinates), residual, closing);
-    return closing;
+  system = system_at();
+  closing.position_residual = system.gap();
+  closing.closed = closing.position_residual <= kClosed;
+  if (!closing.closed) name_open(equations, system.kept, system.residual, closing);
+}
+
+/// The largest speed that the velocity residuals are measured by [1/s].
+double largest_rate(const Equations& equations, double t, const VecX& Y, const std::vector<KeptRow>& kept) {
+  double rate = equations.largest_rate(t, Y);
+  for (const KeptRow& row : kept) {
+    const double size = std::max(row.row.over_d.norm() * equations.model().length_scale(), row.row.over_rho.norm());
+    if (size > 0.0) rate = std::max(rate, std::abs(row.target) / size);
   }
+  return rate;
+}
+
+void close_velocities(Equations& equations, double t, Hold hold, Modes modes, const VecX& q, VecX& Y,
+                      Closing& closing) {
+  constexpr int kMostSteps = 4;
+  constexpr double kRoundOff = 1e-16;
+  const VecX units = units_of_steps(equations, modes);
+  const auto system_at = [&] {
+    equations.update(t, q, Y);
+    return make_system(equations, hold, Kept::speeds, units, kept_at(equations, hold, Kept::speeds));
+  };
+  ClosingSystem system = system_at();
+  const auto speed = [&] { return largest_rate(equations, t, Y, system.kept); };
+  double last = HUGE_VAL;
+  for (int step = 0; step < kMostSteps && system.rate() > kRoundOff * speed() && system.rate() < 0.5 * last; ++step) {
+    last = system.rate();
+    Y += units.cwiseProduct(system.shortest_step());
+    system = system_at();
+  }
+  closing.velocity_residual = system.rate();
+  closing.closed = closing.velocity_residual <= kClosed * speed();
+  if (!closing.closed) name_open(equations, system.kept, system.residual, closing);
+}
+
+}  // namespace
+
+bool restrict_modes(const Equations& equations) {
+  const auto rank = [&](Modes modes) {
+    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units_of_steps(equations, modes)));
+  };
+  return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
+}
+
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y) {
+  Closing closing;
+  equations.layout().normalize(q);
+  const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
+  close_positions(equations, t, hold, rows, modes, q, Y, closing);
+  if (!closing.closed) return closing;
   if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
+    closing.closed = false;
     closing.joints_left_open = {equations.model().joints[joint].name};
     return closing;
   }
-
-  residual = velocity_residual(equations, kept(Kept::speeds));
-  last = HUGE_VAL;
-  const double speed = 1.0 + size_of(residual) + size_of(Y);
-  for (int step = 0; step < 4 && size_of(residual) > 1e-16 * speed && size_of(residual) < 0.5 * last; ++step) {
-    last = size_of(residual);
-    const SparseMatrix jacobian = closing_jacobian(equations, Kept::speeds, kept(Kept::speeds), units);
-    Y += units.cwiseProduct(solve_shortest(jacobian, -residual));
-    equations.update(t, q, Y);
-    residual = velocity_residual(equations, kept(Kept::speeds));
-  }
-  closing.velocity_residual = size_of(residual);
-  closing.closed = closing.velocity_residual <= kClosed * (1.0 + size_of(Y));
-  if (!closing.closed) name_open(equations, kept(Kept::speeds), residual, closing);
+  close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
+}
+
+TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
+  TurnError largest;
+  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+    const double value = evaluate_read(read, component, equations.constraints().joint(k).motion).value;
+    const double error = std::abs(value - q[k](place));
+    if (largest.joint < 0 || error > largest.size) largest = {k, error, value, q[k](place)};
+  });
+  return largest;
+}
+
+void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y) {
+  const VecX before = q;
+  Closing closing;
+  const auto rows = [&] { return turn_rows(equations, known); };
+  close_positions(equations, t, Hold::constraints, rows, modes, q, Y, closing);
+  if (closing.closed) return;
+  q = before;
+  equations.count_turns_from(known);
 }
 
 KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y) {
@@ -235,7 +351,7 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   const VecX units = units_of_steps(equations, Modes::kept);
   const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
-    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units), units);
+    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units));
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);

@@ -7,7 +7,7 @@
 
 namespace concord::cartesian {
 
-/// How far closing came.
+/// How far closing came: the largest residuals in the machine's units (its length, rad; for velocities 1/s).
 struct Closing {
   bool closed = false;
   double position_residual = 0.0;
@@ -19,15 +19,33 @@ struct Closing {
 /// Whether closing moves modal coordinates and rates too, or the rigid ones alone.
 enum class Modes { kept, moving };
 
+/// What closing holds: all constraints, these and the coordinates and speeds that the start keeps, or the joints and
+/// couplings without drivers.
+enum class Hold { constraints, start, joints_alone };
+
+/// Of readings that count turns by themselves, as the height on a thread does: the joint that reads farthest from its
+/// known coordinate q (by joint) at the last update, and by how much; -1 if there is no such reading.
+struct TurnError {
+  int joint = -1;
+  double size = 0.0;  // rad
+  double read = 0.0;
+  double known = 0.0;
+};
+TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
+
+/// Moves q by shortest steps towards these coordinates of such readings with all other constraints held, so that a
+/// shaken machine closes on the turns that it is said to be on. Leaves q as it is where that leads nowhere.
+void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y);
+
 /// Whether the constraints at the last update of `equations` restrict the modes, as where a flexible body is held at
 /// both ends: rigid coordinates alone cannot close such a machine.
 bool restrict_modes(const Equations& equations);
 
-/// Moves q and Y by the shortest steps until all constraints hold as far as round-off lets (at most 1e-13, or 1e-13 of
-/// the largest coordinate beyond 1 m), at time t. Rows that hold for velocities alone restrict no place. Turns of
-/// coupled coordinates are counted on the way, from those that `equations` count from. With `keep_start` the
-/// coordinates and speeds that the model keeps are rows as well.
-Closing close_machine(Equations& equations, double t, bool keep_start, Modes modes, VecX& q, VecX& Y);
+/// Moves q and Y by the shortest steps until all constraints hold as far as round-off lets, at time t: at most 1e-13 in
+/// the machine's units, of the distance from the origin beyond one length, of the largest speed. Rows that hold for
+/// velocities alone restrict no place. Turns of coupled coordinates are counted on the way, from those that `equations`
+/// count from.
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y);
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints
 /// leave free. Rows that hold for velocities alone leave more freedom to coordinates than to speeds.

@@ -40,7 +40,7 @@ void evaluate_rows(const Joint& stated, JointEquations& joint) {
 /// A coupled coordinate at the last place(), turns counted.
 double value_of(const JointEquations& joint, int row) {
   const CoupledCoordinate& coordinate = joint.coupled[row - joint.n_rows];
-  return value_near(*coordinate.read, coordinate.component, joint.rows[row], coordinate.known);
+  return value_near(coordinate.turns, joint.rows[row], coordinate.known);
 }
 
 /// What gradient . a_rel + bias is without the accelerations Ydot.
@@ -80,8 +80,17 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     equations.n_rows = equations.first_driver + static_cast<int>(joint.drivers.size());
     for (int row = 0; row < equations.n_rows; ++row) {
       holds_positions_.push_back(row < equations.n_forbids || equations.is_driver(row));
+      is_driver_.push_back(equations.is_driver(row));
     }
     n_rows_ += equations.n_rows;
+    for (const Driver& driver : joint.drivers) {
+      equations.driver_turns.push_back(reads_turn(*read_of(*joint.type, driver.word), driver.component));
+    }
+    int place = 0;
+    for (const joints::Read& read : joint.type->reads) {
+      if (std::holds_alternative<joints::ElevationOfGap>(read)) equations.elevation = place;
+      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+    }
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment& attachment = joint.on(side);
       equations.markers[index(side)] = make_marker(attachment);
@@ -100,6 +109,7 @@ void Constraints::add_couplings() {
     CouplingEquations coupling;
     coupling.row = n_rows_++;
     holds_positions_.push_back(true);
+    is_driver_.push_back(false);
     coupling.offset = stated.offset;
     for (const CouplingTerm& term : stated.terms) {
       coupling.terms.push_back({term.joint, find_coupled(term), term.factor});
@@ -124,7 +134,8 @@ int Constraints::find_coupled(const CouplingTerm& term) {
   const int row = joint.n_rows + static_cast<int>(found - joint.coupled.begin());
   if (found == joint.coupled.end()) {
     const int place = first_q(type, term.word) + term.component;
-    joint.coupled.push_back({read_of(type, term.word), term.word, term.component, place, 0.0});
+    const joints::Read* read = read_of(type, term.word);
+    joint.coupled.push_back({read, term.word, term.component, place, reads_turn(*read, term.component), 0.0});
   }
   return row;
 }
@@ -177,6 +188,8 @@ void Constraints::place_couplings() {
 void Constraints::count_turns_from(const std::vector<VecX>& q) {
   for (int k = 0; k < n_joints(); ++k) {
     for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k](coordinate.place);
+    if (joints_[k].elevation < 0) continue;
+    joints_[k].motion.is_beyond_upright = std::cos(q[k](joints_[k].elevation)) < 0.0;
   }
 }
 
@@ -194,14 +207,22 @@ void Constraints::write_turns(std::vector<VecX>& q) const {
   }
 }
 
-double Constraints::largest_coupled() const {
-  double largest = 0.0;
+void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
+  terms.setZero();
+  for (int k = 0; k < n_joints(); ++k) {
+    const JointEquations& joint = joints_[k];
+    for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
+      terms(joint.first_row + row) = std::abs(evaluate(driver.law, t).f);
+    }
+  }
   for (const CouplingEquations& coupling : couplings_) {
+    double largest = std::abs(coupling.offset);
     for (const CouplingEquations::Term& term : coupling.terms) {
       largest = std::max(largest, std::abs(term.factor * value_of(joints_[term.joint], term.row)));
     }
+    terms(coupling.row) = largest;
   }
-  return largest;
 }
 
 Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {
@@ -285,7 +306,7 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
       const Driver& driver = stated.drivers[row - joint.first_driver];
       const double error = joint.rows[row].value - evaluate(driver.law, t).f;
       residual(joint.first_row + row) =
-          reads_turn(*read_of(*stated.type, driver.word), driver.component) ? std::remainder(error, kFullTurn) : error;
+          joint.driver_turns[row - joint.first_driver] ? std::remainder(error, kFullTurn) : error;
     }
   }
   for (const CouplingEquations& coupling : couplings_) {

@@ -20,7 +20,8 @@ struct CoupledCoordinate {
   const joints::Read* read = nullptr;
   int word = 0;
   int component = 0;
-  int place = 0;  // among the joint's q
+  int place = 0;       // among the joint's q
+  bool turns = false;  // it is an angle known but for full turns
   double known = 0.0;
 };
 
@@ -43,6 +44,8 @@ struct JointEquations {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
+  int elevation = -1;              // place of an arm's elevation among the joint's q; -1: it has none
+  std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;
   std::vector<Row> rows;  // n_rows and one for each coupled coordinate
@@ -86,6 +89,7 @@ class Constraints {
   [[nodiscard]] int n_rows() const { return n_rows_; }
   /// Whether a row holds for positions too, and not for velocities alone.
   [[nodiscard]] bool holds_positions(int row) const { return holds_positions_[row]; }
+  [[nodiscard]] bool is_driver(int row) const { return is_driver_[row]; }
   [[nodiscard]] bool has_slip_rows() const;
   [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
   [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
@@ -103,14 +107,16 @@ class Constraints {
   void move(const Eigen::Ref<const VecX>& Y);
   void move_joint(int k, const Eigen::Ref<const VecX>& Y);
 
-  /// Joint coordinates (by joint) from which the turns of coupled angles are counted: at most half a turn away.
+  /// Joint coordinates (by joint) from which the turns of coupled angles are counted, at most half a turn away, and
+  /// which tell the side that an arm stands on.
   void count_turns_from(const std::vector<VecX>& q);
   /// Counts on from the last place().
   void follow_turns();
   /// Writes the coupled coordinates that turns are counted from, others untouched.
   void write_turns(std::vector<VecX>& q) const;
-  /// The largest term of a coupling, in m or rad: what its residual's round-off is relative to.
-  [[nodiscard]] double largest_coupled() const;
+  /// Terms that a row's residual subtracts, in the row's unit, which its round-off is relative to: a driver's law, the
+  /// largest of a coupling's terms; zero for all other rows.
+  void write_own_terms(double t, Eigen::Ref<VecX> terms) const;
 
   /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone.
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
@@ -148,6 +154,7 @@ class Constraints {
   std::vector<CouplingEquations> couplings_;
   std::vector<RowBlock> blocks_;
   std::vector<bool> holds_positions_;
+  std::vector<bool> is_driver_;
   std::vector<Mat3> rotations_;
   int n_rows_ = 0;
 };

@@ -11,10 +11,57 @@ namespace concord::cartesian {
 
 namespace {
 
+// Of projections, in the machine's units.
+constexpr int kMostProjections = 12;
+constexpr double kProjected = 1e-15;
+constexpr double kProjectionLimit = 1e-9;
+
 std::vector<BodyInertia> make_inertias(const Model& model) {
   std::vector<BodyInertia> inertias;
   for (const Body& body : model.bodies) inertias.emplace_back(body);
   return inertias;
+}
+
+/// The time squared in which a body's modes, the slowest that has a stiffness too, resist as if they were a million
+/// times heavier [s^2].
+double stiffening_of(const BodyInertia& inertia) {
+  constexpr double kHeavier = 1e6;
+  constexpr double kStiff = 1e-9;  // of the body's largest frequency squared: below, a mode is free
+  const VecX squared = inertia.stiffness().diagonal().cwiseQuotient(inertia.modal_mass().diagonal());
+  double slowest = HUGE_VAL;
+  for (const double one : squared) {
+    if (one > kStiff * squared.maxCoeff()) slowest = std::min(slowest, one);
+  }
+  return slowest < HUGE_VAL ? kHeavier / slowest : 0.0;
+}
+
+/// Size of a mode's rate that moves some joint of its body by `length` per second.
+double modal_unit(const Model& model, int body, int mode, double length) {
+  double largest = 0.0;
+  for (const Joint& joint : model.joints) {
+    for (const Attachment& side : joint.sides) {
+      if (side.body != body) continue;
+      largest = std::max(largest, side.Psi_t_L.col(mode).norm());
+      largest = std::max(largest, side.Psi_r_L.col(mode).norm() * length);
+    }
+  }
+  if (largest > 0.0) return length / largest;
+  // No joint feels it: by its size at a typical mass point.
+  const BodyInertia inertia(model.bodies[body]);
+  const double shape = std::sqrt(inertia.modal_mass()(mode, mode) / inertia.mass());
+  return shape > 0.0 && std::isfinite(shape) ? length / shape : 1.0;
+}
+
+VecX machine_units(const Model& model, const Layout& layout) {
+  const double length = model.length_scale();
+  VecX units = VecX::Ones(layout.n_Y());
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    layout.v(units, i).setConstant(length);
+    for (int mode = 0; mode < layout.n_modes(i); ++mode) {
+      layout.adot(units, i)(mode) = modal_unit(model, i, mode, length);
+    }
+  }
+  return units;
 }
 
 }  // namespace
@@ -30,30 +77,37 @@ Equations::Equations(const Model& model)
       gamma_(VecX::Zero(constraints_.n_rows())),
       residual_(VecX::Zero(constraints_.n_rows())),
       velocity_residual_(VecX::Zero(constraints_.n_rows())),
+      units_(machine_units(model, layout_)),
+      row_sizes_(VecX::Zero(constraints_.n_rows())),
+      terms_(VecX::Ones(constraints_.n_rows())),
       Ydot_(VecX::Zero(layout_.n_Y())),
       lambda_(VecX::Zero(constraints_.n_rows())),
       step_(VecX::Zero(layout_.n_Y())) {
   for (int i = 0; i < layout_.n_bodies(); ++i)
     mass_matrices_.emplace_back(MatX::Zero(layout_.size_Y(i), layout_.size_Y(i)));
+  for (const BodyInertia& inertia : inertias_) stiffening_.push_back(stiffening_of(inertia));
+  lay_out();
   use_rows(std::vector<bool>(constraints_.n_rows(), true));
 }
 
 void Equations::use_rows(const std::vector<bool>& active) {
-  place_of_row_.assign(active.size(), -1);
-  int place = layout_.n_Y();
-  for (std::size_t row = 0; row < active.size(); ++row) {
-    if (active[row]) place_of_row_[row] = place++;
+  if (active == active_) return;
+  active_ = active;
+  std::vector<bool> idle(unknowns_.size(), false);
+  for (int row = 0; row < constraints_.n_rows(); ++row) idle[place_of(row)] = !active[row];
+  matrix_->set_idle(idle);
+  has_new_rows_ = true;
+  if (!position_matrix_) return;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    idle[place_of(row)] = !active[row] || !constraints_.holds_positions(row);
   }
-  unknowns_ = VecX::Zero(place);
-  is_slip_place_.assign(place, false);
-  for (std::size_t row = 0; row < active.size(); ++row) {
-    if (active[row]) is_slip_place_[place_of_row_[row]] = !constraints_.holds_positions(static_cast<int>(row));
-  }
-  lay_out();
+  position_matrix_->set_idle(idle);
+  has_new_position_rows_ = true;
 }
 
 void Equations::lay_out() {
-  const int size = static_cast<int>(unknowns_.size());
+  const int size = layout_.n_Y() + constraints_.n_rows();
+  unknowns_ = VecX::Zero(size);
   std::vector<std::vector<int>> columns(size);
   for (int i = 1; i < layout_.n_bodies(); ++i) {
     for (int column = 0; column < layout_.size_Y(i); ++column) {
@@ -64,18 +118,13 @@ void Equations::lay_out() {
   }
   for (const RowBlock& block : constraints_.blocks()) {
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
-      const int place = place_of_row_[row];
-      if (place < 0) continue;
       for (int c = 0; c < layout_.size_Y(block.body); ++c) {
-        columns[layout_.first_Y(block.body) + c].push_back(place);
-        columns[place].push_back(layout_.first_Y(block.body) + c);
+        columns[layout_.first_Y(block.body) + c].push_back(place_of(row));
+        columns[place_of(row)].push_back(layout_.first_Y(block.body) + c);
       }
     }
   }
-  for (int row = 0; row < constraints_.n_rows(); ++row) {
-    // Room for the unit rows of the position matrix.
-    if (is_active(row) && !constraints_.holds_positions(row)) columns[place_of_row_[row]].push_back(place_of_row_[row]);
-  }
+  for (int row = 0; row < constraints_.n_rows(); ++row) columns[place_of(row)].push_back(place_of(row));
   std::vector<int> starts{0};
   std::vector<int> rows;
   for (auto& column : columns) {
@@ -83,10 +132,20 @@ void Equations::lay_out() {
     rows.insert(rows.end(), column.begin(), column.end());
     starts.push_back(static_cast<int>(rows.size()));
   }
-  const auto make = [&] { return std::make_unique<SparseLu>(starts, rows, SparseLu::Pattern::symmetric); };
+  double mass = 0.0;
+  for (const BodyInertia& inertia : inertias_) mass += inertia.mass();
+  if (mass > 0.0) mass_unit_ = std::ldexp(1.0, std::ilogb(mass));
+  const auto make = [&] {
+    auto matrix = std::make_unique<SparseLu>(starts, rows, SparseLu::Pattern::symmetric);
+    matrix->set_diagonal_unit(mass_unit_);
+    return matrix;
+  };
   matrix_ = make();
-  position_matrix_ = constraints_.has_slip_rows() ? make() : nullptr;
+  if (constraints_.has_slip_rows() || model_.is_flexible()) position_matrix_ = make();
+  find_entries();
+}
 
+void Equations::find_entries() {
   mass_entries_.assign(layout_.n_bodies(), {});
   for (int i = 1; i < layout_.n_bodies(); ++i) {
     for (int column = 0; column < layout_.size_Y(i); ++column) {
@@ -98,15 +157,11 @@ void Equations::lay_out() {
   for (std::size_t b = 0; b < constraints_.blocks().size(); ++b) {
     const RowBlock& block = constraints_.blocks()[b];
     const int first_Y = layout_.first_Y(block.body);
-    int first_active = -1;
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
-      const int place = place_of_row_[row];
-      transposed_entries_[b].push_back(place < 0 ? -1 : matrix_->find(first_Y, place));
-      if (first_active < 0) first_active = place;
+      transposed_entries_[b].push_back(matrix_->find(first_Y, place_of(row)));
     }
-    if (first_active < 0) continue;
     for (int c = 0; c < layout_.size_Y(block.body); ++c) {
-      Phi_Y_entries_[b].push_back(matrix_->find(first_active, first_Y + c));
+      Phi_Y_entries_[b].push_back(matrix_->find(place_of(block.first_row), first_Y + c));
     }
   }
 }
@@ -123,6 +178,7 @@ void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::R
   constraints_.move(Y);
   constraints_.write_residual(t, residual_);
   constraints_.write_velocity_residual(t, velocity_residual_);
+  has_row_sizes_ = false;
   for (int i = 1; i < layout_.n_bodies(); ++i) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
   for (int i = 1; i < layout_.n_bodies(); ++i) {
     inertias_[i].write_forces(constraints_.rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
@@ -149,64 +205,64 @@ void Equations::fill_matrix() {
   }
   for (std::size_t b = 0; b < constraints_.blocks().size(); ++b) {
     const auto& entries = Phi_Y_entries_[b];
-    if (entries.empty()) continue;
     const Eigen::Ref<const MatX> Phi_Y_transposed = constraints_.columns(constraints_.blocks()[b]);
     const int size = static_cast<int>(entries.size());
-    int active = 0;
     for (Eigen::Index row = 0; row < Phi_Y_transposed.cols(); ++row) {
-      const int start = transposed_entries_[b][row];
-      if (start < 0) continue;
-      std::copy_n(Phi_Y_transposed.col(row).data(), size, values + start);
-      for (int c = 0; c < size; ++c) values[entries[c] + active] = Phi_Y_transposed(c, row);
-      ++active;
+      std::copy_n(Phi_Y_transposed.col(row).data(), size, values + transposed_entries_[b][row]);
+      for (int c = 0; c < size; ++c) values[entries[c] + row] = Phi_Y_transposed(c, row);
     }
   }
 }
 
 void Equations::solve(bool fresh_pivots) {
-  constexpr double kRoundOff = 1e-15;                // of the right side
   constexpr double kGoodEnoughBetweenSteps = 1e-12;  // and with pivots chosen at another state
+  constexpr double kMagnified = 1e-13;
   constraints_.write_gamma(t_, gamma_);
   fill_matrix();
   const auto fill_right_side = [&] {
     unknowns_.head(layout_.n_Y()) = forces_;
-    for (int row = 0; row < constraints_.n_rows(); ++row) {
-      if (place_of_row_[row] >= 0) unknowns_(place_of_row_[row]) = gamma_(row);
-    }
+    for (int row = 0; row < constraints_.n_rows(); ++row) unknowns_(place_of(row)) = active_[row] ? gamma_(row) : 0.0;
   };
   fill_right_side();
   bool good = false;
-  if (!fresh_pivots) good = matrix_->refactor() && matrix_->solve_refined(unknowns_, kGoodEnoughBetweenSteps);
+  if (!fresh_pivots && !has_new_rows_) {
+    good = matrix_->refactor() && matrix_->solve_refined(unknowns_, magnifies_ ? 0.0 : kGoodEnoughBetweenSteps);
+  }
   if (!good) {
     fill_right_side();
-    good = matrix_->factor() && matrix_->solve_refined(unknowns_, kRoundOff);
+    good = matrix_->factor() && matrix_->solve_refined(unknowns_, 0.0);
+    magnifies_ = matrix_->first_correction() > kMagnified;
+    has_new_rows_ = false;
   }
-  if (!good || !unknowns_.allFinite()) {
+  if (!good) {
     throw SolverError(fmt::format(
         "cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular pose, or a body "
         "can move without inertia",
         t_));
   }
   Ydot_ = unknowns_.head(layout_.n_Y());
-  for (int row = 0; row < constraints_.n_rows(); ++row) {
-    lambda_(row) = place_of_row_[row] >= 0 ? unknowns_(place_of_row_[row]) : 0.0;
+  lambda_ = unknowns_.tail(constraints_.n_rows());
+}
+
+/// Adds to the inertia of each mode what its stiffness resists: it takes no part in closing the joints, unless nothing
+/// else can.
+void Equations::stiffen_modes() {
+  double* values = position_matrix_->values();
+  for (int i = 1; i < layout_.n_bodies(); ++i) {
+    const MatX& stiffness = inertias_[i].stiffness();
+    for (int k = 0; k < layout_.n_modes(i); ++k) {
+      double* column = values + mass_entries_[i][6 + k] + 6;
+      for (int l = 0; l < layout_.n_modes(i); ++l) column[l] += stiffening_[i] * stiffness(l, k);
+    }
   }
 }
 
-/// From the numbers of the last fill_matrix(): rows and columns of what holds for velocities alone become those of the
-/// identity, so that they neither restrict a step nor push it.
 void Equations::factor_position_matrix() {
-  const std::vector<int>& starts = matrix_->column_starts();
-  const std::vector<int>& rows = matrix_->row_indices();
-  const double* from = matrix_->values();
-  double* to = position_matrix_->values();
-  for (int column = 0; column < matrix_->size(); ++column) {
-    for (int entry = starts[column]; entry < starts[column + 1]; ++entry) {
-      const bool is_slip = is_slip_place_[column] || is_slip_place_[rows[entry]];
-      to[entry] = is_slip ? (rows[entry] == column ? 1.0 : 0.0) : from[entry];
-    }
-  }
-  if (!position_matrix_->refactor()) {
+  std::copy_n(matrix_->values(), matrix_->row_indices().size(), position_matrix_->values());
+  stiffen_modes();
+  const bool is_regular = has_new_position_rows_ ? position_matrix_->factor() : position_matrix_->refactor();
+  has_new_position_rows_ = false;
+  if (!is_regular) {
     throw SolverError(fmt::format("cartesian: at t = {:.6g} s the equations of position are singular", t_));
   }
 }
@@ -214,64 +270,176 @@ void Equations::factor_position_matrix() {
 void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {
   unknowns_.head(layout_.n_Y()).setZero();
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    if (place_of_row_[row] >= 0) unknowns_(place_of_row_[row]) = -residual(row);
+    unknowns_(place_of(row)) = active_[row] ? -residual(row) : 0.0;
   }
   matrix.solve(unknowns_);
   step_ = unknowns_.head(layout_.n_Y());
 }
 
-std::string Equations::name_of_largest(const VecX& residual) const {
-  Eigen::Index largest = 0;
-  residual.cwiseAbs().maxCoeff(&largest);
+void Equations::measure_rows() const {
+  const auto norm_of = [&](int k, int row) {
+    double squared = 0.0;
+    for (const Side side : {Side::parent, Side::child}) {
+      const int body = model_.joints[k].on(side).body;
+      if (body == kGround) continue;
+      const auto over_Y = constraints_.joint(k).Phi_Y_transposed[index(side)].col(row);
+      squared += over_Y.cwiseProduct(units_.segment(layout_.first_Y(body), over_Y.size())).squaredNorm();
+    }
+    return std::sqrt(squared);
+  };
   for (int k = 0; k < constraints_.n_joints(); ++k) {
     const JointEquations& joint = constraints_.joint(k);
-    if (largest >= joint.first_row && largest < joint.first_row + joint.n_rows) {
+    for (int row = 0; row < joint.n_rows; ++row) row_sizes_(joint.first_row + row) = norm_of(k, row);
+  }
+  for (int g = 0; g < constraints_.n_couplings(); ++g) {
+    const CouplingEquations& coupling = constraints_.coupling(g);
+    double sum = 0.0;
+    for (const CouplingEquations::Term& term : coupling.terms)
+      sum += std::abs(term.factor) * norm_of(term.joint, term.row);
+    row_sizes_(coupling.row) = sum;
+  }
+  has_row_sizes_ = true;
+}
+
+void Equations::measure_terms(double t, const Eigen::Ref<const VecX>& q) {
+  reach_ = 1.0;
+  for (int i = 1; i < layout_.n_bodies(); ++i) {
+    reach_ = std::max(reach_, layout_.r(q, i).lpNorm<Eigen::Infinity>() / model_.length_scale());
+  }
+  for (int k = 0; k < constraints_.n_joints(); ++k) {
+    for (const Marker& marker : constraints_.joint(k).markers) {
+      const double far = std::max(marker.lever.lpNorm<Eigen::Infinity>(), marker.point.lpNorm<Eigen::Infinity>());
+      reach_ = std::max(reach_, far / model_.length_scale());
+    }
+  }
+  constraints_.write_own_terms(t, terms_);
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    const double own = row_sizes()(row) > 0.0 ? terms_(row) / row_sizes()(row) : 0.0;
+    terms_(row) = std::max(reach_, own);
+  }
+}
+
+double Equations::compliance(int body, int mode) const {
+  constexpr double kLeast = 1e-4;  // far above what counts as dependent where nothing but modes can close a machine
+  const BodyInertia& inertia = inertias_[body];
+  const double stiffer = stiffening_[body] * inertia.stiffness()(mode, mode) / inertia.modal_mass()(mode, mode);
+  return std::max(kLeast, 1.0 / std::sqrt(1.0 + std::max(0.0, stiffer)));
+}
+
+double Equations::gap(const VecX& residual) const {
+  double largest = 0.0;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
+    const double own = std::abs(residual(row)) / (size * terms_(row));
+    if (std::isnan(own)) return own;
+    largest = std::max(largest, own);
+  }
+  return largest;
+}
+
+double Equations::rate_error(const VecX& velocity_residual) const {
+  double largest = 0.0;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
+    const double own = std::abs(velocity_residual(row)) / size;
+    if (std::isnan(own)) return own;
+    largest = std::max(largest, own);
+  }
+  return largest;
+}
+
+double Equations::natural_rate() const {
+  double acceleration = 0.0;
+  for (int i = 1; i < layout_.n_bodies(); ++i) {
+    if (!(inertias_[i].mass() > 0.0)) continue;
+    acceleration = std::max(acceleration, layout_.v(forces_, i).lpNorm<Eigen::Infinity>() / inertias_[i].mass());
+  }
+  return std::sqrt(acceleration / model_.length_scale());
+}
+
+double Equations::largest_rate(double t, const Eigen::Ref<const VecX>& Y) const {
+  constexpr double kAtRest = 1e-6;
+  double largest = kAtRest * natural_rate();
+  for (Eigen::Index c = 0; c < Y.size(); ++c) largest = std::max(largest, std::abs(Y(c)) / units_(c));
+  for (int k = 0; k < constraints_.n_joints(); ++k) {
+    const JointEquations& joint = constraints_.joint(k);
+    for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      const double size = row_sizes()(joint.first_row + row);
+      const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
+      if (size > 0.0) largest = std::max(largest, std::abs(evaluate(driver.law, t).fdot) / size);
+    }
+  }
+  return largest;
+}
+
+std::string Equations::name_of(int wanted) const {
+  for (int k = 0; k < constraints_.n_joints(); ++k) {
+    const JointEquations& joint = constraints_.joint(k);
+    if (wanted >= joint.first_row && wanted < joint.first_row + joint.n_rows) {
       return fmt::format("joint '{}'", model_.joints[k].name);
     }
   }
   for (int g = 0; g < constraints_.n_couplings(); ++g) {
-    if (largest == constraints_.coupling(g).row) return fmt::format("coupling '{}'", model_.couplings[g].name);
+    if (wanted == constraints_.coupling(g).row) return fmt::format("coupling '{}'", model_.couplings[g].name);
   }
   return {};
 }
 
+std::string Equations::name_of_largest(const VecX& residual) const {
+  int largest = 0;
+  double size = -1.0;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    const double own = std::abs(residual(row)) / (row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0);
+    if (own <= size) continue;
+    size = own;
+    largest = row;
+  }
+  return name_of(largest);
+}
+
 void Equations::project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
-  constexpr int kMostSteps = 12;
-  constexpr double kRoundOff = 2e-15;
-  constexpr double kAllowed = 1e-9;
   layout_.normalize(q);
   if (constraints_.n_rows() == 0) return;
+  project_positions(t, q);
+  project_velocities(t, Y);
+}
+
+void Equations::project_positions(double t, Eigen::Ref<VecX> q) {
   if (position_matrix_) factor_position_matrix();
-  SparseLu& position_matrix = position_matrix_ ? *position_matrix_ : *matrix_;
-  double last = HUGE_VAL;
-  for (int step = 0; step < kMostSteps; ++step) {
+  SparseLu& matrix = position_matrix_ ? *position_matrix_ : *matrix_;
+  measure_terms(t, q);
+  double size = HUGE_VAL;
+  for (int step = 0; step < kMostProjections; ++step) {
     constraints_.place(q);
     constraints_.write_residual(t, residual_);
-    const double size = residual_.lpNorm<Eigen::Infinity>();
-    if (size <= kRoundOff || (size < kAllowed && size > 0.5 * last)) break;
-    last = size;
-    solve_constraint_step(position_matrix, residual_);
+    const double last = size;
+    size = gap(residual_);
+    if (size <= kProjected || (size < kProjectionLimit && size > 0.5 * last)) return;
+    solve_constraint_step(matrix, residual_);
     layout_.displace(step_, q);
   }
-  if (!(residual_.lpNorm<Eigen::Infinity>() <= kAllowed)) {
-    throw SolverError(fmt::format(
-        "cartesian: at t = {:.6g} s {} will not close: gap {:.3g} (m or rad), allowed {:.3g}; it was closed at "
-        "the start: tighten the tolerance",
-        t, name_of_largest(residual_), residual_.lpNorm<Eigen::Infinity>(), kAllowed));
-  }
-  const double speed = 1.0 + Y.lpNorm<Eigen::Infinity>();
-  last = HUGE_VAL;
-  for (int step = 0; step < kMostSteps; ++step) {
+  if (size <= kProjectionLimit) return;
+  throw SolverError(fmt::format(
+      "cartesian: at t = {:.6g} s {} will not close: gap {:.3g} (of the machine's length, or rad), allowed {:.3g}; it "
+      "was closed at the start: tighten the tolerance",
+      t, name_of_largest(residual_), size, kProjectionLimit));
+}
+
+void Equations::project_velocities(double t, Eigen::Ref<VecX> Y) {
+  const double speed = largest_rate(t, Y);
+  double size = HUGE_VAL;
+  for (int step = 0; step < kMostProjections; ++step) {
     constraints_.move(Y);
     constraints_.write_velocity_residual(t, velocity_residual_);
-    const double size = velocity_residual_.lpNorm<Eigen::Infinity>();
-    if (size <= kRoundOff * speed || (size < kAllowed * speed && size > 0.5 * last)) return;
-    last = size;
+    const double last = size;
+    size = rate_error(velocity_residual_);
+    if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;
     solve_constraint_step(*matrix_, velocity_residual_);
     Y += step_;
   }
-  throw SolverError(fmt::format("cartesian: at t = {:.6g} s the velocities of {} will not close: residual {:.3g}", t,
-                                name_of_largest(velocity_residual_), velocity_residual_.lpNorm<Eigen::Infinity>()));
+  throw SolverError(fmt::format(
+      "cartesian: at t = {:.6g} s the velocities of {} will not close: residual {:.3g} of the largest speed", t,
+      name_of_largest(velocity_residual_), size / speed));
 }
 
 double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {

@@ -27,9 +27,11 @@ class Equations {
   [[nodiscard]] AppliedForces& applied() { return applied_; }
   [[nodiscard]] const BodyInertia& inertia(int body) const { return inertias_[body]; }
 
-  /// Which constraint rows take part (all of them until this is called); freezes the pattern anew.
+  /// Which constraint rows take part (all of them until this is called). The pattern holds all rows: those that take no
+  /// part are rows of the identity.
   void use_rows(const std::vector<bool>& active);
-  [[nodiscard]] bool is_active(int row) const { return place_of_row_[row] >= 0; }
+  [[nodiscard]] bool is_active(int row) const { return active_[row]; }
+  [[nodiscard]] const std::vector<bool>& active_rows() const { return active_; }
 
   /// Joint coordinates (by joint) from which the turns of sprung and coupled angles are counted: at most half a turn
   /// away.
@@ -38,23 +40,53 @@ class Equations {
   /// Everything that follows from positions and velocities; t in s.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
-  /// Accelerations and multipliers at the updated state. With `fresh_pivots` the factorization chooses its pivots anew.
-  /// Throws SolverError where the matrix is singular.
+  /// Accelerations and multipliers at the updated state. With `fresh_pivots` the factorization chooses its pivots anew
+  /// and the solution is refined to round-off. Throws SolverError where the matrix is singular.
   void solve(bool fresh_pivots);
   [[nodiscard]] const VecX& Ydot() const { return Ydot_; }
   /// One multiplier for each constraint row; zero for rows that take no part.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
+  [[nodiscard]] double time() const { return t_; }
   /// Phi and Phi_Y Y + Phi_t at the updated state, all rows.
   [[nodiscard]] const VecX& residual() const { return residual_; }
   [[nodiscard]] const VecX& velocity_residual() const { return velocity_residual_; }
 
-  /// The joint or coupling that has the largest of these rows: "joint 'A'".
+  /// The machine's units over Y, one for each number: v by the machine's length L, omega by 1, adot by the size that
+  /// moves a joint by L. All that is called small or large is so in these units.
+  [[nodiscard]] const VecX& units() const { return units_; }
+  /// Norm of each constraint row over Y in the machine's units at the updated state: what its residual is measured by;
+  /// a coupling's is the sum of its terms' norms, so that one whose terms cancel is seen to be small. Zero for a row
+  /// that vanishes.
+  [[nodiscard]] const VecX& row_sizes() const {
+    if (!has_row_sizes_) measure_rows();
+    return row_sizes_;
+  }
+  /// How often a residual holds its round-off, by row: 1, or the distance from the origin in lengths of the machine, or
+  /// the row's own terms (many turns) by its size.
+  void measure_terms(double t, const Eigen::Ref<const VecX>& q);
+  [[nodiscard]] const VecX& terms() const { return terms_; }
+  /// The farthest that anything stands from the origin or its body's origin, in lengths of the machine; at least 1.
+  [[nodiscard]] double reach() const { return reach_; }
+  /// How much less a step of positions moves a mode than a coordinate without stiffness, at most 1.
+  [[nodiscard]] double compliance(int body, int mode) const;
+  /// The largest residual by row sizes and terms, a number without a unit; for velocities [1/s].
+  [[nodiscard]] double gap(const VecX& residual) const;
+  [[nodiscard]] double rate_error(const VecX& velocity_residual) const;
+  /// The largest speed in the machine's units at the updated state [1/s], that of laws of drivers included; at least a
+  /// millionth of the rate that the forces would bring about over the machine's length.
+  [[nodiscard]] double largest_rate(double t, const Eigen::Ref<const VecX>& Y) const;
+  /// That rate [1/s]: sqrt(acceleration / L), the largest of all bodies.
+  [[nodiscard]] double natural_rate() const;
+
+  /// The joint or coupling that a row belongs to, "joint 'A'", and that of the largest of these rows by their sizes.
+  [[nodiscard]] std::string name_of(int row) const;
   [[nodiscard]] std::string name_of_largest(const VecX& residual) const;
 
-  /// Brings q and Y onto the constraints, nearest in the sense of the mass matrix, with the factors of the last
-  /// solve(); rows that hold for velocities alone do not restrict positions. Newton's method until the residuals stop
-  /// falling. Throws SolverError if they stay above 1e-9.
+  /// Brings q and Y onto the constraints with the factors of the last solve(): velocities nearest in the sense of the
+  /// mass matrix, positions too but for modes, which are moved as little as their stiffness asks; rows that hold for
+  /// velocities alone do not restrict positions. Newton's method until the residuals stop falling. Throws SolverError
+  /// if they stay above 1e-9 in the machine's units.
   void project(double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y);
 
   /// Power of drivers, joint springs and force elements less that of modal damping [W] at the updated state; with the
@@ -62,8 +94,14 @@ class Equations {
   [[nodiscard]] double power() const { return power_of(lambda_); }
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;
 
-  /// The matrix with the numbers of the last solve(), for whoever looks into it, such as a benchmark.
+  /// The matrix with the numbers of the last solve() or fill_matrix(), rows that take no part included.
   [[nodiscard]] const SparseLu& matrix() const { return *matrix_; }
+  /// Its numbers at the updated state.
+  void fill_matrix();
+  /// Column of a constraint row in the matrix.
+  [[nodiscard]] int place_of(int row) const { return layout_.n_Y() + row; }
+  /// Unit of inertia that the matrix is scaled with, a power of two near the mass of all bodies [kg].
+  [[nodiscard]] double mass_unit() const { return mass_unit_; }
 
   /// Generalized forces Q - S - U, n_Y rows; Q holds gravity, force elements and joint springs.
   [[nodiscard]] const VecX& forces() const { return forces_; }
@@ -77,8 +115,12 @@ class Equations {
 
  private:
   void lay_out();
-  void fill_matrix();
+  void measure_rows() const;
+  void find_entries();
+  void stiffen_modes();
   void factor_position_matrix();
+  void project_positions(double t, Eigen::Ref<VecX> q);
+  void project_velocities(double t, Eigen::Ref<VecX> Y);
   void solve_constraint_step(SparseLu& matrix, const VecX& residual);
 
   const Model& model_;
@@ -87,14 +129,18 @@ class Equations {
   Constraints constraints_;
   AppliedForces applied_;
   std::vector<MatX> mass_matrices_;  // by body
-  std::vector<int> place_of_row_;    // column of an active row in the matrix; -1
-  std::vector<bool> is_slip_place_;  // by column of the matrix: a row that holds for velocities alone
+  std::vector<double> stiffening_;   // by body [s^2]: what stiffness counts for beside inertia in steps of positions
+  std::vector<bool> active_;         // by constraint row
+  double mass_unit_ = 1.0;
+  bool has_new_rows_ = true;           // since the last factorization
+  bool has_new_position_rows_ = true;  // the same of the position matrix
+  bool magnifies_ = false;  // the condition magnifies round-off beyond what evaluations between steps may lose
   std::unique_ptr<SparseLu> matrix_;
-  /// The matrix with unit rows for what holds for velocities alone; nullptr: there is no such row.
+  /// The matrix that steps of positions are taken with: no rows that hold for velocities alone, and modes held by their
+  /// stiffness, so that they take no round-off of the joints. nullptr: it is the matrix itself.
   std::unique_ptr<SparseLu> position_matrix_;
   /// Where blocks go in the matrix's values: by body the first entry of each column of M; by block of rows and column
-  /// of the body the first of the block's rows; by block and row the first of the body's entries in the row's column
-  /// (-1: the row takes no part).
+  /// of the body the first of the block's rows; by block and row the first of the body's entries in the row's column.
   std::vector<std::vector<int>> mass_entries_;
   std::vector<std::vector<int>> Phi_Y_entries_;
   std::vector<std::vector<int>> transposed_entries_;
@@ -105,6 +151,11 @@ class Equations {
   VecX gamma_;
   VecX residual_;
   VecX velocity_residual_;
+  VecX units_;
+  mutable VecX row_sizes_;  // computed when they are asked for
+  mutable bool has_row_sizes_ = false;
+  VecX terms_;  // by row
+  double reach_ = 1.0;
   VecX Ydot_;
   VecX lambda_;
   VecX unknowns_;

@@ -65,7 +65,7 @@ Table make_table(const std::vector<int>& substeps) {
 
 class ExtrapolationStepper : public Stepper {
  public:
-  ExtrapolationStepper(Equations& equations, const Motion& start, double rtol)
+  ExtrapolationStepper(Equations& equations, const Motion& start, Tolerance tolerance)
       : Stepper(equations, start),
         n_q_(equations.layout().n_q()),
         n_Y_(equations.layout().n_Y()),
@@ -75,13 +75,13 @@ class ExtrapolationStepper : public Stepper {
         dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
     write(start, view(y_.get()));
-    view(tolerances_.get()) = absolute_tolerances(equations, start, rtol);
+    view(tolerances_.get()) = absolute_tolerances(equations, start, tolerance);
     memory_.reset(require(ERKStepCreate(&right_side, 0.0, y_.get(), context_.get()), "ERKStepCreate"));
     void* erk = memory_.get();
     check(ERKStepSetErrHandlerFn(erk, sundials::MessageRecord::record, &messages_), "ERKStepSetErrHandlerFn",
           messages_);
     check(ERKStepSetTable(erk, make_table({2, 4, 6, 8, 10}).get()), "ERKStepSetTable", messages_);
-    check(ERKStepSVtolerances(erk, rtol, tolerances_.get()), "ERKStepSVtolerances", messages_);
+    check(ERKStepSVtolerances(erk, tolerance.rtol, tolerances_.get()), "ERKStepSVtolerances", messages_);
     check(ERKStepSetUserData(erk, this), "ERKStepSetUserData", messages_);
     check(ERKStepSetPostprocessStepFn(erk, &project), "ERKStepSetPostprocessStepFn", messages_);
     check(ERKStepSetMaxHnilWarns(erk, -1), "ERKStepSetMaxHnilWarns", messages_);
@@ -114,6 +114,8 @@ class ExtrapolationStepper : public Stepper {
     while (reached_ < t) evolve(t);
     check(ERKStepSetInitStep(memory_.get(), 0.0), "ERKStepSetInitStep", messages_);
   }
+
+  [[nodiscard]] bool remembers_multipliers() const override { return false; }
 
   void restart(double t) override {
     write(motion_, view(y_.get()));
@@ -202,8 +204,8 @@ class ExtrapolationStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, double rtol) {
-  return std::make_unique<ExtrapolationStepper>(equations, start, rtol);
+std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, Tolerance tolerance) {
+  return std::make_unique<ExtrapolationStepper>(equations, start, tolerance);
 }
 
 }  // namespace concord::cartesian

@@ -81,16 +81,15 @@ ForceSlopes make_slopes(const Actor& actor, const Layout& layout) {
 
 class IdaStepper : public Stepper {
  public:
-  IdaStepper(Equations& equations, const Motion& start, double rtol)
+  IdaStepper(Equations& equations, const Motion& start, Tolerance tolerance)
       : Stepper(equations, start), layout_(equations.layout()), glanced_(start) {
-    for (int row = 0; row < equations.constraints().n_rows(); ++row) {
-      const bool is_active = equations.is_active(row);
-      place_of_row_.push_back(is_active ? n_active_++ : -1);
-      place_of_mu_.push_back(is_active && equations.constraints().holds_positions(row) ? n_mu_++ : -1);
+    n_rows_ = equations.constraints().n_rows();
+    for (int row = 0; row < n_rows_; ++row) {
+      place_of_mu_.push_back(equations.constraints().holds_positions(row) ? n_mu_++ : -1);
     }
     first_Y_ = layout_.n_q();
     first_lambda_ = first_Y_ + layout_.n_Y();
-    first_mu_ = first_lambda_ + n_active_;
+    first_mu_ = first_lambda_ + n_rows_;
     first_nu_ = first_mu_ + n_mu_;
     at_work_ = first_nu_ + layout_.n_bodies() - 1;
     size_ = at_work_ + 1;
@@ -102,7 +101,7 @@ class IdaStepper : public Stepper {
     }
     for (const Actor& actor : equations.applied().actors()) slopes_.push_back(make_slopes(actor, layout_));
     lay_out_jacobian(start);
-    set_up(start, rtol);
+    set_up(start, tolerance);
   }
 
  protected:
@@ -122,6 +121,8 @@ class IdaStepper : public Stepper {
 
   void look_back(double t) override { read(t, motion_); }
 
+  [[nodiscard]] bool remembers_multipliers() const override { return true; }
+
   void restart(double t) override {
     check(IDAGetLastStep(memory_.get(), &last_step_), "IDAGetLastStep", messages_);
     write_start(t, motion_);
@@ -137,19 +138,19 @@ class IdaStepper : public Stepper {
     motion.work = x(at_work_);
   }
 
-  void set_up(const Motion& start, double rtol) {
+  void set_up(const Motion& start, Tolerance tolerance) {
     for (sundials::Vector* vector : {&x_, &xdot_, &dense_, &tolerances_, &id_}) {
       *vector = sundials::make_vector(size_, context_);
     }
     write_start(0.0, start);
-    write_tolerances(start, rtol);
+    write_tolerances(start, tolerance);
     view(id_.get()).head(first_lambda_).setOnes();
     view(id_.get())(at_work_) = 1.0;
     memory_.reset(require(IDACreate(context_.get()), "IDACreate"));
     void* ida = memory_.get();
     check(IDASetErrHandlerFn(ida, sundials::MessageRecord::record, &messages_), "IDASetErrHandlerFn", messages_);
     check(IDAInit(ida, &IdaStepper::residual, 0.0, x_.get(), xdot_.get()), "IDAInit", messages_);
-    check(IDASVtolerances(ida, rtol, tolerances_.get()), "IDASVtolerances", messages_);
+    check(IDASVtolerances(ida, tolerance.rtol, tolerances_.get()), "IDASVtolerances", messages_);
     check(IDASetUserData(ida, this), "IDASetUserData", messages_);
     check(IDASetId(ida, id_.get()), "IDASetId", messages_);
     check(IDASetSuppressAlg(ida, SUNTRUE), "IDASetSuppressAlg", messages_);
@@ -180,9 +181,7 @@ class IdaStepper : public Stepper {
     xdot.setZero();
     x.head(first_Y_) = start.q;
     x.segment(first_Y_, layout_.n_Y()) = start.Y;
-    for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
-      if (place_of_row_[row] >= 0) x(first_lambda_ + place_of_row_[row]) = equations_.lambda()(row);
-    }
+    x.segment(first_lambda_, n_rows_) = equations_.lambda();
     x(at_work_) = start.work;
     layout_.write_qdot(start.q, start.Y, xdot.head(first_Y_));
     xdot.segment(first_Y_, layout_.n_Y()) = equations_.Ydot();
@@ -192,22 +191,27 @@ class IdaStepper : public Stepper {
   /// Multipliers are not controlled (the reactions are computed anew from q and Y): they get the size of forces and
   /// speeds themselves, so that only Newton's convergence on the motion counts. mu in particular carries round-off over
   /// the step.
-  void write_tolerances(const Motion& start, double rtol) {
-    const VecX motion = absolute_tolerances(equations_, start, rtol);
+  void write_tolerances(const Motion& start, Tolerance tolerance) {
+    const VecX motion = absolute_tolerances(equations_, start, tolerance);
     auto tolerances = view(tolerances_.get());
     tolerances.head(first_lambda_) = motion.head(first_lambda_);
-    const double force = 1.0 + equations_.lambda().lpNorm<Eigen::Infinity>();
-    tolerances.segment(first_lambda_, n_active_).setConstant(force);
-    const double speed = motion.segment(first_Y_, layout_.n_Y()).maxCoeff() / rtol;
-    tolerances.segment(first_mu_, at_work_ - first_mu_).setConstant(speed);
     tolerances(at_work_) = motion(motion.size() - 1);
+    double work = motion(motion.size() - 1) / tolerance.rtol;  // of a multiplier over a unit of its row
+    for (int row = 0; row < n_rows_; ++row) {
+      work = std::max(work, std::abs(equations_.lambda()(row)) * equations_.row_sizes()(row));
+    }
+    rate_ = (motion.segment(first_Y_, layout_.n_Y()).array() / equations_.units().array()).maxCoeff() / tolerance.rtol;
+    for (int row = 0; row < n_rows_; ++row) {
+      const double size = equations_.row_sizes()(row) > 0.0 ? equations_.row_sizes()(row) : 1.0;
+      tolerances(first_lambda_ + row) = work / size;
+      if (place_of_mu_[row] >= 0) tolerances(first_mu_ + place_of_mu_[row]) = rate_ / size;
+    }
+    tolerances.segment(first_nu_, layout_.n_bodies() - 1).setConstant(rate_);
   }
 
-  /// x's multipliers, spread from their places over all rows.
-  void spread(const std::vector<int>& places, const Eigen::Ref<const VecX>& multipliers) {
-    for (std::size_t row = 0; row < places.size(); ++row) {
-      all_rows_(row) = places[row] >= 0 ? multipliers(places[row]) : 0.0;
-    }
+  /// mu, spread from its places over all rows.
+  void spread_mu(const Eigen::Ref<const VecX>& mu) {
+    for (int row = 0; row < n_rows_; ++row) all_rows_(row) = place_of_mu_[row] >= 0 ? mu(place_of_mu_[row]) : 0.0;
   }
 
   static int residual(sunrealtype t, N_Vector x_vector, N_Vector xdot_vector, N_Vector residual_vector, void* pointer) {
@@ -230,9 +234,10 @@ class IdaStepper : public Stepper {
     layout_.normalize(unit_q_);
     equations_.update(t, unit_q_, Y);
 
-    quasi_ = Y;
-    spread(place_of_mu_, x.segment(first_mu_, n_mu_));
+    quasi_.setZero();
+    spread_mu(x.segment(first_mu_, n_mu_));
     equations_.add_Phi_Y_transposed_times(all_rows_, quasi_);
+    quasi_ = Y + equations_.units().cwiseAbs2().cwiseProduct(quasi_);
     layout_.write_qdot(q, quasi_, F.head(first_Y_));
     for (int i = 1; i < layout_.n_bodies(); ++i) {
       const double nu = x(first_nu_ + i - 1);
@@ -244,12 +249,15 @@ class IdaStepper : public Stepper {
     equations_.fill_mass_matrices();
     equations_.write_mass_times(xdot.segment(first_Y_, layout_.n_Y()), momentum_);
     momentum_ -= equations_.forces();
-    spread(place_of_row_, x.segment(first_lambda_, n_active_));
+    all_rows_ = x.segment(first_lambda_, n_rows_);
     equations_.add_Phi_Y_transposed_times(all_rows_, momentum_);
     F.segment(first_Y_, layout_.n_Y()) = momentum_;
-    for (std::size_t row = 0; row < place_of_row_.size(); ++row) {
-      if (place_of_row_[row] >= 0) F(first_lambda_ + place_of_row_[row]) = equations_.velocity_residual()(row);
-      if (place_of_mu_[row] >= 0) F(first_mu_ + place_of_mu_[row]) = equations_.residual()(row);
+    for (int row = 0; row < n_rows_; ++row) {
+      const bool is_active = equations_.is_active(row);
+      F(first_lambda_ + row) = is_active ? equations_.velocity_residual()(row) : x(first_lambda_ + row);
+      if (place_of_mu_[row] < 0) continue;
+      const int at_mu = first_mu_ + place_of_mu_[row];
+      F(at_mu) = is_active ? equations_.residual()(row) : x(at_mu);
     }
     F(at_work_) = xdot(at_work_) - equations_.power_of(all_rows_);
   }
@@ -263,8 +271,9 @@ class IdaStepper : public Stepper {
   }
 
   void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates) {
-    constexpr double kStep = 1e-6;
+    constexpr double kStep = 1e-6;  // of the machine's units
     Constraints& constraints = equations_.constraints();
+    const auto units = equations_.units().segment(layout_.first_Y(block.body), layout_.size_Y(block.body));
     const auto put = [&](const VecX& at) {
       constraints.place_body(block.body, at);
       constraints.place_and_move(block, at, Y);
@@ -272,11 +281,13 @@ class IdaStepper : public Stepper {
     displaced_q_ = q;
     for (int c = 0; c < layout_.size_Y(block.body); ++c) {
       rates.col(c).setZero();
+      const double step = kStep * units(c);
       for (const double sign : {1.0, -1.0}) {
-        layout_.displace_along(block.body, c, sign * kStep, displaced_q_);
+        layout_.displace_along(block.body, c, sign * step, displaced_q_);
         put(displaced_q_);
-        for (int row = 0; row < rates.rows(); ++row)
-          rates(row, c) += sign * constraints.row_rate(block, row) / (2.0 * kStep);
+        for (int row = 0; row < rates.rows(); ++row) {
+          rates(row, c) += sign * constraints.row_rate(block, row) / (2.0 * step);
+        }
         layout_.copy_body(block.body, q, displaced_q_);
       }
     }
@@ -296,9 +307,10 @@ class IdaStepper : public Stepper {
 
   void differentiate_forces(Actor& actor, Side moved, double t, const VecX& q, const Eigen::Ref<const VecX>& Y,
                             ForceSlopes& slopes) {
-    constexpr double kStep = 1e-6;
+    constexpr double kStep = 1e-6;  // of the machine's units
     Constraints& constraints = equations_.constraints();
     const int body = actor.ends[index(moved)]->body;
+    const auto units = equations_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
     const auto put = [&](const VecX& at, const VecX& speeds) {
       constraints.place_body(body, at);
       if (actor.joint >= 0) {
@@ -307,10 +319,10 @@ class IdaStepper : public Stepper {
       }
       equations_.applied().update(actor, t, at, speeds);
     };
-    const auto add = [&](std::array<MatX, 2>& slope, int c, double sign) {
+    const auto add = [&](std::array<MatX, 2>& slope, int c, double over) {
       for (const Side pushed : {Side::parent, Side::child}) {
         if (!actor.sits_on_moving_body(pushed)) continue;
-        slope[index(pushed)].col(c) += sign / (2.0 * kStep) * actor.forces[index(pushed)];
+        slope[index(pushed)].col(c) += actor.forces[index(pushed)] / (2.0 * over);
       }
     };
     displaced_q_ = q;
@@ -321,18 +333,18 @@ class IdaStepper : public Stepper {
         slopes.over_q[index(moved)][index(pushed)].col(c).setZero();
         slopes.over_Y[index(moved)][index(pushed)].col(c).setZero();
       }
-      for (const double sign : {1.0, -1.0}) {
-        layout_.displace_along(body, c, sign * kStep, displaced_q_);
+      for (const double step : {kStep * units(c), -kStep * units(c)}) {
+        layout_.displace_along(body, c, step, displaced_q_);
         put(displaced_q_, displaced_Y_);
-        add(slopes.over_q[index(moved)], c, sign);
+        add(slopes.over_q[index(moved)], c, step);
         layout_.copy_body(body, q, displaced_q_);
       }
       double& speed = displaced_Y_(layout_.first_Y(body) + c);
       const double kept = speed;
-      for (const double sign : {1.0, -1.0}) {
-        speed = kept + sign * kStep;
+      for (const double step : {kStep * rate_ * units(c), -kStep * rate_ * units(c)}) {
+        speed = kept + step;
         put(displaced_q_, displaced_Y_);
-        add(slopes.over_Y[index(moved)], c, sign);
+        add(slopes.over_Y[index(moved)], c, step);
       }
       speed = kept;
     }
@@ -351,6 +363,11 @@ class IdaStepper : public Stepper {
     for (std::size_t b = 0; b < blocks.size(); ++b) each_row_entry(blocks[b], rates_over_q_[b], q, visit);
     const auto& actors = equations_.applied().actors();
     for (std::size_t a = 0; a < actors.size(); ++a) each_force_entry(actors[a], slopes_[a], q, visit);
+    for (int row = 0; row < n_rows_; ++row) {
+      const double own = equations_.is_active(row) ? 0.0 : 1.0;
+      visit(first_lambda_ + row, first_lambda_ + row, own);
+      if (place_of_mu_[row] >= 0) visit(first_mu_ + place_of_mu_[row], first_mu_ + place_of_mu_[row], own);
+    }
     visit(at_work_, at_work_, c);
   }
 
@@ -400,16 +417,17 @@ class IdaStepper : public Stepper {
     const int at_Y = first_Y_ + layout_.first_Y(body);
     const int m = layout_.n_modes(body);
     const Mat34 E = compute_E(layout_.p(q, body));
+    const auto squared_units = equations_.units().segment(layout_.first_Y(body), 6 + m).cwiseAbs2();
     for (int row = 0; row < block.n_rows; ++row) {
-      const int place = place_of_row_[block.first_row + row];
-      if (place < 0) continue;
-      const auto Phi_Y = Phi_Y_transposed.col(row);
+      const int place = block.first_row + row;
+      const double share = equations_.is_active(place) ? 1.0 : 0.0;
+      const VecX Phi_Y = share * Phi_Y_transposed.col(row);
       for (int k = 0; k < 6 + m; ++k) {
         visit(at_Y + k, first_lambda_ + place, Phi_Y(k));
         visit(first_lambda_ + place, at_Y + k, Phi_Y(k));
       }
-      const Vec4 over_p = 2.0 * E.transpose() * Phi_Y.template segment<3>(3);  // dpi = 2 E dp
-      const VecX rate = rates.row(row);
+      const Vec4 over_p = 2.0 * E.transpose() * Phi_Y.segment<3>(3);  // dpi = 2 E dp
+      const VecX rate = share * rates.row(row);
       const Vec4 rate_over_p = 2.0 * E.transpose() * rate.segment<3>(3);
       for (int k = 0; k < 3; ++k) visit(first_lambda_ + place, at_q + k, rate(k));
       for (int k = 0; k < 4; ++k) visit(first_lambda_ + place, at_q + 3 + k, rate_over_p(k));
@@ -419,9 +437,9 @@ class IdaStepper : public Stepper {
       for (int k = 0; k < 3; ++k) visit(at_mu, at_q + k, Phi_Y(k));
       for (int k = 0; k < 4; ++k) visit(at_mu, at_q + 3 + k, over_p(k));
       for (int k = 0; k < m; ++k) visit(at_mu, at_q + 7 + k, Phi_Y(6 + k));
-      for (int k = 0; k < 3; ++k) visit(at_q + k, at_mu, -Phi_Y(k));
+      for (int k = 0; k < 3; ++k) visit(at_q + k, at_mu, -squared_units(k) * Phi_Y(k));
       for (int k = 0; k < 4; ++k) visit(at_q + 3 + k, at_mu, -0.25 * over_p(k));
-      for (int k = 0; k < m; ++k) visit(at_q + 7 + k, at_mu, -Phi_Y(6 + k));
+      for (int k = 0; k < m; ++k) visit(at_q + 7 + k, at_mu, -squared_units(6 + k) * Phi_Y(6 + k));
     }
   }
 
@@ -505,9 +523,9 @@ class IdaStepper : public Stepper {
   };
 
   const Layout& layout_;
-  std::vector<int> place_of_row_;
-  std::vector<int> place_of_mu_;
-  int n_active_ = 0;
+  std::vector<int> place_of_mu_;  // by row; -1: it holds for velocities alone
+  int n_rows_ = 0;
+  double rate_ = 0.0;  // of the machine [1/s]: its speeds in its units
   int n_mu_ = 0;
   int first_Y_ = 0;
   int first_lambda_ = 0;
@@ -540,8 +558,8 @@ class IdaStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, double rtol) {
-  return std::make_unique<IdaStepper>(equations, start, rtol);
+std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, Tolerance tolerance) {
+  return std::make_unique<IdaStepper>(equations, start, tolerance);
 }
 
 }  // namespace concord::cartesian

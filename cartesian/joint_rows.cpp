@@ -170,12 +170,16 @@ Row read(const OrientationOf&, int, const RelativeMotion&) { return {}; }
 
 Row read(const BearingOfGap& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.from);
-  return angle_row(gap_row(unit(word.about).cross(e), motion), gap_row(e, motion), motion);
+  Row row = angle_row(gap_row(unit(word.about).cross(e), motion), gap_row(e, motion), motion);
+  if (motion.is_beyond_upright) row.value += row.value > 0.0 ? -EIGEN_PI : EIGEN_PI;
+  return row;
 }
 
 Row read(const ElevationOfGap& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.towards);
-  return angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
+  const Row row = angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
+  if (!motion.is_beyond_upright) return row;
+  return {static_cast<double>(EIGEN_PI) - row.value, -row.over_d, -row.over_rho, -row.bias};
 }
 
 Row read(const ByReading& word, int component, const RelativeMotion& motion) {
@@ -200,7 +204,8 @@ struct ColumnWriter {
   void operator()(const ElevationOfGap& word) {
     const Vec3 e = unit(word.towards);
     const Vec3 across = motion.d - motion.d.dot(e) * e;
-    put(across.norm() * e - motion.d.dot(e) * across.normalized(), Vec3::Zero());
+    const Vec3 upward = across.norm() * e - motion.d.dot(e) * across.normalized();
+    put(motion.is_beyond_upright ? Vec3(-upward) : upward, Vec3::Zero());
   }
   void operator()(const ByReading& word) {
     const joints::Wrenches found = word.wrenches({motion.d, motion.R});
@@ -210,6 +215,19 @@ struct ColumnWriter {
  private:
   void put(const Vec3& force, const Vec3& torque) { columns.col(count++) << force, torque; }
 };
+
+/// Whether a reading follows its own gradient over d for two turns: an angle that is known but for turns changes by one
+/// turn at most.
+bool goes_beyond_turns(const joints::Read& word, int component) {
+  constexpr double kTurn = 2.0 * EIGEN_PI;
+  RelativeMotion at;
+  at.d = Vec3(0.37, 0.21, 0.53);
+  const Row here = evaluate_read(word, component, at);
+  const double steepness = here.over_d.squaredNorm();
+  if (!(steepness > 0.0)) return false;
+  at.d += 2.0 * kTurn / steepness * here.over_d;
+  return std::abs(evaluate_read(word, component, at).value - here.value) > 1.5 * kTurn;
+}
 
 bool is_by_functions(const joints::JointType& type) {
   return type.reads.size() == 1 && std::holds_alternative<ByReading>(type.reads.front());
@@ -264,12 +282,13 @@ Row evaluate_read(const joints::Read& word, int component, const RelativeMotion&
 }
 
 bool reads_turn(const joints::Read& word, int component) {
-  if (const auto* by = std::get_if<ByReading>(&word)) return by->turns[component];
+  if (const auto* by = std::get_if<ByReading>(&word))
+    return by->turns[component] && !goes_beyond_turns(word, component);
   return !std::holds_alternative<SlideAlong>(word);
 }
 
-double value_near(const joints::Read& word, int component, const Row& row, double known) {
-  return reads_turn(word, component) ? known + std::remainder(row.value - known, 2.0 * EIGEN_PI) : row.value;
+double value_near(bool is_known_but_for_turns, const Row& row, double known) {
+  return is_known_but_for_turns ? known + std::remainder(row.value - known, 2.0 * EIGEN_PI) : row.value;
 }
 
 double rate_of(const Row& row, const RelativeMotion& motion) {

@@ -14,6 +14,8 @@ struct RelativeMotion {
   Mat3 R = Mat3::Identity();
   Vec3 ddot = Vec3::Zero();
   Vec3 omega = Vec3::Zero();  // Rdot = omega~ R
+  /// An arm's elevation is beyond a right angle: its bearing is that of the other side. (d, R) alone cannot tell.
+  bool is_beyond_upright = false;
 };
 
 struct Row {
@@ -43,12 +45,13 @@ const joints::Read* read_of(const joints::JointType& type, int word);
 /// numbers (not of an orientation).
 Row evaluate_read(const joints::Read& read, int component, const RelativeMotion& motion);
 
-/// Whether this coordinate is an angle, known but for full turns.
+/// Whether this coordinate is an angle known but for full turns; a reading by functions that goes on beyond a full turn
+/// (a thread's height) is not. Evaluates the functions: not for hot paths.
 bool reads_turn(const joints::Read& read, int component);
 
-/// The value of a reading's row with its turns counted: an angle is moved by full turns to within half a turn of
-/// `known`.
-double value_near(const joints::Read& read, int component, const Row& row, double known);
+/// The value of a reading's row with its turns counted: an angle known but for full turns is moved by these to within
+/// half a turn of `known`.
+double value_near(bool is_known_but_for_turns, const Row& row, double known);
 
 /// Rate of a row along the motion, gradient . [ddot; omega].
 double rate_of(const Row& row, const RelativeMotion& motion);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "cartesian/reactions.h"
 #include "common/error.h"
@@ -16,151 +18,322 @@ namespace {
 constexpr double kRankThreshold = 1e-10;
 constexpr double kUndecidedBelow = 1e-8;
 constexpr double kUndecidedAbove = 1e-12;
-constexpr Eigen::Index kDenseRows = 500;
+/// Rows that others leave less than this of are candidates of the null space: far above every threshold, far below
+/// what independent rows leave.
+constexpr double kCandidate = 1e-6;
+/// What moves a threshold half of the way that no answer may depend on.
+constexpr double kEitherWay = 31.622776601683793;
+constexpr Eigen::Index kDenseRows = 60;
+constexpr Eigen::Index kShortestDenseRows = 500;
 
-RankDecision decide_dense(const MatX& matrix) {
-  RankDecision decision;
-  const Eigen::BDCSVD<MatX> svd(matrix, Eigen::ComputeFullU);
-  const VecX& values = svd.singularValues();
-  const double largest = values.size() > 0 ? values(0) : 1.0;
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    const double relative = values(k) / largest;
-    if (relative > kRankThreshold) {
-      ++decision.rank;
-      decision.smallest_kept = relative;
-    } else {
-      decision.largest_dropped = std::max(decision.largest_dropped, relative);
-    }
+/// Rows in the order in which a QR factorization of the transposed matrix takes them: `live` ones first, then those
+/// that are left over. R11 over the live rows, and how the others depend on them: row = dependence^T live rows + rest.
+struct Sifting {
+  Eigen::Index live = 0;
+  std::vector<Eigen::Index> order;
+  MatX dependence;             // live x left over
+  double smallest_live = 0.0;  // estimate of the smallest singular value of the live rows
+};
+
+/// Smallest singular value of an upper triangular matrix, by two rounds of inverse iteration; `solve` and
+/// `solve_transposed` apply its inverse in place.
+template <class Solve, class SolveTransposed>
+double estimate_smallest(Eigen::Index size, const Solve& solve, const SolveTransposed& solve_transposed) {
+  if (size == 0) return 0.0;
+  VecX x = VecX::NullaryExpr(size, [](Eigen::Index k) { return k % 3 == 1 ? -1.0 : 1.0; }).normalized();
+  double smallest = HUGE_VAL;
+  for (int round = 0; round < 3; ++round) {
+    solve_transposed(x);
+    solve(x);
+    const double growth = x.norm();
+    if (!(growth > 0.0) || !std::isfinite(growth)) break;
+    smallest = 1.0 / std::sqrt(growth);
+    x /= growth;
   }
-  decision.left_null_space = svd.matrixU().rightCols(matrix.rows() - decision.rank);
-  const Eigen::ColPivHouseholderQR<MatX> qr(matrix.transpose());
-  decision.independent.assign(matrix.rows(), false);
-  for (int k = 0; k < decision.rank; ++k) decision.independent[qr.colsPermutation().indices()(k)] = true;
-  return decision;
+  return smallest;
 }
 
-RankDecision decide_sparse(const SparseMatrix& matrix) {
-  RankDecision decision;
+template <class Triangle>
+void sift_from(const Triangle& R, Sifting& sifting) {
+  const Eigen::Index live = sifting.live;
+  const MatX R11 = R.topLeftCorner(live, live);
+  const auto triangle = R11.template triangularView<Eigen::Upper>();
+  sifting.dependence = triangle.solve(MatX(R.topRightCorner(live, R.cols() - live)));
+  sifting.smallest_live = estimate_smallest(
+      live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
+}
+
+Eigen::Index count_live(const VecX& diagonal, double tolerance) {
+  Eigen::Index live = 0;
+  while (live < diagonal.size() && std::abs(diagonal(live)) > tolerance) ++live;
+  return live;
+}
+
+/// Order of the columns of a matrix by column pivoting, those above the tolerance first; returns how many these are.
+Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Eigen::Index>& order) {
+  const Eigen::ColPivHouseholderQR<MatX> qr(columns);
+  const auto indices = qr.colsPermutation().indices();
+  order.assign(indices.begin(), indices.end());
+  return count_live(qr.matrixQR().diagonal(), tolerance);
+}
+
+Sifting sift_dense(const MatX& transposed, double tolerance) {
+  Sifting sifting;
+  const Eigen::ColPivHouseholderQR<MatX> qr(transposed);
+  const auto indices = qr.colsPermutation().indices();
+  sifting.order.assign(indices.begin(), indices.end());
+  sifting.live = count_live(qr.matrixQR().diagonal(), tolerance);
+  sift_from(qr.matrixQR(), sifting);
+  return sifting;
+}
+
+/// The rows that go first are sifted among themselves, the others by what these leave of them.
+Sifting sift_dense_in_turn(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
+  std::vector<Eigen::Index> first;
+  std::vector<Eigen::Index> then;
+  for (Eigen::Index row = 0; row < transposed.cols(); ++row) (goes_first[row] ? first : then).push_back(row);
+  std::vector<Eigen::Index> order;
+  const Eigen::Index live_first = pivot_columns(transposed(Eigen::all, first), tolerance, order);
+  Sifting sifting;
+  std::vector<Eigen::Index> left_over;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    (static_cast<Eigen::Index>(k) < live_first ? sifting.order : left_over).push_back(first[order[k]]);
+  }
+  const Eigen::HouseholderQR<MatX> qr_first(transposed(Eigen::all, sifting.order));
+  const MatX turned = qr_first.householderQ().transpose() * MatX(transposed(Eigen::all, then));
+  const Eigen::Index live_then = pivot_columns(turned.bottomRows(turned.rows() - live_first), tolerance, order);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    (static_cast<Eigen::Index>(k) < live_then ? sifting.order : left_over).push_back(then[order[k]]);
+  }
+  sifting.live = live_first + live_then;
+  sifting.order.insert(sifting.order.end(), left_over.begin(), left_over.end());
+  const Eigen::HouseholderQR<MatX> qr(transposed(Eigen::all, sifting.order));
+  sift_from(qr.matrixQR(), sifting);
+  return sifting;
+}
+
+/// SuiteSparseQR leaves over a row that its predecessors leave less than the tolerance of.
+Sifting sift_sparse(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
+  const Eigen::Index n = transposed.cols();
+  std::vector<Eigen::Index> given(n);
+  std::iota(given.begin(), given.end(), 0);
   Eigen::SPQR<SparseMatrix> qr;
-  qr.setPivotThreshold(kRankThreshold);
-  qr.compute(SparseMatrix(matrix.transpose()));
-  decision.rank = static_cast<int>(qr.rank());
-  const auto n_rows = static_cast<Eigen::Index>(matrix.rows());
-  const Eigen::Index nullity = n_rows - decision.rank;
+  if (goes_first != nullptr) {
+    std::stable_partition(given.begin(), given.end(), [&](Eigen::Index row) { return (*goes_first)[row]; });
+    qr.setSPQROrdering(SPQR_ORDERING_FIXED);
+  }
+  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    for (SparseMatrix::InnerIterator entry(transposed, given[k]); entry; ++entry) {
+      entries.emplace_back(entry.row(), k, entry.value());
+    }
+  }
+  SparseMatrix columns(transposed.rows(), n);
+  columns.setFromTriplets(entries.begin(), entries.end());
+  qr.setPivotThreshold(tolerance);
+  qr.compute(columns);
+  Sifting sifting;
+  sifting.live = static_cast<Eigen::Index>(qr.rank());
+  const auto indices = qr.colsPermutation().indices();
+  for (Eigen::Index k = 0; k < n; ++k) sifting.order.push_back(given[indices(k)]);
   const SparseMatrix R = qr.matrixR();
-  const VecX diagonal = R.diagonal().cwiseAbs();
-  const VecX kept = diagonal.head(decision.rank);
-  decision.smallest_kept = kept.minCoeff() / kept.maxCoeff();
-  const auto order = qr.colsPermutation().indices();
-  decision.independent.assign(n_rows, false);
-  for (int k = 0; k < decision.rank; ++k) decision.independent[order(k)] = true;
-  MatX Z = MatX::Zero(n_rows, nullity);
-  if (nullity > 0) {
-    const SparseMatrix R11 = R.topLeftCorner(decision.rank, decision.rank);
-    const MatX R12 = MatX(R.topRightCorner(decision.rank, nullity));
-    const MatX dependence = R11.triangularView<Eigen::Upper>().solve(R12);
-    for (Eigen::Index column = 0; column < nullity; ++column) {
-      for (int k = 0; k < decision.rank; ++k) Z(order(k), column) = -dependence(k, column);
-      Z(order(decision.rank + column), column) = 1.0;
-    }
-    const Eigen::HouseholderQR<MatX> orthogonal(Z);
-    Z = orthogonal.householderQ() * MatX::Identity(n_rows, nullity);
-  }
-  decision.left_null_space = Z;
-  return decision;
+  const SparseMatrix R11 = R.topLeftCorner(sifting.live, sifting.live);
+  const auto triangle = R11.triangularView<Eigen::Upper>();
+  sifting.dependence = triangle.solve(MatX(R.topRightCorner(sifting.live, n - sifting.live)));
+  const SparseMatrix R11_transposed = R11.transpose();
+  const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
+  sifting.smallest_live = estimate_smallest(
+      sifting.live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+  return sifting;
 }
 
-/// Size of a mode's rate that moves some joint of its body by `length` per second.
-double modal_size(const Model& model, int body, int mode, double length) {
+Sifting sift(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
+  if (transposed.cols() > kDenseRows) return sift_sparse(transposed, goes_first, tolerance);
+  if (goes_first != nullptr) return sift_dense_in_turn(MatX(transposed), *goes_first, tolerance);
+  return sift_dense(MatX(transposed), tolerance);
+}
+
+/// Largest singular value, by rounds of power iteration on the transposed matrix; a few per cent off.
+double estimate_largest(const SparseMatrix& transposed) {
+  VecX x = VecX::Ones(transposed.cols()).normalized();
   double largest = 0.0;
-  for (const Joint& joint : model.joints) {
-    for (const Attachment& side : joint.sides) {
-      if (side.body != body) continue;
-      largest = std::max(largest, side.Psi_t_L.col(mode).norm());
-      largest = std::max(largest, side.Psi_r_L.col(mode).norm() * length);
-    }
+  for (int round = 0; round < 8; ++round) {
+    const VecX image = transposed * x;
+    largest = std::max(largest, image.norm());
+    x = transposed.transpose() * image;
+    const double size = x.norm();
+    if (!(size > 0.0)) break;
+    x /= size;
   }
-  return largest > 0.0 ? length / largest : 1.0;
+  for (Eigen::Index row = 0; row < transposed.cols(); ++row) {
+    largest = std::max(largest, transposed.col(row).norm());
+  }
+  return largest > 0.0 ? largest : 1.0;
 }
 
-/// A component is unique if no multiplier of the null space moves it: relative to what unit multipliers do to the
-/// joint's forces or torques. `null_space` holds the joint's own multipliers and those of its coupled coordinates.
-void mark_uniqueness(const Joint& stated, const JointEquations& joint, const MatX& null_space,
-                     JointUniqueness& uniqueness) {
-  constexpr double kZero = 1e-9;
-  const int n_u = stated.type->n_u();
-  // Largest sizes: reactions of both sides (12), totals of both sides (12), coordinate forces.
-  const auto largest = [&](const MatX& multipliers) {
-    VecX sizes = VecX::Zero(24 + n_u);
-    for (const auto& lambda : multipliers.colwise()) {
-      const JointWrenches wrenches = compute_wrenches(stated, joint, lambda, nullptr);
-      VecX of_one(24 + n_u);
-      of_one << wrenches.reaction[0].in_C.vector(), wrenches.reaction[1].in_C.vector(), wrenches.total[0].in_C.vector(),
-          wrenches.total[1].in_C.vector(), wrenches.tau;
-      sizes = sizes.cwiseMax(of_one.cwiseAbs());
-    }
-    return sizes;
-  };
-  const VecX of_units = largest(MatX::Identity(null_space.rows(), null_space.rows()));
-  const VecX of_null_space = largest(null_space);
-  for (int c = 0; c < 12; ++c) {
-    const auto stays = [&](int first) {
-      return of_null_space(first + c) <= kZero * of_units.segment<3>(first + 3 * (c / 3)).maxCoeff();
-    };
-    uniqueness.unique[c / 6][c % 6] = stays(0);
-    uniqueness.unique_total[c / 6][c % 6] = stays(12);
+/// What the left-over rows leave behind all others, and the singular values of that.
+void decide_left_over(const SparseMatrix& transposed, const Sifting& sifting, double largest, RankDecision& decision) {
+  const Eigen::Index n = transposed.cols();
+  const Eigen::Index left_over = n - sifting.live;
+  MatX Z = MatX::Zero(n, left_over);
+  for (Eigen::Index column = 0; column < left_over; ++column) {
+    for (Eigen::Index k = 0; k < sifting.live; ++k) Z(sifting.order[k], column) = -sifting.dependence(k, column);
+    Z(sifting.order[sifting.live + column], column) = 1.0;
   }
-  for (int c = 0; c < n_u; ++c) uniqueness.unique_tau[c] = of_null_space(24 + c) <= kZero * of_units(24 + c);
+  const MatX rest = transposed * Z;
+  const Eigen::HouseholderQR<MatX> qr(Z);
+  Z = qr.householderQ() * MatX::Identity(n, left_over);
+  decision.near_values = VecX::Zero(left_over);
+  constexpr double kFarBelow = 1e-2;
+  const double bound = rest.norm() / largest;  // of all of them: Z had unit vectors on the left-over rows
+  decision.near_null_space = Z;
+  decision.largest_dropped = bound;
+  Eigen::Index added = 0;
+  if (!(bound <= kFarBelow * kRankThreshold / kEitherWay)) {
+    const Eigen::JacobiSVD<MatX> svd(transposed * Z, Eigen::ComputeFullV);
+    VecX values = VecX::Zero(left_over);
+    values.head(svd.singularValues().size()) = svd.singularValues() / largest;
+    decision.near_values = values.reverse();
+    decision.near_null_space = Z * svd.matrixV().rowwise().reverse();
+    decision.largest_dropped = 0.0;
+    for (const double value : values) {
+      if (value > kRankThreshold) {
+        ++added;
+        decision.smallest_kept = std::min(decision.smallest_kept, value);
+      } else {
+        decision.largest_dropped = std::max(decision.largest_dropped, value);
+      }
+    }
+  }
+  std::vector<Eigen::Index> order(left_over);
+  std::iota(order.begin(), order.end(), 0);
+  if (added > 0) (void)pivot_columns(rest, 0.0, order);
+  for (Eigen::Index k = 0; k < added; ++k) decision.independent[sifting.order[sifting.live + order[k]]] = true;
+  decision.rank += static_cast<int>(added);
+  decision.left_null_space = decision.near_null_space.leftCols(left_over - added);
+}
+
+/// How far multipliers of the null space move what a joint reports: rows are the reactions of both sides (12), totals
+/// of both sides (12), coordinate forces.
+class Movement {
+ public:
+  Movement(const Equations& equations, int k, const ScaledJacobian& scaled, const MatX& null_space)
+      : n_u_(equations.model().joints[k].type->n_u()) {
+    const Joint& stated = equations.model().joints[k];
+    const JointEquations& joint = equations.constraints().joint(k);
+    const auto n_own = static_cast<Eigen::Index>(joint.rows.size());
+    MatX of_rows(24 + n_u_, n_own);
+    for (Eigen::Index row = 0; row < n_own; ++row) {
+      const JointWrenches wrenches = compute_wrenches(stated, joint, VecX::Unit(n_own, row), nullptr);
+      of_rows.col(row) << wrenches.reaction[0].in_C.vector(), wrenches.reaction[1].in_C.vector(),
+          wrenches.total[0].in_C.vector(), wrenches.total[1].in_C.vector(), wrenches.tau;
+    }
+    MatX own(n_own, null_space.cols());
+    for (Eigen::Index z = 0; z < null_space.cols(); ++z) {
+      own.col(z) = equations.constraints().joint_multipliers(k, scaled.row_scale.cwiseProduct(null_space.col(z)));
+    }
+    moved_ = of_rows * own;
+    VecX units = VecX::Zero(24 + n_u_);  // largest that a unit multiplier of the scaled rows moves
+    for (int row = 0; row < joint.n_rows; ++row) {
+      units = units.cwiseMax(of_rows.col(row).cwiseAbs() * scaled.row_scale(joint.first_row + row));
+    }
+    for (const CoupledShare& share : joint.shares) {
+      units = units.cwiseMax(of_rows.col(share.row).cwiseAbs() *
+                             std::abs(share.factor * scaled.row_scale(share.coupling_row)));
+    }
+    choose_scales(units, equations.model().length_scale());
+  }
+
+  [[nodiscard]] int n_u() const { return n_u_; }
+  /// Size of what the first `n` columns of the null space move component c by, relative to what unit multipliers do to
+  /// the joint.
+  [[nodiscard]] double of(int c, Eigen::Index n) const {
+    return scales_(c) > 0.0 ? moved_.row(c).head(n).norm() / scales_(c) : 0.0;
+  }
+
+ private:
+  /// Forces and torques of a side by the largest of both, a torque being a force on the machine's length: round-off of
+  /// a torque that the joint never passes is small beside its forces.
+  void choose_scales(const VecX& units, double length) {
+    scales_ = units;
+    for (int side = 0; side < 4; ++side) {
+      const double force =
+          std::max(units.segment<3>(6 * side).maxCoeff(), units.segment<3>(6 * side + 3).maxCoeff() / length);
+      scales_.segment<3>(6 * side).setConstant(force);
+      scales_.segment<3>(6 * side + 3).setConstant(force * length);
+    }
+  }
+
+  int n_u_;
+  MatX moved_;
+  VecX scales_;
+};
+
+/// Sizes of the null space at the threshold and half the way of doubt to either side.
+struct NullSpaceSizes {
+  Eigen::Index surely;
+  Eigen::Index decided;
+  Eigen::Index perhaps;
+};
+
+struct Answer {
+  bool is_unique;
+  bool stays;
+};
+
+/// Of a component that the null space at these sizes moves by `size(n)`.
+template <class Size>
+Answer answer(const NullSpaceSizes& sizes, const Size& size) {
+  constexpr double kZero = 1e-9;
+  const bool is_unique = size(sizes.decided) <= kZero;
+  const bool stays_unique = size(sizes.perhaps) <= kZero / kEitherWay;
+  const bool stays_moved = size(sizes.surely) > kZero * kEitherWay;
+  return {is_unique, is_unique ? stays_unique : stays_moved};
+}
+
+void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, JointUniqueness& unique,
+                JointUniqueness& decided) {
+  const auto at = [&](int c) { return answer(sizes, [&](Eigen::Index n) { return movement.of(c, n); }); };
+  for (int c = 0; c < 12; ++c) {
+    const Answer reaction = at(c);
+    unique.unique[c / 6][c % 6] = reaction.is_unique;
+    decided.unique[c / 6][c % 6] = reaction.stays;
+    const Answer total = at(12 + c);
+    unique.unique_total[c / 6][c % 6] = total.is_unique;
+    decided.unique_total[c / 6][c % 6] = total.stays;
+  }
+  for (int c = 0; c < movement.n_u(); ++c) {
+    const Answer tau = at(24 + c);
+    unique.unique_tau[c] = tau.is_unique;
+    decided.unique_tau[c] = tau.stays;
+  }
+}
+
+/// Rows that hold for positions, where there are others; nullptr else.
+const std::vector<bool>* rows_that_go_first(const Constraints& constraints, std::vector<bool>& rows) {
+  if (!constraints.has_slip_rows()) return nullptr;
+  for (int row = 0; row < constraints.n_rows(); ++row) rows.push_back(constraints.holds_positions(row));
+  return &rows;
 }
 
 }  // namespace
 
-VecX column_scales(const Equations& equations) {
-  const Model& model = equations.model();
-  const Layout& layout = equations.layout();
-  const double length = model.length_scale();
-  VecX scales = VecX::Ones(layout.n_Y());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    layout.v(scales, i).setConstant(length);
-    for (int mode = 0; mode < layout.n_modes(i); ++mode) {
-      layout.adot(scales, i)(mode) = modal_size(model, i, mode, length);
-    }
-  }
-  return scales;
-}
-
-VecX row_sizes(const Equations& equations, const VecX& columns) {
-  const Constraints& constraints = equations.constraints();
-  const auto norm_of = [&](int k, int row) {
-    double squared = 0.0;
-    for (const Side side : {Side::parent, Side::child}) {
-      const int body = equations.model().joints[k].on(side).body;
-      if (body == kGround) continue;
-      const auto over_Y = constraints.joint(k).Phi_Y_transposed[index(side)].col(row);
-      squared += over_Y.cwiseProduct(columns.segment(equations.layout().first_Y(body), over_Y.size())).squaredNorm();
-    }
-    return std::sqrt(squared);
-  };
-  VecX sizes = VecX::Zero(constraints.n_rows());
-  for (int k = 0; k < constraints.n_joints(); ++k) {
-    const JointEquations& joint = constraints.joint(k);
-    for (int row = 0; row < joint.n_rows; ++row) sizes(joint.first_row + row) = norm_of(k, row);
-  }
-  for (int g = 0; g < constraints.n_couplings(); ++g) {
-    const CouplingEquations& coupling = constraints.coupling(g);
-    for (const CouplingEquations::Term& term : coupling.terms) {
-      sizes(coupling.row) += std::abs(term.factor) * norm_of(term.joint, term.row);
-    }
-  }
-  return sizes;
-}
-
-RankDecision decide_rank(const SparseMatrix& matrix) {
-  if (matrix.rows() == 0) return {};
+RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* goes_first) {
+  RankDecision decision;
+  if (matrix.rows() == 0) return decision;
   if (!Eigen::Map<const VecX>(matrix.valuePtr(), matrix.nonZeros()).allFinite()) {
     throw SolverError("cartesian: the Jacobian of the constraints holds what is no number: its rank cannot be decided");
   }
-  return matrix.rows() <= kDenseRows ? decide_dense(MatX(matrix)) : decide_sparse(matrix);
+  const SparseMatrix transposed = matrix.transpose();
+  const Sifting sifting = sift(transposed, goes_first, kCandidate);
+  const double largest = estimate_largest(transposed);
+  decision.rank = static_cast<int>(sifting.live);
+  decision.smallest_kept = sifting.smallest_live / largest;
+  decision.independent.assign(matrix.rows(), false);
+  for (Eigen::Index k = 0; k < sifting.live; ++k) decision.independent[sifting.order[k]] = true;
+  decision.left_null_space = decision.near_null_space = MatX::Zero(matrix.rows(), 0);
+  if (sifting.live < matrix.rows()) decide_left_over(transposed, sifting, largest, decision);
+  return decision;
 }
 
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
@@ -181,7 +354,7 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
   }
   const bool has_full_rank = common.SPQR_istat[kPlaceOfRank] == matrix.rows();
   cholmod_l_finish(&common);
-  if (has_full_rank || matrix.rows() > kDenseRows) return x;
+  if (has_full_rank || matrix.rows() > kShortestDenseRows) return x;
   // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
   Eigen::CompleteOrthogonalDecomposition<MatX> shortest;
   shortest.setThreshold(kDependent);
@@ -191,16 +364,16 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
 ScaledJacobian scaled_jacobian(const Equations& equations) {
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
-  const VecX columns = column_scales(equations);
+  const VecX& units = equations.units();
   ScaledJacobian scaled;
-  scaled.row_scale = row_sizes(equations, columns).unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; });
+  scaled.row_scale = equations.row_sizes().unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; });
   std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
   for (const RowBlock& block : constraints.blocks()) {
     const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
       for (int c = 0; c < layout.size_Y(block.body); ++c) {
         const int column = layout.first_Y(block.body) + c;
-        const double value = Phi_Y_transposed(c, row - block.first_row) * columns(column) * scaled.row_scale(row);
+        const double value = Phi_Y_transposed(c, row - block.first_row) * units(column) * scaled.row_scale(row);
         entries.emplace_back(row, column, value);
       }
     }
@@ -210,39 +383,24 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   return scaled;
 }
 
-std::vector<bool> independent_rows(const Equations& equations) {
-  const Constraints& constraints = equations.constraints();
-  const SparseMatrix all = scaled_jacobian(equations).matrix;
-  const RankDecision decision = decide_rank(all);
-  if (decision.rank == all.rows() || !constraints.has_slip_rows()) {
-    return decision.rank == all.rows() ? std::vector<bool>(all.rows(), true) : decision.independent;
+RowChoice choose_rows(const Equations& equations, int expected) {
+  constexpr double kWell = 1e-2;  // what others leave of a row that is well independent of them
+  const SparseMatrix matrix = scaled_jacobian(equations).matrix;
+  std::vector<bool> rows;
+  const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);
+  if (matrix.rows() > kDenseRows) {
+    const Sifting sifting = sift(matrix.transpose(), goes_first, kWell);
+    if (sifting.live == expected) {
+      RowChoice choice{expected, std::vector<bool>(matrix.rows(), false)};
+      for (int k = 0; k < expected; ++k) choice.independent[sifting.order[k]] = true;
+      return choice;
+    }
   }
-  std::vector<int> chosen;
-  const auto decide_chosen = [&] {
-    std::vector<Eigen::Triplet<double, SuiteSparse_long>> picks;
-    for (std::size_t k = 0; k < chosen.size(); ++k) picks.emplace_back(k, chosen[k], 1.0);
-    SparseMatrix pick(static_cast<Eigen::Index>(chosen.size()), all.rows());
-    pick.setFromTriplets(picks.begin(), picks.end());
-    return decide_rank(SparseMatrix(pick * all));
-  };
-  for (int row = 0; row < all.rows(); ++row) {
-    if (constraints.holds_positions(row)) chosen.push_back(row);
-  }
-  const RankDecision of_positions = decide_chosen();
-  std::vector<int> kept;
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
-    if (of_positions.independent[k]) kept.push_back(chosen[k]);
-  }
-  chosen = kept;
-  for (int row = 0; row < all.rows(); ++row) {
-    if (constraints.holds_positions(row)) continue;
-    chosen.push_back(row);
-    if (decide_chosen().rank < static_cast<int>(chosen.size())) chosen.pop_back();
-  }
-  std::vector<bool> independent(all.rows(), false);
-  for (const int row : chosen) independent[row] = true;
-  return independent;
+  RankDecision decision = decide_rank(matrix, goes_first);
+  return {decision.rank, std::move(decision.independent)};
 }
+
+std::vector<bool> independent_rows(const Equations& equations) { return choose_rows(equations, -1).independent; }
 
 MatX permitted_velocities(const Equations& equations) {
   const Layout& layout = equations.layout();
@@ -254,7 +412,7 @@ MatX permitted_velocities(const Equations& equations) {
     const MatX Q = qr.householderQ();
     null_space = Q.rightCols(layout.n_Y() - qr.rank());
   }
-  null_space = column_scales(equations).asDiagonal() * null_space;
+  null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();
   for (int i = 1; i < layout.n_bodies(); ++i) null_space.middleRows<3>(layout.first_Y(i)) /= length;
   const Eigen::HouseholderQR<MatX> orthonormal(null_space);
@@ -274,15 +432,24 @@ RankReport report_rank(const Equations& equations) {
   const auto in_doubt = [](double value) { return value > kUndecidedAbove && value < kUndecidedBelow; };
   report.undecided = in_doubt(decision.smallest_kept) || in_doubt(decision.largest_dropped);
   report.joints.resize(constraints.n_joints());
-  if (decision.rank == report.constraints) return report;
-  const MatX null_space = scaled.row_scale.asDiagonal() * decision.left_null_space;
+  report.decided.resize(constraints.n_joints());
+  report.unique_coupling.assign(constraints.n_couplings(), true);
+  report.decided_coupling.assign(constraints.n_couplings(), true);
+  const auto count_below = [&](double threshold) {
+    return static_cast<Eigen::Index>((decision.near_values.array() <= threshold).count());
+  };
+  const NullSpaceSizes sizes{count_below(kRankThreshold / kEitherWay), count_below(kRankThreshold),
+                             count_below(kRankThreshold * kEitherWay)};
+  if (sizes.perhaps == 0) return report;
+  const MatX& null_space = decision.near_null_space;
   for (int k = 0; k < constraints.n_joints(); ++k) {
-    const JointEquations& joint = constraints.joint(k);
-    MatX own(static_cast<Eigen::Index>(joint.rows.size()), null_space.cols());
-    for (Eigen::Index z = 0; z < null_space.cols(); ++z) {
-      own.col(z) = constraints.joint_multipliers(k, null_space.col(z));
-    }
-    mark_uniqueness(equations.model().joints[k], joint, own, report.joints[k]);
+    mark_joint(Movement(equations, k, scaled, null_space), sizes, report.joints[k], report.decided[k]);
+  }
+  for (int g = 0; g < constraints.n_couplings(); ++g) {
+    const auto own = null_space.row(constraints.coupling(g).row);
+    const Answer force = answer(sizes, [&](Eigen::Index n) { return own.head(n).norm(); });
+    report.unique_coupling[g] = force.is_unique;
+    report.decided_coupling[g] = force.stays;
   }
   return report;
 }

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <random>
 
 #include "cartesian/closing.h"
 #include "cartesian/equations.h"
 #include "cartesian/euler_parameters.h"
 #include "cartesian/joint_coordinates.h"
+#include "cartesian/pose_watch.h"
 #include "cartesian/rank.h"
 #include "cartesian/reactions.h"
 #include "cartesian/stepper.h"
@@ -23,7 +25,8 @@ namespace {
 /// A handed-over state is refused above this closure residual.
 constexpr double kClosureAllowed = 1e-12;
 
-double largest_of(const VecX& values) { return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>(); }
+constexpr double kHalfTurn = EIGEN_PI;
+constexpr double kQuarterTurn = 0.5 * EIGEN_PI;
 
 /// Holds the regimes that tires are in for the time of a run.
 struct HeldRegimes {
@@ -51,7 +54,7 @@ class CartesianSolver : public Solver {
     guess_start();
     std::vector<VecX> turns = start_coordinates(model_);
     equations_.count_turns_from(turns);
-    const Closing closing = close_machine(equations_, 0.0, true, Modes::kept, motion_.q, motion_.Y);
+    const Closing closing = close_machine(equations_, 0.0, Hold::start, Modes::kept, motion_.q, motion_.Y);
     equations_.constraints().write_turns(turns);
     const KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y);
     refuse_wrong_count(kept, closing);
@@ -64,7 +67,7 @@ class CartesianSolver : public Solver {
     }
     refuse_dependent(kept);
     State state = packed(0.0, turns);
-    use_independent_rows(state);
+    decide_for_the_machine(state);
     start_ = state;
     return state;
   }
@@ -74,7 +77,14 @@ class CartesianSolver : public Solver {
     equations_.layout().unpack(guess, motion_.q, motion_.Y);
     equations_.count_turns_from(guess.q);
     try {
-      if (!close_machine(equations_, guess.t, false, closing_modes_, motion_.q, motion_.Y).closed) return std::nullopt;
+      equations_.update(guess.t, motion_.q, motion_.Y);
+      if (largest_turn_error(equations_, guess.q).size > kQuarterTurn) {
+        seek_turns(equations_, guess.t, closing_modes_, guess.q, motion_.q, motion_.Y);
+      }
+      if (!close_machine(equations_, guess.t, Hold::constraints, closing_modes_, motion_.q, motion_.Y).closed) {
+        return std::nullopt;
+      }
+      if (largest_turn_error(equations_, guess.q).size > kHalfTurn) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
     }
@@ -89,6 +99,8 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(state.q);
     equations_.update(state.t, motion_.q, motion_.Y);
     refuse_open(state);
+    refuse_other_turn(state);
+    use_independent_rows(state.t);
     equations_.solve(true);
     return evaluation();
   }
@@ -112,14 +124,18 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(start.q);
     motion_.work = 0.0;
     equations_.update(0.0, motion_.q, motion_.Y);
+    use_independent_rows(0.0);
     const HeldRegimes held(equations_.applied());
     equations_.solve(true);
     const Motion first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
+    PoseWatch watch(equations_, generic_rank_, 0.0, first);
+    const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
 
     Trajectory trajectory;
     trajectory.samples.reserve(options.samples + 1);
     std::vector<VecX> turns = start.q;
+    equations_.measure_terms(0.0, motion_.q);
     std::vector<VecX> speeds = zero_speeds(model_);
     trajectory.samples.push_back(sample(0.0, turns, trajectory.statistics));
     double reached = 0.0;
@@ -129,11 +145,13 @@ class CartesianSolver : public Solver {
         reached = stepper->step(t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
+        note_residuals(trajectory.statistics);
+        if (watch.follow(reached, motion_)) stepper->take_new_rows();
       }
       equations_.update(t, motion_.q, motion_.Y);
       equations_.solve(true);
       equations_.project(t, motion_.q, motion_.Y);
-      if (has_dependent_rows_) close_all_rows(t);
+      if (has_dependent_rows) close_all_rows(t);
       trajectory.samples.push_back(sample(t, turns, trajectory.statistics));
       if (progress) progress(t);
     }
@@ -146,7 +164,7 @@ class CartesianSolver : public Solver {
  private:
   /// Rows that were left out follow from the others with their round-off magnified: closes the motion in them all.
   void close_all_rows(double t) {
-    const Closing closing = close_machine(equations_, t, false, closing_modes_, motion_.q, motion_.Y);
+    const Closing closing = close_machine(equations_, t, Hold::constraints, closing_modes_, motion_.q, motion_.Y);
     if (closing.closed) return;
     throw SolverError(
         fmt::format("cartesian: at t = {:.6g} s {} do not close: position residual {:.2g}, velocity residual {:.2g}", t,
@@ -217,38 +235,101 @@ class CartesianSolver : public Solver {
                                  kept.independent_speeds, kept.speeds));
   }
 
-  /// Dependent constraint rows are left out once, at the start state; there it shows what closing has to move.
-  void use_independent_rows(const State& state) {
-    equations_.layout().unpack(state, motion_.q, motion_.Y);
-    equations_.update(state.t, motion_.q, motion_.Y);
+  /// What holds for the machine as a whole: whether closing has to move modes, and the rank of its constraints where it
+  /// is not singular. The start alone may be a singular pose; so poses round about are looked at too, closed without
+  /// drivers.
+  void decide_for_the_machine(const State& start) {
+    constexpr int kPoses = 4;
+    equations_.layout().unpack(start, motion_.q, motion_.Y);
+    equations_.update(start.t, motion_.q, motion_.Y);
     closing_modes_ = restrict_modes(equations_) ? Modes::moving : Modes::kept;
-    const std::vector<bool> independent = independent_rows(equations_);
-    has_dependent_rows_ = std::find(independent.begin(), independent.end(), false) != independent.end();
-    if (has_dependent_rows_) equations_.use_rows(independent);
+    const int n_rows = equations_.constraints().n_rows();
+    generic_rank_ = may_lose_rank(model_) ? choose_rows(equations_, n_rows).rank : n_rows;
+    if (generic_rank_ == n_rows) return;
+    std::mt19937 engine(20);
+    for (int pose = 0; pose < kPoses; ++pose) generic_rank_ = std::max(generic_rank_, rank_nearby(start, engine));
+    equations_.count_turns_from(start.q);
+  }
+
+  /// Rank at a closed pose near the start; 0 if none was found.
+  int rank_nearby(const State& start, std::mt19937& engine) {
+    constexpr double kFar = 0.2;  // in the machine's units
+    const Layout& layout = equations_.layout();
+    std::uniform_real_distribution<double> spread(-kFar, kFar);
+    VecX q(layout.n_q());
+    VecX Y(layout.n_Y());
+    layout.unpack(start, q, Y);
+    VecX move = VecX::NullaryExpr(layout.n_Y(), [&] { return spread(engine); }).cwiseProduct(equations_.units());
+    for (int i = 1; i < layout.n_bodies(); ++i) layout.adot(move, i).setZero();
+    layout.displace(move, q);
+    Y.setZero();
+    equations_.count_turns_from(start.q);
+    try {
+      if (!close_machine(equations_, start.t, Hold::joints_alone, closing_modes_, q, Y).closed) return 0;
+      return choose_rows(equations_, -1).rank;
+    } catch (const SolverError&) {
+      return 0;  // a deformation out of range on the way
+    }
+  }
+
+  /// Rows that are independent at the last update, whatever was in use before.
+  void use_independent_rows(double t) {
+    if (!may_lose_rank(model_)) return;
+    const RowChoice choice = choose_rows(equations_, generic_rank_);
+    if (choice.rank < generic_rank_) refuse_singular(t, choice.rank);
+    equations_.use_rows(choice.independent);
+  }
+
+  /// Names what the rows' dependence at this pose rests on.
+  [[noreturn]] void refuse_singular(double t, int rank) const {
+    constexpr double kRestsOn = 0.1;
+    const MatX Z = decide_rank(scaled_jacobian(equations_).matrix).left_null_space;
+    std::vector<std::string> names;
+    for (Eigen::Index row = 0; row < Z.rows(); ++row) {
+      if (Z.row(row).norm() < kRestsOn) continue;
+      const std::string name = equations_.name_of(static_cast<int>(row));
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    throw SingularPose(
+        fmt::format("cartesian: at t = {:.6g} s the machine is in a singular pose: its constraints have rank {} there, "
+                    "{} elsewhere; "
+                    "those of {} depend on each other; the motion may branch, and reactions may be unbounded",
+                    t, rank, generic_rank_, fmt::join(names, ", ")));
   }
 
   void require_rows() {
     if (!start_) assemble();
   }
 
-  /// Refuses a state that its own constraints do not call closed: rows in m and rad, far from the origin relative to
-  /// the distance, whose round-off they carry; velocities relative to the largest.
-  void refuse_open(const State& state) const {
+  /// Refuses a state that its own constraints do not call closed: rows in the machine's units, far from the origin
+  /// relative to the distance, whose round-off they carry; velocities relative to the largest.
+  void refuse_open(const State& state) {
     if (!motion_.q.allFinite() || !motion_.Y.allFinite()) {
       throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds what is no finite number", state.t));
     }
-    double distance = std::max(1.0, equations_.constraints().largest_coupled());
-    for (const BodyState& body : state.bodies) distance = std::max(distance, body.r.lpNorm<Eigen::Infinity>());
-    const double gap = largest_of(equations_.residual()) / distance;
-    const double speed = largest_of(equations_.velocity_residual()) / (1.0 + largest_of(motion_.Y));
+    equations_.measure_terms(state.t, motion_.q);
+    const double gap = equations_.gap(equations_.residual());
+    const double rate = equations_.rate_error(equations_.velocity_residual());
+    const double allowed_rate = kClosureAllowed * equations_.largest_rate(state.t, motion_.Y);
     double stretch = 0.0;
     for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
-    if (gap <= kClosureAllowed && speed <= kClosureAllowed && stretch <= kClosureAllowed) return;
-    throw SolverError(
-        fmt::format("cartesian: the state at t = {:.6g} s is not closed: {} gap {:.2g} (m or rad), velocities "
-                    "{:.2g} of the "
-                    "largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
-                    state.t, equations_.name_of_largest(equations_.residual()), gap, speed, stretch, kClosureAllowed));
+    if (gap <= kClosureAllowed && rate <= allowed_rate && stretch <= kClosureAllowed) return;
+    const bool moves = gap <= kClosureAllowed;
+    throw SolverError(fmt::format(
+        "cartesian: the state at t = {:.6g} s is not closed: {} gap {:.2g} (of the machine's length, or rad), "
+        "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
+        state.t, equations_.name_of_largest(moves ? equations_.velocity_residual() : equations_.residual()), gap,
+        rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
+  }
+
+  /// Refuses a state that stands on another turn of a thread than its coordinates say.
+  void refuse_other_turn(const State& state) const {
+    const TurnError error = largest_turn_error(equations_, state.q);
+    if (!(error.size > kHalfTurn)) return;
+    throw SolverError(fmt::format(
+        "cartesian: in the state at t = {:.6g} s joint '{}' stands at {:.6g} rad, but its coordinate says {:.6g} rad: "
+        "another turn",
+        state.t, model_.joints[error.joint].name, error.read, error.known));
   }
 
   [[nodiscard]] Evaluation evaluation() const {
@@ -285,12 +366,19 @@ class CartesianSolver : public Solver {
 
   Sample sample(double t, std::vector<VecX>& turns, SolverStatistics& statistics) {
     equations_.update(t, motion_.q, motion_.Y);
-    statistics.max_constraint = std::max(
-        {statistics.max_constraint, largest_of(equations_.residual()), largest_of(equations_.velocity_residual())});
+    note_residuals(statistics);
     equations_.solve(true);
     Sample result{packed(t, turns), evaluation(), motion_.work};
     turns = result.state.q;
     return result;
+  }
+
+  /// At the last update: rows by their sizes, velocities by the largest speed.
+  void note_residuals(SolverStatistics& statistics) const {
+    double largest = equations_.gap(equations_.residual());
+    const double rate = equations_.rate_error(equations_.velocity_residual());
+    if (rate > 0.0) largest = std::max(largest, rate / equations_.largest_rate(equations_.time(), motion_.Y));
+    statistics.max_constraint = std::max(statistics.max_constraint, largest);
   }
 
   /// Follows the turn angles step by step, so that none passes half a turn unseen.
@@ -304,8 +392,10 @@ class CartesianSolver : public Solver {
     const std::string chosen = options.integrator.empty() ? integrators().front() : options.integrator;
     // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
     // many.
-    if (chosen == "gbs") return make_extrapolation_stepper(equations_, first, std::max(0.1 * options.rtol, 3e-15));
-    if (chosen == "ida") return make_ida_stepper(equations_, first, std::max(0.01 * options.rtol, 1e-13));
+    const Tolerance of_gbs{std::max(0.1 * options.rtol, 3e-15), options.until};
+    if (chosen == "gbs") return make_extrapolation_stepper(equations_, first, of_gbs);
+    const Tolerance of_ida{std::max(0.01 * options.rtol, 1e-13), options.until};
+    if (chosen == "ida") return make_ida_stepper(equations_, first, of_ida);
     throw InputError({model_.file, 0, 0}, fmt::format("cartesian: unknown integrator '{}'; it has {}", chosen,
                                                       fmt::join(integrators(), ", ")));
   }
@@ -314,7 +404,7 @@ class CartesianSolver : public Solver {
   Equations equations_;
   Motion motion_;
   std::optional<State> start_;
-  bool has_dependent_rows_ = false;
+  int generic_rank_ = 0;
   Modes closing_modes_ = Modes::kept;
 };
 

@@ -1,6 +1,8 @@
 #include "cartesian/sparse_lu.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -8,14 +10,48 @@
 
 namespace concord::cartesian {
 
+namespace {
+
+/// The power of two that brings a number between 1/2 and 1; 1 for what has no size.
+double power_to_one(double size) {
+  if (!(size > 0.0) || !std::isfinite(size)) return 1.0;
+  int exponent = 0;
+  (void)std::frexp(size, &exponent);
+  return std::ldexp(1.0, -exponent);
+}
+
+/// The power of two whose square brings a number between 1/2 and 2.
+double root_to_one(double size) {
+  int exponent = 0;
+  (void)std::frexp(size, &exponent);
+  return std::ldexp(1.0, -(exponent >> 1));
+}
+
+}  // namespace
+
 SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices, Pattern pattern)
     : column_starts_(std::move(column_starts)),
       row_indices_(std::move(row_indices)),
       values_(row_indices_.size(), 0.0),
+      scaled_(row_indices_.size(), 0.0),
+      pattern_(pattern),
+      row_scales_(VecX::Ones(size())),
+      column_scales_(VecX::Ones(size())),
       right_side_(VecX::Zero(size())),
-      residual_(VecX::Zero(size())) {
+      solution_(VecX::Zero(size())),
+      residual_(VecX::Zero(size())),
+      sums_(size(), 0.0),
+      long_sums_(size(), 0.0L) {
+  for (int column = 0; column < size(); ++column) {
+    const auto first = row_indices_.begin() + column_starts_[column];
+    const auto last = row_indices_.begin() + column_starts_[column + 1];
+    const auto found = std::lower_bound(first, last, column);
+    const bool is_there = found != last && *found == column;
+    diagonal_.push_back(is_there ? static_cast<int>(found - row_indices_.begin()) : -1);
+  }
   klu_defaults(&common_);
   common_.btf = pattern == Pattern::general ? 1 : 0;
+  common_.scale = 0;
   if (size() == 0) return;
   symbolic_ = klu_analyze(size(), column_starts_.data(), row_indices_.data(), &common_);
   if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze found the equations structurally singular");
@@ -34,23 +70,90 @@ int SparseLu::find(int row, int column) const {
   return static_cast<int>(found - row_indices_.begin());
 }
 
+/// Columns with a diagonal entry by its root, the others by their largest entry after that: a saddle point matrix has
+/// the inertias on its diagonal and nothing where its constraints stand.
+void SparseLu::choose_symmetric_scales() {
+  const auto has_diagonal = [&](int column) { return diagonal_[column] >= 0 && values_[diagonal_[column]] != 0.0; };
+  for (int column = 0; column < size(); ++column) {
+    double scale = 0.0;
+    if (is_idle(column)) {
+      scale = 1.0;
+    } else if (has_diagonal(column)) {
+      scale = root_to_one(std::abs(values_[diagonal_[column]]) / diagonal_unit_);
+    }
+    column_scales_(column) = scale;
+  }
+  for (int column = 0; column < size(); ++column) {
+    if (column_scales_(column) > 0.0) continue;
+    double largest = 0.0;
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      const int row = row_indices_[k];
+      if (has_diagonal(row) && !is_idle(row)) {
+        largest = std::max(largest, std::abs(values_[k]) * column_scales_(row));
+      }
+    }
+    column_scales_(column) = -power_to_one(largest);  // the sign: has no diagonal entry
+  }
+  for (int column = 0; column < size(); ++column) {
+    const bool is_constraint = column_scales_(column) < 0.0;
+    const double scale = std::abs(column_scales_(column));
+    row_scales_(column) = is_constraint ? scale : scale / diagonal_unit_;
+    column_scales_(column) = is_constraint ? scale * diagonal_unit_ : scale;
+    if (is_idle(column)) row_scales_(column) = column_scales_(column) = 0.0;
+  }
+}
+
+void SparseLu::choose_general_scales() {
+  row_scales_.setZero();
+  for (int column = 0; column < size(); ++column) {
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      row_scales_(row_indices_[k]) = std::max(row_scales_(row_indices_[k]), std::abs(values_[k]));
+    }
+  }
+  for (double& scale : row_scales_) scale = power_to_one(scale);
+  for (int column = 0; column < size(); ++column) {
+    double largest = 0.0;
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      largest = std::max(largest, std::abs(values_[k]) * row_scales_(row_indices_[k]));
+    }
+    column_scales_(column) = power_to_one(largest);
+  }
+}
+
+void SparseLu::scale(bool anew) {
+  if (anew && pattern_ == Pattern::symmetric) choose_symmetric_scales();
+  if (anew && pattern_ == Pattern::general) choose_general_scales();
+  for (int column = 0; column < size(); ++column) {
+    const double of_column = column_scales_(column);
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      scaled_[k] = values_[k] * (row_scales_(row_indices_[k]) * of_column);
+    }
+    if (is_idle(column)) scaled_[diagonal_[column]] = 1.0;
+  }
+}
+
 bool SparseLu::factor() {
   if (size() == 0) return true;
+  scale(true);
   if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
-  numeric_ = klu_factor(column_starts_.data(), row_indices_.data(), values_.data(), symbolic_, &common_);
+  numeric_ = klu_factor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, &common_);
   return numeric_ != nullptr && common_.status == KLU_OK;
 }
 
 bool SparseLu::refactor() {
   if (size() == 0) return true;
   if (numeric_ == nullptr) return factor();
+  scale(false);
   const int done =
-      klu_refactor(column_starts_.data(), row_indices_.data(), values_.data(), symbolic_, numeric_, &common_);
+      klu_refactor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, numeric_, &common_);
   return (done != 0 && common_.status == KLU_OK) || factor();
 }
 
 void SparseLu::solve(VecX& x) {
-  if (size() > 0) klu_solve(symbolic_, numeric_, size(), 1, x.data(), &common_);
+  if (size() == 0) return;
+  x.array() *= row_scales_.array();
+  klu_solve(symbolic_, numeric_, size(), 1, x.data(), &common_);
+  x.array() *= column_scales_.array();
 }
 
 void SparseLu::subtract_product(const VecX& x, VecX& y) const {
@@ -62,24 +165,54 @@ void SparseLu::subtract_product(const VecX& x, VecX& y) const {
   }
 }
 
-void SparseLu::write_residual(const VecX& x) {
-  residual_ = right_side_;
-  subtract_product(x, residual_);
+template <class Number>
+void SparseLu::write_residual(std::vector<Number>& sums) {
+  for (int row = 0; row < size(); ++row) sums[row] = right_side_(row);
+  for (int column = 0; column < size(); ++column) {
+    const auto factor = static_cast<Number>(solution_(column));
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      sums[row_indices_[k]] -= scaled_[k] * factor;
+    }
+  }
+  for (int row = 0; row < size(); ++row) residual_(row) = static_cast<double>(sums[row]);
 }
 
 bool SparseLu::solve_refined(VecX& x, double good_enough) {
-  constexpr double kAllowed = 1e-9;  // pivots gone bad show far above, round-off far below
-  constexpr int kMaxRounds = 2;
-  right_side_ = x;
-  const double size = 1e-300 + right_side_.lpNorm<Eigen::Infinity>();
-  solve(x);
-  write_residual(x);
-  for (int round = 0; round < kMaxRounds && residual_.lpNorm<Eigen::Infinity>() > good_enough * size; ++round) {
-    solve(residual_);
-    x += residual_;
-    write_residual(x);
+  constexpr double kFirstAllowed = 1e-2;  // correction of the solution
+  constexpr double kFalling = 0.5;
+  constexpr int kMaxRounds = 6;
+  first_correction_ = 0.0;
+  if (size() == 0) return true;
+  const auto largest = [](const VecX& vector) { return vector.lpNorm<Eigen::Infinity>(); };
+  right_side_ = x.cwiseProduct(row_scales_);
+  solution_ = right_side_;
+  klu_solve(symbolic_, numeric_, size(), 1, solution_.data(), &common_);
+  bool is_good = solution_.allFinite();
+  bool refines = is_good && good_enough <= 0.0;
+  if (is_good && !refines) {
+    write_residual(sums_);
+    refines = largest(residual_) > good_enough * largest(right_side_);
   }
-  return residual_.lpNorm<Eigen::Infinity>() <= kAllowed * size;
+  if (refines) {
+    write_residual(long_sums_);
+    // A round more than round-off of the largest asks for: the smaller ones have theirs.
+    double last = HUGE_VAL;
+    for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
+      klu_solve(symbolic_, numeric_, size(), 1, residual_.data(), &common_);
+      const double size_of_solution = largest(solution_);
+      const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
+      if (round == 0) {
+        first_correction_ = correction;
+        is_good = correction <= kFirstAllowed;
+      }
+      if (!is_good || !(correction < kFalling * last)) break;
+      solution_ += residual_;
+      last = correction;
+      write_residual(long_sums_);
+    }
+  }
+  x = solution_.cwiseProduct(column_scales_);
+  return is_good && x.allFinite();
 }
 
 }  // namespace concord::cartesian

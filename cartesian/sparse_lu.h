@@ -9,7 +9,8 @@
 namespace concord::cartesian {
 
 /// Square sparse matrix of a frozen pattern (compressed columns, rows ascending) and its LU factors by KLU: symbolic
-/// analysis once, numbers as often as they change. Structural zeros stay in the pattern.
+/// analysis once, numbers as often as they change. Structural zeros stay in the pattern. What is factorized is the
+/// matrix with rows and columns scaled by powers of two to entries of about one, so that nothing depends on units.
 class SparseLu {
  public:
   /// A symmetric pattern is ordered as it stands; any other first to block triangular form, which would spoil symmetry
@@ -29,29 +30,57 @@ class SparseLu {
   /// Place of entry (row, column) in values(); the entry must be in the pattern.
   [[nodiscard]] int find(int row, int column) const;
 
+  /// Rows and columns that count as those of the identity, whatever values() hold; they need their diagonal entries in
+  /// the pattern. Factorize with new pivots afterwards.
+  void set_idle(const std::vector<bool>& idle) { idle_ = idle; }
+  /// Unit of the diagonal (a power of two) that a symmetric matrix is scaled with.
+  void set_diagonal_unit(double unit) { diagonal_unit_ = unit; }
+
   /// Factorizes with new pivots. False if the matrix is singular.
   bool factor();
-  /// Factorizes with the pivots of the last factor(); falls back to factor() if they are no longer good.
+  /// Factorizes with the pivots and scales of the last factor(); falls back to factor() if they are no longer good.
   bool refactor();
   /// Solves in place.
   void solve(VecX& x);
-  /// Solves in place and improves the solution from its residual, twice at most, while that is above `good_enough` of
-  /// the right side. False if the residual stays large.
+  /// Solves in place and improves the solution from its residual, which is summed in extended precision, until the
+  /// corrections reach round-off or fall no more; not at all while the scaled residual, summed in double precision, is
+  /// at most `good_enough` of the scaled right side. False if the corrections do not fall: the matrix is singular for
+  /// double precision, or the pivots have gone bad.
   bool solve_refined(VecX& x, double good_enough);
-  /// y -= matrix x.
+  /// Size of the first correction of the last solve_refined() relative to the solution, a measure of how the condition
+  /// magnifies round-off; 0 if there was none.
+  [[nodiscard]] double first_correction() const { return first_correction_; }
+  /// y -= matrix x, idle rows and columns as they stand in values().
   void subtract_product(const VecX& x, VecX& y) const;
 
  private:
-  void write_residual(const VecX& x);
+  void scale(bool anew);
+  void choose_symmetric_scales();
+  void choose_general_scales();
+  [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
+  /// Of the scaled equations, summed in numbers of this type.
+  template <class Number>
+  void write_residual(std::vector<Number>& sums);
 
   std::vector<int> column_starts_;
   std::vector<int> row_indices_;
+  std::vector<int> diagonal_;  // by column: place of the diagonal entry, -1: none
   std::vector<double> values_;
+  std::vector<double> scaled_;
+  std::vector<bool> idle_;
+  double diagonal_unit_ = 1.0;
+  Pattern pattern_;
+  VecX row_scales_;
+  VecX column_scales_;
   klu_common common_{};
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;
-  VecX right_side_;
+  VecX right_side_;  // scaled
+  VecX solution_;
   VecX residual_;
+  std::vector<double> sums_;
+  std::vector<long double> long_sums_;
+  double first_correction_ = 0.0;
 };
 
 }  // namespace concord::cartesian

@@ -28,7 +28,11 @@ constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 }  // namespace
 
 Stepper::Stepper(Equations& equations, const Motion& start)
-    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_tires()), kink_(HUGE_VAL) {}
+    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_tires()), kink_(HUGE_VAL) {
+  constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
+  const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
+  chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
+}
 
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
@@ -44,6 +48,15 @@ double Stepper::step(double stop) {
     look_back(time_);
   }
   return time_;
+}
+
+void Stepper::take_new_rows() {
+  if (!remembers_multipliers()) return;
+  equations_.update(time_, motion_.q, motion_.Y);
+  equations_.solve(true);
+  equations_.project(time_, motion_.q, motion_.Y);
+  restart(time_);
+  reached_ = time_;
 }
 
 /// How far the tires are inside their regimes.
@@ -115,9 +128,8 @@ void Stepper::pass_kink() {
 }
 
 void Stepper::refuse_chatter() {
-  constexpr double kWindow = 1e-2;  // s
   constexpr int kMaxKinks = 1000;
-  if (time_ - kinks_since_ > kWindow) {
+  if (time_ - kinks_since_ > chatter_window_) {
     kinks_since_ = time_;
     kinks_ = 0;
   }
@@ -128,7 +140,7 @@ void Stepper::refuse_chatter() {
                   time_, equations_.model().elements[at_margin_].name, kinks_, time_ - kinks_since_));
 }
 
-VecX absolute_tolerances(const Equations& equations, const Motion& start, double rtol) {
+VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance) {
   const Model& model = equations.model();
   const Layout& layout = equations.layout();
   const double length = model.length_scale();
@@ -142,9 +154,9 @@ VecX absolute_tolerances(const Equations& equations, const Motion& start, double
       speed = std::max(speed, rate * std::sqrt(mode.mass / equations.inertia(i).mass()));
     }
   }
-  // Of a length per second: what closing leaves of the speed of a machine at rest.
-  constexpr double kStandstill = 1e-12;
-  if (!(speed > kStandstill * length)) speed = length;
+  constexpr double kStandstill = 1e-9;  // of the length in the time of the run: what closing leaves, and no motion
+  const double least = length / tolerance.until;
+  if (!(speed > kStandstill * least)) speed = std::max(equations.natural_rate() * length, least);
   double energy = 0.0;
   VecX scales(layout.n_q() + layout.n_Y() + 1);
   auto q = scales.head(layout.n_q());
@@ -163,7 +175,7 @@ VecX absolute_tolerances(const Equations& equations, const Motion& start, double
     }
   }
   scales(scales.size() - 1) = energy;
-  return rtol * scales;
+  return tolerance.rtol * scales;
 }
 
 }  // namespace concord::cartesian

@@ -30,6 +30,8 @@ class Stepper {
   /// The motion at the time reached; to be projected by whoever needs it closed to round-off.
   [[nodiscard]] const Motion& motion() const { return motion_; }
   [[nodiscard]] long steps() const { return steps_; }
+  /// The equations use other rows from now on, and the motion goes on as it was reached.
+  void take_new_rows();
   /// Evaluations of the equations of motion so far.
   [[nodiscard]] long evaluations() const { return evaluations_; }
 
@@ -45,6 +47,8 @@ class Stepper {
   virtual void look_back(double t) = 0;
   /// Starts the method again at time t from motion_.
   virtual void restart(double t) = 0;
+  /// Whether the method remembers multipliers, which belong to the rows in use.
+  [[nodiscard]] virtual bool remembers_multipliers() const = 0;
 
   Equations& equations_;
   Motion motion_;
@@ -61,23 +65,32 @@ class Stepper {
 
   bool has_regimes_;
   double time_ = 0.0;
-  double kink_;  // in the last step, not yet passed; HUGE_VAL: none
+  double chatter_window_;  // s
+  double kink_;            // in the last step, not yet passed; HUGE_VAL: none
   int at_margin_ = -1;
   double kinks_since_ = 0.0;
   int kinks_ = 0;
 };
 
+/// Relative tolerance of each step, and the time of the run [s].
+struct Tolerance {
+  double rtol;
+  double until;
+};
+
 /// Absolute tolerances over [q; Y; work] that follow from rtol and the sizes of the machine: its length, the speed and
-/// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed.
-VecX absolute_tolerances(const Equations& equations, const Motion& start, double rtol);
+/// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed. A machine
+/// that starts at rest without gravity has the speed that its forces bring about over its length, or at least its
+/// length in the time of the run. At the last update of `equations`.
+VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance);
 
 /// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of
-/// ARKODE; every step is projected onto the constraints. For machines that are not stiff. `rtol` is held by each step.
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, double rtol);
+/// ARKODE; every step is projected onto the constraints. For machines that are not stiff. Each step holds `tolerance`.
+std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, Tolerance tolerance);
 
 /// IDA (BDF, orders 1 to 5) on the stabilized index-2 equations with KLU: positions and velocities are both
-/// constrained, the position rows' extra multipliers mu stay at round-off. For stiff machines. `rtol` is held by each
-/// step.
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, double rtol);
+/// constrained, the position rows' extra multipliers mu stay at round-off. For stiff machines. Each step holds
+/// `tolerance`.
+std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, Tolerance tolerance);
 
 }  // namespace concord::cartesian

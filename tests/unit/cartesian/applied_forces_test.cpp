@@ -183,7 +183,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       for (int guess = 0; guess < 10 && !closed; ++guess) {  // a guess far off may end on the branch of turned axes
         q = numbers.matrix(equations.layout().n_q(), 1, 0.3);
         Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
-        closed = close_machine(equations, 0.0, false, Modes::kept, q, Y).closed;
+        closed = close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y).closed;
       }
       ASSERT_TRUE(closed);
       equations.update(0.0, q, Y);

@@ -231,6 +231,8 @@ TEST(Couplings, ARedundantOneIsFoundAndLeavesReactionsUnique) {
   EXPECT_EQ(report.constraints, 5 + 5 + 4 + 5 + 3);
   EXPECT_EQ(report.rank, report.constraints - 1);
   EXPECT_EQ(report.degrees_of_freedom, 3);
+  EXPECT_EQ(report.unique_coupling, (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(report.decided_coupling, (std::vector<bool>{true, true, true}));
   const Evaluation twice = solver->evaluate(state);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {

@@ -57,7 +57,7 @@ TEST(Equations, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
 TEST(Equations, ProjectionClosesPositionsAndVelocities) {
   TwoBodies rig(103, "cylindrical", 2, 0);
   Equations& equations = rig.equations;
-  ASSERT_TRUE(close_machine(equations, 0.0, false, Modes::kept, rig.q, rig.Y).closed);
+  ASSERT_TRUE(close_machine(equations, 0.0, Hold::constraints, Modes::kept, rig.q, rig.Y).closed);
   equations.solve(true);
   Numbers numbers(104);
   rig.q += numbers.matrix(static_cast<int>(rig.q.size()), 1, 1e-5);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/joints/catalogue.h"
+#include "common/joints/screw.h"
 #include "machines.h"
 
 namespace concord::cartesian {
@@ -126,6 +127,30 @@ TEST(JointRows, AnglesOfALinkReadWhatTheMotionSays) {
   const joints::JointType& link = *joints::find("universal_spherical");
   EXPECT_NEAR(evaluate_read(link.reads[0], 0, motion).value, q1, 1e-15);
   EXPECT_NEAR(evaluate_read(link.reads[1], 0, motion).value, q2, 1e-15);
+}
+
+TEST(JointRows, AnArmBeyondUprightReadsOnItsOwnSide) {
+  RelativeMotion motion;
+  const double q1 = -0.7;
+  const double q2 = 2.2;  // beyond a right angle
+  motion.d = rotation_about(Axis::x, q1) * rotation_about(Axis::y, q2) * Vec3(0.0, 0.0, 0.4);
+  motion.ddot = Vec3(0.3, -0.5, 0.8).cross(motion.d);
+  const joints::JointType& distance = *joints::find("distance");
+  const Row near_side = evaluate_read(distance.reads[1], 0, motion);
+  motion.is_beyond_upright = true;
+  EXPECT_NEAR(evaluate_read(distance.reads[0], 0, motion).value, q1, 1e-15);
+  const Row beyond = evaluate_read(distance.reads[1], 0, motion);
+  EXPECT_NEAR(beyond.value, q2, 1e-15);
+  EXPECT_EQ(rate_of(beyond, motion), -rate_of(near_side, motion));
+  EXPECT_EQ(beyond.bias, -near_side.bias);
+}
+
+TEST(JointRows, AThreadCountsTurnsByItselfAndABearingDoesNot) {
+  const joints::JointType thread = joints::screw_of({0.003});
+  EXPECT_FALSE(reads_turn(thread.reads[0], 0));
+  EXPECT_TRUE(reads_turn(joints::find("distance")->reads[0], 0));
+  EXPECT_TRUE(reads_turn(joints::find("revolute")->reads[0], 0));
+  EXPECT_FALSE(reads_turn(joints::find("cylindrical")->reads[0], 0));
 }
 
 TEST(JointRows, CoordinateWrenchDoesTheWorkOfItsForcesOnly) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace concord::cartesian {
 namespace {
 
@@ -34,6 +36,71 @@ TEST(SparseLu, TellsASingularMatrix) {
   SparseLu matrix = make_matrix();
   fill(matrix, 0.5);  // third row is half the first
   EXPECT_FALSE(matrix.factor());
+}
+
+constexpr int kSize = 8;
+
+SparseLu make_full() {
+  std::vector<int> starts{0};
+  std::vector<int> rows;
+  for (int c = 0; c < kSize; ++c) {
+    for (int r = 0; r < kSize; ++r) rows.push_back(r);
+    starts.push_back(static_cast<int>(rows.size()));
+  }
+  return {starts, rows};
+}
+
+/// An 8 x 8 Hilbert matrix by its common denominator: integers, condition 1e10. `row` and `column` scale.
+void fill_hilbert(SparseLu& matrix, double row, double column) {
+  for (int c = 0; c < kSize; ++c) {
+    for (int r = 0; r < kSize; ++r) {
+      const double by_row = r % 2 == 0 ? row : 1.0;
+      const double by_column = c % 3 == 0 ? column : 1.0;
+      matrix.values()[matrix.find(r, c)] = 360360.0 / (r + c + 1) * by_row * by_column;
+    }
+  }
+}
+
+TEST(SparseLu, RefinesAnIllConditionedSystemToRoundOff) {
+  SparseLu matrix = make_full();
+  fill_hilbert(matrix, 1.0, 1.0);
+  const VecX known = VecX::Ones(kSize);
+  VecX x = VecX::Zero(kSize);
+  matrix.subtract_product(-known, x);
+  ASSERT_TRUE(matrix.factor());
+  VecX rough = x;
+  matrix.solve(rough);
+  EXPECT_GT((rough - known).norm(), 1e-10);
+  ASSERT_TRUE(matrix.solve_refined(x, 0.0));
+  EXPECT_LE((x - known).lpNorm<Eigen::Infinity>(), 1e-15);
+  EXPECT_GT(matrix.first_correction(), 1e-12);
+}
+
+TEST(SparseLu, UnitsThatArePowersOfTwoLeaveTheDigits) {
+  const double row = std::ldexp(1.0, 70);
+  const double column = std::ldexp(1.0, -90);
+  SparseLu plain = make_full();
+  SparseLu scaled = make_full();
+  fill_hilbert(plain, 1.0, 1.0);
+  fill_hilbert(scaled, row, column);
+  ASSERT_TRUE(plain.factor());
+  ASSERT_TRUE(scaled.factor());
+  VecX x = VecX::LinSpaced(kSize, 0.3, 2.9);
+  VecX y = x;
+  for (int r = 0; r < kSize; r += 2) y(r) *= row;
+  plain.solve(x);
+  scaled.solve(y);
+  for (int c = 0; c < kSize; ++c) EXPECT_EQ(x(c), y(c) * (c % 3 == 0 ? column : 1.0)) << c;
+}
+
+TEST(SparseLu, IdleRowsAndColumnsAreThoseOfTheIdentity) {
+  SparseLu matrix = make_matrix();
+  fill(matrix, 0.5);
+  matrix.set_idle({false, false, true});
+  ASSERT_TRUE(matrix.factor());
+  VecX x = Vec3(4.0, 6.0, 0.0);
+  ASSERT_TRUE(matrix.solve_refined(x, 0.0));
+  EXPECT_LT((x - Vec3(2.0, 2.0, 0.0)).norm(), 1e-15);
 }
 
 TEST(SparseLu, RefusesAnEntryOutsideThePattern) {

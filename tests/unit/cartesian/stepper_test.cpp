@@ -32,8 +32,9 @@ struct Tumbler {
 };
 
 Motion run(const Tumbler& tumbler, Equations& equations, double rtol, bool extrapolate, long* steps = nullptr) {
-  const auto stepper = extrapolate ? make_extrapolation_stepper(equations, tumbler.start, rtol)
-                                   : make_ida_stepper(equations, tumbler.start, rtol);
+  const Tolerance tolerance{rtol, 2.0};
+  const auto stepper = extrapolate ? make_extrapolation_stepper(equations, tumbler.start, tolerance)
+                                   : make_ida_stepper(equations, tumbler.start, tolerance);
   double reached = 0.0;
   while (reached < 2.0) reached = stepper->step(2.0);
   if (steps != nullptr) *steps = stepper->steps();

@@ -1,0 +1,255 @@
+#include "cartesian/pose_watch.h"
+
+#include <amd.h>
+#include <fmt/format.h>
+#include <klu.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cartesian/rank.h"
+#include "common/error.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// Constraint rows in an order of little fill for J M^-1 J^T: rows on one body are neighbours.
+std::vector<int> order_rows(const Equations& equations) {
+  const Constraints& constraints = equations.constraints();
+  std::vector<std::vector<int>> of_body(equations.layout().n_bodies());
+  for (const RowBlock& block : constraints.blocks()) {
+    for (int row = 0; row < block.n_rows; ++row) of_body[block.body].push_back(block.first_row + row);
+  }
+  std::vector<std::vector<int>> columns(constraints.n_rows());
+  for (const auto& rows : of_body) {
+    for (const int row : rows) columns[row].insert(columns[row].end(), rows.begin(), rows.end());
+  }
+  std::vector<int> starts{0};
+  std::vector<int> indices;
+  for (auto& column : columns) {
+    std::sort(column.begin(), column.end());
+    column.erase(std::unique(column.begin(), column.end()), column.end());
+    indices.insert(indices.end(), column.begin(), column.end());
+    starts.push_back(static_cast<int>(indices.size()));
+  }
+  std::vector<int> order(constraints.n_rows());
+  std::iota(order.begin(), order.end(), 0);
+  if (!order.empty())
+    (void)amd_order(constraints.n_rows(), starts.data(), indices.data(), order.data(), nullptr, nullptr);
+  return order;
+}
+
+}  // namespace
+
+/// Pivots of J_b M_b^-1 J_a^T by eliminating, in a fixed order without exchanges, first the inertias and then the rows
+/// of [M_b J_a^T; J_b 0]; memory is laid out once.
+class PoseWatch::Overlap {
+ public:
+  explicit Overlap(const Equations& equations)
+      : matrix_(equations.matrix()), first_row_(equations.layout().n_Y()), values_(matrix_.row_indices().size(), 0.0) {
+    klu_defaults(&common_);
+    common_.btf = 0;
+    common_.scale = 0;
+    common_.tol = 0.0;  // always the diagonal
+    const std::vector<int> rows = order_rows(equations);
+    order_.resize(matrix_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    for (std::size_t k = 0; k < rows.size(); ++k) order_[first_row_ + k] = first_row_ + rows[k];
+    symbolic_ = klu_analyze_given(matrix_.size(), starts(), indices(), order_.data(), order_.data(), &common_);
+    if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze_given failed");
+  }
+  ~Overlap() {
+    if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
+    klu_free_symbolic(&symbolic_, &common_);
+  }
+  Overlap(const Overlap&) = delete;
+  Overlap& operator=(const Overlap&) = delete;
+
+  /// By constraint row: the pivots, negative where the overlap is lost; zero for rows that take no part, and all zero
+  /// where a pivot vanishes.
+  VecX pivots(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& rows) {
+    fill(a, b, rows);
+    VecX found = VecX::Zero(matrix_.size() - first_row_);
+    if (!factor()) return found;
+    const auto* diagonal = static_cast<const double*>(numeric_->Udiag);
+    for (int k = first_row_; k < matrix_.size(); ++k) {
+      const int row = order_[k] - first_row_;
+      if (rows[row]) found(row) = -diagonal[k];
+    }
+    return found;
+  }
+
+ private:
+  /// The order of pivots is the same every time; a refactorization that fails leaves factors that cannot be used again.
+  bool factor() {
+    if (numeric_ == nullptr) {
+      numeric_ = klu_factor(starts(), indices(), values_.data(), symbolic_, &common_);
+      return numeric_ != nullptr && common_.status == KLU_OK;
+    }
+    const int done = klu_refactor(starts(), indices(), values_.data(), symbolic_, numeric_, &common_);
+    if (done != 0 && common_.status == KLU_OK) return true;
+    klu_free_numeric(&numeric_, &common_);
+    return false;
+  }
+
+  int* starts() { return const_cast<int*>(matrix_.column_starts().data()); }  // KLU reads them only
+  int* indices() { return const_cast<int*>(matrix_.row_indices().data()); }
+
+  void fill(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& rows) {
+    const auto takes_part = [&](int place) { return place < first_row_ || rows[place - first_row_]; };
+    for (int column = 0; column < matrix_.size(); ++column) {
+      for (int k = matrix_.column_starts()[column]; k < matrix_.column_starts()[column + 1]; ++k) {
+        const int row = matrix_.row_indices()[k];
+        if (takes_part(row) && takes_part(column)) {
+          values_[k] = column >= first_row_ ? a[k] : b[k];
+        } else {
+          values_[k] = row == column ? -1.0 : 0.0;
+        }
+      }
+    }
+  }
+
+  const SparseLu& matrix_;
+  int first_row_;
+  std::vector<int> order_;
+  std::vector<double> values_;
+  klu_common common_{};
+  klu_symbolic* symbolic_ = nullptr;
+  klu_numeric* numeric_ = nullptr;
+};
+
+bool may_lose_rank(const Model& model) {
+  if (!model.couplings.empty()) return true;
+  std::vector<int> tree(model.bodies.size());
+  std::iota(tree.begin(), tree.end(), 0);
+  const auto root = [&](int body) {
+    while (tree[body] != body) body = tree[body];
+    return body;
+  };
+  for (const Joint& joint : model.joints) {
+    const bool restricts = joint.type->n_u() < 6 || !joint.drivers.empty();
+    if (!restricts) continue;
+    const int parent = root(joint.on(Side::parent).body);
+    const int child = root(joint.on(Side::child).body);
+    if (parent == child) return true;
+    tree[child] = parent;
+  }
+  return false;
+}
+
+PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const Motion& start)
+    : equations_(equations), generic_rank_(generic_rank), may_lose_rank_(may_lose_rank(equations.model())) {
+  if (!may_lose_rank_) return;
+  overlap_ = std::make_unique<Overlap>(equations);
+  equations_.update(t, start.q, start.Y);
+  last_ = look(t, start);
+  chosen_pivots_ = last_.pivots;
+}
+
+PoseWatch::~PoseWatch() = default;
+
+/// At the last update of the equations, with the rows in use.
+PoseWatch::Look PoseWatch::look(double t, const Motion& motion) {
+  equations_.fill_matrix();
+  const SparseLu& matrix = equations_.matrix();
+  Look at{t, motion.q, motion.Y, {matrix.values(), matrix.values() + matrix.row_indices().size()}, {}, {}};
+  at.rows = equations_.active_rows();
+  at.pivots = overlap_->pivots(at.values, at.values, at.rows);
+  return at;
+}
+
+/// Rows chosen anew at a pose, which the equations use from then on.
+void PoseWatch::choose(Look& at) {
+  const RowChoice choice = choose_rows(equations_, generic_rank_);
+  if (choice.rank < generic_rank_) refuse(at.t, weakest_row_);
+  equations_.use_rows(choice.independent);
+  at.rows = choice.independent;
+  at.pivots = overlap_->pivots(at.values, at.values, at.rows);
+}
+
+bool PoseWatch::follow(double t, const Motion& motion) {
+  constexpr double kWorn = 1e-2;  // a row's pivot of that where the rows were chosen
+  constexpr int kDepth = 16;
+  if (!may_lose_rank_ || t <= last_.t) return false;
+  const std::vector<bool> rows = equations_.active_rows();
+  equations_.update(t, motion.q, motion.Y);
+  Look now = look(t, motion);
+  const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
+  if (has_dependent_rows && !(now.pivots.array() >= kWorn * chosen_pivots_.array()).all()) {
+    choose(now);
+    chosen_pivots_ = now.pivots;
+  }
+  trace(last_, now, kDepth);
+  equations_.use_rows(now.rows);
+  last_ = std::move(now);
+  return last_.rows != rows;
+}
+
+/// Whether the rows at one pose go over into those at the other without a doubt.
+bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vector<bool>& rows) {
+  constexpr double kOverlap = 0.3;
+  const auto own_pivots = [&](const Look& at) {
+    return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
+  };
+  const VecX between = overlap_->pivots(before.values, after.values, rows);
+  const VecX at_before = own_pivots(before);
+  const VecX at_after = own_pivots(after);
+  for (Eigen::Index row = 0; row < between.size(); ++row) {
+    if (!rows[row]) continue;
+    const double geometric_mean = std::sqrt(at_before(row)) * std::sqrt(at_after(row));
+    if (at_before(row) > 0.0 && at_after(row) > 0.0 && between(row) >= kOverlap * geometric_mean) continue;
+    weakest_row_ = static_cast<int>(row);
+    return false;
+  }
+  return true;
+}
+
+void PoseWatch::trace(const Look& before, const Look& after, int depth) {
+  if (leads_on(before, after, before.rows)) return;
+  if (after.rows != before.rows && leads_on(before, after, after.rows)) return;
+  if (depth == 0) refuse(after.t, weakest_row_);
+  const Look middle = look_between(before, after);
+  trace(before, middle, depth - 1);
+  trace(middle, after, depth - 1);
+}
+
+/// Halfway in time: the cubic through both, brought onto the constraints.
+PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
+  const Layout& layout = equations_.layout();
+  const double h = after.t - before.t;
+  const double t = before.t + 0.5 * h;
+  VecX rate_before(layout.n_q());
+  VecX rate_after(layout.n_q());
+  layout.write_qdot(before.q, before.Y, rate_before);
+  layout.write_qdot(after.q, after.Y, rate_after);
+  Motion middle;
+  middle.q = 0.5 * (before.q + after.q) + h / 8.0 * (rate_before - rate_after);
+  middle.Y = 0.5 * (before.Y + after.Y);
+  layout.normalize(middle.q);
+  try {
+    equations_.update(t, middle.q, middle.Y);
+    const RowChoice choice = choose_rows(equations_, generic_rank_);
+    if (choice.rank < generic_rank_) refuse(t, weakest_row_);
+    equations_.use_rows(choice.independent);
+    equations_.solve(true);
+    equations_.project(t, middle.q, middle.Y);
+    equations_.update(t, middle.q, middle.Y);
+  } catch (const SingularPose&) {
+    throw;
+  } catch (const SolverError&) {
+    refuse(t, weakest_row_);
+  }
+  return look(t, middle);
+}
+
+void PoseWatch::refuse(double t, int row) const {
+  throw SingularPose(
+      fmt::format("cartesian: at t = {:.6g} s the motion passes a singular pose: constraints lose rank at {}; the "
+                  "motion may branch "
+                  "there, and reactions may be unbounded",
+                  t, equations_.name_of(row)));
+}
+
+}  // namespace concord::cartesian

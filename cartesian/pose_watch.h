@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cartesian/equations.h"
+#include "cartesian/stepper.h"
+
+namespace concord::cartesian {
+
+/// Follows a motion from step to step: takes other independent rows where those in use become dependent, and sees
+/// singular poses on and between steps.
+///
+/// Between two poses a and b of a motion the matrix J_b M^-1 J_a^T, J the rows in use, is positive definite for b = a,
+/// and its pivots, eliminated in a fixed order, can only become negative where the rows lose rank or where what they
+/// permit turns by more than a right angle. A turn is taken apart by looking between a and b; a singular pose stays,
+/// however near both are.
+class PoseWatch {
+ public:
+  /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is
+  /// not singular.
+  PoseWatch(Equations& equations, int generic_rank, double t, const Motion& start);
+  ~PoseWatch();
+  PoseWatch(const PoseWatch&) = delete;
+  PoseWatch& operator=(const PoseWatch&) = delete;
+
+  /// The motion has come to t. True if the equations use other rows from now on. Throws SingularPose where the motion
+  /// has passed or reached a singular pose.
+  bool follow(double t, const Motion& motion);
+
+ private:
+  /// A pose of the motion and the pivots of J M^-1 J^T over the rows chosen there.
+  struct Look {
+    double t = 0.0;
+    VecX q;
+    VecX Y;
+    std::vector<double> values;  // of the equations' matrix
+    std::vector<bool> rows;
+    VecX pivots;
+  };
+  class Overlap;
+
+  Look look(double t, const Motion& motion);
+  Look look_between(const Look& before, const Look& after);
+  void choose(Look& at);
+  bool leads_on(const Look& before, const Look& after, const std::vector<bool>& rows);
+  void trace(const Look& before, const Look& after, int depth);
+  [[noreturn]] void refuse(double t, int row) const;
+
+  Equations& equations_;
+  int generic_rank_;
+  bool may_lose_rank_;
+  std::unique_ptr<Overlap> overlap_;
+  Look last_;
+  VecX chosen_pivots_;  // where the rows in use were chosen
+  int weakest_row_ = 0;
+};
+
+/// Whether the constraints of a model can depend on each other at all: it has couplings, or joints that close a loop.
+bool may_lose_rank(const Model& model);
+
+}  // namespace concord::cartesian
