@@ -25,7 +25,7 @@ constexpr double kClosureAllowed = 1e-12;
 
 double largest_of(const VecX& values) { return values.size() == 0 ? 0.0 : values.lpNorm<Eigen::Infinity>(); }
 
-/// Holds the regimes that tires are in for the time of a run.
+/// Holds the regimes that tires and stops are in for the time of a run.
 struct HeldRegimes {
   AppliedForces& applied;
 
