@@ -120,8 +120,7 @@ TEST(ForceLaw, AStopPushesAndNeverPulls) {
   for (double x = -0.4; x < 0.6; x += 0.0071) {
     for (const double xdot : {-9.0, -1.0, -0.2, 0.0, 0.3, 7.0}) {
       const Resistance found = evaluate_resistance(law, x, xdot);
-      if (x > 0.1) EXPECT_GE(found.force, 0.0) << x << ", " << xdot;
-      if (x < 0.1) EXPECT_LE(found.force, 0.0) << x << ", " << xdot;
+      EXPECT_GE(x > 0.1 ? found.force : -found.force, 0.0) << x << ", " << xdot;
     }
   }
   // Pressed fully by 0.05: 800 (0.05 - 0.01) = 32 N of the spring, so it lets go where it is left at 1.28 m/s.
