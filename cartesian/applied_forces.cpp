@@ -86,13 +86,16 @@ TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, con
   return at;
 }
 
+/// What a turn spring takes for its angle.
+const joints::Read kSpringAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
+
 /// Writes the wrenches of one element on its ends; placed and moved before.
 struct Push {
   Actor& actor;
   const std::string& name;
   double t;
   const Mat3& A_body;  // of the child
-  bool sets_regimes;   // tires take the regime that they are in by themselves
+  bool sets_regimes;   // tires and stops take the regime that they are in by themselves
   double shortest;     // line spring that has a direction
 
   void operator()(const Load& load) const {
@@ -112,20 +115,19 @@ struct Push {
     }
     const Vec3 along = line / length;
     const double rate = along.dot(child().velocity - parent().velocity);
-    const double tension = evaluate_resistance(spring.law, length, rate).force + evaluate_actuator(spring.law, t);
+    const double tension = resistance(spring.law, length, rate) + evaluate_actuator(spring.law, t);
     on_child() = {-tension * along, Vec3::Zero()};
     on_parent() = {tension * along, Vec3::Zero()};
   }
 
   void operator()(const TurnSpring& spring) const {
-    static const joints::Read kAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
     if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s turn spring '{}' has no angle: the child's x axis points along the "
                       "parent's z: turn the frames of its ends",
                       t, name));
     }
-    const Row angle = evaluate_read(kAngle, 0, actor.motion);
+    const Row angle = evaluate_read(kSpringAngle, 0, actor.motion);
     if (!(std::abs(angle.value) <= kLargestAngle)) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
@@ -133,7 +135,7 @@ struct Push {
                       t, name, angle.value * 180.0 / EIGEN_PI));
     }
     const double rate = rate_of(angle, actor.motion);
-    const double torque = evaluate_resistance(spring.law, angle.value, rate).force + evaluate_actuator(spring.law, t);
+    const double torque = resistance(spring.law, angle.value, rate) + evaluate_actuator(spring.law, t);
     const Vec3 couple = parent().A_joint * (-torque * angle.over_rho);
     on_child() = {Vec3::Zero(), couple};
     on_parent() = {Vec3::Zero(), -couple};
@@ -162,6 +164,11 @@ struct Push {
   }
 
  private:
+  [[nodiscard]] double resistance(const ForceLaw& law, double x, double rate) const {
+    LawRegime& regime = actor.stop_regimes.front();
+    if (sets_regimes) regime = regime_at(law, x, rate);
+    return evaluate_resistance(law, regime, x, rate).force;
+  }
   [[nodiscard]] const Marker& child() const { return actor.markers[index(Side::child)]; }
   [[nodiscard]] const Marker& parent() const { return actor.markers[index(Side::parent)]; }
   [[nodiscard]] Wrench& on_child() const { return actor.wrenches[index(Side::child)]; }
@@ -193,6 +200,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
       const VecX none;
       place(*end, Vec3::Zero(), Mat3::Identity(), none.head(0), actor.markers[index(side)]);
     }
+    actor.stop_regimes.resize(1);
     give_room(actor);
     actors_.push_back(std::move(actor));
   }
@@ -203,6 +211,12 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
     Actor actor;
     actor.joint = static_cast<int>(k);
     actor.ends = {&joint.on(Side::parent), &joint.on(Side::child)};
+    for (const Side side : {Side::parent, Side::child}) {
+      actor.markers[index(side)] = make_marker(joint.on(side));
+      const VecX none;
+      place(joint.on(side), Vec3::Zero(), Mat3::Identity(), none.head(0), actor.markers[index(side)]);
+    }
+    actor.stop_regimes.resize(joint.springs.size());
     actor.tau.setZero(joint.type->n_u());
     actor.known_q.setZero(joint.type->n_q());
     for (const JointSpring& spring : joint.springs) {
@@ -261,15 +275,16 @@ void AppliedForces::push_by_springs(Actor& actor, double t) const {
   const Joint& stated = model_.joints[actor.joint];
   const JointEquations& joint = constraints_.joint(actor.joint);
   actor.tau.setZero();
-  for (std::size_t j = 0; j < stated.springs.size(); ++j) {
-    const JointSpring& spring = stated.springs[j];
+  for (std::size_t k = 0; k < stated.springs.size(); ++k) {
+    const JointSpring& spring = stated.springs[k];
     const joints::Read& read = *read_of(*stated.type, spring.word);
     const Row row = evaluate_read(read, spring.component, joint.motion);
     const double known = actor.known_q(first_q(*stated.type, spring.word) + spring.component);
-    const double x = value_near(actor.spring_turns[j], row, known);
+    const double x = value_near(actor.spring_turns[k], row, known);
     const double rate = rate_of(row, joint.motion);
+    if (!holds_regimes_) actor.stop_regimes[k] = regime_at(spring.law, x, rate);
     actor.tau(first_u(*stated.type, spring.word) + spring.component) +=
-        evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, x, rate).force;
+        evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, actor.stop_regimes[k], x, rate).force;
   }
   const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, actor.tau);
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
@@ -278,26 +293,90 @@ void AppliedForces::push_by_springs(Actor& actor, double t) const {
   actor.wrenches[index(Side::parent)] = opposite(on_child, joint.gap);
 }
 
-bool AppliedForces::has_tires() const {
+namespace {
+
+/// The law of a line or turn spring; nullptr of any other element.
+const ForceLaw* law_of(const ForceElement& element) {
+  if (const auto* line = std::get_if<LineSpring>(&element.what)) return &line->law;
+  if (const auto* turn = std::get_if<TurnSpring>(&element.what)) return &turn->law;
+  return nullptr;
+}
+
+bool has_regimes(const ForceElement& element) {
+  const ForceLaw* law = law_of(element);
+  return std::holds_alternative<Tire>(element.what) || (law != nullptr && has_stops(*law));
+}
+
+bool has_regimes(const Joint& joint) {
+  return std::any_of(joint.springs.begin(), joint.springs.end(),
+                     [](const JointSpring& spring) { return has_stops(spring.law); });
+}
+
+}  // namespace
+
+bool AppliedForces::has_regimes() const {
   return std::any_of(model_.elements.begin(), model_.elements.end(),
-                     [](const ForceElement& element) { return std::holds_alternative<Tire>(element.what); });
+                     [](const ForceElement& element) { return cartesian::has_regimes(element); }) ||
+         std::any_of(model_.joints.begin(), model_.joints.end(),
+                     [](const Joint& joint) { return cartesian::has_regimes(joint); });
+}
+
+std::string AppliedForces::name_of_regime(int actor) const {
+  const Actor& of = actors_[actor];
+  if (of.joint >= 0) return fmt::format("the stop of joint '{}'", model_.joints[of.joint].name);
+  const ForceElement& element = model_.elements[of.element];
+  return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
+}
+
+double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
+  if (actor.element < 0) {
+    const Joint& joint = model_.joints[actor.joint];
+    double smallest = HUGE_VAL;
+    for (std::size_t k = 0; k < joint.springs.size(); ++k) {
+      const JointSpring& spring = joint.springs[k];
+      const joints::Read& read = *read_of(*joint.type, spring.word);
+      const Row row = evaluate_read(read, spring.component, actor.motion);
+      const double known = actor.known_q(first_q(*joint.type, spring.word) + spring.component);
+      const double x = value_near(read, spring.component, row, known);
+      smallest = std::min(smallest, margin_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
+    }
+    return smallest;
+  }
+  const ForceElement& element = model_.elements[actor.element];
+  const Marker& parent = actor.markers[index(Side::parent)];
+  const Marker& child = actor.markers[index(Side::child)];
+  if (const auto* tire = std::get_if<Tire>(&element.what)) {
+    const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, child, element.name, t);
+    return margin_of(*tire, actor.regime, at.contact);
+  }
+  const ForceLaw& law = *law_of(element);
+  if (std::holds_alternative<TurnSpring>(element.what)) {
+    const Row angle = evaluate_read(kSpringAngle, 0, actor.motion);
+    return margin_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
+  }
+  const Vec3 line = child.point - parent.point;
+  const double length = line.norm();
+  const double rate = length > shortest_line_ ? line.dot(child.velocity - parent.velocity) / length : 0.0;
+  return margin_of(law, actor.stop_regimes.front(), length, rate);
 }
 
 AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const VecX>& q,
                                             const Eigen::Ref<const VecX>& Y) {
   Margin smallest{HUGE_VAL, -1};
-  for (Actor& actor : actors_) {
-    if (actor.element < 0) continue;
-    const ForceElement& element = model_.elements[actor.element];
-    const auto* tire = std::get_if<Tire>(&element.what);
-    if (tire == nullptr) continue;
-    if (actor.sits_on_moving_body(Side::child)) {
-      place_end(actor, Side::child, rotation_of(layout_.p(q, tire->wheel.body).normalized()), q, Y);
+  for (std::size_t k = 0; k < actors_.size(); ++k) {
+    Actor& actor = actors_[k];
+    const bool has_any = actor.element >= 0 ? cartesian::has_regimes(model_.elements[actor.element])
+                                            : cartesian::has_regimes(model_.joints[actor.joint]);
+    if (!has_any) continue;
+    for (const Side side : {Side::parent, Side::child}) {
+      if (!actor.sits_on_moving_body(side)) continue;
+      const Mat3 A = rotation_of(layout_.p(q, actor.ends[index(side)]->body).normalized());
+      place_end(actor, side, A, q, Y);
     }
-    const Marker& wheel = actor.markers[index(Side::child)];
-    const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, wheel, element.name, t);
-    const double own = margin_of(*tire, actor.regime, at.contact);
-    if (!(own >= smallest.size)) smallest = {own, actor.element};
+    place_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
+    move_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
+    const double own = margin_of_actor(actor, t);
+    if (!(own >= smallest.size)) smallest = {own, static_cast<int>(k)};
   }
   return smallest;
 }

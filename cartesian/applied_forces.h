@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "cartesian/constraints.h"
@@ -19,6 +20,8 @@ struct Actor {
   std::array<Marker, 2> markers;  // of an element; a joint has its own
   RelativeMotion motion;          // of an element: the child's end seen from the parent's
   TireRegime regime;              // of a tire
+  /// Of the stops of a spring, or of each spring of a joint in its order.
+  std::vector<LawRegime> stop_regimes;
   /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
   /// ground).
   std::array<Wrench, 2> wrenches;
@@ -46,15 +49,15 @@ class AppliedForces {
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void update(Actor& actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
 
-  /// Whether tires keep the regimes that they are in (an integrator does so during a step); else every update() takes
-  /// the regime that each is in by itself.
+  /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
+  /// update() takes the regime that each is in by itself.
   void hold_regimes(bool hold) { holds_regimes_ = hold; }
-  [[nodiscard]] bool has_tires() const;
-  /// How far the tires are inside their regimes (margin_of) at time t, positions q and velocities Y: the smallest, and
-  /// the element that has it.
+  [[nodiscard]] bool has_regimes() const;
+  /// How far tires and stops are inside their regimes (margin_of) at time t, positions q and velocities Y: the
+  /// smallest, and the actor that has it.
   struct Margin {
     double size;
-    int element;
+    int actor;
   };
   Margin margin(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
@@ -63,6 +66,9 @@ class AppliedForces {
 
   /// Power of all of them [W] at velocities Y.
   [[nodiscard]] double power(const Eigen::Ref<const VecX>& Y) const;
+
+  /// "tire 'left'", "the stop of 'coil'": what an actor's regimes belong to.
+  [[nodiscard]] std::string name_of_regime(int actor) const;
 
   [[nodiscard]] std::vector<Actor>& actors() { return actors_; }
 
@@ -79,6 +85,8 @@ class AppliedForces {
                  const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
   void push_by_springs(Actor& actor, double t) const;
+  /// The smallest margin of an actor whose ends are placed; infinite if it has no regimes.
+  [[nodiscard]] double margin_of_actor(const Actor& actor, double t) const;
 
   const Model& model_;
   const Layout& layout_;

@@ -28,7 +28,7 @@ constexpr double kClosureAllowed = 1e-12;
 constexpr double kHalfTurn = EIGEN_PI;
 constexpr double kQuarterTurn = 0.5 * EIGEN_PI;
 
-/// Holds the regimes that tires are in for the time of a run.
+/// Holds the regimes that tires and stops are in for the time of a run.
 struct HeldRegimes {
   AppliedForces& applied;
 

@@ -28,7 +28,7 @@ constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 }  // namespace
 
 Stepper::Stepper(Equations& equations, const Motion& start)
-    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_tires()), kink_(HUGE_VAL) {
+    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_regimes()), kink_(HUGE_VAL) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
   const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
   chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
@@ -59,11 +59,11 @@ void Stepper::take_new_rows() {
   reached_ = time_;
 }
 
-/// How far the tires are inside their regimes.
+/// How far tires and stops are inside their regimes.
 double Stepper::margin(double t, const Motion& motion) {
   if (!has_regimes_) return HUGE_VAL;
   const AppliedForces::Margin smallest = equations_.applied().margin(t, motion.q, motion.Y);
-  at_margin_ = smallest.element;
+  at_margin_ = smallest.actor;
   return smallest.size;
 }
 
@@ -114,7 +114,7 @@ double Stepper::find_kink(double from, double margin_before, double stop) {
 
 void Stepper::pass_kink() {
   look_back(kink_);
-  (void)margin(kink_, motion_);  // names the tire
+  (void)margin(kink_, motion_);  // names the tire or the stop
   equations_.update(kink_, motion_.q, motion_.Y);
   equations_.solve(true);
   equations_.project(kink_, motion_.q, motion_.Y);
@@ -135,9 +135,9 @@ void Stepper::refuse_chatter() {
   }
   if (++kinks_ <= kMaxKinks) return;
   throw SolverError(
-      fmt::format("cartesian: at t = {:.6g} s tire '{}' changes its regime without end: {} times within {:.2g} s; its "
+      fmt::format("cartesian: at t = {:.6g} s {} changes its regime without end: {} times within {:.2g} s; its "
                   "laws leave no motion there: look at its friction, its road's edges and its damping",
-                  time_, equations_.model().elements[at_margin_].name, kinks_, time_ - kinks_since_));
+                  time_, equations_.applied().name_of_regime(at_margin_), kinks_, time_ - kinks_since_));
 }
 
 VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance) {

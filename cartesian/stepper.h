@@ -15,9 +15,9 @@ struct Motion {
   double work = 0.0;  // of drivers, springs, force elements and modal damping since the start, J
 };
 
-/// Carries the motion from t = 0 one internal step at a time, through SUNDIALS. The regimes of tires, which the caller
-/// holds, stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew, and the
-/// integration starts again.
+/// Carries the motion from t = 0 one internal step at a time, through SUNDIALS. The regimes of tires and stops, which
+/// the caller holds, stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew,
+/// and the integration starts again.
 class Stepper {
  public:
   virtual ~Stepper() = default;

@@ -26,9 +26,11 @@ class ForceTable {
   double last_;
 };
 
-/// A soft stop that begins to resist at `at`, with full stiffness after `width`; the spring's part is twice
-/// continuously differentiable, the damper's once. Resists growth beyond `at` (an upper stop) or fall below it (a lower
-/// one).
+/// A soft stop that begins to resist at `at`. Pressed by p = x - at (a lower stop: at - x), with z = p / width up to 1
+/// and the share s = z^2 (3 - 2 z), it pushes with stiffness times the integral of s over p, plus damping s pdot, if
+/// this is positive, else not at all: a stop never pulls. The spring's part is twice continuously differentiable, the
+/// damper's once; where a damped stop lets go, in the middle of the rebound, the force goes through zero with a kink.
+/// Resists growth beyond `at` (an upper stop) or fall below it (a lower one).
 struct SmoothStop {
   double at = 0.0;         // m or rad
   double stiffness = 0.0;  // N/m or N m/rad
@@ -59,6 +61,30 @@ struct Resistance {
 };
 
 Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot);
+
+/// How a stop acts: not at all (it is not pressed, or has let go), with the share of a stop that is not pressed by its
+/// width, or in full. Between two of them lies a kink of some derivative of the force.
+enum class StopRegime { off, soft, full };
+
+/// Of both stops of a law. An integrator keeps the regime during a step, as if its formulas went on for ever, and ends
+/// the step where the regime ends, as with tires.
+struct LawRegime {
+  StopRegime lower = StopRegime::off;
+  StopRegime upper = StopRegime::off;
+};
+
+/// Resistance with the stops in a given regime.
+Resistance evaluate_resistance(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+
+/// The regime that the stops are in by themselves.
+LawRegime regime_at(const ForceLaw& law, double x, double xdot);
+
+/// How far the stops are inside a regime: positive inside, through zero where it ends; in widths of the stop, or in
+/// forces over stiffness times width. The smaller of both stops'; infinite without stops. A regime ends 1e-11 beyond
+/// its border, where its formulas still hold to round-off, so that a stop that rests on a border does not chatter.
+double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+
+[[nodiscard]] inline bool has_stops(const ForceLaw& law) { return law.lower.has_value() || law.upper.has_value(); }
 
 /// Force of the actuator at time t; zero if there is none.
 double evaluate_actuator(const ForceLaw& law, double t);

@@ -15,6 +15,8 @@ namespace concord {
 /// Directions in the plane: forward t_x = a x n / |a x n|, sideways t_y = n x t_x. With v the velocity of c and omega'
 /// that of A':
 ///   V_x = v . t_x and V_y = v . t_y: how the centre travels;  s_x = (v - D omega' x n) . t_x: how the contact slips.
+/// At standstill the slip laws are dampers and hold nothing: under a force F along the road a locked wheel creeps at
+/// about F speed_scale / slip_stiffness, across it at F speed_scale / cornering_stiffness.
 /// The force N n + F_x t_x + F_y t_y acts at the contact, c - D n; what the results hold is this wrench at c. N, F_x
 /// and F_y are the scalar laws below.
 struct Tire {

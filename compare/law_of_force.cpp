@@ -7,13 +7,13 @@ namespace concord::compare {
 
 namespace {
 
-std::optional<SampledLaw> curve_of(const std::optional<ForceTable>& table) {
+std::optional<Spline> curve_of(const std::optional<ForceTable>& table) {
   if (!table) return std::nullopt;
-  return SampledLaw(table->points());
+  return Spline(table->points());
 }
 
 /// Between the points the curve, beyond them the tangent at the end.
-double read(const SampledLaw& table, double x) {
+double read(const Spline& table, double x) {
   if (x >= table.first() && x <= table.last()) return table.at({x, 0.0, 0.0}).value;
   const double end = x < table.first() ? table.first() : table.last();
   const Moving tangent = table.at(at_unit_rate(end));

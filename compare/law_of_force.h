@@ -21,8 +21,8 @@ class LawOfForce {
 
  private:
   const ForceLaw* stated_;
-  std::optional<SampledLaw> spring_;
-  std::optional<SampledLaw> damper_;
+  std::optional<Spline> spring_;
+  std::optional<Spline> damper_;
   std::optional<LawOfTime> actuator_;
 };
 

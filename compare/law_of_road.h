@@ -22,7 +22,7 @@ class LawOfRoad {
   [[nodiscard]] Moving evaluate(const RoadTable& table, double x) const;
 
   const Road* stated_;
-  std::optional<SampledLaw> curve_;
+  std::optional<Spline> curve_;
 };
 
 }  // namespace concord::compare

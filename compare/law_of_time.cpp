@@ -44,10 +44,11 @@ Moving sine(const Moving& angle) {
   return {s, c * angle.rate, c * angle.rate_of_rate - s * angle.rate * angle.rate};
 }
 
-SampledLaw::SampledLaw(const std::vector<double>& x, const std::vector<double>& y) : x_(x), y_(y), slopes_(spline_slopes(x, y)) {}
+Spline::Spline(const std::vector<double>& x, const std::vector<double>& y)
+    : x_(x), y_(y), slopes_(spline_slopes(x, y)) {}
 
 /// Of the piece between two points, by how far x is along it: the polynomial with the two values and the two slopes.
-Moving SampledLaw::at(const Moving& x) const {
+Moving Spline::at(const Moving& x) const {
   const auto inner_points_below = std::upper_bound(x_.begin() + 1, x_.end() - 1, x.value) - (x_.begin() + 1);
   const auto k = static_cast<std::size_t>(inner_points_below);
   const double width = x_[k + 1] - x_[k];

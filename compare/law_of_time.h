@@ -38,11 +38,11 @@ inline Moving at_unit_rate(double x) { return {x, 1.0, 0.0}; }
 
 /// The cubic spline through points whose third derivative is continuous at the second and the last but one of them
 /// (not-a-knot). Beyond the points the polynomials of the end pieces go on. Found from the slopes at the points.
-class SampledLaw {
+class Spline {
  public:
   /// At least four points, x strictly rising.
-  SampledLaw(const std::vector<double>& x, const std::vector<double>& y);
-  explicit SampledLaw(const SplineTable& table) : SampledLaw(table.times(), table.values()) {}
+  Spline(const std::vector<double>& x, const std::vector<double>& y);
+  explicit Spline(const SplineTable& table) : Spline(table.times(), table.values()) {}
 
   [[nodiscard]] Moving at(const Moving& x) const;
   [[nodiscard]] double first() const { return x_.front(); }
@@ -70,7 +70,7 @@ class LawOfTime {
   [[nodiscard]] Moving evaluate(const SplineTable& law, const Moving& t) const;
 
   const TimeFunction* stated_;
-  std::optional<SampledLaw> curve_;
+  std::optional<Spline> curve_;
 };
 
 }  // namespace concord::compare

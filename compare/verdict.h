@@ -77,7 +77,7 @@ struct SolverSummary {
   std::optional<double> audit_digits;
   /// The audit's finding that is farthest below its need, or nearest to it, and that need.
   std::string audit_worst;
-  double audit_need = 0.0;
+  double audit_need = kAudit;
   std::optional<double> energy_error;
 };
 

@@ -30,7 +30,10 @@ void AppliedForces::lay_out_elements() {
     if (std::holds_alternative<Tire>(statement.what)) {
       element.tire = static_cast<int>(tires_.size());
       tires_.push_back({&statement, {}, {}});
+      has_regimes_ = true;
     }
+    if (const auto* line = std::get_if<LineSpring>(&statement.what)) element.law = add_law(line->law, statement.name);
+    if (const auto* turn = std::get_if<TurnSpring>(&statement.what)) element.law = add_law(turn->law, statement.name);
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment* end = end_of(statement, side);
       if (end == nullptr) continue;
@@ -47,7 +50,7 @@ void AppliedForces::lay_out_springs() {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     for (const JointSpring& spring : joint.springs) {
-      springs_.push_back({&spring.law,
+      springs_.push_back({add_law(spring.law, joint.name),
                           topology.joints[k].first_q + first_q(*joint.type, spring.word) + spring.component,
                           topology.joints[k].first_u + first_u(*joint.type, spring.word) + spring.component});
     }
@@ -55,6 +58,12 @@ void AppliedForces::lay_out_springs() {
   for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
     if (!model.joints[closure_->cuts()[c].joint].springs.empty()) sprung_cuts_.push_back(static_cast<int>(c));
   }
+}
+
+int AppliedForces::add_law(const ForceLaw& law, const std::string& owner) {
+  laws_.push_back({{&law, {}, 0.0, 0.0}, &owner});
+  has_regimes_ = has_regimes_ || has_stops(law);
+  return static_cast<int>(laws_.size()) - 1;
 }
 
 void AppliedForces::update(double t, const VecX& q, const VecX& u) {
@@ -88,12 +97,14 @@ Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) 
   return wrench_of(load, t, kinematics_->body(load.at.body).A, element.ends.back());
 }
 
-Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) const {
-  return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name);
+Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name,
+                   laws_[element.law].held, regimes_are_frozen_);
 }
 
-Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) const {
-  return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name);
+Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) {
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name,
+                   laws_[element.law].held, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
@@ -110,24 +121,26 @@ Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& eleme
   return wrench_at_center(frame, evaluate(tire, state.regime, frame.contact));
 }
 
-std::size_t AppliedForces::place_of_least() const {
-  std::size_t least = 0;
-  const auto margin_at = [this](std::size_t k) {
-    return margin_of(std::get<Tire>(tires_[k].statement->what), tires_[k].regime, tires_[k].contact);
+AppliedForces::Least AppliedForces::least() const {
+  Least found{std::numeric_limits<double>::infinity(), "", nullptr};
+  const auto take = [&found](double margin, const char* kind, const std::string& owner) {
+    if (found.owner == nullptr || margin < found.margin) found = {margin, kind, &owner};
   };
-  for (std::size_t k = 1; k < tires_.size(); ++k) {
-    if (margin_at(k) < margin_at(least)) least = k;
+  for (const TireState& tire : tires_) {
+    take(margin_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire", tire.statement->name);
   }
-  return least;
+  for (const OwnedLaw& law : laws_) {
+    if (has_stops(*law.held.law)) take(law.held.margin(), "stop of", *law.owner);
+  }
+  return found;
 }
 
-double AppliedForces::margin() const {
-  if (tires_.empty()) return std::numeric_limits<double>::infinity();
-  const TireState& least = tires_[place_of_least()];
-  return margin_of(std::get<Tire>(least.statement->what), least.regime, least.contact);
-}
+double AppliedForces::margin() const { return least().margin; }
 
-const std::string& AppliedForces::least_tire() const { return tires_[place_of_least()].statement->name; }
+std::string AppliedForces::least_contact() const {
+  const Least found = least();
+  return found.owner == nullptr ? "" : fmt::format("{} '{}'", found.kind, *found.owner);
+}
 
 /// On the child's body, and the answer on the parent's, if there is one.
 void AppliedForces::apply_element(double t, const Element& element, ElementWrenches& wrenches) {
@@ -146,8 +159,8 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
 /// tau = actuator - resistance.
 void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   for (const Spring& spring : springs_) {
-    const double tau =
-        evaluate_actuator(*spring.law, t) - evaluate_resistance(*spring.law, q(spring.q), u(spring.u)).force;
+    HeldLaw& held = laws_[spring.law].held;
+    const double tau = evaluate_actuator(*held.law, t) - held.resist(q(spring.q), u(spring.u), regimes_are_frozen_);
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }

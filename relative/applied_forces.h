@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "common/results.h"
 #include "relative/closure.h"
+#include "relative/element_wrench.h"
 #include "relative/tire_contact.h"
 
 /// Applied forces: force elements and joint springs as generalized forces of bodies and of joint speeds.
@@ -24,15 +26,15 @@ class AppliedForces {
   /// turn spring or a bushing are turned by more than 175 deg, or where a wheel lies flat on the road.
   void update(double t, const VecX& q, const VecX& u);
 
-  /// Tires: each update takes the regime that a contact is in by itself, or keeps the regimes that the last update
-  /// found, as an integrator needs during a step.
+  /// Tires and stops: each update takes the regime that a contact is in by itself, or keeps the regimes that the last
+  /// update found, as an integrator needs during a step.
   void free_regimes() { regimes_are_frozen_ = false; }
   void freeze_regimes() { regimes_are_frozen_ = true; }
-  [[nodiscard]] bool has_tires() const { return !tires_.empty(); }
-  /// How far the last update was inside the regimes, the worst of all tires: see margin_of. Infinite without tires.
+  [[nodiscard]] bool has_regimes() const { return has_regimes_; }
+  /// How far the last update was inside the regimes, the worst of all tires and stops: see margin_of. Infinite without.
   [[nodiscard]] double margin() const;
-  /// Name of the tire with the least margin.
-  [[nodiscard]] const std::string& least_tire() const;
+  /// "tire 'left'", "stop of 'coil'": the contact with the least margin.
+  [[nodiscard]] std::string least_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
   [[nodiscard]] const Vec6& on_body(int link) const { return on_body_[link]; }
@@ -58,6 +60,7 @@ class AppliedForces {
     std::vector<JointPoint> ends;  // by Side, or the child's alone
     std::array<int, 2> bodies{kGround, kGround};
     int tire = -1;  // its place among the tires
+    int law = -1;   // of a spring, its place among the laws
   };
   struct TireState {
     const ForceElement* statement;
@@ -66,8 +69,13 @@ class AppliedForces {
   };
   /// A joint spring and the places of its coordinate and speed.
   struct Spring {
-    const ForceLaw* law;
+    int law;  // its place among the laws
     int q, u;
+  };
+  /// The law of a line or turn spring or of a joint spring, and whose it is.
+  struct OwnedLaw {
+    HeldLaw held;
+    const std::string* owner;
   };
 
   void lay_out_elements();
@@ -76,11 +84,18 @@ class AppliedForces {
   void move_ends(Element& element, const VecX& q, const VecX& u);
   /// The wrench on the child, one evaluator for each kind of element.
   [[nodiscard]] Vec6 exerted(const Load& load, double t, const Element& element) const;
-  [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element) const;
-  [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element) const;
+  [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element);
+  [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element);
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
-  [[nodiscard]] std::size_t place_of_least() const;
+  int add_law(const ForceLaw& law, const std::string& owner);
+  /// The least margin, and whose contact has it.
+  struct Least {
+    double margin;
+    const char* kind;
+    const std::string* owner;
+  };
+  [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
   void apply_springs(double t, const VecX& q, const VecX& u);
   void push(int body, const JointPoint& point, const Vec6& wrench);
@@ -91,6 +106,8 @@ class AppliedForces {
   std::vector<Element> elements_;
   std::vector<Spring> springs_;
   std::vector<TireState> tires_;
+  std::vector<OwnedLaw> laws_;
+  bool has_regimes_ = false;
   bool regimes_are_frozen_ = false;
   std::vector<int> sprung_cuts_;  // places in Closure::cuts
   std::vector<Vec6> on_body_;

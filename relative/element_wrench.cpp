@@ -17,10 +17,6 @@ constexpr double kLargestAngle = 175.0 * kDegree;
 constexpr double kNoLength = 1e-9;     // of the machine's length: the direction is round-off to seven digits
 constexpr double kNoDirection = 1e-6;  // of a unit axis seen along another
 
-double tension(const ForceLaw& law, double t, double x, double xdot) {
-  return evaluate_resistance(law, x, xdot).force + evaluate_actuator(law, t);
-}
-
 Vec6 rotated(const Mat3& A, const Vec6& w) {
   Vec6 result;
   result << A * w.head<3>(), A * w.tail<3>();
@@ -35,6 +31,13 @@ Vec6 rotated(const Mat3& A, const Vec6& w) {
 }
 
 }  // namespace
+
+double HeldLaw::resist(double at_x, double at_xdot, bool keeps) {
+  x = at_x;
+  xdot = at_xdot;
+  if (!keeps) regime = regime_at(*law, x, xdot);
+  return evaluate_resistance(*law, regime, x, xdot).force;
+}
 
 Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint& at) {
   Vec6 w;
@@ -51,7 +54,7 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 }
 
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
-               const std::string& name) {
+               const std::string& name, HeldLaw& held, bool keeps_regime) {
   const Vec3 line = child.r - parent.r;
   const double x = line.norm();
   if (!(x > kNoLength * length)) {
@@ -61,7 +64,7 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
                     name, x));
   }
   const Vec3 n = line / x;
-  const double f = tension(spring.law, t, x, n.dot(child.v - parent.v));
+  const double f = held.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << -f * n, Vec3::Zero();
   return w;
@@ -70,7 +73,7 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
 /// The child's x axis c in the parent's frame moves by rho x c, so that x = atan2(c_y, c_x) changes by
 /// rho_z - c_z (c_x rho_x + c_y rho_y) / (c_x^2 + c_y^2).
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
-               const std::string& name) {
+               const std::string& name, HeldLaw& held, bool keeps_regime) {
   const Vec3 c = parent.A.transpose() * child.A.col(0);
   const double in_plane = std::hypot(c.x(), c.y());
   if (!(in_plane > kNoDirection)) {
@@ -85,7 +88,7 @@ Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, con
   const double lean = c.z() / (in_plane * in_plane);
   const Vec3 g(-lean * c.x(), -lean * c.y(), 1.0);
   const double xdot = g.dot(parent.A.transpose() * (child.omega - parent.omega));
-  const double f = tension(spring.law, t, x, xdot);
+  const double f = held.resist(x, xdot, keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << Vec3::Zero(), parent.A * (-f * g);
   return w;

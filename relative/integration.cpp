@@ -202,8 +202,8 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
   return 0;
 }
 
-/// Takes an integration through the kinks of its tires: during a step their regimes are kept, and a step in which one
-/// ends is made anew up to there.
+/// Takes an integration through the kinks of its tires and stops: during a step their regimes are kept, and a step in
+/// which one ends is made anew up to there.
 class Kinks {
  public:
   Kinks(Run& run, Stepper& stepper, double until) : run_(&run), stepper_(&stepper), until_(until) {}
@@ -302,10 +302,10 @@ class Kinks {
     if (times_.size() <= kMostKinks) return;
     const double first = times_[times_.size() - 1 - kMostKinks];
     if (t - first > kTinyTime * until_) return;
-    throw SolverError(fmt::format(
-        "the contact of tire '{}' changes its regime {} times within {:.1e} s: it chatters; give it damping, "
-        "or the road no step there",
-        run_->equations.applied_forces().least_tire(), kMostKinks, t - first));
+    throw SolverError(
+        fmt::format("the contact of {} changes its regime {} times within {:.1e} s: it chatters; give it damping, "
+                    "or the road no step there",
+                    run_->equations.applied_forces().least_contact(), kMostKinks, t - first));
   }
 
   Run* run_;
@@ -377,7 +377,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.sizes = Sizes(equations, assembly.scales(), start).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
   Kinks kinks(run, stepper, options.until);
-  const bool has_kinks = equations.applied_forces().has_tires();
+  const bool has_kinks = equations.applied_forces().has_regimes();
   if (has_kinks) kinks.set_regimes(0.0, sundials::view(y.get()));
 
   double t = 0.0;

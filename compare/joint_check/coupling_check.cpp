@@ -10,8 +10,8 @@
 #include "compare/agreement.h"
 #include "compare/align.h"
 #include "compare/balance.h"
-#include "compare/needs.h"
 #include "compare/joint_check/parts.h"
+#include "compare/needs.h"
 #include "relative/equations.h"
 #include "relative/solver.h"
 #include "relative/states.h"
@@ -128,7 +128,7 @@ class CouplingCheck {
     for (int rule = 0; rule < kAuditRules; ++rule) {
       const auto which = static_cast<AuditRule>(rule);
       audits_.emplace_back(fmt::format("audit: {}", name_of(which)),
-                           std::min(kCouplingDigits, kCouplingDigits - kAudit + need_of(which)));
+                           need_of(which) < kAudit ? need_of(which) : kCouplingDigits);
     }
   }
 

@@ -11,8 +11,8 @@
 #include "compare/agreement.h"
 #include "compare/align.h"
 #include "compare/balance.h"
-#include "compare/needs.h"
 #include "compare/joint_check/rig.h"
+#include "compare/needs.h"
 #include "relative/equations.h"
 #include "relative/solver.h"
 #include "relative/states.h"
@@ -363,7 +363,7 @@ class RigCheck {
     }
     for (int rule = 0; rule < kAuditRules; ++rule) {
       const auto which = static_cast<AuditRule>(rule);
-      audits_.emplace_back(plain_name(which), std::min(kNeed, kNeed - kAudit + need_of(which)));
+      audits_.emplace_back(plain_name(which), need_of(which) < kAudit ? need_of(which) : kNeed);
     }
   }
 

@@ -28,21 +28,6 @@ struct Outcry {
   std::string audited = "-";  // the solver that the third opinion refutes
 };
 
-/// Whether the second derivatives of the drivers' laws are those of their first ones.
-bool laws_hold_differences(const Model& model) {
-  constexpr double kStep = 1e-5;
-  for (const Joint& joint : model.joints) {
-    for (const Driver& driver : joint.drivers) {
-      for (const double t : {0.1, 0.7, 1.9}) {
-        const double slope =
-            (evaluate(driver.law, t + kStep).fdot - evaluate(driver.law, t - kStep).fdot) / (2 * kStep);
-        if (std::abs(slope - evaluate(driver.law, t).fddot) > 1e-6 * (1.0 + std::abs(slope))) return false;
-      }
-    }
-  }
-  return true;
-}
-
 bool has_joint_or_element(Kind kind) { return kind != Kind::acceleration && kind != Kind::body_sum; }
 
 const std::string& owner_of(const Model& model, const Quantity& quantity) {
@@ -80,14 +65,6 @@ std::string first_rung_below_need(const Verdict& verdict) {
 
 Outcry look(const Model& model) {
   Outcry found;
-  if (!laws_hold_differences(model)) {
-    found.rung = "differences of laws";
-    for (const Joint& joint : model.joints) {
-      if (!joint.drivers.empty()) found.red.insert(joint.name);
-    }
-    found.blamed = *found.red.begin();
-    return found;
-  }
   const auto cartesian = cartesian::make_solver(model);
   const auto relative = relative::make_solver(model);
   Verdict verdict;
@@ -143,7 +120,12 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
     INFO(fault["name"]);
     CHECK(found.rung != "not caught");
     CHECK(found.red.count(where) == 1);
-    if (found.audited != "-") CHECK(fault["file"].get<std::string>().substr(0, found.audited.size()) == found.audited);
+    const std::string file = fault["file"];
+    if (file.substr(0, 7) == "common/") {
+      CHECK(found.audited == "both");  // only the third opinion can see what both solvers take from there
+    } else if (found.audited != "-") {
+      CHECK(file.substr(0, found.audited.size()) == found.audited);
+    }
   }
   std::cout << format_table(lines, std::vector<bool>(lines.front().size(), false)) << std::flush;
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "common/force_elements.h"
@@ -100,6 +101,70 @@ TEST(ForceLaw, StopsStoreWhatTheyReturn) {
   for (const double x : {0.105, 0.12, 0.2}) {
     EXPECT_EQ(evaluate_resistance(law, x, 1.0).force, evaluate_resistance(law, x, -1.0).force);
   }
+}
+
+/// A damped stop that is pressed by p and left or met at the rate pdot.
+double stop_force(const ForceLaw& law, double p, double pdot) {
+  return evaluate_resistance(law, law.upper->at + p, pdot).force;
+}
+
+ForceLaw stopped_law() {
+  ForceLaw law;
+  law.upper = SmoothStop{.at = 0.3, .stiffness = 800.0, .damping = 25.0, .width = 0.02};
+  law.lower = SmoothStop{.at = -0.1, .stiffness = 600.0, .damping = 35.0, .width = 0.05};
+  return law;
+}
+
+TEST(ForceLaw, AStopPushesAndNeverPulls) {
+  const ForceLaw law = stopped_law();
+  for (double x = -0.4; x < 0.6; x += 0.0071) {
+    for (const double xdot : {-9.0, -1.0, -0.2, 0.0, 0.3, 7.0}) {
+      const Resistance found = evaluate_resistance(law, x, xdot);
+      EXPECT_GE(x > 0.1 ? found.force : -found.force, 0.0) << x << ", " << xdot;
+    }
+  }
+  // Pressed fully by 0.05: 800 (0.05 - 0.01) = 32 N of the spring, so it lets go where it is left at 1.28 m/s.
+  EXPECT_NEAR(stop_force(law, 0.05, -1.27), 0.25, 1e-12);
+  EXPECT_EQ(stop_force(law, 0.05, -1.29), 0.0);
+  EXPECT_EQ(evaluate_resistance(law, 0.35, -1.29).over_x, 0.0);
+}
+
+TEST(ForceLaw, RegimesOfStopsEndWhereTheirMarginsVanish) {
+  const ForceLaw law = stopped_law();
+  const auto regime = [&](double p, double pdot) { return regime_at(law, law.upper->at + p, pdot).upper; };
+  EXPECT_EQ(regime(-0.001, 3.0), StopRegime::off);
+  EXPECT_EQ(regime(0.001, 3.0), StopRegime::soft);
+  EXPECT_EQ(regime(0.021, 0.0), StopRegime::full);
+  EXPECT_EQ(regime(0.01, -5.0), StopRegime::off) << "it has let go";
+  // Along a motion into the stop and out of it, the margin of the regime at its begin falls through zero just where
+  // the regime at the moment becomes another one.
+  const auto p_of = [](double t) { return 0.06 - 30.0 * t * t; };
+  const auto pdot_of = [](double t) { return -60.0 * t; };
+  LawRegime held = regime_at(law, 0.3 + p_of(-0.05), pdot_of(-0.05));
+  std::vector<StopRegime> met{held.upper};
+  for (double t = -0.05; t < 0.05; t += 1e-5) {
+    const double margin = margin_of(law, held, 0.3 + p_of(t), pdot_of(t));
+    const LawRegime now = regime_at(law, 0.3 + p_of(t), pdot_of(t));
+    EXPECT_EQ(margin < 0.0, now.upper != held.upper) << t;
+    if (margin < 0.0) met.push_back(now.upper);
+    held = now;
+  }
+  EXPECT_EQ(met, (std::vector<StopRegime>{StopRegime::off, StopRegime::soft, StopRegime::full, StopRegime::off}));
+}
+
+TEST(ForceLaw, RegimesGoOnBeyondTheirEndsAsOneFormula) {
+  // A step may look beyond the end of a regime: there is no jump, and where a stop rests on a border nothing chatters.
+  const ForceLaw law = stopped_law();
+  const LawRegime soft{.lower = StopRegime::off, .upper = StopRegime::soft};
+  const LawRegime full{.lower = StopRegime::off, .upper = StopRegime::full};
+  const double border = law.upper->at + law.upper->width;
+  EXPECT_NEAR(evaluate_resistance(law, soft, border, 0.4).force, evaluate_resistance(law, full, border, 0.4).force,
+              1e-12);
+  EXPECT_GT(margin_of(law, soft, border, 0.4), 0.0);
+  EXPECT_GT(margin_of(law, full, border, 0.4), 0.0);
+  EXPECT_LT(margin_of(law, soft, border + 1e-9, 0.4), 0.0);
+  EXPECT_LT(margin_of(law, full, border - 1e-9, 0.4), 0.0);
+  EXPECT_EQ(margin_of(ForceLaw{}, LawRegime{}, 0.3, 1.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(ForceTable, MeetsItsPointsAndGoesOnStraight) {

@@ -56,6 +56,19 @@ TEST(Tire, SlidesAtTheFrictionLimitInTheDirectionOfTheLinearForces) {
   EXPECT_LT(forces.F_y, 0.0);
 }
 
+TEST(Tire, ALockedWheelCreepsAtStandstill) {
+  // The statement's figure: the force along the road over slip_stiffness, times speed_scale.
+  const Tire tire = make_tire();
+  const double force = 400.0;
+  TireContact contact{.x = 1.0, .delta = 0.015, .deltadot = 0.0, .V_x = 0.0, .V_y = 0.0, .s_x = 0.0};
+  contact.V_x = contact.s_x = force * tire.speed_scale / tire.slip_stiffness;
+  EXPECT_NEAR(evaluate(tire, kGrips, contact).F_x, -force, 1e-4 * force);
+  EXPECT_NEAR(contact.s_x, 8e-4, 1e-15);
+  contact.V_x = contact.s_x = 0.0;
+  contact.V_y = force * tire.speed_scale / tire.cornering_stiffness;
+  EXPECT_NEAR(evaluate(tire, kGrips, contact).F_y, -force, 1e-9);
+}
+
 TEST(Tire, OpposesTheMotionOfEitherDirection) {
   const Tire tire = make_tire();
   for (const double sign : {1.0, -1.0}) {

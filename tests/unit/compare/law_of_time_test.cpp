@@ -54,14 +54,14 @@ TEST(LawOfTime, ASmoothStepBeginsAndEndsWithThreeVanishingDerivatives) {
   }
 }
 
-TEST(SampledLaw, IsTheNotAKnotSpline) {
+TEST(Spline, IsTheNotAKnotSpline) {
   // Exact for a cubic, on points that are far from even; with four points it is the cubic through them.
   const auto cubic = [](double x) { return 0.7 - 1.2 * x + 0.4 * x * x - 2.1 * x * x * x; };
   for (const std::vector<double>& x :
        {std::vector<double>{-0.9, -0.2, 0.1, 0.85}, std::vector<double>{-1.3, -1.1, -0.4, 0.0, 0.05, 0.9, 1.7}}) {
     std::vector<double> y;
     for (const double at : x) y.push_back(cubic(at));
-    const SampledLaw curve(x, y);
+    const Spline curve(x, y);
     for (const double at : {-1.6, -1.2, -0.33, 0.02, 0.6, 1.1, 2.0}) {
       const Moving found = curve.at(at_unit_rate(at));
       EXPECT_NEAR(found.value, cubic(at), 1e-12);
@@ -71,9 +71,9 @@ TEST(SampledLaw, IsTheNotAKnotSpline) {
   }
 }
 
-TEST(SampledLaw, HasContinuousSecondDerivativesAndThirdOnesWhereItIsNoKnot) {
+TEST(Spline, HasContinuousSecondDerivativesAndThirdOnesWhereItIsNoKnot) {
   const std::vector<double> x{-0.3, -0.1, 0.05, 0.2, 0.5, 0.7};
-  const SampledLaw curve(x, {-4.0, -0.9, 0.1, 0.8, 7.0, 6.1});
+  const Spline curve(x, {-4.0, -0.9, 0.1, 0.8, 7.0, 6.1});
   const double h = 1e-7;
   const auto bend = [&](double at) { return curve.at(at_unit_rate(at)).rate_of_rate; };
   for (const double knot : {-0.1, 0.05, 0.2, 0.5}) {
