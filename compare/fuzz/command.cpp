@@ -62,6 +62,12 @@ struct Casualty {
   Outcome outcome;
 };
 
+/// How often an outcome was met, and by which machine first.
+struct Met {
+  long count = 0;
+  std::uint64_t first = 0;
+};
+
 struct Slowest {
   std::uint64_t number = 0;
   double seconds = 0.0;
@@ -110,7 +116,7 @@ class Fuzz {
       ++tried_;
       seconds_ += report.seconds;
       if (report.seconds > slowest_.seconds) slowest_ = {number, report.seconds};
-      ++outcomes_[{outcome.sort, outcome.kind}];
+      ++outcomes_.try_emplace({outcome.sort, outcome.kind}, Met{0, number}).first->second.count;
       const Machine drawn = machine(number);
       coverage_.add(drawn);
       if (drawn.is_regular && !drawn.is_redundant) {
@@ -204,14 +210,14 @@ class Fuzz {
   }
 
   [[nodiscard]] std::string format_outcomes() const {
-    std::vector<std::vector<std::string>> lines{{"outcome", "machines", "share"}};
-    for (const auto& [outcome, count] : outcomes_) {
+    std::vector<std::vector<std::string>> lines{{"outcome", "machines", "share", "first"}};
+    for (const auto& [outcome, met] : outcomes_) {
       const std::string name = outcome.first == Sort::agree     ? "agree"
                                : outcome.first == Sort::refusal ? "refused: " + outcome.second
                                                                 : outcome.second;
-      lines.push_back({name, fmt::format("{}", count), share(count, tried_)});
+      lines.push_back({name, fmt::format("{}", met.count), share(met.count, tried_), fmt::format("{}", met.first)});
     }
-    std::string text = format_table(lines, {false, true, true});
+    std::string text = format_table(lines, {false, true, true, true});
     long refused = 0;
     for (const auto& [kind, count] : regular_refused_) refused += count;
     text += fmt::format("\nof {} regular machines {} refused\n", regular_, share(refused, regular_));
@@ -234,7 +240,7 @@ class Fuzz {
   double seconds_ = 0.0;
   Slowest slowest_;
   long regular_ = 0;
-  std::map<std::pair<Sort, std::string>, long> outcomes_;
+  std::map<std::pair<Sort, std::string>, Met> outcomes_;
   std::map<std::string, long> regular_refused_;
   Coverage coverage_;
   std::vector<Casualty> casualties_;

@@ -36,7 +36,7 @@ constexpr std::array kRefusals{
     RefusalKind{"bent too far", "deformation has turned its frame"},
     RefusalKind{"without inertia", "have no inertia"},
 };
-constexpr std::size_t kMostOfKind = 48;
+constexpr std::size_t kMostOfKind = 60;
 constexpr std::string_view kStartRefused = "start refused";
 
 std::string_view up_to(std::string_view text, std::string_view mark) { return text.substr(0, text.find(mark)); }

@@ -17,12 +17,19 @@ void tell_rung(std::string_view rung) {
   std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
 }
 
-std::optional<Model> read(const ModelText& text, const std::filesystem::path& folder, Outcome& outcome) {
+/// Messages name the model's file, whose folder belongs to one run of the fuzz.
+std::string without_folder(std::string text, const std::filesystem::path& folder) {
+  const std::string name = folder.string() + '/';
+  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name)) text.erase(at, name.size());
+  return text;
+}
+
+std::optional<Model> read_text(const ModelText& text, const std::filesystem::path& folder, Outcome& outcome) {
   try {
     for (const auto& [name, content] : text.beside) write_file(folder / name, content);
     return parse_model(text.model, folder / "machine.toml");
   } catch (const InputError& error) {
-    outcome = outcome_of_input_error(error.what(), false);
+    outcome = outcome_of_input_error(without_folder(error.what(), folder), false);
     return std::nullopt;
   }
 }
@@ -32,7 +39,7 @@ std::optional<Model> read(const ModelText& text, const std::filesystem::path& fo
 Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers) {
   Outcome outcome;
   tell_rung("reading");
-  const std::optional<Model> model = read(text, folder, outcome);
+  const std::optional<Model> model = read_text(text, folder, outcome);
   if (!model) return outcome;
   try {
     tell_rung("start");
@@ -49,7 +56,7 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
     };
     return outcome_of(verify(*model, *cartesian, *relative, options));
   } catch (const InputError& error) {
-    return outcome_of_input_error(error.what(), true);
+    return outcome_of_input_error(without_folder(error.what(), folder), true);
   }
 }
 

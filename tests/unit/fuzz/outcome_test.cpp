@@ -21,7 +21,7 @@ TEST(Outcome, FailureOfNoKnownKindIsAStop) {
   EXPECT_EQ(outcome_of(verdict).sort, Sort::refusal);
   EXPECT_FALSE(outcome_of(verdict).is_wrong());
   verdict.failures.emplace_back("relative: joint 'joint7' is odd at t = 0.125 s");
-  const Outcome stop = outcome_of(verdict);
+  const fuzz::Outcome stop = outcome_of(verdict);
   EXPECT_EQ(stop.sort, Sort::stop);
   EXPECT_EQ(stop.kind, "stop: relative: joint ' is odd at t = #.# s");
 }
@@ -30,7 +30,7 @@ TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
   Verdict verdict;
   verdict.failures = {"no component was judged"};
   verdict.findings = {{"joint B on rod, F_x, t = 1 s: ...", "same run: factor 2 in all 300 samples"}};
-  const Outcome outcome = outcome_of(verdict);
+  const fuzz::Outcome outcome = outcome_of(verdict);
   EXPECT_EQ(outcome.sort, Sort::differ);
   EXPECT_EQ(outcome.kind, "differ: same run: factor # in all # samples");
   verdict.findings.front() = {"cartesian is not in balance: body 'a' ...", "audit: ..."};
@@ -39,8 +39,8 @@ TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
 
 TEST(Outcome, GoesThroughTextAndComesBack) {
   for (const Sort sort : {Sort::agree, Sort::refusal, Sort::differ, Sort::stop}) {
-    const Outcome outcome{sort, sort == Sort::agree ? "" : "some kind", "line one\nline two\n"};
-    const Outcome back = outcome_of(workers::Report{workers::End::answered, 0, format_outcome(outcome), ""});
+    const fuzz::Outcome outcome{sort, sort == Sort::agree ? "" : "some kind", "line one\nline two\n"};
+    const fuzz::Outcome back = outcome_of(workers::Report{workers::End::answered, 0, format_outcome(outcome), ""});
     EXPECT_EQ(back.sort, outcome.sort);
     EXPECT_EQ(back.kind, outcome.kind);
     EXPECT_EQ(back.text, outcome.text);
@@ -48,7 +48,7 @@ TEST(Outcome, GoesThroughTextAndComesBack) {
 }
 
 TEST(Outcome, LostWorkersAreTold) {
-  const Outcome crashed = outcome_of(workers::Report{workers::End::crashed, 11, "", "rung: same run\n"});
+  const fuzz::Outcome crashed = outcome_of(workers::Report{workers::End::crashed, 11, "", "rung: same run\n"});
   EXPECT_EQ(crashed.sort, Sort::lost);
   EXPECT_EQ(crashed.kind, "crashed by signal 11");
   EXPECT_EQ(crashed.text, "rung: same run\n");
