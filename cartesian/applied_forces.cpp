@@ -337,7 +337,7 @@ double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
       const joints::Read& read = *read_of(*joint.type, spring.word);
       const Row row = evaluate_read(read, spring.component, actor.motion);
       const double known = actor.known_q(first_q(*joint.type, spring.word) + spring.component);
-      const double x = value_near(read, spring.component, row, known);
+      const double x = value_near(actor.spring_turns[k], row, known);
       smallest = std::min(smallest, margin_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
     }
     return smallest;
