@@ -19,6 +19,7 @@
 #include "compare/reference.h"
 #include "compare/report_json.h"
 #include "compare/result_files.h"
+#include "compare/run_check.h"
 #include "compare/table.h"
 
 namespace concord::compare {
@@ -76,9 +77,9 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
   const auto path = [&](const char* ending) {
     return folder / fmt::format("{}.{}.{}", model.name, run.solver, ending);
   };
-  write_netcdf(path("nc"), model, run.solver, *run.trajectory);
+  write_netcdf(path("nc"), model, run.solver, *run.trajectory, run.unique);
   write_motion_csv(path("motion.csv"), model, *run.trajectory);
-  write_reaction_csv(path("reactions.csv"), model, *run.trajectory);
+  write_reaction_csv(path("reactions.csv"), model, *run.trajectory, run.unique);
   if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory);
 }
 
@@ -89,7 +90,9 @@ void write_results(const std::filesystem::path& folder, const Case& one, const s
   const auto& runs = one.verdict.trajectories;
   const std::array<std::string_view, 2> names{one.verdict.solvers[0].name, one.verdict.solvers[1].name};
   for (std::size_t who = 0; who < 2; ++who) {
-    if (runs[who]) write_run_files(staged.path(), one.model, {names[who], &*runs[who]});
+    if (runs[who])
+      write_run_files(staged.path(), one.model,
+                      {names[who], &*runs[who], one.verdict.unique ? &*one.verdict.unique : nullptr});
   }
   if (runs[0] && runs[1]) {
     if (const auto reason = plot_reactions(staged.path(), one.model, names, *runs[0], *runs[1])) {
@@ -328,8 +331,12 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     if (!note.empty()) console.out << fmt::format("note: {}\n", note);
-    if (!command.out.empty()) write_runs(command.out, model, {{solver->name(), &trajectory}});
+    const Layout layout(model);
+    const RunCheck check = check_run(layout, *solver, trajectory, run);
+    console.out << format_run_check(layout, solver->name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
+    if (!check.holds()) return static_cast<int>(kCouldNotFinish);
+    if (!command.out.empty()) write_runs(command.out, model, {{solver->name(), &trajectory, &check.unique}});
     return static_cast<int>(kAgree);
   });
 }

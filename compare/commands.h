@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/agreement.h"
 #include "compare/verify.h"
 
 /// What the program does, free of its command line and of the solvers behind it.
@@ -58,6 +59,8 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 struct NamedRun {
   std::string_view solver;
   const Trajectory* trajectory = nullptr;
+  /// What of it is unique; null: not known.
+  const Mask* unique = nullptr;
 };
 
 /// Writes solvers' runs: NetCDF and CSV files `folder`/`model`.`solver`.nc, .motion.csv, .reactions.csv, and

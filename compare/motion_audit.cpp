@@ -27,7 +27,9 @@ double largest_force_in(const Evaluation& evaluation) {
   return largest;
 }
 
-int speed_of(const Joint& joint, const Driver& driver) { return first_u(*joint.type, driver.word) + driver.component; }
+int driven_speed_of(const Joint& joint, const Driver& driver) {
+  return first_u(*joint.type, driver.word) + driver.component;
+}
 
 /// Scales of a joint's rows: the sizes of the terms, at least `least` [m/s2] and what it gives along the length.
 AuditScales scales_of(const JointKinematics& found, const State& state, const Joint& joint, double least,
@@ -77,7 +79,7 @@ void MotionAudit::lay_out(const Joint& joint) {
   std::vector<LawOfTime>& laws = drivers_.emplace_back();
   for (const Driver& driver : joint.drivers) {
     laws.emplace_back(driver.law);
-    const auto u = static_cast<std::size_t>(speed_of(joint, driver));
+    const auto u = static_cast<std::size_t>(driven_speed_of(joint, driver));
     entity.rows.push_back({AuditRule::driver_law, names[u], unit_of_place(turning[u])});
     entity.rows.push_back({AuditRule::driver_law, "speed of " + names[u], unit_of_speed(turning[u])});
     entity.rows.push_back({AuditRule::driver_law, "acceleration of " + names[u], unit_of_acceleration(turning[u])});
@@ -103,7 +105,7 @@ VecX MotionAudit::expected_udot(std::size_t joint, double t) const {
   const Joint& stated = model_.joints[joint];
   VecX expected = VecX::Constant(stated.type->n_u(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t d = 0; d < stated.drivers.size(); ++d) {
-    expected(speed_of(stated, stated.drivers[d])) = drivers_[joint][d].at(t).rate_of_rate;
+    expected(driven_speed_of(stated, stated.drivers[d])) = drivers_[joint][d].at(t).rate_of_rate;
   }
   return expected;
 }
@@ -128,7 +130,7 @@ void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation&
   for (std::size_t d = 0; d < joint.drivers.size(); ++d) {
     const Driver& driver = joint.drivers[d];
     const Moving law = drivers_[k][d].at(state.t);
-    const int u = speed_of(joint, driver);
+    const int u = driven_speed_of(joint, driver);
     take(found.motion.q(first_q(*joint.type, driver.word) + driver.component) - law.value, law.value);
     take(found.motion.u(u) - law.rate, law.rate);
     take(found.udot(u) - law.rate_of_rate, law.rate_of_rate);

@@ -185,8 +185,8 @@ void judge(Verdict& verdict) {
   for (Row& row : verdict.rows) judge_row(row);
   for (Row& row : verdict.others) judge_row(row);
   verdict.total = static_cast<int>(verdict.rows.size());
-  verdict.judged =
-      static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
+  verdict.judged = static_cast<int>(
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
   for (const Rung rung : kRungs) sum_up(rung, verdict);
 }
 

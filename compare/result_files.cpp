@@ -8,7 +8,9 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -111,8 +113,8 @@ struct Dimension {
 /// Writes one trajectory: first everything is defined, then filled.
 class TrajectoryWriter {
  public:
-  TrajectoryWriter(NetcdfFile& file, const Model& model, const Trajectory& trajectory)
-      : file_(file), model_(model), trajectory_(trajectory) {}
+  TrajectoryWriter(NetcdfFile& file, const Model& model, const Trajectory& trajectory, const Mask* unique)
+      : file_(file), model_(model), trajectory_(trajectory), unique_(unique) {}
 
   void write(std::string_view solver) {
     file_.attribute(NC_GLOBAL, "title", model_.name);
@@ -198,6 +200,7 @@ class TrajectoryWriter {
            [](const JointWrenches& wrenches, int side) { return wrenches.total[side].in_C; });
     wrench("total_global", "total wrench on the side, drivers included, at its joint point, global axes",
            [](const JointWrenches& wrenches, int side) { return wrenches.total[side].in_global; });
+    define_uniqueness();
     if (n_u_ == 0) return;
     texts("coordinate_units", "units of the joint coordinates", {joint_, coordinate_},
           padded_units(coordinate_units, n_q_));
@@ -210,6 +213,24 @@ class TrajectoryWriter {
     joint("driver_force", "see driver_force_units",
           "force of driver, spring, actuator and couplings on the joint speed", speed_, n_u_,
           [](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].tau; });
+  }
+
+  /// 1 where a reaction component is unique, 0 where it is not: constraints then leave it open.
+  void define_uniqueness() {
+    if (unique_ == nullptr || model_.joints.empty()) return;
+    const int variable = file_.variable("unique", NC_BYTE, {time_, joint_, side_, component_});
+    file_.attribute(variable, "long_name", "1 where the component of the reaction is unique, 0 where it is not");
+    std::vector<double> flags;
+    const Layout layout(model_);
+    for (Eigen::Index sample = 0; sample < unique_->cols(); ++sample) {
+      for (int k = 0; k < static_cast<int>(model_.joints.size()); ++k) {
+        for (const Side side : kSides) {
+          const int first = layout.first_row(Kind::reaction, k, side);
+          for (int c = 0; c < 6; ++c) flags.push_back((*unique_)(first + c, sample) ? 1.0 : 0.0);
+        }
+      }
+    }
+    fills_.emplace_back([this, variable, flags] { file_.put(variable, flags); });
   }
 
   void define_couplings() {
@@ -315,6 +336,7 @@ class TrajectoryWriter {
   NetcdfFile& file_;
   const Model& model_;
   const Trajectory& trajectory_;
+  const Mask* unique_;
   std::vector<std::function<void()>> fills_;
   int n_modes_ = 0;
   int n_q_ = 0;
@@ -339,9 +361,31 @@ std::string csv_field(const std::string& field) {
   return result + '"';
 }
 
+/// Comment lines that name the columns which are not unique in some sample.
+std::string not_unique_comments(const Model& model, const std::vector<Column>& columns, const Mask& unique) {
+  const Layout layout(model);
+  std::map<Eigen::Index, std::string> names;  // by the number of samples
+  for (const Column& column : columns) {
+    const std::optional<Quantity> quantity = quantity_of(column);
+    if (!quantity) continue;
+    const bool can_carry = quantity->kind != Kind::reaction ||
+                           joints::carries(*model.joints[quantity->owner].type, quantity->side, quantity->component);
+    const auto& known = layout.quantities();
+    if (!can_carry || std::find(known.begin(), known.end(), *quantity) == known.end()) continue;
+    const Eigen::Index count = (!unique.row(layout.row_of(*quantity))).count();
+    if (count > 0) names[count] += (names[count].empty() ? "" : ", ") + column.name;
+  }
+  std::string text;
+  for (const auto& [count, list] : names) {
+    text += fmt::format("# not unique in {} of {} samples: {}\n", count, unique.cols(), list);
+  }
+  return text;
+}
+
 /// Comma-separated values: a header, then rows of numbers that read back exactly, the time first.
-void write_csv(const std::filesystem::path& path, const std::vector<Column>& columns, const Trajectory& trajectory) {
-  std::string text = "t [s]";
+void write_csv(const std::filesystem::path& path, const std::vector<Column>& columns, const Trajectory& trajectory,
+               std::string text = "") {
+  text += "t [s]";
   for (const Column& column : columns) text += ',' + csv_field(fmt::format("{} [{}]", column.name, column.unit));
   text += '\n';
   for (const Sample& sample : trajectory.samples) {
@@ -355,10 +399,10 @@ void write_csv(const std::filesystem::path& path, const std::vector<Column>& col
 }  // namespace
 
 void write_netcdf(const std::filesystem::path& path, const Model& model, std::string_view solver,
-                  const Trajectory& trajectory) {
+                  const Trajectory& trajectory, const Mask* unique) {
   const std::lock_guard lock(netcdf_mutex());
   NetcdfFile file(path);
-  TrajectoryWriter(file, model, trajectory).write(solver);
+  TrajectoryWriter(file, model, trajectory, unique).write(solver);
   file.finish();
 }
 
@@ -366,8 +410,10 @@ void write_motion_csv(const std::filesystem::path& path, const Model& model, con
   write_csv(path, motion_columns(model), trajectory);
 }
 
-void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {
-  write_csv(path, reaction_columns(model), trajectory);
+void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
+                        const Mask* unique) {
+  const std::vector<Column> columns = reaction_columns(model);
+  write_csv(path, columns, trajectory, unique != nullptr ? not_unique_comments(model, columns, *unique) : "");
 }
 
 void write_element_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {

@@ -5,6 +5,7 @@
 
 #include "common/model.h"
 #include "common/results.h"
+#include "compare/agreement.h"
 
 /// A solver's trajectory as files that other programs read. Nothing in them depends on when or how fast they were made;
 /// each is written under a temporary name and then renamed, so that nobody sees half of one. All throw InputError if
@@ -16,8 +17,9 @@ namespace concord::compare {
 /// not), mode, coordinate and speed (padded with NaN where a body or
 /// joint has fewer). Names are string coordinate variables; units stand in attributes, and in the variables
 /// component_units, coordinate_units and speed_units where they differ along a dimension. `solver` names the source.
+/// `unique` (rows: quantities of the layout, columns: samples; null: not known) adds a variable of that name.
 void write_netcdf(const std::filesystem::path& path, const Model& model, std::string_view solver,
-                  const Trajectory& trajectory);
+                  const Trajectory& trajectory, const Mask* unique = nullptr);
 
 /// One line for each time: time, then motion, modal coordinates and accelerations of each body, and coordinates of each
 /// joint. The header names each column with its unit: `coupler.omega_x [rad/s]`.
@@ -25,7 +27,10 @@ void write_motion_csv(const std::filesystem::path& path, const Model& model, con
 
 /// One line for each time: reactions on the parent and on the child of each joint, each in that side's joint frame, and
 /// forces on the joint speeds: `A.child.F_x [N]`, `A.tau_1 [N m]`.
-void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory);
+/// Columns that `unique` calls not unique are named, with the number of samples, in comment lines (#) before the
+/// header.
+void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
+                        const Mask* unique = nullptr);
 
 /// One line for each time: the wrench of each force element on its ends, each in that end's frame: `strut.child.F_x
 /// [N]`; a load has no parent.

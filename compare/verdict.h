@@ -138,6 +138,8 @@ struct Verdict {
   std::vector<std::string> notes;     // what the reader must know, no difference
   std::vector<std::string> failures;  // why there is no verdict
 
+  /// What both solvers find unique in the samples of these trajectories; missing where the rung did not run.
+  std::optional<Mask> unique;
   /// Both trajectories of the same run; empty where a solver did not finish.
   std::array<std::optional<Trajectory>, 2> trajectories;
 };

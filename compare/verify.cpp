@@ -371,6 +371,9 @@ class Climb {
       const auto& samples = trajectories[index(who)]->samples;
       for (std::size_t k = 0; k < samples.size(); k += stride) kept.samples.push_back(samples[k]);
     }
+    if (weighed_run_.mask.cols() == 0) return;
+    Mask& unique = verdict_.unique.emplace(weighed_run_.mask.rows(), asked_samples_ + 1);
+    for (int k = 0; k <= asked_samples_; ++k) unique.col(k) = weighed_run_.mask.col(k * static_cast<int>(stride));
   }
 
   void conclude() {
