@@ -17,6 +17,9 @@ namespace concord {
 namespace {
 
 constexpr int kMostElements = 10000;
+/// A higher mode costs more than it is worth; so do many modes of many elements, whose integrals are formed.
+constexpr double kHighestMode = 200.0;
+constexpr double kMostWork = 2e7;
 
 struct FamilyWord {
   std::string_view name;
@@ -157,8 +160,11 @@ std::optional<std::vector<BeamMode>> read_modes(const TableReader& beam, std::st
     const auto numbers = table.numbers(name);
     readable = readable && numbers.has_value();
     for (const double number : numbers.value_or(std::vector<double>{})) {
-      if (number != std::floor(number) || number < 1.0 || number > 1e6) {
+      if (number != std::floor(number) || number < 1.0) {
         table.complain(name, fmt::format("modes are numbered 1, 2, 3, ...; found {}", number));
+        readable = false;
+      } else if (number > kHighestMode) {
+        table.complain(name, fmt::format("modes are numbered up to {}; found {}", kHighestMode, number));
         readable = false;
       } else {
         modes.push_back({family, static_cast<int>(number), is_static});
@@ -229,6 +235,12 @@ std::optional<ModalData> read_beam(const toml::table& table, const std::string& 
   if (static_modes) beam.modes.insert(beam.modes.end(), static_modes->begin(), static_modes->end());
   if (modes && static_modes && beam.modes.empty() && reading.complaints.size() == complaints_before) {
     reader.complain("a beam needs modes: give 'modes' or 'static_modes', or make the body rigid");
+  }
+  const double work = beam.elements * std::pow(static_cast<double>(beam.modes.size()), 2);
+  if (work > kMostWork) {
+    reader.complain(
+        "elements",
+        fmt::format("elements times the square of the number of modes, {:g}, must be at most {:g}", work, kMostWork));
   }
   // The beam is made only of what was read without a fault.
   if (reading.complaints.size() != complaints_before) return std::nullopt;

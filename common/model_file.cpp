@@ -128,7 +128,8 @@ RunSettings read_run(const TableReader& document) {
     table.complain("rtol", fmt::format("'rtol' must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
                                        kLoosestTolerance, *run.rtol));
   }
-  run.samples = table.count("samples", 1);
+  constexpr int kMostSamples = 1000000;
+  run.samples = table.count("samples", 1, kMostSamples);
   if (const auto start = table.text("start")) {
     run.from_equilibrium = *start == "equilibrium";
     if (!run.from_equilibrium && *start != "given") {

@@ -234,9 +234,10 @@ void write_json(const std::filesystem::path& file, const std::vector<std::option
 
 /// Whether two paths lead to one file, by other names too, or would if the file and its folders were there.
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
+  namespace fs = std::filesystem;
   std::error_code unknown;
-  return std::filesystem::equivalent(one, other, unknown) ||
-         std::filesystem::weakly_canonical(one, unknown) == std::filesystem::weakly_canonical(other, unknown);
+  return fs::equivalent(one, other, unknown) ||
+         fs::weakly_canonical(fs::absolute(one), unknown) == fs::weakly_canonical(fs::absolute(other), unknown);
 }
 
 /// Refuses what cannot be written, and removes what an earlier run wrote there.

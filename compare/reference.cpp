@@ -315,12 +315,12 @@ std::string hint(const Model& model, const RunsAtTimes& runs, const ReferenceCol
   const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));
   if (peak <= 10.0 * allowed) return "";
-  for (const auto& columns :
-       {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
-    for (const Column& other : columns) {
-      if (!is_kin(other, column.column)) continue;
-      for (const double sign : {1.0, -1.0}) {
-        if (!fits(runs, column.values, other, sign, allowed)) continue;
+  if (fits(runs, column.values, column.column, -1.0, allowed)) return "; it has the other sign";
+  for (const double sign : {1.0, -1.0}) {
+    for (const auto& columns :
+         {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
+      for (const Column& other : columns) {
+        if (!is_kin(other, column.column) || !fits(runs, column.values, other, sign, allowed)) continue;
         return fmt::format("; it agrees with {}{}: on another side, in other axes, or of the other sign?",
                            sign < 0.0 ? "-" : "", other.name);
       }
