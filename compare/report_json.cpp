@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/geometric_stiffness.h"
+
 namespace concord::compare {
 
 namespace {
@@ -56,6 +58,27 @@ Json solver(const SolverSummary& summary) {
           {"energy_error", summary.energy_error ? Json(*summary.energy_error) : Json(nullptr)}};
 }
 
+/// Of the first run that there is; null where it is not known.
+Json geometric_stiffness_of(const Model& model, const Verdict& verdict) {
+  Json ratios = Json::array();
+  const auto& run = verdict.trajectories[verdict.trajectories[0] ? 0 : 1];
+  const Trajectory none;
+  for (const GeometricStiffness& ratio : geometric_stiffness(model, run ? *run : none)) {
+    if (!ratio.is_known) {
+      ratios.push_back({{"body", ratio.body}, {"lowest", nullptr}, {"highest", nullptr}});
+      continue;
+    }
+    ratios.push_back({{"body", ratio.body},
+                      {"plane", ratio.plane},
+                      {"mode", ratio.mode},
+                      {"lowest", ratio.lowest},
+                      {"t_lowest", ratio.t_lowest},
+                      {"highest", ratio.highest},
+                      {"t_highest", ratio.t_highest}});
+  }
+  return ratios;
+}
+
 Json document(const Model& model, const Verdict& verdict) {
   Json joints = Json::array();
   for (const Row& row : verdict.rows) {
@@ -81,6 +104,7 @@ Json document(const Model& model, const Verdict& verdict) {
             {"solvers", std::move(solvers)}};
   for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(model, row));
   if (!elements.empty()) said["elements"] = std::move(elements);
+  if (model.is_flexible()) said["geometric_stiffness"] = geometric_stiffness_of(model, verdict);
   return said;
 }
 

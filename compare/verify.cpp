@@ -10,6 +10,7 @@
 #include "compare/balance.h"
 #include "compare/digits.h"
 #include "compare/findings.h"
+#include "compare/geometric_stiffness.h"
 #include "compare/refinement.h"
 #include "compare/states.h"
 #include "compare/sums.h"
@@ -76,6 +77,7 @@ class Climb {
       same_run(trajectories);
       refine();
       audit(trajectories);
+      tell_geometric_stiffness(trajectories);
       keep(trajectories);
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
@@ -292,6 +294,12 @@ class Climb {
   }
 
   /// Keeps the rows that were asked for.
+  void tell_geometric_stiffness(const Trajectories& trajectories) {
+    const auto& run = trajectories[trajectories[0] ? 0 : 1];
+    if (!run) return;
+    for (std::string& note : notes_on(geometric_stiffness(model_, *run))) verdict_.notes.push_back(std::move(note));
+  }
+
   void keep(const Trajectories& trajectories) {
     const auto stride = static_cast<std::size_t>(verdict_.run.samples / asked_samples_);
     for (const Who who : kWho) {
