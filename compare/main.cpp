@@ -138,6 +138,7 @@ CLI::App* add_analysis(CLI::App& program, CommandLine& line, const char* name, c
   command->add_option("MODEL", line.analysis.model, "Model file (TOML)")->required();
   command->add_flag("--all", line.analysis.all_rows, "Print every component, not only the worst of each side");
   command->add_option("--json", line.analysis.json, "File for what was found as JSON");
+  command->add_option("--out", line.analysis.out, "Folder for results: NetCDF and CSV of each solver");
   return command;
 }
 
@@ -154,7 +155,6 @@ class AnalysisCommands {
     CLI::App* kinematics = add(program, Analysis::kinematics, "kinematics",
                                "Motion and reactions of a machine that drivers move fully, by both solvers");
     add_run_options(*kinematics, line.analysis.options);
-    kinematics->add_option("--out", line.analysis.out, "Folder for results: NetCDF and CSV of each solver");
     CLI::App* inverse =
         add(program, Analysis::inverse, "inverse",
             "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"

@@ -1,16 +1,23 @@
 #include "compare/analyses/chart.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "common/error.h"
+#include "compare/analyses/motion_names.h"
 #include "compare/places.h"
 
 namespace concord::compare::analyses {
 
 namespace {
+
+/// Directions at a neighbour belong to the chart as long as it sees so much of each.
+constexpr double kSameDirection = 1e-6;
 
 /// Calls `use` with each moving body's index and its first row.
 template <class Use>
@@ -20,17 +27,6 @@ void for_each_body(const Model& model, const Use& use) {
     use(i, row);
     row += 6 + model.bodies[i].n_modes();
   }
-}
-
-/// What a unit of each modal coordinate deflects a mass point by at most; 1 for a mode that deflects none.
-VecX largest_deflections(const Body& body) {
-  VecX largest = VecX::Zero(body.n_modes());
-  if (body.modal) {
-    for (const MassPoint& point : body.modal->mass_points) {
-      largest = largest.cwiseMax(VecX(point.Psi_t_L.colwise().norm().transpose()));
-    }
-  }
-  return (largest.array() > 0.0).select(largest, 1.0);
 }
 
 VecX row_weights(const Model& model, double length) {
@@ -75,37 +71,45 @@ struct TurnRates {
 
 }  // namespace
 
+VecX largest_deflections(const Body& body) {
+  VecX largest = VecX::Zero(body.n_modes());
+  if (body.modal) {
+    for (const MassPoint& point : body.modal->mass_points) {
+      largest = largest.cwiseMax(VecX(point.Psi_t_L.colwise().norm().transpose()));
+    }
+  }
+  return (largest.array() > 0.0).select(largest, 1.0);
+}
+
 Chart::Chart(const Model& model, Solver& solver, const State& origin)
     : model_(model),
       solver_(solver),
       origin_(origin),
       length_(model.length_scale()),
       weights_(row_weights(model, length_)) {
-  const MatX tangent = scaled_tangent(origin);
-  if (tangent.cols() == 0) {
-    V_ = tangent;
-    return;
-  }
-  const Eigen::HouseholderQR<MatX> factors(tangent);
-  V_ = factors.householderQ() * MatX::Identity(tangent.rows(), tangent.cols());
-  put_modes_first();
+  V_ = scaled_tangent(origin);
+  if (n() > 0) put_modes_first();
 }
 
 void Chart::put_modes_first() {
-  for (const Body& body : model_.bodies) n_modal_ += body.n_modes();
-  if (n_modal_ == 0) return;
-  MatX modal(n_modal_, V_.cols());
+  constexpr double kMovesNoMode = 1e-7;  // of what moves modes most
+  int n_modes = 0;
+  for (const Body& body : model_.bodies) n_modes += body.n_modes();
+  if (n_modes == 0) return;
+  MatX modal(n_modes, V_.cols());
   Eigen::Index next = 0;
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
     const int modes = model_.bodies[i].n_modes();
     modal.middleRows(next, modes) = V_.middleRows(row + 6, modes);
     next += modes;
   });
-  const Eigen::HouseholderQR<MatX> split(MatX(modal.transpose()));
+  Eigen::ColPivHouseholderQR<MatX> split(MatX(modal.transpose()));
+  split.setThreshold(kMovesNoMode);
+  n_modal_ = static_cast<int>(split.rank());
   V_ = V_ * MatX(split.householderQ());
 }
 
-/// The solver scales only v, by the machine's length; here modal rows are scaled too.
+/// The solver scales only v, by the machine's length; here modal rows are scaled too, and columns orthonormal again.
 MatX Chart::scaled_tangent(const State& state) const {
   MatX tangent = solver_.tangent(state);
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
@@ -113,10 +117,16 @@ MatX Chart::scaled_tangent(const State& state) const {
     tangent.middleRows(row + 6, modes) =
         weights_.segment(row + 6, modes).asDiagonal() * MatX(tangent.middleRows(row + 6, modes));
   });
-  return tangent;
+  if (tangent.cols() == 0) return MatX::Zero(weights_.size(), 0);
+  const Eigen::HouseholderQR<MatX> factors(tangent);
+  return factors.householderQ() * MatX::Identity(tangent.rows(), tangent.cols());
 }
 
 VecX Chart::velocities(const VecX& delta) const { return (V_ * delta).cwiseQuotient(weights_); }
+
+VecX Chart::coordinates_of(const VecX& velocities) const { return V_.transpose() * velocities.cwiseProduct(weights_); }
+
+std::string Chart::describe(const VecX& delta) const { return describe_motion(model_, origin_, velocities(delta)); }
 
 VecX Chart::rates(const State& state) const {
   VecX scaled(weights_.size());
@@ -192,7 +202,7 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
     body.a += moved.segment(row + 6, body.a.size());
   });
   std::optional<State> closed = solver_.close(guess);
-  if (!closed) return std::nullopt;
+  if (!closed || n() == 0) return closed;
   // Along the permitted velocities there, so that the rates are as asked.
   const MatX tangent = scaled_tangent(*closed);
   MatX map(V_.cols(), tangent.cols());
@@ -206,8 +216,28 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
     add_velocity(tangent.col(k), unit);
     map.col(k) = rates(unit);
   }
-  add_velocity(tangent * map.partialPivLu().solve(deltadot - rates(*closed)), *closed);
+  if (tangent.cols() < V_.cols()) refuse_singular_origin(map);
+  Eigen::ColPivHouseholderQR<MatX> onto_chart(map);
+  onto_chart.setThreshold(kSameDirection);
+  if (tangent.cols() > V_.cols() || onto_chart.rank() < V_.cols()) return std::nullopt;
+  add_velocity(tangent * onto_chart.solve(deltadot - rates(*closed)), *closed);
   return solver_.close(*closed);
+}
+
+/// `map`: the neighbour's directions in coordinates of the chart.
+void Chart::refuse_singular_origin(const MatX& map) const {
+  MatX neighbour(n(), map.cols());
+  if (map.cols() > 0) neighbour = MatX(Eigen::HouseholderQR<MatX>(map).householderQ()).leftCols(map.cols());
+  VecX lost = VecX::Zero(n());
+  for (Eigen::Index k = 0; k < n(); ++k) {
+    const VecX direction = VecX::Unit(n(), k) - neighbour * neighbour.row(k).transpose();
+    if (direction.norm() > lost.norm()) lost = direction;
+  }
+  throw SingularPose(fmt::format(
+      "{}: at t = {:.6g} s the constraints permit {} direction{} of motion, but only {} in a pose nearby, "
+      "where this one is lost: {}; the pose is singular and the motion may branch there: start from another "
+      "one",
+      solver_.name(), origin_.t, n(), n() == 1 ? "" : "s", map.cols(), describe(lost)));
 }
 
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation) {
@@ -228,7 +258,8 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     if (!plus) return std::nullopt;
     const auto minus = function(-h);
     if (!minus) return std::nullopt;
-    return VecX((*plus - *minus) / (2.0 * h));
+    VecX slope = (*plus - *minus) / (2.0 * h);
+    return slope.allFinite() ? std::optional(std::move(slope)) : std::nullopt;
   };
   constexpr double kGood = 1e-12;
   constexpr double kFair = 1e-5;  // worse than that, a kink lies within the step

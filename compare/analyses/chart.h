@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "common/solver.h"
 
@@ -13,12 +14,17 @@ namespace concord::compare::analyses {
 /// chart [rad], and the change of its modal coordinates [largest deflection of a mass point, of the machine's length];
 /// the columns of V are orthonormal and span the velocities that the solver's constraints permit at the origin. Model
 /// and solver must outlive it.
+///
+/// It ends where the number of permitted directions changes. If a neighbour has fewer of them, the origin is a singular
+/// pose: then at() and exactly_at() throw SingularPose with both numbers and the motion that is lost. A neighbour that
+/// has more, or whose directions are no longer told apart by V, is none.
 class Chart {
  public:
   Chart(const Model& model, Solver& solver, const State& origin);
 
   [[nodiscard]] int n() const { return static_cast<int>(V_.cols()); }
-  /// The first so many coordinates move modes; the others move none.
+  /// The first so many coordinates move modes; the others move none. Where loops restrict modes, there are fewer of
+  /// them than modes.
   [[nodiscard]] int n_modal() const { return n_modal_; }
   [[nodiscard]] const State& origin() const { return origin_; }
   /// V: rows of bodies 1, 2, ... (6 + m each).
@@ -41,8 +47,14 @@ class Chart {
   /// Velocities [v; omega; adot] of bodies 1, 2, ... that belong to a change of the coordinates, in SI units.
   [[nodiscard]] VecX velocities(const VecX& delta) const;
 
+  /// The coordinates that change so, as far as the chart permits the velocities.
+  [[nodiscard]] VecX coordinates_of(const VecX& velocities) const;
+  /// velocities(delta) in the words of describe_motion().
+  [[nodiscard]] std::string describe(const VecX& delta) const;
+
  private:
   void put_modes_first();
+  [[noreturn]] void refuse_singular_origin(const MatX& map) const;
   [[nodiscard]] MatX scaled_tangent(const State& state) const;
   [[nodiscard]] VecX coordinates(const State& state) const;
   [[nodiscard]] VecX rates(const State& state) const;
@@ -56,6 +68,10 @@ class Chart {
   MatX V_;
   int n_modal_ = 0;
 };
+
+/// What a unit of each modal coordinate of a body deflects a mass point by at most [m]; 1 for a mode that deflects
+/// none.
+VecX largest_deflections(const Body& body);
 
 /// Accelerations of bodies 1, 2, ... in the chart's scaled rows [1/s2].
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);

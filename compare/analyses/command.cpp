@@ -48,6 +48,16 @@ AnalysisVerdict judge(const AnalysisCommand& command, const Model& model, const 
   }
 }
 
+void write_results(const std::filesystem::path& folder, const Model& model, const AnalysisVerdict& result) {
+  for (std::size_t who = 0; who < 2; ++who) {
+    const std::string& solver = result.wrenches.solvers[who].name;
+    if (const auto& run = result.wrenches.trajectories[who]) write_run(folder, model, solver, *run);
+    if (const auto& found = result.linearizations[who]) {
+      write_file(folder / fmt::format("{}.{}.modes.csv", model.name, solver), format_modes_csv(model, *found));
+    }
+  }
+}
+
 }  // namespace
 
 int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
@@ -55,10 +65,7 @@ int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, co
     const Model model = read_model(command.model);
     const AnalysisVerdict result = judge(command, model, makers);
     console.out << format_analysis(model, result, command.all_rows) << std::flush;
-    for (std::size_t who = 0; who < 2 && !command.out.empty(); ++who) {
-      const SolverSummary& solver = result.wrenches.solvers[who];
-      if (const auto& run = result.wrenches.trajectories[who]) write_run(command.out, model, solver.name, *run);
-    }
+    if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);
   });

@@ -18,7 +18,7 @@ struct AnalysisCommand {
   std::vector<std::string> accelerations;  // inverse: "joint.coordinate=value"
   VerifyOptions options;                   // kinematics: until, samples
   bool all_rows = false;
-  std::filesystem::path out;   // kinematics: result files
+  std::filesystem::path out;   // empty: write no result files
   std::filesystem::path json;  // empty: write no JSON
 };
 

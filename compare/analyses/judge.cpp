@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "compare/agreement.h"
+#include "compare/analyses/chart.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/statics.h"
 #include "compare/balance.h"
@@ -31,9 +33,13 @@ Solvers make_solvers(const Model& model, const SolverMakers& makers) {
   return {makers.cartesian(model), makers.relative(model)};
 }
 
+/// A body that deflects less, of the machine's length, is held against this: it may be straight but for round-off.
+constexpr double kLeastDeflection = 1e-6;
+
 double own_need(const Model& model) { return model.is_flexible() ? kOwnFlexible : kOwnRigid; }
 
-/// Judges the wrenches of what both solvers found: on the way of each, and in the same states.
+/// Judges the wrenches of what both solvers found: on the way of each, and in the same states. What they found stands
+/// in the verdict's trajectories.
 class Judge {
  public:
   Judge(const Model& model, const Solvers& solvers, AnalysisVerdict& result)
@@ -55,6 +61,7 @@ class Judge {
     verdict_.motion = compare_motions(model_, both);
     audit(found);
     judge_rows();
+    for (const Who who : kWho) verdict_.trajectories[index(who)] = found[index(who)];
   }
 
  private:
@@ -114,9 +121,17 @@ class Judge {
     for (auto* rows : {&verdict_.rows, &verdict_.others}) {
       for (Row& row : *rows) judge_row(row);
     }
-    verdict_.total = static_cast<int>(verdict_.rows.size());
-    verdict_.judged = static_cast<int>(
-        std::count_if(verdict_.rows.begin(), verdict_.rows.end(), [](const Row& row) { return row.unique; }));
+    verdict_.total = verdict_.judged = 0;
+    for (const auto* rows : {&verdict_.rows, &verdict_.others}) {
+      for (const Row& row : *rows) count(row);
+    }
+  }
+
+  /// Components that joints can carry and those of force elements.
+  void count(const Row& row) {
+    if (row.quantity.kind != Kind::reaction && row.quantity.kind != Kind::element) return;
+    ++verdict_.total;
+    if (row.unique) ++verdict_.judged;
   }
 
   void judge_row(Row& row) {
@@ -190,8 +205,11 @@ void for_each_coordinate(const Model& model, const State& state, const Use& use)
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const VecX& a = state.bodies[i].a;
+    if (a.size() == 0) continue;
+    const VecX least = kLeastDeflection * model.length_scale() * largest_deflections(model.bodies[i]).cwiseInverse();
     for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
-      use(fmt::format("a_{} of {}", mode + 1, model.bodies[i].name), "1", a.cwiseAbs().maxCoeff(), a(mode));
+      use(fmt::format("a_{} of {}", mode + 1, model.bodies[i].name), "1",
+          std::max(a.cwiseAbs().maxCoeff(), least(mode)), a(mode));
     }
   }
 }
@@ -314,58 +332,95 @@ namespace {
 
 /// How far two mode shapes point the same way: what of one is not along the other.
 double shape_digits(const Mode& one, const Mode& other) {
-  const std::complex<double> along = other.shape.dot(one.shape);
-  return matching_digits((one.shape - along * other.shape).norm(), 1.0);
+  const std::complex<double> along = other.scaled_shape.dot(one.scaled_shape);
+  return matching_digits((one.scaled_shape - along * other.scaled_shape).norm(), 1.0);
 }
 
 /// Whether no other eigenvalue is so near that the shapes of both mix; one below `least` is near to those of free
 /// modes.
 bool stands_alone(const std::vector<Mode>& modes, std::size_t k, double least) {
-  if (std::abs(modes[k].eigenvalue) < least) return false;
-  const auto is_near = [&](std::size_t other) {
-    const double distance = std::abs(modes[k].eigenvalue - modes[other].eigenvalue);
-    return distance < 1e-3 * std::abs(modes[k].eigenvalue);
-  };
-  return !modes[k].is_free && !(k > 0 && is_near(k - 1)) && !(k + 1 < modes.size() && is_near(k + 1));
+  const std::complex<double> own = modes[k].eigenvalue;
+  if (modes[k].is_free || std::abs(own) < least) return false;
+  for (std::size_t other = 0; other < modes.size(); ++other) {
+    if (other != k && std::abs(own - modes[other].eigenvalue) < 1e-3 * std::abs(own)) return false;
+  }
+  return true;
 }
 
 /// Derivatives are good to 1e-12 of the largest, which moves an eigenvalue by that times its condition: it has the
 /// eight digits that are needed only above this part of the fastest one times its condition; below, that is its scale.
 constexpr double kResolved = 1e-4;
 
-void judge_modes(AnalysisVerdict& result) {
-  const Linearization& one = *result.linearizations[0];
-  const Linearization& other = *result.linearizations[1];
-  result.numbers.push_back(number("number of modes", "", static_cast<double>(one.modes.size()),
-                                  static_cast<double>(other.modes.size()), 1.0, kMostDigits));
-  Lines lines{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
-  const std::size_t count = std::min(one.modes.size(), other.modes.size());
-  double fastest = 0.0;
-  for (const Mode& mode : one.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
-  for (std::size_t k = 0; k < count; ++k) {
-    const Mode& mode = one.modes[k];
-    const std::complex<double> difference = mode.eigenvalue - other.modes[k].eigenvalue;
-    const double condition = std::max(mode.condition, other.modes[k].condition);
-    const double scale = std::max({std::abs(mode.eigenvalue), one.resolution, kResolved * fastest * condition});
-    NumberRow row{fmt::format("eigenvalue {}", k + 1),
-                  "1/s",
-                  {std::abs(mode.eigenvalue), std::abs(other.modes[k].eigenvalue)},
-                  matching_digits(std::abs(difference), scale),
-                  kEigenvalue};
-    const bool alone = stands_alone(one.modes, k, kResolved * fastest);
-    const double shape = shape_digits(mode, other.modes[k]);
-    if (alone) row.digits = std::min(row.digits, shape);
-    lines.push_back({fmt::format("{}", k + 1), fmt::format("{:.10g}", mode.frequency()),
-                     fmt::format("{:.6g}", mode.damping_ratio()),
-                     mode.oscillates()
-                         ? fmt::format("{:.8g} +- {:.10g}i", mode.eigenvalue.real(), mode.eigenvalue.imag())
-                         : fmt::format("{:.10g}", mode.eigenvalue.real()),
-                     format_digits(matching_digits(std::abs(difference), scale)), alone ? format_digits(shape) : "-",
-                     (mode.is_free ? "free: " : "") + mode.motion});
-    result.numbers.push_back(std::move(row));
-  }
-  result.text += '\n' + format_table(lines, {true, true, true, true, true, true, false});
+std::string eigenvalue_text(const Mode& mode) {
+  return mode.oscillates() ? fmt::format("{:.8g} +- {:.10g}i", mode.eigenvalue.real(), mode.eigenvalue.imag())
+                           : fmt::format("{:.10g}", mode.eigenvalue.real());
 }
+
+/// Judges one mode after the other, and makes the lines of the table.
+class ModeJudge {
+ public:
+  ModeJudge(const Linearization& one, const Linearization& other, AnalysisVerdict& result)
+      : one_(one), other_(other), result_(result) {
+    for (const Mode& mode : one.modes) fastest_ = std::max(fastest_, std::abs(mode.eigenvalue));
+  }
+
+  void judge() {
+    result_.numbers.push_back(count("number of modes", [](const Mode&) { return true; }));
+    result_.numbers.push_back(count("number of free modes", [](const Mode& mode) { return mode.is_free; }));
+    const ModePairs pairs = pair_modes(one_, other_);
+    for (const auto& [k, partner] : pairs.both) judge_pair(k, partner);
+    for (const std::size_t k : pairs.alone[0]) judge_alone("cartesian", one_.modes[k], {abs_of(one_.modes[k]), kNone});
+    for (const std::size_t k : pairs.alone[1]) {
+      judge_alone("relative", other_.modes[k], {kNone, abs_of(other_.modes[k])});
+    }
+    result_.text += '\n' + format_table(lines_, {true, true, true, true, true, true, false});
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  static double abs_of(const Mode& mode) { return std::abs(mode.eigenvalue); }
+
+  template <class Counts>
+  NumberRow count(const char* name, const Counts& counts) {
+    const auto number_of = [&](const std::vector<Mode>& modes) {
+      return static_cast<double>(std::count_if(modes.begin(), modes.end(), counts));
+    };
+    return number(name, "", number_of(one_.modes), number_of(other_.modes), 1.0, kMostDigits);
+  }
+
+  void judge_pair(std::size_t k, std::size_t partner) {
+    const Mode& mode = one_.modes[k];
+    const Mode& other = other_.modes[partner];
+    const double condition = std::max(mode.condition, other.condition);
+    const double scale = std::max({abs_of(mode), one_.resolution, kResolved * fastest_ * condition});
+    const double digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
+    NumberRow row{fmt::format("eigenvalue {}", k + 1), "1/s", {abs_of(mode), abs_of(other)}, digits, kEigenvalue};
+    const bool alone = stands_alone(one_.modes, k, kResolved * fastest_);
+    const double shape = shape_digits(mode, other);
+    if (alone) row.digits = std::min(row.digits, shape);
+    add_line(mode, format_digits(digits), alone ? format_digits(shape) : "-", "");
+    result_.numbers.push_back(std::move(row));
+  }
+
+  void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {
+    add_line(mode, format_digits(0.0), "-", fmt::format(" (found by {} alone)", solver));
+    result_.numbers.push_back(
+        {fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue});
+  }
+
+  void add_line(const Mode& mode, std::string digits, std::string shape_digits, const std::string& remark) {
+    lines_.push_back({fmt::format("{}", lines_.size()), fmt::format("{:.10g}", mode.frequency()),
+                      fmt::format("{:.6g}", mode.damping_ratio()), eigenvalue_text(mode), std::move(digits),
+                      std::move(shape_digits), (mode.is_free ? "free: " : "") + mode.motion + remark});
+  }
+
+  const Linearization& one_;
+  const Linearization& other_;
+  AnalysisVerdict& result_;
+  double fastest_ = 0.0;
+  Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
+};
 
 }  // namespace
 
@@ -389,7 +444,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   }
   Judge(held, solvers, result).judge_wrenches(states, at_equilibrium);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
-  judge_modes(result);
+  ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
   conclude(result);
   return result;
 }
@@ -405,7 +460,6 @@ AnalysisVerdict judge_kinematics(const Model& model, const SolverMakers& makers,
   Judge(model, solvers, result).judge_wrenches(found, false);
   result.text = fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
                             format_peaks(model, found[0]));
-  for (const Who who : kWho) result.wrenches.trajectories[index(who)] = std::move(found[index(who)]);
   conclude(result);
   return result;
 }

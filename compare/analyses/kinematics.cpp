@@ -16,9 +16,11 @@ namespace {
 constexpr int kHalvings = 8;
 
 void refuse_freedom(const Model& model, Solver& solver, const State& start) {
+  const int freedom = solver.rank(start).degrees_of_freedom;
+  if (freedom <= 0) return;
   int modes = 0;
   for (const Body& body : model.bodies) modes += body.n_modes();
-  const int rigid = solver.rank(start).degrees_of_freedom - modes;
+  const int rigid = freedom - modes;
   if (rigid > 0) {
     throw InputError(
         {model.file, 0, 0},
@@ -26,12 +28,10 @@ void refuse_freedom(const Model& model, Solver& solver, const State& start) {
                     "left: drive as many joint coordinates more, or integrate the motion with `concord run`",
                     rigid, rigid == 1 ? "" : "s", rigid == 1 ? "is" : "are"));
   }
-  if (modes > 0) {
-    throw InputError({model.file, 0, 0},
-                     fmt::format("kinematics needs rigid bodies, but {} modal coordinates move freely: integrate the "
-                                 "motion with `concord run`",
-                                 modes));
-  }
+  throw InputError({model.file, 0, 0},
+                   fmt::format("kinematics needs rigid bodies, but {} modal coordinates move freely: integrate the "
+                               "motion with `concord run`",
+                               freedom));
 }
 
 /// The motion goes on by its velocities and accelerations for a time h [s].
@@ -48,6 +48,8 @@ State predict(const Model& model, const Sample& now, double h) {
     body.p << after.w(), after.vec();
     body.v += h * rate.vdot;
     body.omega += h * rate.omegadot;
+    body.a += h * body.adot + 0.5 * h * h * rate.addot;
+    body.adot += h * rate.addot;
   }
   // Turns stay counted because the hints move on with them.
   for (std::size_t k = 0; k < model.joints.size(); ++k) {

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "common/error.h"
 #include "compare/analyses/chart.h"
+#include "compare/analyses/motion_names.h"
 #include "compare/analyses/statics.h"
 
 namespace concord::compare::analyses {
@@ -18,7 +22,6 @@ using Complex = std::complex<double>;
 
 constexpr double kRateStep = 0.02;  // of the machine's largest rate
 constexpr double kLeastRateStep = 1e-7;
-constexpr double kNegligible = 1e-9;  // of the largest; eigenvalues go with its root
 constexpr double kStray = 1e-6;
 constexpr double kNoDamping = 1e-11;  // of the largest frequency
 
@@ -34,8 +37,9 @@ MatX damping_matrix(Chart& chart, Solver& solver, double rate) {
     };
     const auto column = derivative_at_zero(along, kRateStep * rate, kLeastRateStep * rate, rate);
     if (!column) {
-      throw SolverError(
-          fmt::format("{}: no closed states with other speeds at t = {:.6g} s", solver.name(), chart.origin().t));
+      throw SingularPose(fmt::format(
+          "{}: at t = {:.6g} s no closed states with another speed along {} are found: is the pose singular?",
+          solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
     }
     B.col(k) = *column;
   }
@@ -46,6 +50,21 @@ struct Eigenpairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;  // of the coordinates
   VecX condition;
+};
+
+/// Orthonormal coordinates of the motions that meet no stiffness, and of all others.
+struct Motions {
+  MatX free;
+  MatX held;
+
+  explicit Motions(const StiffnessSplit& split) {
+    const MatX& directions = split.free_directions();
+    const Eigen::Index n = directions.rows();
+    MatX all = MatX::Identity(n, n);
+    if (directions.cols() > 0) all = Eigen::HouseholderQR<MatX>(directions).householderQ();
+    free = all.leftCols(directions.cols());
+    held = all.rightCols(n - directions.cols());
+  }
 };
 
 /// |x| |y| / |y^H x| with the left eigenvectors y, the rows of the inverse; where eigenvectors coincide, what is left
@@ -61,40 +80,108 @@ VecX conditions_of(const Eigen::MatrixXcd& vectors) {
   return conditions;
 }
 
-/// lambda^2 = an eigenvalue of A: exact pairs where nothing is damped.
-Eigenpairs undamped_pairs(const MatX& A) {
-  const Eigen::EigenSolver<MatX> solution(A);
+/// lambda^2 = an eigenvalue of A: exact pairs where nothing is damped. Free motions are taken out of the problem: their
+/// eigenvalues are zero, and of what round-off left in their place nothing reaches the others.
+Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
+  const Eigen::Index n = motions.held.cols();
+  if (n == 0) return {};
+  const MatX pull = A * motions.held;
+  const Eigen::EigenSolver<MatX> solution(MatX(motions.held.transpose() * pull));
   const Eigen::MatrixXcd vectors = solution.eigenvectors();
-  const Eigen::Index n = A.rows();
   const VecX conditions = conditions_of(vectors);
-  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(n, 2 * n), VecX(2 * n)};
+  Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(A.rows(), 2 * n), VecX(2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
-    const Complex root = std::sqrt(solution.eigenvalues()(k));
+    const Complex square = solution.eigenvalues()(k);
+    const Complex root = std::sqrt(square);
     pairs.values(2 * k) = root;
     pairs.values(2 * k + 1) = -root;
     pairs.condition(2 * k) = pairs.condition(2 * k + 1) = conditions(k);
-    pairs.vectors.col(2 * k) = pairs.vectors.col(2 * k + 1) = vectors.col(k);
+    Eigen::VectorXcd shape = motions.held * vectors.col(k);
+    if (square != 0.0) shape += motions.free * (motions.free.transpose() * (pull * vectors.col(k))) / square;
+    pairs.vectors.col(2 * k) = pairs.vectors.col(2 * k + 1) = shape;
   }
   return pairs;
 }
 
-/// Of the first-order form, in the unit of time in which its two parts have one size.
-Eigenpairs damped_pairs(const MatX& A, const MatX& B, double frequency) {
-  const Eigen::Index n = A.rows();
-  MatX first_order = MatX::Zero(2 * n, 2 * n);
-  first_order.topRightCorner(n, n).diagonal().setConstant(frequency);
-  first_order.bottomLeftCorner(n, n) = A / frequency;
-  first_order.bottomRightCorner(n, n) = B;
-  const Eigen::EigenSolver<MatX> solution(first_order);
-  const Eigen::MatrixXcd vectors = solution.eigenvectors();
-  Eigenpairs pairs{solution.eigenvalues(), Eigen::MatrixXcd(n, 2 * n), conditions_of(vectors)};
-  for (Eigen::Index k = 0; k < 2 * n; ++k) {
-    const auto coordinates = vectors.col(k).head(n);
-    const auto rates = vectors.col(k).tail(n);
-    pairs.vectors.col(k) = coordinates.norm() > rates.norm() ? coordinates : rates;
+/// The first-order form of a damped machine without the places along free motions, on which nothing depends: rows are
+/// coordinates of held motions in a unit of time in which its parts have one size, then rates of free and held ones.
+class FirstOrder {
+ public:
+  FirstOrder(const MatX& A, const MatX& B, double frequency, const Motions& motions)
+      : motions_(motions), frequency_(frequency), all_(A.rows(), A.rows()), pull_(A * motions.held), B_(B) {
+    const Eigen::Index n = A.rows();
+    const Eigen::Index held = motions.held.cols();
+    all_ << motions.free, motions.held;
+    matrix_ = MatX::Zero(held + n, held + n);
+    matrix_.topRightCorner(held, held).diagonal().setConstant(frequency);
+    matrix_.bottomLeftCorner(n, held) = all_.transpose() * pull_ / frequency;
+    matrix_.bottomRightCorner(n, n) = all_.transpose() * B * all_;
   }
-  return pairs;
-}
+
+  /// Orthonormal rates of free motions that no damping holds either: they move on for ever, while the held ones stand
+  /// where the damping of the free ones pushes them. `resolution` [1/s]: of a decay.
+  [[nodiscard]] MatX undamped_free(double resolution) const {
+    const Eigen::Index n = B_.rows();
+    const Eigen::Index free = motions_.free.cols();
+    if (free == 0) return {n, 0};
+    MatX unreached = MatX::Identity(n, n);  // by the held ones
+    if (pull_.cols() > 0) unreached = Eigen::HouseholderQR<MatX>(pull_).householderQ();
+    const Eigen::JacobiSVD<MatX> decay(MatX(unreached.rightCols(free).transpose() * B_ * motions_.free),
+                                       Eigen::ComputeFullV);
+    const Eigen::Index kept = (decay.singularValues().array() > resolution).count();
+    return motions_.free * decay.matrixV().rightCols(free - kept);
+  }
+
+  /// All eigenpairs but those of `steady`, what undamped_free() found.
+  [[nodiscard]] Eigenpairs pairs_without(const MatX& steady) const {
+    const Eigen::Index size = matrix_.rows();
+    const Eigen::Index left = size - steady.cols();
+    if (left == 0) return {};
+    MatX split = MatX::Identity(size, size);
+    if (steady.cols() > 0) split = Eigen::HouseholderQR<MatX>(states_of(steady)).householderQ();
+    const MatX zeros = split.leftCols(steady.cols());
+    const MatX others = split.rightCols(left);
+    const MatX flow = matrix_ * others;
+    const Eigen::EigenSolver<MatX> solution(MatX(others.transpose() * flow));
+    const Eigen::MatrixXcd vectors = solution.eigenvectors();
+    Eigenpairs pairs{solution.eigenvalues(), Eigen::MatrixXcd(B_.rows(), left), conditions_of(vectors)};
+    for (Eigen::Index k = 0; k < left; ++k) {
+      const Complex value = pairs.values(k);
+      Eigen::VectorXcd vector = others * vectors.col(k);
+      if (value != 0.0) vector += zeros * (zeros.transpose() * (flow * vectors.col(k))) / value;
+      pairs.vectors.col(k) = shape_of_state(vector, value);
+    }
+    return pairs;
+  }
+
+ private:
+  /// The first-order states in which free motions go on at the rates `steady`.
+  [[nodiscard]] MatX states_of(const MatX& steady) const {
+    const Eigen::Index held = motions_.held.cols();
+    MatX states = MatX::Zero(matrix_.rows(), steady.cols());
+    if (held > 0) states.topRows(held) = -frequency_ * pull_.colPivHouseholderQr().solve(B_ * steady);
+    states.middleRows(held, motions_.free.cols()) = motions_.free.transpose() * steady;
+    return states;
+  }
+
+  /// Coordinates, or rates where those are larger.
+  [[nodiscard]] Eigen::VectorXcd shape_of_state(const Eigen::VectorXcd& state, const Complex& value) const {
+    const Eigen::Index held = motions_.held.cols();
+    const Eigen::VectorXcd rates = all_ * state.tail(B_.rows());
+    if (value == 0.0) return rates;
+    const Eigen::VectorXcd coordinates =
+        motions_.held * state.head(held) +
+        motions_.free * state.segment(held, motions_.free.cols()) * (frequency_ / value);
+    return coordinates.norm() > rates.norm() ? coordinates : rates;
+  }
+
+  const Motions& motions_;
+  double frequency_;
+  MatX all_;
+  MatX pull_;
+  const MatX& B_;
+  MatX matrix_;
+};
 
 /// Without damping an eigenvalue is real or imaginary; equal ones stray by the root of the round-off.
 void settle_on_an_axis(Complex& eigenvalue) {
@@ -103,14 +190,20 @@ void settle_on_an_axis(Complex& eigenvalue) {
   if (std::abs(eigenvalue.imag()) <= negligible) eigenvalue.imag(0.0);
 }
 
-/// The velocities of a mode, of unit norm, turned so that the largest one is real.
-Eigen::VectorXcd shape_of(const Chart& chart, const Eigen::VectorXcd& coordinates) {
-  Eigen::VectorXcd shape(chart.basis().rows());
-  shape.real() = chart.velocities(coordinates.real());
-  shape.imag() = chart.velocities(coordinates.imag());
+/// Turned so that the largest velocity is real, of unit norm.
+Eigen::VectorXcd normalized_shape(const Eigen::VectorXcd& velocities) {
   Eigen::Index largest = 0;
-  shape.cwiseAbs().maxCoeff(&largest);
-  return shape * (std::conj(shape(largest)) / std::abs(shape(largest)) / shape.norm());
+  velocities.cwiseAbs().maxCoeff(&largest);
+  return velocities * (std::conj(velocities(largest)) / std::abs(velocities(largest)) / velocities.norm());
+}
+
+/// The velocities of a mode, in SI units and in those of the machine.
+void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode) {
+  Eigen::VectorXcd velocities(chart.basis().rows());
+  velocities.real() = chart.velocities(coordinates.real());
+  velocities.imag() = chart.velocities(coordinates.imag());
+  mode.shape = normalized_shape(velocities);
+  mode.scaled_shape = normalized_shape(chart.basis() * coordinates);
 }
 
 bool comes_first(const Mode& a, const Mode& b) {
@@ -119,26 +212,85 @@ bool comes_first(const Mode& a, const Mode& b) {
   return a.eigenvalue.real() < b.eigenvalue.real();
 }
 
+/// How far two modes are from being one: 0 to about 1 by their eigenvalues, relative to the larger one or what is
+/// resolved, and a tenth as much by their shapes, 1 - MAC.
+double distance_between(const Mode& one, const Mode& other, double resolution) {
+  constexpr double kShape = 0.1;
+  const double size = std::max({std::abs(one.eigenvalue), std::abs(other.eigenvalue), resolution});
+  const double by_value = size > 0.0 ? std::abs(one.eigenvalue - other.eigenvalue) / size : 0.0;
+  return by_value + kShape * (1.0 - std::norm(other.scaled_shape.dot(one.scaled_shape)));
+}
+
 }  // namespace
+
+ModePairs pair_modes(const Linearization& one, const Linearization& other) {
+  struct Candidate {
+    double distance;
+    std::size_t k;
+    std::size_t partner;
+  };
+  const double resolution = std::max(one.resolution, other.resolution);
+  std::vector<Candidate> candidates;
+  for (std::size_t k = 0; k < one.modes.size(); ++k) {
+    for (std::size_t partner = 0; partner < other.modes.size(); ++partner) {
+      candidates.push_back({distance_between(one.modes[k], other.modes[partner], resolution), k, partner});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+  std::array<std::vector<bool>, 2> taken{std::vector<bool>(one.modes.size()), std::vector<bool>(other.modes.size())};
+  ModePairs pairs;
+  for (const Candidate& candidate : candidates) {
+    if (taken[0][candidate.k] || taken[1][candidate.partner]) continue;
+    taken[0][candidate.k] = taken[1][candidate.partner] = true;
+    pairs.both.emplace_back(candidate.k, candidate.partner);
+  }
+  std::sort(pairs.both.begin(), pairs.both.end());
+  for (std::size_t who = 0; who < 2; ++who) {
+    for (std::size_t k = 0; k < taken[who].size(); ++k) {
+      if (!taken[who][k]) pairs.alone[who].push_back(k);
+    }
+  }
+  return pairs;
+}
 
 double Mode::frequency() const { return std::abs(eigenvalue) / (2.0 * std::numbers::pi); }
 
 double Mode::damping_ratio() const { return is_free ? 0.0 : 0.0 - eigenvalue.real() / std::abs(eigenvalue); }
 
-Linearization linearize(const Model& model, Solver& solver, const State& state) {
-  Chart chart(model, solver, state);
-  Linearization result;
-  result.state = state;
-  if (chart.n() == 0) return result;
-  const VecX rates = chart.rates_at_origin();
-  const double reference = reference_acceleration(model, solver.evaluate(state));
-  result.A = stiffness_matrix(chart, solver, rates, reference);
-  const StiffnessSplit split(chart, result.A, reference);
-  result.resolution = std::sqrt(kNegligible * std::max(split.largest(), reference));
-  const double frequency = std::max({std::sqrt(result.A.norm()), rates.norm(), result.resolution, 1e-300});
-  result.B = damping_matrix(chart, solver, std::max({std::sqrt(reference), rates.norm(), result.resolution, 1e-3}));
-  const bool is_undamped = result.B.norm() <= kNoDamping * frequency;
-  const Eigenpairs pairs = is_undamped ? undamped_pairs(result.A) : damped_pairs(result.A, result.B, frequency);
+namespace {
+
+/// Accelerations that velocities and forces cause [1/s2].
+double size_of_accelerations(const Model& model, Solver& solver, const State& state, const VecX& rates) {
+  return std::max(reference_acceleration(model, solver.evaluate(state)), rates.squaredNorm());
+}
+
+/// The rate at which derivatives with respect to rates are taken: the machine's largest, else that of its motions in
+/// which modes follow statically, else that of its modes. If it has none, no force depends on a time of its own, and
+/// any will do.
+double typical_rate(double reference, const StiffnessSplit& split, const MatX& A) {
+  for (const double square : {std::max(reference, split.largest()), A.norm()}) {
+    if (square > 0.0) return std::sqrt(square);
+  }
+  return 1.0;
+}
+
+void add_free_modes(const Model& model, const Chart& chart, const MatX& directions, std::vector<Mode>& modes) {
+  if (directions.cols() == 0) return;
+  MatX motions(chart.basis().rows(), directions.cols());
+  for (Eigen::Index k = 0; k < directions.cols(); ++k) motions.col(k) = chart.velocities(directions.col(k));
+  motions = told_apart(model, chart.origin(), std::move(motions));
+  for (const auto& motion : motions.colwise()) {
+    Mode mode;
+    mode.is_free = true;
+    set_shape(chart, (chart.coordinates_of(motion)).cast<Complex>(), mode);
+    mode.motion = describe_motion(model, chart.origin(), motion);
+    modes.push_back(std::move(mode));
+  }
+}
+
+void add_modes(const Model& model, const Chart& chart, const Eigenpairs& pairs, bool is_undamped,
+               Linearization& result) {
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
     Mode mode;
     mode.eigenvalue = pairs.values(k);
@@ -147,9 +299,38 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (is_undamped) settle_on_an_axis(mode.eigenvalue);
     if (mode.eigenvalue.imag() < 0.0) continue;  // the other one of its pair is there
-    mode.shape = shape_of(chart, pairs.vectors.col(k));
-    mode.motion = describe_motion(model, state, mode.shape.real());
+    set_shape(chart, pairs.vectors.col(k), mode);
+    mode.motion = describe_motion(model, chart.origin(), mode.shape.real());
     result.modes.push_back(std::move(mode));
+  }
+}
+
+}  // namespace
+
+Linearization linearize(const Model& model, Solver& solver, const State& state) {
+  Chart chart(model, solver, state);
+  Linearization result;
+  result.state = state;
+  if (chart.n() == 0) return result;
+  const VecX rates = chart.rates_at_origin();
+  const double reference = size_of_accelerations(model, solver, state, rates);
+  result.A = stiffness_matrix(chart, solver, rates, reference);
+  const StiffnessSplit split(chart, result.A, reference);
+  result.resolution = std::sqrt(split.least());
+  const double rate = typical_rate(reference, split, result.A);
+  const double frequency = std::max(std::sqrt(result.A.norm()), rate);
+  result.B = damping_matrix(chart, solver, rate);
+  const Motions motions(split);
+  const bool is_undamped = result.B.norm() <= kNoDamping * frequency;
+  add_free_modes(model, chart, motions.free, result.modes);
+  if (is_undamped) {
+    add_free_modes(model, chart, motions.free, result.modes);  // its rates
+    add_modes(model, chart, undamped_pairs(result.A, motions), true, result);
+  } else {
+    const FirstOrder first_order(result.A, result.B, frequency, motions);
+    const MatX steady = first_order.undamped_free(result.resolution);
+    add_free_modes(model, chart, steady, result.modes);
+    add_modes(model, chart, first_order.pairs_without(steady), false, result);
   }
   std::stable_sort(result.modes.begin(), result.modes.end(), comes_first);
   return result;

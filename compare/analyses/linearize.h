@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/solver.h"
@@ -18,6 +20,8 @@ struct Mode {
   bool is_free = false;
   /// Velocities [v; omega; adot] of bodies 1, 2, ... in SI units, of unit norm.
   Eigen::VectorXcd shape;
+  /// The same in units of the machine, see Chart, of unit norm: what is compared.
+  Eigen::VectorXcd scaled_shape;
   std::string motion;  // the joint coordinates that take part most
 
   [[nodiscard]] bool oscillates() const { return eigenvalue.imag() > 0.0; }
@@ -38,9 +42,20 @@ struct Linearization {
   double resolution = 0.0;
 };
 
+/// Modes of two linearizations of one machine that belong to each other, in the order of the first one, and places of
+/// those that have no partner. Nearest eigenvalues and shapes go together, whatever their places in the lists are.
+struct ModePairs {
+  std::vector<std::pair<std::size_t, std::size_t>> both;
+  std::array<std::vector<std::size_t>, 2> alone;
+};
+ModePairs pair_modes(const Linearization& one, const Linearization& other);
+
 /// Linearizes a machine about a closed state, at its time, on the manifold of its constraints: derivatives by
-/// extrapolated central differences of evaluate() in closed neighbouring states. About a state that is no equilibrium,
-/// eigenvalues are those of the machine frozen there. Throws SolverError if no closed states are found nearby.
+/// extrapolated central differences of evaluate() in closed neighbouring states. A mode is free where it meets no
+/// stiffness (see StiffnessSplit) and, as a rate, no damping above `resolution`: decided on subspaces of the matrices,
+/// not on eigenvalues, which of two equal zeros stray by the root of the round-off. About a state that is no
+/// equilibrium, eigenvalues are those of the machine frozen there. Throws SingularPose, as Chart and stiffness_matrix()
+/// do.
 Linearization linearize(const Model& model, Solver& solver, const State& state);
 
 }  // namespace concord::compare::analyses

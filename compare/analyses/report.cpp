@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/digits.h"
+#include "compare/observe.h"
 #include "compare/refinement.h"
 #include "compare/table.h"
 
@@ -68,8 +69,9 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
 
 std::string last_line(const AnalysisVerdict& result) {
   const Verdict& verdict = result.wrenches;
-  std::string text = fmt::format("{} {}: {}: {} of {} reaction components judged", to_string(verdict.outcome),
-                                 verdict.name, result.analysis, verdict.judged, verdict.total);
+  std::string text =
+      fmt::format("{} {}: {}: {} of {} components of joints and force elements judged", to_string(verdict.outcome),
+                  verdict.name, result.analysis, verdict.judged, verdict.total);
   const auto add = [&](const char* name, const std::optional<double>& digits) {
     if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
   };
@@ -85,6 +87,43 @@ std::string last_line(const AnalysisVerdict& result) {
 Json digits(const std::optional<double>& value) {
   if (!value) return nullptr;
   return std::floor(*value * 100.0) / 100.0;
+}
+
+/// What each solver found of a quantity, a number for each time; null where one has found nothing.
+Json values_json(const Verdict& verdict, const std::array<std::optional<MatX>, 2>& found, int row) {
+  Json values = Json::object();
+  for (std::size_t who = 0; who < 2; ++who) {
+    Json& of_solver = values[verdict.solvers[who].name];
+    if (!found[who]) continue;
+    of_solver = Json::array();
+    for (const double value : found[who]->row(row)) of_solver.push_back(value);
+  }
+  return values;
+}
+
+/// All quantities (rows) at all times (columns), as each solver found them.
+std::array<std::optional<MatX>, 2> observe_all(const Layout& layout, const Verdict& verdict) {
+  std::array<std::optional<MatX>, 2> found;
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (!verdict.trajectories[who]) continue;
+    const std::vector<Sample>& samples = verdict.trajectories[who]->samples;
+    MatX values(static_cast<Eigen::Index>(layout.quantities().size()), static_cast<Eigen::Index>(samples.size()));
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      values.col(static_cast<Eigen::Index>(k)) = layout.observe(samples[k].state, samples[k].evaluation);
+    }
+    found[who] = std::move(values);
+  }
+  return found;
+}
+
+Json times_json(const Verdict& verdict) {
+  Json times = Json::array();
+  for (const auto& run : verdict.trajectories) {
+    if (!run) continue;
+    for (const Sample& sample : run->samples) times.push_back(sample.state.t);
+    break;
+  }
+  return times;
 }
 
 Json row_json(const Model& model, const Row& row) {
@@ -117,7 +156,34 @@ Json modes_json(const Linearization& found) {
   return modes;
 }
 
+/// Names of the numbers of a shape, with their units: "coupler.v_x [m/s]", "coupler.adot_1 [1/s]".
+std::vector<std::string> shape_names(const Model& model) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const Body& body = model.bodies[i];
+    for (const char* axis : {"x", "y", "z"}) names.push_back(fmt::format("{}.v_{} [m/s]", body.name, axis));
+    for (const char* axis : {"x", "y", "z"}) names.push_back(fmt::format("{}.omega_{} [rad/s]", body.name, axis));
+    for (int mode = 1; mode <= body.n_modes(); ++mode)
+      names.push_back(fmt::format("{}.adot_{} [1/s]", body.name, mode));
+  }
+  return names;
+}
+
 }  // namespace
+
+std::string format_modes_csv(const Model& model, const Linearization& found) {
+  std::string text = "mode,eigenvalue.re [1/s],eigenvalue.im [1/s],frequency [Hz],damping_ratio,free";
+  for (const std::string& name : shape_names(model)) text += fmt::format(",re {0},im {0}", name);
+  text += '\n';
+  for (std::size_t k = 0; k < found.modes.size(); ++k) {
+    const Mode& mode = found.modes[k];
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{}", k + 1, mode.eigenvalue.real(), mode.eigenvalue.imag(),
+                        mode.frequency(), mode.damping_ratio(), mode.is_free ? 1 : 0);
+    for (const auto& part : mode.shape) text += fmt::format(",{:.17g},{:.17g}", part.real(), part.imag());
+    text += '\n';
+  }
+  return text;
+}
 
 std::string format_analysis(const Model& model, const AnalysisVerdict& result, bool all_rows) {
   const Verdict& verdict = result.wrenches;
@@ -144,10 +210,17 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                 {"same_state", {{"digits", digits(verdict.same_state.digits)}}},
                 {"own", {{"digits", digits(verdict.same_run.digits)}}},
                 {"audit", {{"digits", digits(verdict.audit.digits)}}}};
+  document["t"] = times_json(verdict);
   document["wrenches"] = Json::array();
+  const Layout layout(model);
+  const auto found = observe_all(layout, verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const Row& row : *rows) {
-      if (is_wrench(row)) document["wrenches"].push_back(row_json(model, row));
+      if (!is_wrench(row)) continue;
+      Json entry = row_json(model, row);
+      entry["unit"] = unit_of(model, row.quantity);
+      entry["values"] = values_json(verdict, found, layout.row_of(row.quantity));
+      document["wrenches"].push_back(std::move(entry));
     }
   }
   document["numbers"] = Json::array();

@@ -13,4 +13,7 @@ std::string format_analysis(const Model& model, const AnalysisVerdict& result, b
 /// The same as JSON, see compare/README.
 std::string format_analysis_json(const Model& model, const AnalysisVerdict& result);
 
+/// The modes, a line each: eigenvalue, frequency, damping ratio, 1 for a free one, and the shape (complex velocities).
+std::string format_modes_csv(const Model& model, const Linearization& found);
+
 }  // namespace concord::compare::analyses

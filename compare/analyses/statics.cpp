@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "common/error.h"
+#include "compare/analyses/motion_names.h"
 #include "compare/joint_motion.h"
 
 namespace concord::compare::analyses {
@@ -21,6 +22,7 @@ constexpr double kLongestStep = 0.3;      // of the machine's length, rad
 constexpr double kDifferenceStep = 0.02;  // the same, for derivatives
 constexpr double kLeastDifferenceStep = 1e-6;
 constexpr double kNoStiffness = 1e-9;      // of the largest
+constexpr double kRoundOff = 1e-14;        // differences resolve no stiffness below this part of all of it
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
 constexpr double kSmallStep = 1e-9;        // Newton's method may end
 constexpr double kRoundOffStep = 1e-14;    // and does end
@@ -40,107 +42,7 @@ double difference_step(const std::function<std::optional<VecX>(double)>& functio
 
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
-/// What a motion has of a joint speed, a body's velocity or a mode's rate, in scaled units, and its name.
-struct Part {
-  std::string name;
-  double size;
-};
-
-std::vector<Part> joint_parts(const Model& model, const State& state, double length) {
-  std::vector<Part> parts;
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
-    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
-    const RelativeMotion relative = relative_motion(frame(Side::parent), frame(Side::child));
-    const VecX hint = k < state.q.size() ? state.q[k] : VecX();
-    const VecX u = read_motion(*joint.type, relative, hint).u;
-    const std::vector<std::string> names = speed_names(*joint.type);
-    const std::vector<bool> turns = turning_speeds(*joint.type);
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      const double size = u(static_cast<Eigen::Index>(c)) / (turns[c] ? 1.0 : length);
-      parts.push_back({fmt::format("{} of {}", names[c], joint.name), size});
-    }
-  }
-  return parts;
-}
-
-std::vector<Part> body_parts(const Model& model, const State& state, double length) {
-  std::vector<Part> parts;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const BodyState& body = state.bodies[i];
-    parts.push_back({fmt::format("motion of body {}", model.bodies[i].name), body.v.norm() / length});
-    parts.push_back({fmt::format("rotation of body {}", model.bodies[i].name), body.omega.norm()});
-    for (Eigen::Index mode = 0; mode < body.adot.size(); ++mode) {
-      parts.push_back({fmt::format("mode {} of body {}", mode + 1, model.bodies[i].name), std::abs(body.adot(mode))});
-    }
-  }
-  return parts;
-}
-
-/// The three largest parts, as far as they are a tenth of the largest; empty if nothing moves.
-std::string largest_parts(std::vector<Part> parts) {
-  for (Part& part : parts) part.size = std::abs(part.size);
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.size > b.size; });
-  if (parts.empty() || !(parts.front().size > 1e-6)) return "";
-  std::string text;
-  for (std::size_t k = 0; k < std::min<std::size_t>(3, parts.size()); ++k) {
-    if (parts[k].size < 0.1 * parts.front().size) break;
-    text += (k == 0 ? "" : ", ") + parts[k].name;
-  }
-  return text;
-}
-
-/// The state with velocities [v; omega; adot] of bodies 1, 2, ...
-State moving_with(const Model& model, const State& state, const VecX& velocities) {
-  State moving = state;
-  Eigen::Index row = 0;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    BodyState& body = moving.bodies[i];
-    body.v = velocities.segment<3>(row);
-    body.omega = velocities.segment<3>(row + 3);
-    body.adot = velocities.segment(row + 6, body.a.size());
-    row += 6 + body.a.size();
-  }
-  return moving;
-}
-
-/// Combines motions (columns of velocities) so that each has one joint speed to itself, as far as joints tell them
-/// apart: slide_x of the chassis, turn_z of a wheel, instead of mixtures.
-MatX told_apart(const Model& model, const State& state, MatX motions) {
-  const Eigen::Index n = motions.cols();
-  MatX speeds;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const std::vector<Part> parts = joint_parts(model, moving_with(model, state, motions.col(k)), model.length_scale());
-    if (k == 0) speeds.resize(static_cast<Eigen::Index>(parts.size()), n);
-    for (std::size_t row = 0; row < parts.size(); ++row) speeds(static_cast<Eigen::Index>(row), k) = parts[row].size;
-  }
-  for (Eigen::Index k = 0; k < n; ++k) {
-    Eigen::Index row = 0;
-    Eigen::Index column = 0;
-    const double largest = speeds.rightCols(n - k).cwiseAbs().maxCoeff(&row, &column);
-    if (largest < 1e-6) break;
-    column += k;
-    speeds.col(k).swap(speeds.col(column));
-    motions.col(k).swap(motions.col(column));
-    motions.col(k) /= speeds(row, k);
-    speeds.col(k) /= speeds(row, k);
-    for (Eigen::Index other = 0; other < n; ++other) {
-      if (other == k) continue;
-      motions.col(other) -= speeds(row, other) * motions.col(k);
-      speeds.col(other) -= speeds(row, other) * speeds.col(k);
-    }
-  }
-  return motions;
-}
-
 }  // namespace
-
-std::string describe_motion(const Model& model, const State& state, const VecX& velocities) {
-  const State moving = moving_with(model, state, velocities);
-  const double length = model.length_scale();
-  const std::string by_joints = largest_parts(joint_parts(model, moving, length));
-  return by_joints.empty() ? largest_parts(body_parts(model, moving, length)) : by_joints;
-}
 
 Model held_at_start(const Model& model) {
   Model held = model;
@@ -171,14 +73,18 @@ Model started_at(const Model& model, const State& state) {
 }
 
 double reference_acceleration(const Model& model, const Evaluation& evaluation) {
+  const double length = model.length_scale();
   std::vector<double> forces(model.bodies.size(), 0.0);
+  const auto add = [&](int body, const Wrench& wrench) {
+    forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / length);
+  };
   for (const Side side : {Side::parent, Side::child}) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      forces[model.joints[k].on(side).body] += evaluation.joints[k].total_on(side).in_C.force.norm();
+      add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
     }
     for (std::size_t k = 0; k < model.elements.size(); ++k) {
       const Attachment* end = end_of(model.elements[k], side);
-      if (end != nullptr) forces[end->body] += evaluation.elements[k].on_side(side).in_C.force.norm();
+      if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
     }
   }
   double largest = model.gravity.norm();
@@ -186,7 +92,7 @@ double reference_acceleration(const Model& model, const Evaluation& evaluation) 
     const double mass = mass_of(model.bodies[i]);
     if (mass > 0.0) largest = std::max(largest, forces[i] / mass);
   }
-  return largest / model.length_scale();
+  return largest / length;
 }
 
 StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double reference) {
@@ -199,20 +105,21 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double referen
   R11_ = onto_modes_.transpose() * J.leftCols(m);
   R12_ = onto_modes_.transpose() * J.rightCols(n - m);
   free_ = MatX(n, 0);
+  least_ = std::max(kNoStiffness * reference, kRoundOff * J.norm());
   if (n == m) return;
   const Eigen::JacobiSVD<MatX> svd(MatX(beyond_.transpose() * J.rightCols(n - m)),
                                    Eigen::ComputeFullU | Eigen::ComputeFullV);
   const VecX& sigma = svd.singularValues();
   largest_ = sigma(0);
-  const double least = kNoStiffness * std::max(largest_, reference);
-  const Eigen::Index rank = (sigma.array() > least).count();
+  least_ = std::max(least_, kNoStiffness * largest_);
+  const Eigen::Index rank = (sigma.array() > least_).count();
   const Eigen::Index missing = n - m - rank;
   pseudo_inverse_ = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
                     svd.matrixU().leftCols(rank).transpose();
   unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
   free_ = MatX::Zero(n, missing);
   free_.bottomRows(n - m) = svd.matrixV().rightCols(missing);
-  if (m > 0 && missing > 0) free_.topRows(m) = -R11_.partialPivLu().solve(R12_ * free_.bottomRows(n - m));
+  if (m > 0 && missing > 0) free_.topRows(m) = -R11_.colPivHouseholderQr().solve(R12_ * free_.bottomRows(n - m));
 }
 
 VecX StiffnessSplit::newton_step(const VecX& f) const {
@@ -220,7 +127,9 @@ VecX StiffnessSplit::newton_step(const VecX& f) const {
   const Eigen::Index rigid = beyond_.cols();
   VecX step = VecX::Zero(f.size());
   if (rigid > 0) step.tail(rigid) = -(pseudo_inverse_ * (beyond_.transpose() * f));
-  if (m > 0) step.head(m) = R11_.partialPivLu().solve(-(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
+  if (m > 0) {
+    step.head(m) = R11_.colPivHouseholderQr().solve(-(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
+  }
   return step;
 }
 
@@ -239,9 +148,10 @@ MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double re
     };
     const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
     if (!column) {
-      throw SolverError(fmt::format(
-          "{}: no closed states around t = {:.6g} s: the machine cannot be moved there; is it in a singular pose?",
-          solver.name(), chart.origin().t));
+      throw SingularPose(fmt::format(
+          "{}: at t = {:.6g} s the constraints permit {}, but no closed states are found along it: the pose "
+          "is singular, or the machine cannot move so far there",
+          solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
     }
     J.col(k) = *column;
   }

@@ -39,15 +39,12 @@ Equilibrium find_equilibrium(const Model& model, Solver& solver);
 /// the others are guesses near it. Speeds stay what the model says.
 Model started_at(const Model& model, const State& state);
 
-/// How a change of the machine looks, in the joint coordinates that take part most: "hinge turn_z", "A turn_z and B
-/// slide_x"; bodies if no joint moves. `velocities`: [v; omega; adot] of bodies 1, 2, ...
-std::string describe_motion(const Model& model, const State& state, const VecX& velocities);
-
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
  public:
   /// J: derivative of the chart's accelerations with respect to its coordinates; `reference`: accelerations that the
-  /// machine's forces cause [1/s2], below 1e-9 of which there is no stiffness.
+  /// machine's forces cause [1/s2]. There is no stiffness below 1e-9 of the larger one of that and of the largest
+  /// stiffness of a motion in which modes follow statically, nor below 1e-14 of J, modes included: that is round-off.
   StiffnessSplit(const Chart& chart, const MatX& J, double reference);
 
   /// The step of least norm in rigid motions with J step = -f as far as there is stiffness.
@@ -58,6 +55,8 @@ class StiffnessSplit {
   [[nodiscard]] const MatX& free_directions() const { return free_; }
   /// Largest stiffness per inertia of a motion in which modes follow statically [1/s2].
   [[nodiscard]] double largest() const { return largest_; }
+  /// At most so much is no stiffness [1/s2].
+  [[nodiscard]] double least() const { return least_; }
 
  private:
   MatX onto_modes_;  // orthonormal basis of the accelerations that modal coordinates cause
@@ -68,14 +67,15 @@ class StiffnessSplit {
   MatX unmet_projector_;
   MatX free_;
   double largest_ = 0.0;
+  double least_ = 0.0;
 };
 
 /// Derivatives of the chart's accelerations with respect to its coordinates, rates held, by differences over as much as
-/// changes the accelerations by ten times `reference`. Throws SolverError if no closed states are found nearby.
+/// changes the accelerations by ten times `reference`. Throws SingularPose if no closed states are found along one.
 MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double reference);
 
 /// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
-/// a body per mass, over the machine's length.
+/// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
 double reference_acceleration(const Model& model, const Evaluation& evaluation);
 
 }  // namespace concord::compare::analyses

@@ -1,5 +1,10 @@
 #include <gmock/gmock.h>
 
+#include <Eigen/QR>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "compare/analyses/chart.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
@@ -155,6 +160,125 @@ TEST_F(AnalysesTest, InverseDrivesWhatIsKeptThroughItsStart) {
   ASSERT_EQ(actuated.joints[0].springs.size(), 1U) << "the spring that was there is in tau";
   EXPECT_EQ(evaluate_actuator(actuated.joints[0].springs[0].law, 7.0), -4.0);
   EXPECT_THROW(prescribed_coordinates(model_, {{"A", "slide_z", 1.0}}), InputError);
+}
+
+/// A pendulum that says of its start pose that it permits another number of motions than any other pose does.
+class OddPendulum : public FakePendulum {
+ public:
+  OddPendulum(const Model& model, int at_start, int elsewhere)
+      : FakePendulum(model, "cartesian"), start_(FakePendulum::assemble()), counts_{at_start, elsewhere} {}
+
+  MatX tangent(const State& state) override {
+    const bool is_start = (state.bodies[1].p - start_.bodies[1].p).norm() < 1e-14;
+    const MatX swing = FakePendulum::tangent(state);
+    MatX all = MatX::Identity(6, 3);
+    all.col(0) = swing;
+    all = MatX(Eigen::HouseholderQR<MatX>(all).householderQ() * MatX::Identity(6, 3));
+    return all.leftCols(is_start ? counts_[0] : counts_[1]);
+  }
+
+ private:
+  State start_;
+  std::array<int, 2> counts_;
+};
+
+TEST_F(AnalysesTest, APoseWithMoreMotionsThanItsNeighboursIsRefusedAsSingular) {
+  const Model held = held_at_start(model_);
+  OddPendulum flat(held, 2, 1);
+  Chart chart(held, flat, flat.assemble());
+  ASSERT_EQ(chart.n(), 2);
+  try {
+    static_cast<void>(chart.at(VecX::Constant(2, 1e-3), VecX::Zero(2)));
+    FAIL();
+  } catch (const SingularPose& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cartesian: at t = 0 s the constraints permit 2 directions of motion, but only "
+                                        "1 in a pose nearby, where this one is lost: "));
+  }
+  EXPECT_THROW(find_equilibrium(held, flat), SingularPose);
+  EXPECT_THROW(linearize(held, flat, flat.assemble()), SingularPose);
+  OddPendulum stuck(held, 1, 0);
+  EXPECT_THROW(find_equilibrium(held, stuck), SingularPose);
+}
+
+TEST_F(AnalysesTest, APoseWithFewerMotionsThanItsNeighboursHasNoChartAroundIt) {
+  const Model held = held_at_start(model_);
+  OddPendulum solver(held, 1, 2);
+  Chart chart(held, solver, solver.assemble());
+  EXPECT_FALSE(chart.at(VecX::Constant(1, 1e-3), VecX::Zero(1)));
+  EXPECT_FALSE(chart.exactly_at(VecX::Constant(1, 1e-3)));
+  EXPECT_THROW(linearize(held, solver, solver.assemble()), SolverError);
+}
+
+TEST_F(AnalysesTest, AMachineThatIsHeldEverywhereHasAnEquilibriumAndNoModes) {
+  const Model held = held_at_start(model_);
+  OddPendulum solver(held, 0, 0);
+  EXPECT_NEAR(find_equilibrium(held, solver).state.q[0](0), 0.7, 1e-14);
+  EXPECT_TRUE(linearize(held, solver, solver.assemble()).modes.empty());
+  Chart chart(held, solver, solver.assemble());
+  EXPECT_TRUE(chart.at(VecX(0), VecX(0)).has_value());
+}
+
+TEST_F(AnalysesTest, AFreePendulumHasTwoFreeModesAndADampedOneDecays) {
+  model_.gravity.setZero();
+  model_.joints[0].start[0].u.setZero();
+  FakePendulum still(model_, "cartesian");
+  const Linearization free = linearize(model_, still, still.assemble());
+  ASSERT_EQ(free.modes.size(), 2U);
+  EXPECT_TRUE(free.modes[0].is_free && free.modes[1].is_free);
+  EXPECT_EQ(free.modes[0].motion, "turn_z of A");
+  JointSpring damper;
+  damper.law.damping = 0.05;
+  model_.joints[0].springs = {damper};
+  FakePendulum damped(model_, "cartesian");
+  const Linearization decaying = linearize(model_, damped, damped.assemble());
+  ASSERT_EQ(decaying.modes.size(), 2U);
+  EXPECT_TRUE(decaying.modes[0].is_free);
+  EXPECT_FALSE(decaying.modes[1].is_free);
+  EXPECT_NEAR(decaying.modes[1].eigenvalue.real(), -0.05 / PendulumByHand().inertia(), 1e-10);
+}
+
+Mode mode_of(std::complex<double> eigenvalue, const Eigen::VectorXcd& shape) {
+  Mode mode;
+  mode.eigenvalue = eigenvalue;
+  mode.shape = mode.scaled_shape = shape.normalized();
+  return mode;
+}
+
+TEST_F(AnalysesTest, ModesArePairedByEigenvalueAndShapeNotByTheirPlaces) {
+  const Eigen::VectorXcd x = Eigen::VectorXcd::Unit(3, 0);
+  const Eigen::VectorXcd y = Eigen::VectorXcd::Unit(3, 1);
+  const Eigen::VectorXcd z = Eigen::VectorXcd::Unit(3, 2);
+  Linearization one;
+  Linearization other;
+  one.resolution = other.resolution = 1e-4;
+  one.modes = {mode_of({0, 2.0}, x), mode_of({0, 5.0}, y), mode_of({0, 5.0 + 1e-9}, z)};
+  other.modes = {mode_of(1e-6, y), mode_of({0, 2.0}, x), mode_of({0, 5.0}, z), mode_of({0, 5.0 + 1e-9}, y)};
+  const ModePairs pairs = pair_modes(one, other);
+  EXPECT_EQ(pairs.both, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}, {1, 3}, {2, 2}}));
+  EXPECT_TRUE(pairs.alone[0].empty());
+  EXPECT_EQ(pairs.alone[1], (std::vector<std::size_t>{0}));
+}
+
+TEST_F(AnalysesTest, JsonAndCsvHoldWrenchesOfBothSolversAndModes) {
+  const Model sprung = sprung_pendulum_model();
+  const AnalysisVerdict statics = judge_statics(sprung, makers());
+  EXPECT_EQ(statics.wrenches.total, 10 + 2 * 2 * 6 + 6) << "a hinge, a strut and a bushing on both ends, a load on one";
+  EXPECT_EQ(statics.wrenches.judged, statics.wrenches.total);
+  const auto document = nlohmann::json::parse(format_analysis_json(sprung, statics));
+  EXPECT_EQ(document["t"], (std::vector<double>{0.0}));
+  ASSERT_EQ(document["wrenches"].size(), static_cast<std::size_t>(statics.wrenches.total));
+  for (const auto& wrench : document["wrenches"]) {
+    if (wrench.value("joint", "") != "A" || wrench["side"] != "child" || wrench["component"] != "F_x") continue;
+    const Vec3 force =
+        statics.wrenches.trajectories[1]->samples[0].evaluation.joints[0].reaction_on(Side::child).in_C.force;
+    EXPECT_EQ(wrench["values"]["relative"], (std::vector<double>{force.x()}));
+    EXPECT_EQ(wrench["unit"], "N");
+  }
+  const AnalysisVerdict modes = judge_linearization(model_, makers(), true);
+  const std::string csv = format_modes_csv(model_, *modes.linearizations[0]);
+  EXPECT_THAT(csv, HasSubstr("mode,eigenvalue.re [1/s],eigenvalue.im [1/s],frequency [Hz],damping_ratio,free,re "
+                             "bob.v_x [m/s],im bob.v_x [m/s]"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2);
 }
 
 }  // namespace

@@ -1,0 +1,196 @@
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "closed_forms.h"
+#include "common/error.h"
+#include "compare/analyses/judge.h"
+#include "compare/analyses/report.h"
+#include "compare/analyses/statics.h"
+
+/// Analyses of machines in which something is special: a pose, a size, nothing that holds them.
+namespace concord::verification {
+namespace {
+
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::find_equilibrium;
+using compare::analyses::format_analysis;
+using compare::analyses::held_at_start;
+using compare::analyses::judge_inverse;
+using compare::analyses::judge_linearization;
+using compare::analyses::judge_statics;
+using compare::analyses::linearize;
+
+const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
+
+TEST_CASE("A rhombus folded flat is refused as a singular pose, not answered and not a crash", "[analyses][quick]") {
+  // Hinges at 0 and 0.31 on ground and arms of 0.27 along the same line: it may unfold in two ways.
+  const Model model = held_at_start(parse(R"toml(format = 1
+gravity = [0.7, -9.6, 1.4]
+[[body]]
+name = "near"
+mass = 1.2
+center_of_mass = [0.06, 0.02, 0.01]
+inertia = [0.012, 0.014, 0.013, 0.0004, -0.0002, 0.0006]
+[[body]]
+name = "bar"
+mass = 0.7
+center_of_mass = [0.15, -0.02, 0.03]
+inertia = [0.01, 0.012, 0.011, 0.0005, -0.0003, 0.0007]
+[[body]]
+name = "far"
+mass = 1.1
+center_of_mass = [0.12, 0.01, -0.02]
+inertia = [0.011, 0.013, 0.012, 0.0005, -0.0003, 0.0007]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = "ground"
+child = "near"
+start.turn_z = { keep = 0, keep_speed = 0 }
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "near", point = [0.27, 0, 0] }
+child = "bar"
+start.turn_z = { guess = 0 }
+[[joint]]
+name = "C"
+type = "revolute"
+parent = { body = "bar", point = [0.31, 0, 0] }
+child = { body = "far", point = [0.27, 0, 0] }
+start.turn_z = { keep = 0, keep_speed = 0 }
+[[joint]]
+name = "D"
+type = "revolute"
+parent = { body = "ground", point = [0.31, 0, 0] }
+child = "far"
+start.turn_z = { guess = 0 }
+)toml"));
+  for (const auto& solver : both_solvers(model)) {
+    CHECK_THROWS_WITH(find_equilibrium(model, *solver), Catch::Contains("the pose is singular"));
+    const State start = solver->assemble();
+    CHECK_THROWS_WITH(linearize(model, *solver, start), Catch::Contains("the pose is singular"));
+  }
+}
+
+TEST_CASE("A beam that nothing holds has twelve free modes and then those of its bending", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "needle"
+[body.beam]
+length = 0.17
+elements = 24
+section = { width_y = 0.004, width_z = 0.007 }
+youngs_modulus = 1.1e11
+density = 8400
+support = "free_free"
+modes = { bending_xy = [1, 2], bending_xz = [1] }
+[[joint]]
+name = "flight"
+type = "free"
+parent = "ground"
+child = { body = "needle", node = "7" }
+start.slide_x = { keep = 0.2, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = -0.1, keep_speed = 0 }
+start.ball = { keep = { axis = [1, 2, 0], angle = 0 }, keep_speed = [0, 0, 0] }
+)toml");
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.findings.empty());
+  // (b L)^2 sqrt(E I / (rho A)) / L^2, b L = 4.73004074 and 7.85320462.
+  const double by_width = std::sqrt(1.1e11 / 8400.0 / 12.0) / (0.17 * 0.17);
+  const double exact[] = {22.3732854 * 0.004 * by_width, 22.3732854 * 0.007 * by_width, 61.6728229 * 0.004 * by_width};
+  for (const auto& found : result.linearizations) {
+    REQUIRE(found->modes.size() == 15);
+    for (int k = 0; k < 12; ++k) CHECK(found->modes[k].is_free);
+    for (int k = 0; k < 3; ++k) {
+      CHECK_FALSE(found->modes[12 + k].is_free);
+      CHECK(found->modes[12 + k].eigenvalue.imag() == Approx(exact[k]).epsilon(2e-5));
+    }
+  }
+}
+
+/// Factors of lengths, masses and times.
+struct Size {
+  double length;
+  double mass;
+  double time;
+};
+
+/// A crank with a spring in its hinge; on a rail of it slides a flexible wand against a spring and a damper.
+std::string wand_on_a_crank(const Size& size) {
+  const double force = size.mass * size.length / (size.time * size.time);
+  return fmt::format(
+      R"toml(format = 1
+gravity = [{:.16e}, {:.16e}, 0]
+[[body]]
+name = "crank"
+mass = {:.16e}
+center_of_mass = [{:.16e}, {:.16e}, {:.16e}]
+inertia = [{:.16e}, {:.16e}, {:.16e}]
+[[body]]
+name = "wand"
+[body.beam]
+length = {:.16e}
+elements = 6
+section = {{ diameter = {:.16e} }}
+youngs_modulus = {:.16e}
+poissons_ratio = 0.3
+density = {:.16e}
+support = "cantilever"
+modes = {{ bending_xy = [1], bending_xz = [1] }}
+damping_ratio = 0.02
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = {{ body = "ground", axis = [1, 1, 0], angle = 0.5 }}
+child = "crank"
+start.turn_z = {{ keep = 0.6, keep_speed = {:.16e} }}
+spring.turn_z = {{ stiffness = {:.16e}, damping = {:.16e} }}
+[[joint]]
+name = "rail"
+type = "translational"
+parent = {{ body = "crank", point = [0, {:.16e}, 0], x = [0, 1, 0], z = [1, 0, 0.4] }}
+child = {{ body = "wand", node = "first" }}
+start.slide_z = {{ keep = {:.16e}, keep_speed = {:.16e} }}
+spring.slide_z = {{ stiffness = {:.16e}, damping = {:.16e} }}
+)toml",
+      -3.0 * force / size.mass, -8.8 * force / size.mass, 1.9 * size.mass, 0.04 * size.length, 0.03 * size.length,
+      -0.2 * size.length, 0.05 * force * size.time * size.time * size.length,
+      0.06 * force * size.time * size.time * size.length, 0.03 * force * size.time * size.time * size.length,
+      0.5 * size.length, 0.012 * size.length, 2.2e10 * force / (size.length * size.length),
+      2400.0 * size.mass / std::pow(size.length, 3), 1.5 / size.time, 4.0 * force * size.length,
+      0.2 * force * size.length * size.time, 0.11 * size.length, 0.04 * size.length, -0.2 * size.length / size.time,
+      250.0 * force / size.length, 1.4 * force * size.time / size.length);
+}
+
+TEST_CASE("Analyses say the same of a machine of any size", "[analyses][quick]") {
+  const Size size = GENERATE(Size{1, 1, 1}, Size{1e-3, 1, 1}, Size{1e6, 1, 1}, Size{1, 1e-6, 1}, Size{1, 1e6, 1},
+                             Size{1, 1, 1e-6}, Size{1, 1, 1e6}, Size{1e-3, 1e-6, 1e6}, Size{1e6, 1e-6, 1e-6});
+  const Model model = parse(wand_on_a_crank(size));
+  const AnalysisVerdict statics = judge_statics(model, kMakers);
+  INFO(format_analysis(model, statics, true));
+  CHECK(statics.wrenches.outcome == compare::Outcome::agree);
+  const AnalysisVerdict start = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, start, true));
+  CHECK(start.wrenches.outcome == compare::Outcome::agree);
+  const AnalysisVerdict hanging = judge_linearization(model, kMakers, true);
+  INFO(format_analysis(model, hanging, true));
+  CHECK(hanging.wrenches.outcome == compare::Outcome::agree);
+  const AnalysisVerdict inverse = judge_inverse(model, kMakers, {});
+  INFO(format_analysis(model, inverse, true));
+  CHECK(inverse.wrenches.outcome == compare::Outcome::agree);
+  // The same modes, in the machine's own time.
+  const Model one = parse(wand_on_a_crank({1, 1, 1}));
+  const auto solver = relative::make_solver(one);
+  const auto of_one = linearize(one, *solver, solver->assemble());
+  REQUIRE(start.linearizations[1]->modes.size() == of_one.modes.size());
+  for (std::size_t k = 0; k < of_one.modes.size(); ++k) {
+    const auto scaled = start.linearizations[1]->modes[k].eigenvalue * size.time;
+    CHECK(std::abs(scaled - of_one.modes[k].eigenvalue) < 1e-7 * std::abs(of_one.modes[k].eigenvalue));
+  }
+}
+
+}  // namespace
+}  // namespace concord::verification
