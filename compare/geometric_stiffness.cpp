@@ -23,11 +23,11 @@ constexpr std::size_t kSectionsOfElement = 4;
 
 /// Where a beam lies in its body.
 struct BeamLine {
-  Vec3 first_L;
-  Vec3 axis_L;  // from the first end to the last, unit
-  Vec3 y_L;     // the beam's y axis, unit
-  double length;
-  std::size_t elements;
+  Vec3 first_L = Vec3::Zero();
+  Vec3 axis_L = Vec3::UnitX();  // from the first end to the last, unit
+  Vec3 y_L = Vec3::UnitY();     // the beam's y axis, unit
+  double length = 0.0;
+  std::size_t elements = 0;
 
   [[nodiscard]] double along(const Vec3& point_L) const {
     return std::clamp(axis_L.dot(point_L - first_L), 0.0, length);
