@@ -59,7 +59,7 @@ TEST(Rank, SmallSingularValuesAreFoundExactly) {
 }
 
 TEST(Rank, RowsThatGoFirstStayWhereRowsDependOnEachOther) {
-  for (const int rows : {7, 520}) {
+  for (const int rows : {7, 90}) {
     const MatX matrix = dependent_rows(rows, rows + 40);  // the first, the second and the last depend on each other
     for (const int last : {0, 1, rows - 1}) {
       std::vector<bool> goes_first(rows, true);
