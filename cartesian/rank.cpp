@@ -113,33 +113,18 @@ Sifting sift_dense_in_turn(const MatX& transposed, const std::vector<bool>& goes
 }
 
 /// SuiteSparseQR leaves over a row that its predecessors leave less than the tolerance of.
-Sifting sift_sparse(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
-  const Eigen::Index n = transposed.cols();
-  std::vector<Eigen::Index> given(n);
-  std::iota(given.begin(), given.end(), 0);
+Sifting sift_sparse(const SparseMatrix& transposed, double tolerance) {
   Eigen::SPQR<SparseMatrix> qr;
-  if (goes_first != nullptr) {
-    std::stable_partition(given.begin(), given.end(), [&](Eigen::Index row) { return (*goes_first)[row]; });
-    qr.setSPQROrdering(SPQR_ORDERING_FIXED);
-  }
-  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    for (SparseMatrix::InnerIterator entry(transposed, given[k]); entry; ++entry) {
-      entries.emplace_back(entry.row(), k, entry.value());
-    }
-  }
-  SparseMatrix columns(transposed.rows(), n);
-  columns.setFromTriplets(entries.begin(), entries.end());
   qr.setPivotThreshold(tolerance);
-  qr.compute(columns);
+  qr.compute(transposed);
   Sifting sifting;
   sifting.live = static_cast<Eigen::Index>(qr.rank());
   const auto indices = qr.colsPermutation().indices();
-  for (Eigen::Index k = 0; k < n; ++k) sifting.order.push_back(given[indices(k)]);
+  sifting.order.assign(indices.begin(), indices.end());
   const SparseMatrix R = qr.matrixR();
   const SparseMatrix R11 = R.topLeftCorner(sifting.live, sifting.live);
   const auto triangle = R11.triangularView<Eigen::Upper>();
-  sifting.dependence = triangle.solve(MatX(R.topRightCorner(sifting.live, n - sifting.live)));
+  sifting.dependence = triangle.solve(MatX(R.topRightCorner(sifting.live, transposed.cols() - sifting.live)));
   const SparseMatrix R11_transposed = R11.transpose();
   const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
   sifting.smallest_live = estimate_smallest(
@@ -148,9 +133,8 @@ Sifting sift_sparse(const SparseMatrix& transposed, const std::vector<bool>* goe
 }
 
 Sifting sift(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
-  if (transposed.cols() > kDenseRows) return sift_sparse(transposed, goes_first, tolerance);
   if (goes_first != nullptr) return sift_dense_in_turn(MatX(transposed), *goes_first, tolerance);
-  return sift_dense(MatX(transposed), tolerance);
+  return transposed.cols() > kDenseRows ? sift_sparse(transposed, tolerance) : sift_dense(MatX(transposed), tolerance);
 }
 
 /// Largest singular value, by rounds of power iteration on the transposed matrix; a few per cent off.

@@ -27,7 +27,7 @@ struct RankDecision {
 /// Threshold 1e-10 of the largest singular value. Singular values that small are found exactly, from the rows that a
 /// rank-revealing QR leaves over (dense with pivots up to 60 rows, sparse by SuiteSparseQR above); the smallest of the
 /// others and the largest are estimated. With `goes_first` given, its rows come before all others into the independent
-/// set. Throws SolverError if an entry is no number.
+/// set, and the QR is a dense one. Throws SolverError if an entry is no number.
 RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* goes_first = nullptr);
 
 /// Shortest x with matrix x = right side, dependent rows left out: by SuiteSparseQR; where rows are dependent, it gives

@@ -145,7 +145,6 @@ class CartesianSolver : public Solver {
         reached = stepper->step(t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
-        note_residuals(trajectory.statistics);
         if (watch.follow(reached, motion_)) stepper->take_new_rows();
       }
       equations_.update(t, motion_.q, motion_.Y);

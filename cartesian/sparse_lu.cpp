@@ -40,8 +40,7 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
       right_side_(VecX::Zero(size())),
       solution_(VecX::Zero(size())),
       residual_(VecX::Zero(size())),
-      sums_(size(), 0.0),
-      long_sums_(size(), 0.0L) {
+      rounding_(size(), 0.0) {
   for (int column = 0; column < size(); ++column) {
     const auto first = row_indices_.begin() + column_starts_[column];
     const auto last = row_indices_.begin() + column_starts_[column + 1];
@@ -118,6 +117,9 @@ void SparseLu::choose_general_scales() {
     }
     column_scales_(column) = power_to_one(largest);
   }
+  for (int place = 0; place < size(); ++place) {
+    if (is_idle(place)) row_scales_(place) = column_scales_(place) = 0.0;
+  }
 }
 
 void SparseLu::scale(bool anew) {
@@ -165,16 +167,33 @@ void SparseLu::subtract_product(const VecX& x, VecX& y) const {
   }
 }
 
-template <class Number>
-void SparseLu::write_residual(std::vector<Number>& sums) {
-  for (int row = 0; row < size(); ++row) sums[row] = right_side_(row);
+void SparseLu::write_rough_residual() {
+  residual_ = right_side_;
   for (int column = 0; column < size(); ++column) {
-    const auto factor = static_cast<Number>(solution_(column));
+    const double factor = solution_(column);
     for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
-      sums[row_indices_[k]] -= scaled_[k] * factor;
+      residual_(row_indices_[k]) -= scaled_[k] * factor;
     }
   }
-  for (int row = 0; row < size(); ++row) residual_(row) = static_cast<double>(sums[row]);
+}
+
+/// Each product and each sum with its rounding error, which are added up beside.
+void SparseLu::write_exact_residual() {
+  residual_ = right_side_;
+  std::fill(rounding_.begin(), rounding_.end(), 0.0);
+  for (int column = 0; column < size(); ++column) {
+    const double factor = -solution_(column);
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      const double product = scaled_[k] * factor;
+      double& sum = residual_(row_indices_[k]);
+      const double before = sum;
+      sum = before + product;
+      const double added = sum - before;
+      rounding_[row_indices_[k]] +=
+          (before - (sum - added)) + (product - added) + std::fma(scaled_[k], factor, -product);
+    }
+  }
+  for (int row = 0; row < size(); ++row) residual_(row) += rounding_[row];
 }
 
 bool SparseLu::solve_refined(VecX& x, double good_enough) {
@@ -190,11 +209,11 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
   bool is_good = solution_.allFinite();
   bool refines = is_good && good_enough <= 0.0;
   if (is_good && !refines) {
-    write_residual(sums_);
+    write_rough_residual();
     refines = largest(residual_) > good_enough * largest(right_side_);
   }
   if (refines) {
-    write_residual(long_sums_);
+    write_exact_residual();
     // A round more than round-off of the largest asks for: the smaller ones have theirs.
     double last = HUGE_VAL;
     for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
@@ -208,7 +227,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
       if (!is_good || !(correction < kFalling * last)) break;
       solution_ += residual_;
       last = correction;
-      write_residual(long_sums_);
+      write_exact_residual();
     }
   }
   x = solution_.cwiseProduct(column_scales_);

@@ -42,7 +42,7 @@ class SparseLu {
   bool refactor();
   /// Solves in place.
   void solve(VecX& x);
-  /// Solves in place and improves the solution from its residual, which is summed in extended precision, until the
+  /// Solves in place and improves the solution from its residual, which is summed in twice the precision, until the
   /// corrections reach round-off or fall no more; not at all while the scaled residual, summed in double precision, is
   /// at most `good_enough` of the scaled right side. False if the corrections do not fall: the matrix is singular for
   /// double precision, or the pivots have gone bad.
@@ -58,9 +58,9 @@ class SparseLu {
   void choose_symmetric_scales();
   void choose_general_scales();
   [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
-  /// Of the scaled equations, summed in numbers of this type.
-  template <class Number>
-  void write_residual(std::vector<Number>& sums);
+  /// Of the scaled equations, in double precision or as if in twice that.
+  void write_rough_residual();
+  void write_exact_residual();
 
   std::vector<int> column_starts_;
   std::vector<int> row_indices_;
@@ -78,8 +78,7 @@ class SparseLu {
   VecX right_side_;  // scaled
   VecX solution_;
   VecX residual_;
-  std::vector<double> sums_;
-  std::vector<long double> long_sums_;
+  std::vector<double> rounding_;
   double first_correction_ = 0.0;
 };
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "linkage.h"
@@ -52,7 +54,8 @@ TEST(Units, PowersOfTwoLeaveEveryDigit) {
     const double unit = std::ldexp(1.0, shift);
     for (const Linkage& linkage : {in_units(unit, 1.0, 1.0), in_units(1.0, unit, 1.0), in_units(1.0, 1.0, unit)}) {
       const Vec6 other = reaction(end_of_run(linkage), linkage);
-      for (int c = 0; c < 6; ++c) EXPECT_EQ(other(c), plain(c)) << shift << " component " << c;
+      for (int c = 0; c < 6; ++c)
+        EXPECT_NEAR(other(c), plain(c), std::numeric_limits<double>::min()) << shift << " component " << c;
     }
   }
 }
@@ -68,7 +71,11 @@ TEST(Units, TwelveDecadesLeaveTheVerdict) {
       const Model model = linkage.make();
       const auto solver = make_solver(model);
       const State state = solver->assemble();
-      EXPECT_LE((reaction(solver->evaluate(state), linkage) - expected).norm(), 1e-12 * expected.norm());
+      const Vec6 found = reaction(solver->evaluate(state), linkage);
+      for (int c = 0; c < 6; ++c) {
+        if (!rank.joints[1].unique_total[1][c]) continue;
+        EXPECT_NEAR(found(c), expected(c), 1e-12 * expected.norm());
+      }
       const RankReport other = solver->rank(state);
       EXPECT_EQ(other.rank, rank.rank);
       for (std::size_t k = 0; k < rank.joints.size(); ++k) EXPECT_EQ(other.joints[k].unique, rank.joints[k].unique);
