@@ -48,8 +48,9 @@ class Worker {
   bool ended_ = false;
   std::size_t number_ = 0;
   double started_processor_ = 0.0;
-  double used_ = 0.0;  // processor time of the task when it was last looked at
-  double started_wall_ = 0.0;
+  double used_ = 0.0;           // processor time of the task when it was last looked at
+  double seen_used_ = 0.0;      // processor time at the last progress
+  double progress_wall_ = 0.0;  // and when that was
   std::string received_;
   std::string last_words_;
 };
