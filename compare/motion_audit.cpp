@@ -14,7 +14,12 @@ namespace {
 
 constexpr std::array kDirections{"along x", "along y", "along z", "about x", "about y", "about z"};
 
-double mass_in(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+double mass_in(const Body& body) {
+  if (!body.modal) return body.mass;
+  double sum = 0.0;
+  for (const MassPoint& point : body.modal->mass_points) sum += point.mass;
+  return sum;
+}
 
 double largest_force_in(const Evaluation& evaluation) {
   double largest = 0.0;
