@@ -51,7 +51,8 @@ constexpr const char* kEpilogue = R"(Examples:
   concord fuzz --count 1000 --keep found
       random machines compared; those that end wrongly stand in found/, made small
 
-Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish; 128 + the signal's number if interrupted.
+Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish.
+Interrupted by SIGINT or SIGTERM: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
 /// The ranges of CLI11 let NaN through.
