@@ -28,15 +28,14 @@ std::string end_of_run(const Model& model, double until, const char* integrator)
   }
 }
 
-/// Flat at a half turn, 1.3 s after the start.
+/// One loop that swings through its flat pose by itself.
 TEST(PoseWatch, SeesAParallelogramPassItsFlatPoseBetweenSteps) {
   Linkage linkage;
-  linkage.angle = EIGEN_PI - 1.3 * linkage.rate;
-  for (const char* integrator : {"gbs", "ida"}) {
-    const std::string end = end_of_run(linkage.make(), 2.0, integrator);
-    EXPECT_THAT(end, HasSubstr("cartesian: at t = 1.3"));
-    EXPECT_THAT(end, HasSubstr("the motion passes a singular pose: constraints lose rank at joint"));
-  }
+  linkage.is_driven = false;
+  linkage.rate = 9.0;
+  linkage.angle = -0.5;
+  EXPECT_THAT(end_of_run(linkage.make(), 1.0, "gbs"),
+              HasSubstr("the motion passes a singular pose: constraints lose rank at joint"));
 }
 
 /// Two loops lose rank together: no determinant changes its sign.
