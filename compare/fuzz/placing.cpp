@@ -307,7 +307,7 @@ std::vector<int> shuffled(int count, Random& random) {
 }
 
 std::optional<std::vector<bool>> choose_kept(const MatX& rows, const std::vector<Word>& words, Random& random) {
-  constexpr int kMostOrders = 8;
+  constexpr int kMostOrders = 100;  // a ball fits only before the slides that it rolls along
   for (int tries = 0; tries < kMostOrders; ++tries) {
     const auto order = shuffled(static_cast<int>(words.size()), random);
     if (auto kept = choose_kept(rows, words, order)) return kept;
