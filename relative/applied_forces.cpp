@@ -12,7 +12,7 @@ namespace concord::relative {
 AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closure)
     : kinematics_(&kinematics),
       closure_(&closure),
-      length_(kinematics.model().length_scale()),
+      length_(machine_length(kinematics.model())),
       on_body_(kinematics.topology().links.size(), Vec6::Zero()),
       on_child_of_cut_(closure.cuts().size(), Vec6::Zero()),
       wrenches_(kinematics.model().elements.size()),

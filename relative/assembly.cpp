@@ -38,13 +38,22 @@ const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_pla
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
+/// What coordinates of the tree move by in search of a general pose: their units, modes a twentieth of it.
+VecX exploring_steps(const Scales& scales, const Topology& topology) {
+  VecX steps = scales.speeds();
+  for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
+  return steps;
+}
+
 }  // namespace
 
 Assembly::Assembly(Equations& equations)
     : equations_(&equations),
       scales_(equations.model(), equations.topology()),
       joint_columns_(moving_columns(equations.driven(), Modes::kept)),
-      all_columns_(moving_columns(equations.driven(), Modes::moving)) {}
+      all_columns_(moving_columns(equations.driven(), Modes::moving)),
+      rate_(machine_rate(equations.model())),
+      coordinate_units_(scales_.coordinates(equations.model(), equations.topology())) {}
 
 std::vector<int> Assembly::moving_columns(const Held& held, Modes modes) const {
   std::vector<char> moves(equations_->topology().n_tree_u, 1);
@@ -76,7 +85,7 @@ void Assembly::advance(VecX& q, const VecX& step) const {
 double Assembly::measure(Coordinates& coordinates, Closure& closure) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   closure.measure(coordinates.q, coordinates.u);
-  return largest(closure.gap().cwiseQuotient(scales_.rows(closure).head(closure.n_position_rows())));
+  return largest(closure.gap().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
 }
 
 /// The same; infinite where the machine cannot stand.
@@ -97,7 +106,7 @@ VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& col
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   if (Phi.size() == 0) return step;
   const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VecX scaled = misfit.cwiseQuotient(scales_.rows(closure).head(misfit.size()));
+  const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
   const VecX& sigma = svd.singularValues();
   VecX filter = VecX::Zero(sigma.size());
   for (Eigen::Index i = 0; i < sigma.size(); ++i) {
@@ -135,24 +144,24 @@ bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes
   measure(coordinates, closure);
   // Round-off adds up along a loop, which has at most all links.
   const double longest = 0.01 * static_cast<double>(equations_->topology().links.size());
-  return gap < kClosed * std::max({1.0, largest(coordinates.q), longest});
+  return gap < kClosed * std::max({1.0, size_of_q(coordinates.q), longest});
 }
 
 bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Modes modes) {
   Closure closure(equations_->kinematics(), held);
   if (closure.n_rows() == 0) return true;
   const std::vector<int> columns = moving_columns(held, modes);
-  const double size = std::max(1.0, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
+  const double size = std::max(rate_, size_of_u(coordinates.u));
   double slip = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     measure(coordinates, closure);
-    slip = largest(closure.slip().cwiseQuotient(scales_.rows(closure)));
+    slip = largest(closure.slip().cwiseQuotient(closure.row_units()));
     const VecX step = smallest_step(closure, columns, closure.slip(), 0.0);
     coordinates.u.head(step.size()) += step.cwiseProduct(scales_.speeds().head(step.size()));
   }
   measure(coordinates, closure);
-  slip = std::min(slip, largest(closure.slip().cwiseQuotient(scales_.rows(closure))));
-  return slip < kClosed * std::max(size, largest(coordinates.u.cwiseQuotient(scales_.speeds())));
+  slip = std::min(slip, largest(closure.slip().cwiseQuotient(closure.row_units())));
+  return slip <= kClosed * std::max(size, size_of_u(coordinates.u));
 }
 
 /// Joints alone close a machine as far as its loops leave the modes free; others must move too. Off the closure rows
@@ -164,38 +173,27 @@ void Assembly::decide_modes(const Coordinates& closed) {
 }
 
 bool Assembly::close(Coordinates& coordinates) {
-  if (!rows_are_chosen_ && equations_->model().is_flexible()) (void)start();
+  if (equations_->model().is_flexible()) decide_rank(coordinates);
   equations_->prescribe(coordinates.t, coordinates.q, coordinates.u);
   const Held& driven = equations_->driven();
   return close_positions(coordinates, driven, closing_modes_) && close_velocities(coordinates, driven, closing_modes_);
 }
 
-/// Takes the kept rows of Phi_u here, in the units of the machine: Phi^T = Q R, whose leading parts serve rows of
-/// places alone.
+/// Factors the closure rows here, in the units of the machine: those of places by themselves, and all.
 void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns());
-  const std::vector<int>& rows = equations_->loops().kept_rows();
-  MatX kept(Phi.cols(), rows.size());
-  for (std::size_t r = 0; r < rows.size(); ++r) kept.col(r) = Phi.row(rows[r]);
-  projection_.compute(kept);
+  const bool places_are_all = closure.n_position_rows() == closure.n_rows();
+  row_factors_.compute(Phi);
+  if (!places_are_all) place_factors_.compute(Phi.topRows(closure.n_position_rows()));
 }
 
-/// The smallest step of the free columns in the units of the machine that takes away the misfit of the kept rows among
-/// those that it has; the others follow.
+/// The smallest step of the free columns in the units of the machine that takes away the misfit of the independent rows
+/// of this pose among those that it has; the others follow.
 VecX Assembly::projection_step(const VecX& misfit) const {
-  const VecX scaled = misfit.cwiseQuotient(scales_.rows(equations_->closure()).head(misfit.size()));
-  const std::vector<int>& rows = equations_->loops().kept_rows();
-  const auto end = std::lower_bound(rows.begin(), rows.end(), static_cast<int>(misfit.size()));
-  const auto n = static_cast<Eigen::Index>(end - rows.begin());
-  const auto R = projection_.matrixQR().topLeftCorner(n, n);
-  const double dependent = n > 0 ? kRankThreshold * R.diagonal().cwiseAbs().maxCoeff() : 0.0;
-  VecX solution = VecX::Zero(projection_.rows());
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const double rest = -scaled(rows[r]) - R.col(r).head(r).dot(solution.head(r));
-    solution(r) = std::abs(R(r, r)) > dependent ? rest / R(r, r) : 0.0;  // a row that depends on others here follows
-  }
-  solution.applyOnTheLeft(projection_.householderQ());
+  const Closure& closure = equations_->closure();
+  const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
+  const VecX solution = (misfit.size() < closure.n_rows() ? place_factors_ : row_factors_).smallest_step(scaled);
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   const std::vector<int>& columns = projected_columns();
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c) * scales_.speeds()(columns[c]);
@@ -209,17 +207,30 @@ void Assembly::move(Coordinates& coordinates) {
   coordinates.u = equations_->u();
 }
 
+double Assembly::gap_in_units() const {
+  const Closure& closure = equations_->closure();
+  return largest(closure.gap().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
+}
+
+double Assembly::slip_in_units() const {
+  return largest(equations_->closure().slip().cwiseQuotient(equations_->closure().row_units()));
+}
+
+/// Largest coordinate and speed in the units of the machine.
+double Assembly::size_of_q(const VecX& q) const { return largest(q.cwiseQuotient(coordinate_units_)); }
+double Assembly::size_of_u(const VecX& u) const { return largest(u.cwiseQuotient(scales_.speeds())); }
+
 /// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the gap.
 void Assembly::project_positions(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
-  const double allowed = 1e-13 * std::max(1.0, largest(coordinates.q));
-  double gap = largest(closure.gap());
+  const double allowed = kClosed * std::max(1.0, size_of_q(coordinates.q));
+  double gap = gap_in_units();
   bool is_fresh = true;
   for (int iteration = 0; iteration < 8; ++iteration) {
     advance(coordinates.q, projection_step(closure.gap()));
     move(coordinates);
     if (!closure.gap().allFinite()) break;
-    const double reached = largest(closure.gap());
+    const double reached = gap_in_units();
     const bool stands = reached >= 0.5 * gap;
     const bool is_slow = reached >= 0.1 * gap;
     gap = std::min(gap, reached);
@@ -228,44 +239,48 @@ void Assembly::project_positions(Coordinates& coordinates) {
     is_fresh = is_slow;
     if (is_slow) take_projection();
   }
-  gap = largest(closure.gap());
+  gap = gap_in_units();
   if (closure.gap().allFinite() && gap <= allowed) return;
-  throw SolverError(
-      fmt::format("{} will not close: gap {:.1e} m or rad, allowed {:.0e}; it was "
-                  "closed at the start: tighten the tolerance",
-                  closure.worst_place(closure.gap()), gap, allowed));
+  throw SolverError(fmt::format(
+      "{} will not close: gap {:.1e} in parts of the machine's length and rad, allowed {:.0e}; it was "
+      "closed at the start: tighten the tolerance",
+      closure.worst_place(closure.gap().cwiseQuotient(closure.row_units().head(closure.gap().size()))), gap, allowed));
 }
 
 /// Until round-off stands; Phi_u is taken anew where a step takes away less than nine tenths of the slip.
 void Assembly::project_velocities(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
-  double slip = largest(closure.slip());
+  double slip = slip_in_units();
   bool is_fresh = false;
   for (int iteration = 0; iteration < 4 && slip > 0.0; ++iteration) {
     coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.slip());
     move(coordinates);
-    const double reached = largest(closure.slip());
+    const double reached = slip_in_units();
     const bool is_slow = reached >= 0.1 * slip;
     slip = std::min(slip, reached);
-    if (reached <= kRoundOffOfSpeed * largest(coordinates.u) || (is_slow && is_fresh)) break;
+    if (reached <= kRoundOffOfSpeed * size_of_u(coordinates.u) || (is_slow && is_fresh)) break;
     if (is_slow) take_projection();
     is_fresh = is_slow;
   }
-  slip = largest(closure.slip());
-  const double allowed = kNoRoundOff * std::max(1.0, largest(coordinates.u));
+  slip = slip_in_units();
+  const double allowed = kNoRoundOff * std::max(rate_, size_of_u(coordinates.u));
   if (closure.slip().allFinite() && slip <= allowed) return;
   throw SolverError(
-      fmt::format("{} will not move together: slip {:.1e} m/s or rad/s, allowed {:.0e}; it did at the "
-                  "start: tighten the tolerance",
-                  closure.worst_place(closure.slip()), slip, allowed));
+      fmt::format("{} will not move together: slip {:.1e} in parts of the machine's length and rad per s, allowed "
+                  "{:.0e}; it did at the start: tighten the tolerance",
+                  closure.worst_place(closure.slip().cwiseQuotient(closure.row_units())), slip, allowed));
+}
+
+void Assembly::normalize(VecX& q) const {
+  const Topology& topology = equations_->topology();
+  for (std::size_t k = 0; k < topology.joints.size(); ++k) {
+    equations_->kinematics().motion(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
+  }
 }
 
 /// Modes stay where joints alone can close: round-off of a loop, put into a stiff mode, would be a force.
 void Assembly::project(Coordinates& coordinates) {
-  const Topology& topology = equations_->topology();
-  for (std::size_t k = 0; k < topology.joints.size(); ++k) {
-    equations_->kinematics().motion(static_cast<int>(k)).normalize(coordinates.q.data() + topology.joints[k].first_q);
-  }
+  normalize(coordinates.q);
   if (equations_->model().is_flexible() && closing_modes_ == Modes::kept) {
     drifted_ = coordinates;
     try {
@@ -282,7 +297,7 @@ void Assembly::project(Coordinates& coordinates, Modes modes) {
   move(coordinates);
   const Closure& closure = equations_->closure();
   if (closure.n_rows() == 0) return;
-  const bool was_near = largest(closure.gap()) < kNearlyClosed;
+  const bool was_near = gap_in_units() < kNearlyClosed;
   take_projection();
   project_positions(coordinates);
   if (!was_near) take_projection();
@@ -291,9 +306,9 @@ void Assembly::project(Coordinates& coordinates, Modes modes) {
 
 double Assembly::misfit(const Coordinates& coordinates) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
-  const Closure& closure = equations_->closure();
-  return std::max(largest(closure.gap()) / std::max(1.0, largest(coordinates.q)),
-                  largest(closure.slip()) / std::max(1.0, largest(coordinates.u)));
+  const double slip = slip_in_units();
+  return std::max(gap_in_units() / std::max(1.0, size_of_q(coordinates.q)),
+                  slip > 0.0 ? slip / std::max(rate_, size_of_u(coordinates.u)) : 0.0);
 }
 
 int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes modes) {
@@ -304,31 +319,9 @@ int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes mode
   return static_cast<int>(rank_of(Phi.topRows(rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows())));
 }
 
-/// As many independent rows of Phi as `rank` says, those of places first, so that they close places by themselves: what
-/// a pivoted QR of Phi^T takes first of them, and then of what they leave of the others.
-std::vector<int> Assembly::independent_rows(const MatX& Phi, int rank) const {
-  const int n_places = equations_->closure().n_position_rows();
-  const auto n_first = static_cast<int>(rank_of(Phi.topRows(n_places)));
-  std::vector<int> rows;
-  MatX beside = Phi.bottomRows(Phi.rows() - n_places).transpose();
-  if (n_first > 0) {
-    const Eigen::ColPivHouseholderQR<MatX> places(Phi.topRows(n_places).transpose());
-    for (int r = 0; r < n_first; ++r) rows.push_back(places.colsPermutation().indices()(r));
-    const MatX Q = places.householderQ() * MatX::Identity(Phi.cols(), n_first);
-    beside -= (Q * (Q.transpose() * beside)).eval();
-  }
-  if (rank > n_first) {
-    const Eigen::ColPivHouseholderQR<MatX> others(beside);
-    for (int r = 0; r < rank - n_first; ++r) rows.push_back(n_places + others.colsPermutation().indices()(r));
-  }
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
-/// A start or a folded pose may lack rank that the machine has elsewhere: poses nearby, reached with the drivers let
-/// go, decide.
-void Assembly::choose_rows(const Coordinates& coordinates) {
-  if (rows_are_chosen_) return;
+/// A start or a folded pose may lack rank that the machine has elsewhere, and so may a body that is not deformed: poses
+/// nearby, reached with the drivers let go, decide.
+void Assembly::decide_rank_near(const Coordinates& coordinates) {
   const int n_rows = equations_->closure().n_rows();
   Coordinates best = coordinates;
   int rank = closure_rank(coordinates, Rows::of_velocities, Modes::moving);
@@ -336,27 +329,75 @@ void Assembly::choose_rows(const Coordinates& coordinates) {
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const Held nothing(equations_->topology().n_u, 0);
   Closure free(equations_->kinematics(), nothing);
-  const std::vector<int> columns = moving_columns(nothing, Modes::kept);
+  const std::vector<int> columns = moving_columns(nothing, Modes::moving);
+  const VecX steps = exploring_steps(scales_, equations_->topology());
   decide_modes(coordinates);
   for (int trial = 0; trial < 4 && rank < n_rows; ++trial) {
     Coordinates nearby = coordinates;
     VecX step = VecX::Zero(equations_->topology().n_tree_u);
-    for (const int c : columns) step(c) = spread(random) * scales_.speeds()(c);
+    for (const int c : columns) step(c) = spread(random) * steps(c);
     advance(nearby.q, step);
-    if (try_to_measure(nearby, free) == HUGE_VAL || !close_positions(nearby, nothing, closing_modes_)) continue;
+    if (try_to_measure(nearby, free) == HUGE_VAL || !close_positions(nearby, nothing, Modes::moving)) continue;
     const int found = closure_rank(nearby, Rows::of_velocities, Modes::moving);
     if (found <= rank) continue;
     rank = found;
     best = std::move(nearby);
     decide_modes(best);
   }
-  rows_are_chosen_ = true;
-  if (rank == n_rows) return;
-  equations_->move(best.t, best.q, best.u);
+  rank_is_decided_ = true;
+  equations_->loops().set_rank(rank);
+}
+
+/// From the start, so that it does not depend on the states that came before; if the machine has none, from here.
+void Assembly::decide_rank(const Coordinates& coordinates) {
+  if (rank_is_decided_ || equations_->closure().n_rows() == 0) return;
+  try {
+    (void)start();
+  } catch (const std::runtime_error&) {  // a start that contradicts itself, or that cannot be evaluated
+  }
+  if (!rank_is_decided_) decide_rank_near(coordinates);
+}
+
+void Assembly::require_general_rank(const Coordinates& coordinates) {
+  // Pivots in the metric of the inverse inertia are squares of sines between rows: above this no row depends.
+  constexpr double kSurelyIndependent = 1e-10;
+  if (equations_->closure().n_rows() == 0 || equations_->loops().least_pivot() > kSurelyIndependent) return;
+  if (closure_rank(coordinates, Rows::of_velocities, Modes::moving) < rank()) throw_singular(coordinates, "");
+}
+
+void Assembly::throw_singular(const Coordinates& coordinates, const std::string& passing) {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
   const Closure& closure = equations_->closure();
-  const MatX Phi =
-      select_columns(scales_.scaled(closure.Phi_u(), closure), moving_columns(equations_->driven(), closing_modes_));
-  equations_->loops().keep_rows(independent_rows(Phi, rank));
+  RowFactors factors;
+  factors.compute(select_columns(scales_.scaled(closure.Phi_u(), closure), all_columns_));
+  throw SingularPose(fmt::format(
+      "relative: at t = {:.6g} s the {} closure rows{} {}lose rank: {} of {} at {}: the pose is singular and the "
+      "motion "
+      "may branch",
+      coordinates.t, closure.n_rows(), closure.relations().empty() ? "" : " of loops, couplings and rolling contacts",
+      passing, std::min(factors.rank(), rank() - 1), rank(), closure.worst_place(factors.weakest_combination(rank()))));
+}
+
+double Assembly::factor_rows(Coordinates& coordinates, MatX& Phi) {
+  move(coordinates);
+  const Closure& closure = equations_->closure();
+  Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), all_columns_);
+  RowFactors factors;
+  factors.compute(Phi);
+  return factors.singular_value(rank());
+}
+
+bool Assembly::settle(Coordinates& coordinates) {
+  try {
+    normalize(coordinates.q);
+    projecting_ = closing_modes_;
+    move(coordinates);
+    take_projection();
+    project_positions(coordinates);
+    return true;
+  } catch (const SolverError&) {
+    return false;
+  }
 }
 
 // The start ----------------------------------------------------------------------------------------------------------
@@ -395,7 +436,7 @@ void Assembly::measure_unsaid(Coordinates& coordinates) const {
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
     JointMeasure measured(kinematics.motion(k), nothing.data());
     measured.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child),
-                    coordinates.q.data() + equations_->topology().joints[k].first_q, true);
+                    coordinates.q.data() + equations_->topology().joints[k].first_q, JointMeasure::Restart::if_better);
   }
 }
 
@@ -555,6 +596,66 @@ void Assembly::wind(Coordinates& coordinates, const Held& held) const {
   }
 }
 
+/// Gives links that nothing holds their canonical names, and requires of the others that they stand on the branches
+/// that the start values choose.
+void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, const Held& held_q,
+                               const Held& held_u) const {
+  const Model& model = equations_->model();
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    const Span& span = equations_->topology().joints[k];
+    const Motion& motion = equations_->kinematics().motion(k);
+    if (!motion.has_elevation()) continue;
+    bool is_held = false;
+    for (int c = span.first_u; c < span.first_u + span.n_u; ++c) is_held = is_held || held_q[c] != 0 || held_u[c] != 0;
+    if (!is_held) {
+      motion.choose_canonical_chart(closed.q.data() + span.first_q);
+    } else if (!motion.is_on_branch_of(closed.q.data() + span.first_q, said.q.data() + span.first_q)) {
+      throw InputError(model.joints[k].where,
+                       fmt::format("start: joint '{}' closes on another branch than its start values say: a link's "
+                                   "second turn passes a quarter turn: give other guesses or keep other coordinates",
+                                   model.joints[k].name));
+    }
+  }
+}
+
+/// What the model keeps stands in the start to round-off.
+void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) const {
+  constexpr double kRoundOff = 1e-11;
+  const Model& model = equations_->model();
+  const double rate = std::max(rate_, size_of_u(closed.u));
+  const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed) {
+    if ((found - kept).cwiseAbs().maxCoeff() <= allowed) return;
+    throw InputError(joint.where, fmt::format("start: joint '{}' keeps the {} ({:.9g}), but the machine closes with "
+                                              "({:.9g}): keep others",
+                                              joint.name, what, fmt::join(kept, ", "), fmt::join(found, ", ")));
+  };
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    const Span& span = equations_->topology().joints[k];
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      const WordStart& start = joint.start[word];
+      const int iq = span.first_q + first_q(*joint.type, static_cast<int>(word));
+      const int iu = span.first_u + first_u(*joint.type, static_cast<int>(word));
+      if (start.role_q == StartRole::keep && start.q.size() > 0) {
+        const auto n = start.q.size();
+        VecX found = closed.q.segment(iq, n);
+        VecX kept = said.q.segment(iq, n);
+        if (std::holds_alternative<joints::Ball>(joint.type->permits[word])) {
+          kept.normalize();
+          if (found.dot(kept) < 0.0) kept = -kept;
+        }
+        const double unit = coordinate_units_(iq);
+        require(joint, "coordinates", found, kept, kRoundOff * std::max(unit, kept.cwiseAbs().maxCoeff()));
+      }
+      if (start.role_u == StartRole::keep && start.u.size() > 0) {
+        const auto n = start.u.size();
+        require(joint, "speeds", closed.u.segment(iu, n), said.u.segment(iu, n),
+                kRoundOff * rate * scales_.speeds()(iu));
+      }
+    }
+  }
+}
+
 Coordinates Assembly::start() {
   Coordinates start = guess_start();
   const Held held_q = kept(&WordStart::role_q);
@@ -567,6 +668,8 @@ Coordinates Assembly::start() {
     require_number_of_kept(closed, held_q, Rows::of_places);
   }
   if (!kept_agree) throw_not_closing(held_q);
+  closed.u = start.u;  // closing places has measured the cut joints' speeds, those too that are kept
+  choose_branches(closed, start, held_q, held_u);
   require_independent_start(closed, held_q, Rows::of_places);
   require_number_of_kept(closed, held_u, Rows::of_velocities);
   require_independent_start(closed, held_u, Rows::of_velocities);
@@ -575,7 +678,9 @@ Coordinates Assembly::start() {
     throw InputError(where_kept(held_u), fmt::format("start: the kept joint speeds ({}) contradict each other{}",
                                                      names_of_kept(held_u), couplings_of_kept(held_u)));
   }
-  choose_rows(closed);
+  move(closed);
+  require_kept(closed, start);
+  if (!rank_is_decided_) decide_rank_near(closed);
   return closed;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "relative/equations.h"
+#include "relative/row_factors.h"
 #include "relative/scales.h"
 
 /// Closing a machine: at the start from the model's values, near a guess, and after each step of an integration.
@@ -35,12 +36,25 @@ class Assembly {
   /// and the gap, if the loops will not close.
   void project(Coordinates& coordinates);
 
-  /// Makes the loops keep the independent closure rows of a general pose, found from here, and decides there what
-  /// closing has to move; once.
-  void choose_rows(const Coordinates& coordinates);
+  /// Decides how many closure rows are independent in a general pose near the start (from `coordinates`, if the machine
+  /// has no start), and what closing has to move; once.
+  void decide_rank(const Coordinates& coordinates);
+  [[nodiscard]] int rank() const { return equations_->loops().rank(); }
 
-  /// Largest misfit of position and velocity closure, as the projection measures it: gap / max(1, largest coordinate),
-  /// slip / max(1, largest speed).
+  /// After an evaluation in a closed pose: throws SingularPose, naming loop and time, if fewer closure rows are
+  /// independent there than in a general pose.
+  void require_general_rank(const Coordinates& coordinates);
+  /// Throws that; `passing` comes before "lose rank".
+  [[noreturn]] void throw_singular(const Coordinates& coordinates, const std::string& passing);
+
+  /// Closure rows in machine units over the free columns, and the size of the smallest singular value that a general
+  /// pose has.
+  double factor_rows(Coordinates& coordinates, MatX& Phi);
+  /// Closes places near by; false where Newton's method fails.
+  [[nodiscard]] bool settle(Coordinates& coordinates);
+
+  /// Largest misfit of position and velocity closure in machine units, as the projection measures it: gap / max(1,
+  /// largest coordinate), slip relative to the largest speed.
   [[nodiscard]] double misfit(const Coordinates& coordinates);
 
   enum class Modes { kept, moving };
@@ -70,7 +84,12 @@ class Assembly {
   }
   void project_positions(Coordinates& coordinates);
   void project_velocities(Coordinates& coordinates);
-  [[nodiscard]] std::vector<int> independent_rows(const MatX& Phi, int rank) const;
+  void normalize(VecX& q) const;
+  void decide_rank_near(const Coordinates& coordinates);
+  [[nodiscard]] double gap_in_units() const;
+  [[nodiscard]] double slip_in_units() const;
+  [[nodiscard]] double size_of_q(const VecX& q) const;
+  [[nodiscard]] double size_of_u(const VecX& u) const;
 
   [[nodiscard]] Coordinates guess_start() const;
   void measure_unsaid(Coordinates& coordinates) const;
@@ -79,6 +98,8 @@ class Assembly {
   void require_independent_start(const Coordinates& coordinates, const Held& held, Rows rows);
   void require_number_of_kept(const Coordinates& coordinates, const Held& held, Rows rows);
   [[noreturn]] void throw_not_closing(const Held& held) const;
+  void choose_branches(Coordinates& closed, const Coordinates& said, const Held& held_q, const Held& held_u) const;
+  void require_kept(const Coordinates& closed, const Coordinates& said) const;
   void require_inertia(const Coordinates& coordinates);
   [[nodiscard]] std::string names_of_kept(const Held& held) const;
   [[nodiscard]] std::string couplings_of_kept(const Held& held) const;
@@ -90,8 +111,11 @@ class Assembly {
   std::vector<int> all_columns_;
   Modes projecting_ = Modes::moving;
   Coordinates drifted_;
-  Eigen::HouseholderQR<MatX> projection_;
-  bool rows_are_chosen_ = false;
+  RowFactors row_factors_;
+  RowFactors place_factors_;  // of the rows of places, where there are others
+  double rate_;               // machine_rate
+  VecX coordinate_units_;
+  bool rank_is_decided_ = false;
   Modes closing_modes_ = Modes::kept;  // decided with the rows
 };
 

@@ -38,14 +38,19 @@ Closure::Closure(const Kinematics& kinematics, const Held& held)
       cuts_(lay_out_cuts(kinematics, held)),
       relations_(kinematics, held, count_rows(cuts_)),
       gap_(VecX::Zero(count_rows(cuts_) + relations_.n_position_rows())),
-      slip_(VecX::Zero(count_rows(cuts_) + relations_.n_rows())) {}
+      slip_(VecX::Zero(count_rows(cuts_) + relations_.n_rows())),
+      row_units_(VecX::Ones(slip_.size())) {
+  for (const Cut& cut : cuts_) {
+    row_units_.segment(cut.first_row, cut.measure.n_linear_rows()).setConstant(kinematics.motion(cut.joint).length());
+  }
+}
 
 void Closure::measure(VecX& q, VecX& u) {
   for (Cut& cut : cuts_) {
     const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
     const JointPoint& child = kinematics_->point(cut.joint, Side::child);
     const Span& span = kinematics_->topology().joints[cut.joint];
-    cut.measure.find_q(parent, child, q.data() + span.first_q, false);
+    cut.measure.find_q(parent, child, q.data() + span.first_q, JointMeasure::Restart::never);
     kinematics_->require_rank(cut.joint, cut.measure.motion_at());
     cut.measure.find_u(parent, child, q.data() + span.first_q, u.data() + span.first_u);
     const int rows = cut.measure.n_rows();

@@ -33,6 +33,8 @@ class Closure {
   /// units and 1/s; zero if closed. n_position_rows and n_rows numbers.
   [[nodiscard]] const VecX& gap() const { return gap_; }
   [[nodiscard]] const VecX& slip() const { return slip_; }
+  /// The size of one unit of each row: the machine's length for a displacement, 1 for a rotation or a relation.
+  [[nodiscard]] const VecX& row_units() const { return row_units_; }
 
   /// Residual of the acceleration closure T^T (a_rel - Sdot u - S_held udot_held) and of the relations, n_rows numbers,
   /// for the accelerations of the two joint points of every cut joint as `acceleration(joint, side)` gives them (a Vec6
@@ -59,6 +61,7 @@ class Closure {
   Relations relations_;
   VecX gap_;
   VecX slip_;
+  VecX row_units_;
 };
 
 /// Rows w^T G_P for the columns w of `wrenches` (6 x n) at the point: n x (6 + m).

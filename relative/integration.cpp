@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "common/sundials.h"
+#include "relative/singularity_watch.h"
 #include "relative/stepper.h"
 
 namespace concord::relative {
@@ -69,13 +70,14 @@ class Variables {
 /// Sizes that accuracy is measured by: the machine's length, its rate, its energy.
 class Sizes {
  public:
-  Sizes(const Equations& equations, const Scales& scales, const Coordinates& start) {
+  /// `until` [s] gives a rate to a machine at rest that nothing else gives one.
+  Sizes(const Equations& equations, const Scales& scales, const Coordinates& start, double until) {
     const Model& model = equations.model();
     const Topology& topology = equations.topology();
     const VecX speed_units = scales.speeds();
     double rate = std::sqrt(model.gravity.norm() / scales.length());
     for (int c = 0; c < topology.n_u; ++c) rate = std::max(rate, std::abs(start.u(c)) / speed_units(c));
-    if (rate == 0.0) rate = 1.0;
+    if (rate == 0.0) rate = 1.0 / until;
     q_ = VecX::Ones(topology.n_q);
     u_ = rate * speed_units;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -118,12 +120,19 @@ struct Run {
   VecX qdot;
   bool has_work = false;
   long evaluations = 0;
+  SingularityWatch watch;
   std::string last_reason{};  // of the last evaluation or projection that failed
+  bool is_singular = false;   // whether that was a singular pose
   double rtol = 0.0;
   VecX sizes{};
   double until = 0.0;
   double paced_from = 0.0;
   long steps_from_there = 0;
+
+  void remember(const SolverError& error) {
+    last_reason = error.what();
+    is_singular = dynamic_cast<const SingularPose*>(&error) != nullptr;
+  }
 
   /// ydot(t, y).
   void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {
@@ -171,6 +180,7 @@ struct Run {
     variables.unpack(y, coordinates);
     assembly.project(coordinates);
     variables.pack(coordinates.q, coordinates.u, y);
+    watch.pass(coordinates);
   }
 };
 
@@ -181,7 +191,7 @@ int right_side(realtype t, N_Vector y, N_Vector ydot, void* user_data) {
     run.evaluate(t, sundials::view(y), sundials::view(ydot));
     return sundials::view(ydot).allFinite() ? 0 : 1;
   } catch (const SolverError& error) {
-    run.last_reason = error.what();
+    run.remember(error);
     return 1;
   }
 }
@@ -192,7 +202,7 @@ int project_step(realtype t, N_Vector y, void* user_data) {
     run.project(t, sundials::view(y));
     return 0;
   } catch (const SolverError& error) {
-    run.last_reason = error.what();
+    run.remember(error);
     return -1;
   }
 }
@@ -327,7 +337,10 @@ std::string chosen_integrator(const Model& model, const std::string& wanted) {
 [[noreturn]] void throw_stopped(double t, const Run& run, const std::string& message) {
   const std::string& reason = run.last_reason.empty() ? message : run.last_reason;
   const std::string plain = reason.starts_with("relative: ") ? reason.substr(10) : reason;
-  throw SolverError(fmt::format("relative: at t = {:.4f} s {}", t, plain));
+  const std::string text = fmt::format("relative: at t = {:.6g} s {}", t, plain);
+  const std::string what = plain.starts_with("at t = ") ? "relative: " + plain : text;
+  if (run.is_singular && !run.last_reason.empty()) throw SingularPose(what);
+  throw SolverError(what);
 }
 
 /// The state at an output time, projected, with accelerations and wrenches computed anew from it.
@@ -337,8 +350,9 @@ Sample take_sample(Run& run, const States& states, double t, const Eigen::Ref<co
   try {
     run.assembly.project(run.coordinates);
     run.equations.compute_accelerations(t, run.coordinates.q, run.coordinates.u);
+    run.assembly.require_general_rank(run.coordinates);
   } catch (const SolverError& error) {
-    run.last_reason = error.what();
+    run.remember(error);
     throw_stopped(t, run, run.last_reason);
   }
   run.equations.compute_reactions();
@@ -365,8 +379,16 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   const auto began = std::chrono::steady_clock::now();
   const std::string integrator = chosen_integrator(equations.model(), options.integrator);
   const Coordinates start = assembly.start();
-  Run run{equations, assembly, Variables(equations), start, VecX::Zero(equations.topology().n_q)};
+  Run run{equations,
+          assembly,
+          Variables(equations),
+          start,
+          VecX::Zero(equations.topology().n_q),
+          false,
+          0,
+          SingularityWatch(equations, assembly)};
   run.has_work = equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible();
+  run.watch.pass(start);
 
   const sundials::Context context;
   sundials::MessageRecord messages;
@@ -374,7 +396,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.variables.pack(start.q, start.u, sundials::view(y.get()));
   run.rtol = integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol;
   run.until = options.until;
-  run.sizes = Sizes(equations, assembly.scales(), start).of(run.variables);
+  run.sizes = Sizes(equations, assembly.scales(), start, options.until).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
   Kinks kinks(run, stepper, options.until);
   const bool has_kinks = equations.applied_forces().has_regimes();
@@ -386,7 +408,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     try {
       return kinks.advance(t_end, y.get(), t);
     } catch (const SolverError& error) {
-      run.last_reason = error.what();
+      run.remember(error);
       throw_stopped(t, run, run.last_reason);
     }
   };
@@ -398,9 +420,10 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     if (i > 0 && advance(t_end) < 0) throw_stopped(t, run, messages.last);
     Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
     before = sample.state;
+    StateMisfit misfit;
+    (void)states.read(sample.state, misfit);
+    trajectory.statistics.max_constraint = std::max(trajectory.statistics.max_constraint, misfit.largest);
     trajectory.samples.push_back(std::move(sample));
-    trajectory.statistics.max_constraint =
-        std::max(trajectory.statistics.max_constraint, assembly.misfit(run.coordinates));
     if (progress) progress(t_end);
   }
   trajectory.statistics.steps = stepper.steps();

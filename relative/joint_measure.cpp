@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "relative/exponential_map.h"
@@ -17,6 +16,8 @@ constexpr int kMostNewtonSteps = 30;
 constexpr int kMostHalvings = 8;
 constexpr double kLongestStep = 1.0;  // rad or Motion::length
 constexpr double kMisfitOfAnotherBranch = 1e-6;
+constexpr double kClearlyBetter = 0.1;  // of the misfit on the branch that the guess means
+constexpr double kStillBetter = 0.9;    // of the best misfit so far
 
 Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const JointPoint& child) {
   Vec6 error;
@@ -144,12 +145,17 @@ double JointMeasure::size_of(const JointVector& step) const {
   return size;
 }
 
+/// Size of the error, displacements in parts of the length.
+double JointMeasure::misfit() const {
+  return std::hypot(error_.head<3>().norm() / motion_->length(), error_.tail<3>().norm());
+}
+
 /// Returns the size of the misfit; leaves motion, error at the q found.
 double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, double* q) {
   move(parent, child, q);
   for (int step = 0; step < kMostNewtonSteps && !free_.empty(); ++step) {
     JointVector correction = fit(error_);
-    const double largest = correction.cwiseAbs().maxCoeff();
+    const double largest = size_of(correction);
     if (motion_->is_curved() && largest > kNewtonIsQuadratic) {
       // A ball finds its own rotation in one whole step, whatever the others do.
       JointVector swing = correction;
@@ -162,19 +168,46 @@ double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, d
     move(parent, child, q);
     if (largest <= kNewtonIsQuadratic) break;
   }
-  return error_.norm();
+  return misfit();
 }
 
-/// Starts from all combinations of the motion's trial values and leaves the best pose in q.
-void JointMeasure::search(const JointPoint& parent, const JointPoint& child, double* q) {
+/// Brings the coordinates of a motion by functions to where the place alone wants them, as far as it does: the place
+/// counts the turns of a thread, the orientation does not.
+void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& child, double* q) {
+  constexpr int kMostSteps = 8;
+  move(parent, child, q);
+  for (int step = 0; step < kMostSteps; ++step) {
+    JointColumns S = free_columns();
+    S.bottomRows<3>() *= 1e-9;
+    Vec6 error = weighed(error_);
+    error.tail<3>().setZero();
+    const JointVector fitted = S.completeOrthogonalDecomposition().solve(error);
+    JointVector correction = JointVector::Zero(motion_->n_u());
+    for (std::size_t c = 0; c < free_.size(); ++c) correction(free_[c]) = fitted(c);
+    if (!correction.allFinite()) return;
+    motion_->advance(q, correction.data());
+    move(parent, child, q);
+  }
+}
+
+/// Starts from all combinations of the motion's trial values about `given`, and from where the place leads; leaves in q
+/// the best pose whose misfit is below `least`, else q as it is.
+void JointMeasure::search(const JointPoint& parent, const JointPoint& child, double least, const VecX& given,
+                          double* q) {
   std::vector<int> tried;  // of scalar words: their places in q and u are the same
   for (const int c : free_) {
     if (motion_->has_trials(c)) tried.push_back(c);
   }
   Eigen::Map<VecX> found(q, motion_->n_q());
-  const VecX given = found;
-  VecX best = given;
-  double least = std::numeric_limits<double>::infinity();
+  VecX best = found;
+  if (motion_->is_by_functions() && !free_.empty()) {
+    follow_place(parent, child, q);
+    const double misfit = newton(parent, child, q);
+    if (misfit < least) {
+      least = kStillBetter * misfit;
+      best = found;
+    }
+  }
   for (int trial = 0; trial < std::pow(4, tried.size()); ++trial) {
     found = given;
     int digits = trial;
@@ -184,19 +217,20 @@ void JointMeasure::search(const JointPoint& parent, const JointPoint& child, dou
     }
     const double misfit = newton(parent, child, q);
     // Clearly better, or else a start some turns away would win by round-off.
-    if (!(misfit < 0.9 * least)) continue;
-    least = misfit;
+    if (!(misfit < least)) continue;
+    least = kStillBetter * misfit;
     best = found;
   }
   found = best;
 }
 
-void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, double* q, bool restart) {
-  if (restart) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> given = Eigen::Map<const VecX>(q, motion_->n_q());
-    if (newton(parent, child, q) > kMisfitOfAnotherBranch) {
-      Eigen::Map<VecX>(q, motion_->n_q()) = given;
-      search(parent, child, q);
+void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart) {
+  if (restart != Restart::never) {
+    const VecX given = Eigen::Map<const VecX>(q, motion_->n_q());
+    const double misfit = newton(parent, child, q);
+    if (!(misfit <= kMisfitOfAnotherBranch)) {
+      const double share = restart == Restart::if_better ? kStillBetter : kClearlyBetter;
+      search(parent, child, std::isfinite(misfit) ? share * misfit : HUGE_VAL, given, q);
     }
     if (held_.empty()) motion_->choose_chart(q, given.data());
   }

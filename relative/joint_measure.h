@@ -21,11 +21,15 @@ class JointMeasure {
   /// `held` has n_u entries for the joint's speeds.
   JointMeasure(const Motion& motion, const char* held);
 
+  /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Motion::length): nothing;
+  /// or start from Motion::trial values too and take a pose with less than a tenth of that misfit, so that q chooses
+  /// turns and branches wherever it can; or take the best pose.
+  enum class Restart { never, if_clearly_better, if_better };
+
   /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
   /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame. Held coordinates are taken from q.
-  /// Without `restart` only from q; with it, from Motion::trial values too if the misfit stays above 1e-6, and
-  /// of the names of the pose found the one that is meant: see Motion::choose_chart.
-  void find_q(const JointPoint& parent, const JointPoint& child, double* q, bool restart);
+  /// Unless it never restarts, it gives the pose found the name that q means: see Motion::choose_chart.
+  void find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart);
 
   /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q.
   void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
@@ -52,11 +56,13 @@ class JointMeasure {
   void fit_separately(const Vec6& motion, JointVector& speeds) const;
   void fit_together(const Vec6& motion, JointVector& speeds) const;
   double newton(const JointPoint& parent, const JointPoint& child, double* q);
+  [[nodiscard]] double misfit() const;
+  void follow_place(const JointPoint& parent, const JointPoint& child, double* q);
   [[nodiscard]] double size_of(const JointVector& step) const;
   void decompose_columns();
   double move(const JointPoint& parent, const JointPoint& child, double* q);
   double step_length(const JointPoint& parent, const JointPoint& child, const double* q, const JointVector& step);
-  void search(const JointPoint& parent, const JointPoint& child, double* q);
+  void search(const JointPoint& parent, const JointPoint& child, double least, const VecX& given, double* q);
   void compute_complement();
   void complete_together();
 

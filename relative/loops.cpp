@@ -3,22 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace concord::relative {
 
 namespace {
 
-/// Pivots of Lambda relative to their diagonal entries are squares of the sine between a row and those before it: below
-/// this the row is dependent.
-constexpr double kDependent = 1e-13;
-/// Diagonal entries below this part of the largest are squares of round-off: the row vanishes.
+/// Diagonal entries of Lambda in machine units below this part of the largest are squares of round-off: the row
+/// vanishes.
 constexpr double kVanishing = 1e-22;
+/// Where a pivot of Lambda scaled to unit diagonal is below this, half the digits of its factor are lost; an orthogonal
+/// factor of the steps, of which Lambda is the square, keeps them.
+constexpr double kIllConditioned = 1e-8;
+/// Pivots of that factor, sines between rows, below this are round-off.
+constexpr double kDependent = 1e-14;
 
-/// A second round takes off what the first left of the residual, if that is more than this part of it.
-constexpr int kMostRounds = 2;
-constexpr double kLeftByRoundOff = 1e-13;
+/// What a row must keep beside those taken to be used, in rounds: squares of sines.
+constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
+
+/// Further rounds take off what is left of the residual: until it is this part of the first, or stands.
+constexpr int kMostRounds = 4;
+constexpr double kLeftByRoundOff = 2e-16;
+constexpr double kStands = 0.25;
 
 }  // namespace
 
@@ -36,9 +43,19 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& 
     for (const Step& step : way.steps) most_unknowns = std::max(most_unknowns, elimination.n_unknowns(step.link));
   }
   force_.setZero(most_unknowns);
-  std::vector<int> all(n);
-  std::iota(all.begin(), all.end(), 0);
-  keep_rows(all);
+  scale_.setZero(n);
+  rest_.setZero(n, n);
+  first_of_step_.assign(kinematics.topology().links.size(), -1);
+  int n_stacked = 0;
+  for (const Way& way : ways_) {
+    for (const Step& step : way.steps) {
+      if (first_of_step_[step.link] >= 0) continue;
+      first_of_step_[step.link] = n_stacked;
+      n_stacked += elimination.n_unknowns(step.link);
+    }
+  }
+  stacked_.setZero(n_stacked, n);
+  set_rank(n);
 }
 
 void Loops::lay_out_ways() {
@@ -70,13 +87,17 @@ void Loops::lay_out_shared() {
   }
 }
 
-void Loops::keep_rows(const std::vector<int>& rows) {
-  kept_ = rows;
-  used_ = rows;
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  selected_.setIdentity(n, n);
+void Loops::set_rank(int rank) {
+  rank_ = rank;
+  used_.clear();
+  used_.reserve(rank);
+  for (int row = 0; row < rank; ++row) used_.push_back(row);
+  selected_.setIdentity(rank, rank);
   llt_.compute(selected_);
-  solution_.setZero(n);
+  stacked_.setZero(stacked_.rows(), rank);
+  if (stacked_.size() > 0) qr_.compute(stacked_);
+  solution_.setZero(rank);
+  permuted_.setZero(rank);
 }
 
 /// The links between the bodies of a way's joints and ground, outermost first.
@@ -175,42 +196,108 @@ void Loops::sum_Lambda() {
   Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
 }
 
-bool Loops::factorize(const std::vector<int>& rows) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (std::size_t j = 0; j < rows.size(); ++j) selected_(i, j) = Lambda_(rows[i], rows[j]);
-  }
-  if (llt_.compute(selected_).info() != Eigen::Success) return false;
-  for (Eigen::Index i = 0; i < selected_.rows(); ++i) {
-    const double pivot = llt_.matrixLLT()(i, i);
-    if (!(pivot * pivot > kDependent * selected_(i, i))) return false;
-    if (!(selected_(i, i) > kVanishing * Lambda_.diagonal().maxCoeff())) return false;
-  }
-  return true;
+void Loops::throw_singular(int row) const {
+  const VecX place = VecX::Unit(closure_->n_rows(), row);
+  throw SingularPose(fmt::format(
+      "relative: the {} closure rows{} have a rank below {}, their rank in a general pose, at {}: the pose is singular "
+      "and the motion may branch",
+      closure_->n_rows(), closure_->relations().empty() ? "" : " of loops, couplings and rolling contacts", rank_,
+      closure_->worst_place(place)));
 }
 
-void Loops::throw_singular(std::size_t rank) const {
-  throw SolverError(fmt::format(
-      "relative: the {} closure rows of the cut joints{} have rank {} in this pose, {} in a "
-      "general one: the pose is singular and the motion may branch",
-      closure_->n_rows(), closure_->relations().empty() ? "" : ", couplings and rolling contacts", rank, kept_.size()));
-}
-
-/// As many rows as are kept, by pivoted elimination in Lambda scaled to unit diagonal.
-void Loops::choose_rows_of_this_pose() {
-  const double vanishing = kVanishing * Lambda_.diagonal().maxCoeff();
-  const VecX scale =
-      (Lambda_.diagonal().array() > vanishing).select(Lambda_.diagonal().array().max(1e-300).sqrt().inverse(), 0.0);
-  MatX rest = scale.asDiagonal() * Lambda_ * scale.asDiagonal();
+/// The scale of each row, zero for one that vanishes; and the rows to use, all or as many as are independent in a
+/// general pose, by elimination in the scaled Lambda: the first in order that keep enough of their own beside those
+/// taken, so that round-off does not choose between rows that are as good.
+void Loops::choose_rows() {
+  const auto n = static_cast<int>(Lambda_.rows());
+  double largest = 0.0;
+  const VecX& units = closure_->row_units();
+  for (int i = 0; i < n; ++i) largest = std::max(largest, Lambda_(i, i) / (units(i) * units(i)));
+  for (int i = 0; i < n; ++i) {
+    const bool vanishes = !(Lambda_(i, i) / (units(i) * units(i)) > kVanishing * largest);
+    scale_(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda_(i, i));
+  }
+  if (rank_ == n) return;  // all rows are used
+  rest_.noalias() = scale_.asDiagonal() * Lambda_ * scale_.asDiagonal();
   used_.clear();
-  while (used_.size() < kept_.size()) {
-    Eigen::Index pivot = 0;
-    const double largest = rest.diagonal().maxCoeff(&pivot);
-    if (!(largest > kDependent)) throw_singular(used_.size());
-    used_.push_back(static_cast<int>(pivot));
-    const VecX column = rest.col(pivot) / largest;
-    rest -= largest * column * column.transpose();
+  for (const double least : kLeastOwnParts) {
+    for (int row = 0; row < n && static_cast<int>(used_.size()) < rank_; ++row) {
+      if (rest_(row, row) > least) use(row);
+    }
   }
+  // Of the rows that are left none is independent.
+  if (static_cast<int>(used_.size()) < rank_) throw_singular(0);
   std::sort(used_.begin(), used_.end());
+}
+
+/// Takes a row and its part off what is left of the others.
+void Loops::use(int pivot) {
+  used_.push_back(pivot);
+  const double size = rest_(pivot, pivot);
+  for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
+    if (j == pivot) continue;
+    const double factor = rest_(pivot, j) / size;
+    for (Eigen::Index i = 0; i < rest_.rows(); ++i) {
+      if (i != pivot) rest_(i, j) -= factor * rest_(i, pivot);
+    }
+  }
+  rest_.row(pivot).setZero();
+  rest_.col(pivot).setZero();
+}
+
+/// Cholesky's factor of the used rows of Lambda, or where that loses digits the orthogonal factor of the steps.
+void Loops::factorize() {
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (scale_(used_[j]) == 0.0) throw_singular(used_[j]);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      selected_(i, j) = scale_(used_[i]) * Lambda_(used_[i], used_[j]) * scale_(used_[j]);
+    }
+  }
+  is_orthogonal_ = false;
+  least_pivot_ = 0.0;
+  if (llt_.compute(selected_).info() == Eigen::Success) {
+    least_pivot_ = llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
+  }
+  if (!(least_pivot_ > kIllConditioned)) factorize_steps();
+}
+
+void Loops::factorize_steps() {
+  is_orthogonal_ = true;
+  stacked_.setZero();
+  for (const Way& way : ways_) {
+    for (std::size_t c = 0; c < used_.size(); ++c) {
+      const int column = used_[c] - way.first_row;
+      if (column < 0 || column >= way.n_rows) continue;
+      for (const Step& step : way.steps) {
+        stacked_.col(static_cast<Eigen::Index>(c)).segment(first_of_step_[step.link], step.eps.rows()) =
+            scale_(used_[c]) * step.eps.col(column);
+      }
+    }
+  }
+  qr_.compute(stacked_);
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  const Eigen::Index least = n - 1;
+  const double pivot = stacked_.rows() < n ? 0.0 : std::abs(qr_.matrixQR()(least, least));
+  least_pivot_ = pivot * pivot;
+  if (!(pivot > kDependent)) throw_singular(used_[qr_.colsPermutation().indices()(least)]);
+}
+
+/// Lambda^-1 of the used rows, in place.
+void Loops::solve(VecX& right) const {
+  for (std::size_t i = 0; i < used_.size(); ++i) right(i) *= scale_(used_[i]);
+  if (is_orthogonal_) {
+    const auto n = static_cast<Eigen::Index>(used_.size());
+    const auto& place = qr_.colsPermutation().indices();
+    for (Eigen::Index i = 0; i < n; ++i) permuted_(i) = right(place(i));
+    const auto R = qr_.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+    R.transpose().solveInPlace(permuted_);
+    R.solveInPlace(permuted_);
+    for (Eigen::Index i = 0; i < n; ++i) right(place(i)) = permuted_(i);
+  } else {
+    llt_.solveInPlace(right);
+  }
+  for (std::size_t i = 0; i < used_.size(); ++i) right(i) *= scale_(used_[i]);
 }
 
 /// Adds -Phi_u^T lambda to the right side of the tree.
@@ -229,23 +316,26 @@ void Loops::close(VecX& udot) {
   if (closure_->n_rows() == 0) return;
   for (Way& way : ways_) pull(way);
   sum_Lambda();
-  used_ = kept_;
   lambda_.setZero();
-  if (used_.empty()) return;
-  if (!factorize(used_)) {
-    choose_rows_of_this_pose();
-    if (!factorize(used_)) throw_singular(used_.size() - 1);
-  }
+  least_pivot_ = 1.0;
+  if (rank_ == 0) return;
+  choose_rows();
+  factorize();
   const auto acceleration = [this](int joint, Side side) { return elimination_->acceleration_of_point(joint, side); };
   double first_residual = 0.0;
+  double last_residual = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     closure_->compute_acceleration_residual(acceleration, udot, residual_);
-    for (std::size_t i = 0; i < used_.size(); ++i) solution_(i) = residual_(used_[i]);
-    // Each row by what a unit multiplier moves in it, so that units do not weigh.
-    const double residual = std::sqrt((solution_.array().square() / selected_.diagonal().array()).maxCoeff());
+    double residual = 0.0;
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      solution_(i) = residual_(used_[i]);
+      // Each row by what a unit multiplier moves in it, so that units do not weigh.
+      residual = std::max(residual, std::abs(solution_(i)) * scale_(used_[i]));
+    }
     if (round == 0) first_residual = residual;
-    if (residual <= kLeftByRoundOff * first_residual && round > 0) break;
-    llt_.solveInPlace(solution_);
+    if (round > 0 && (residual <= kLeftByRoundOff * first_residual || residual > kStands * last_residual)) break;
+    last_residual = residual;
+    solve(solution_);
     step_lambda_.setZero();
     for (std::size_t i = 0; i < used_.size(); ++i) step_lambda_(used_[i]) = solution_(i);
     lambda_ += step_lambda_;

@@ -16,16 +16,22 @@ class Loops {
   /// Both must outlive this object.
   Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination);
 
-  /// Keeps only these closure rows (all at first): the independent ones of a redundant machine.
-  void keep_rows(const std::vector<int>& rows);
-  [[nodiscard]] const std::vector<int>& kept_rows() const { return kept_; }
+  /// Takes the number of independent closure rows in a general pose (all at first).
+  void set_rank(int rank);
+  [[nodiscard]] int rank() const { return rank_; }
 
   /// After the tree has been solved with free loops (Elimination::inward, outward): finds lambda and solves the tree
-  /// again, udot obeying the closure. If the kept rows have become dependent in this pose, others of the same number
-  /// are chosen for it; throws SolverError if there are none: the rank has dropped below the machine's.
+  /// again, udot obeying the closure. Where a machine is redundant, the independent rows are chosen anew in each pose,
+  /// by the pose alone. Throws SingularPose if there are too few.
   void close(VecX& udot);
 
-  /// Multipliers of all closure rows, zero in rows that are not kept. The cut joint's wrench on the child is -T lambda,
+  /// The smallest pivot of the rows used last, in Lambda scaled to unit diagonal: the square of the sine between a row
+  /// and those before it, in the metric of the inverse inertia; 1 without rows.
+  [[nodiscard]] double least_pivot() const { return least_pivot_; }
+  /// The rows used last.
+  [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
+
+  /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
   /// the coordinate forces of a relation -C lambda.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
@@ -67,9 +73,12 @@ class Loops {
   void load(Way& way, const Pull& pull);
   void load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Ref<const Mat6X>& on_child);
   void sum_Lambda();
-  [[nodiscard]] bool factorize(const std::vector<int>& rows);
-  void choose_rows_of_this_pose();
-  [[noreturn]] void throw_singular(std::size_t rank) const;
+  void choose_rows();
+  void use(int pivot);
+  void factorize();
+  void factorize_steps();
+  void solve(VecX& right) const;
+  [[noreturn]] void throw_singular(int row) const;
   void push_back(const VecX& lambda);
 
   const Kinematics* kinematics_;
@@ -77,16 +86,24 @@ class Loops {
   Elimination* elimination_;
   std::vector<Way> ways_;
   std::vector<Shared> shared_;
-  std::vector<int> kept_;
-  std::vector<int> used_;  // kept_, or the choice of this pose
+  int rank_ = 0;
+  std::vector<int> used_;
+  std::vector<int> first_of_step_;  // places of the steps' unknowns among the rows of stacked_, by link
   MatX Lambda_;
-  MatX selected_;
+  VecX scale_;                                  // of the rows: 1 / sqrt of the diagonal of Lambda
+  MatX rest_;                                   // of Lambda scaled to unit diagonal, while rows are chosen
+  MatX selected_;                               // used rows of Lambda, scaled
   Eigen::LLT<MatX> llt_{MatX::Identity(1, 1)};  // Eigen copies its outcome: there must be one
+  MatX stacked_;                                // eps of the used rows, scaled: Lambda = stacked^T stacked
+  Eigen::ColPivHouseholderQR<MatX> qr_;
+  bool is_orthogonal_ = false;  // whether qr_ is used instead of llt_
+  double least_pivot_ = 1.0;
   VecX residual_;
   VecX solution_;
   VecX lambda_;
   VecX step_lambda_;
   VecX force_;
+  mutable VecX permuted_;
 };
 
 }  // namespace concord::relative

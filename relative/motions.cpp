@@ -307,18 +307,39 @@ Vec6 Motion::coordinate_wrench(const JointMotion& motion, const JointVector& tau
   return D.lazyProduct(JointVector(powers.partialPivLu().solve(tau)));
 }
 
-void Motion::choose_chart(double* q, const double* near) const {
-  if (by_functions_) return;
+/// Gives the elevation of a link to the wanted side of a quarter turn and all turns to those nearest to `near`.
+void Motion::rename(double* q, const double* near, bool on_far_side) const {
   constexpr double kPi = std::numbers::pi;
-  if (elevation_ >= 0 && std::cos(q[elevation_]) < 0.0) {
+  if (elevation_ >= 0 && (std::cos(q[elevation_]) < 0.0) != on_far_side) {
     q[elevation_ - 1] += kPi;
     q[elevation_] = kPi - q[elevation_];
   }
   for (int c = 0; c < n_u_ - (has_ball_ ? 3 : 0); ++c) {
     if (kinds_[c].is_length) continue;
-    const double wanted = c == elevation_ ? 0.0 : near[c];
-    q[c] += 2.0 * kPi * std::round((wanted - q[c]) / (2.0 * kPi));
+    q[c] += 2.0 * kPi * std::round((near[c] - q[c]) / (2.0 * kPi));
   }
+}
+
+void Motion::choose_chart(double* q, const double* near) const {
+  if (by_functions_) return;
+  rename(q, near, elevation_ >= 0 && std::cos(near[elevation_]) < 0.0);
+}
+
+void Motion::choose_canonical_chart(double* q) const {
+  if (elevation_ < 0 || (std::cos(q[elevation_]) >= 0.0 && std::abs(q[elevation_]) <= 0.5 * std::numbers::pi)) return;
+  std::array<double, 6> wanted{};
+  std::copy_n(q, n_u_ - 3, wanted.begin());
+  wanted[elevation_] = 0.0;
+  rename(q, wanted.data(), false);
+}
+
+bool Motion::is_on_branch_of(const double* q, const double* near) const {
+  if (elevation_ >= 0) return (std::cos(q[elevation_]) < 0.0) == (std::cos(near[elevation_]) < 0.0);
+  if (!by_functions_) return true;
+  for (int c = 0; c < n_u_; ++c) {
+    if (!kinds_[c].is_length && std::abs(q[c] - near[c]) > std::numbers::pi) return false;
+  }
+  return true;
 }
 
 void Motion::compute_qdot(const double* q, const double* u, double* qdot) const {

@@ -50,6 +50,10 @@ class Motion {
   /// Whether d or R depends on q other than by slides and turns in place, so that Newton's method needs care.
   [[nodiscard]] bool is_curved() const { return is_curved_; }
   [[nodiscard]] bool has_ball() const { return has_ball_; }
+  /// Whether a link on two turns carries the child, so that two sets of coordinates name each pose.
+  [[nodiscard]] bool has_elevation() const { return elevation_ >= 0; }
+  /// Whether the motion is stated by functions.
+  [[nodiscard]] bool is_by_functions() const { return by_functions_; }
 
   /// The motion at n_q coordinates q and n_u speeds u. Euler parameters need not be of unit length.
   void evaluate(const double* q, const double* u, JointMotion& motion) const;
@@ -74,9 +78,17 @@ class Motion {
   /// Euler parameters to unit length.
   void normalize(double* q) const;
 
-  /// Gives q the values of the same pose that are meant: where a link stands on two turns at right angles, its
-  /// elevation (the second) to [-pi/2, pi/2]; then each turn to the number of whole turns that is nearest to `near`.
+  /// Gives q the values of the same pose that are meant: where a link stands on two turns at right angles, the name
+  /// whose elevation (the second) lies on the same side of a quarter turn as that of `near`; then each turn to the
+  /// number of whole turns that is nearest to `near`.
   void choose_chart(double* q, const double* near) const;
+
+  /// Whether q means the branch that `near` means: the elevation of a link on the same side of a quarter turn, turns of
+  /// a motion by functions less than half a turn away. All else has one branch.
+  [[nodiscard]] bool is_on_branch_of(const double* q, const double* near) const;
+
+  /// The name of a link's pose with its elevation in [-pi/2, pi/2], turns nearest to those of q.
+  void choose_canonical_chart(double* q) const;
 
   /// q of the unmoved joint: zero, and Euler parameters of no rotation; of a motion by functions that may not stand at
   /// zero, the nearest value at which it may.
@@ -91,6 +103,7 @@ class Motion {
   void classify_columns();
   void require_three_of_a_kind(const std::string& name) const;
   void find_elevation();
+  void rename(double* q, const double* near, bool on_far_side) const;
   [[nodiscard]] bool columns_are_dependent(const JointMotion& motion) const;
   [[nodiscard]] Vec6 comparable(const JointMotion& motion, int column) const;
   [[nodiscard]] bool depend_separately(const JointMotion& motion) const;

@@ -128,7 +128,7 @@ bool PermittedSpeeds::complete(const JointColumns& P) {
 void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) {
   place_columns(at);
   if (!complete(along_the_motion(at))) {
-    throw SolverError(fmt::format(
+    throw SingularPose(fmt::format(
         "relative: joint '{}': two of the speeds that it permits are one in this pose: its velocity is singular there",
         owner));
   }

@@ -1,6 +1,9 @@
 #include "relative/rank.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "relative/row_factors.h"
 
 namespace concord::relative {
 
@@ -9,8 +12,14 @@ namespace {
 constexpr double kThreshold = 1e-10;
 constexpr double kSurelyZero = 1e-12;
 constexpr double kSurelyKept = 1e-8;
-/// A component of a self-stress below this part of the largest one of its kind is zero.
+/// A component that self-stresses of unit size move by less than this part of the largest one is unique.
 constexpr double kUnmoved = 1e-8;
+/// A flag that changes when both thresholds move by this factor, one way or the other, is undecided.
+const double kHalfWay = std::sqrt(1000.0);
+/// From here on the bidiagonal divide-and-conquer method is the faster one, and a pivoted elimination that finds all
+/// rows independent, the smallest singular value above this, does without it.
+constexpr Eigen::Index kManyRows = 24;
+constexpr double kClearlyIndependent = 1e-5;
 
 /// Phi_u in machine units over the free columns, and the factors that turn multipliers of these rows into lambda. The
 /// rows T^T W have unit norm in these units; to norm Phi_u itself would blow up rows that vanish but for round-off.
@@ -27,7 +36,7 @@ ScaledRows free_rows(Equations& equations, const Scales& scales) {
   for (Eigen::Index c = 0; c < all.cols(); ++c) {
     if (equations.driven()[c] == 0) free.push_back(c);
   }
-  return {all(Eigen::all, free), scales.rows(closure).cwiseInverse(), free};
+  return {all(Eigen::all, free), closure.row_units().cwiseInverse(), free};
 }
 
 /// Rows that the tree holds by itself: forbidden directions of its joints and their drivers.
@@ -40,42 +49,156 @@ int tree_rows(const Equations& equations) {
   return rows;
 }
 
-/// Relations are free of units: their multipliers count as torques.
-double largest_of_relations(const Closure& closure, const VecX& lambda) {
-  double largest = 0.0;
-  for (const Relation& relation : closure.relations()) {
-    largest = std::max(largest, lambda.segment(relation.first_row, relation.n_rows).cwiseAbs().maxCoeff());
+/// What the self-stresses of a machine move: for each component the root of the sum of squares over an orthonormal set
+/// of them, so that it does not matter which set; forces times the length of the machine beside torques, and the forces
+/// of couplings as multipliers of their rows, which are free of units.
+class Moved {
+ public:
+  explicit Moved(const Model& model) : joints_(model.joints.size()), couplings_(model.couplings.size(), 0.0) {}
+
+  /// Adds the wrenches that the reactions hold for the multipliers of one self-stress.
+  void add(const Equations& equations, const VecX& lambda, double length) {
+    const std::vector<JointWrenches>& joints = equations.reactions().joints();
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      for (const Side side : {Side::parent, Side::child}) {
+        add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
+        add_squares(joints[k].total_on(side), length, joints_[k].total[index(side)]);
+      }
+      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
+      for (int c = 0; c < motion.n_u(); ++c) {
+        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0), 2);
+      }
+    }
+    for (const Relation& relation : equations.closure().relations()) {
+      const double squares = lambda.segment(relation.first_row, relation.n_rows).squaredNorm();
+      of_relations_ = std::max(of_relations_, squares);
+      if (relation.is_coupling()) couplings_[relation.coupling] += squares;
+    }
   }
-  return largest;
+
+  /// Flags with components moved by more than `unmoved` of the largest one: couplings may hold each other and move no
+  /// reaction, so that their multipliers count beside the wrenches.
+  void mark(double unmoved, std::vector<JointUniqueness>& joints, std::vector<bool>& couplings) const {
+    const double least = unmoved * unmoved * size();
+    joints.assign(joints_.size(), {});
+    for (std::size_t k = 0; k < joints_.size(); ++k) {
+      for (int side = 0; side < 2; ++side) {
+        for (int c = 0; c < 6; ++c) {
+          joints[k].unique[side][c] = !(joints_[k].reaction[side](c) > least);
+          joints[k].unique_total[side][c] = !(joints_[k].total[side](c) > least);
+        }
+      }
+      for (int c = 0; c < 6; ++c) joints[k].unique_tau[c] = !(joints_[k].tau(c) > least);
+    }
+    couplings.assign(couplings_.size(), true);
+    for (std::size_t g = 0; g < couplings_.size(); ++g) couplings[g] = !(couplings_[g] > least);
+  }
+
+ private:
+  struct Squares {
+    std::array<Vec6, 2> reaction{Vec6::Zero(), Vec6::Zero()};
+    std::array<Vec6, 2> total{Vec6::Zero(), Vec6::Zero()};
+    Vec6 tau = Vec6::Zero();
+  };
+
+  static void add_squares(const SideWrench& wrench, double length, Vec6& squares) {
+    Vec6 moved = wrench.in_C.vector();
+    moved.head<3>() *= length;
+    squares += moved.cwiseAbs2();
+  }
+
+  [[nodiscard]] double size() const {
+    double size = of_relations_;
+    for (const Squares& joint : joints_) {
+      for (const Vec6& total : joint.total) size = std::max(size, total.maxCoeff());
+    }
+    return size;
+  }
+
+  std::vector<Squares> joints_;
+  std::vector<double> couplings_;
+  double of_relations_ = 0.0;
+};
+
+/// Singular values, largest first, and all left singular vectors.
+struct Spectrum {
+  VecX sigma;
+  MatX U;
+};
+
+Spectrum decompose(const MatX& Phi) {
+  if (Phi.rows() < kManyRows) {
+    const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeFullU);
+    return {svd.singularValues(), svd.matrixU()};
+  }
+  const Eigen::BDCSVD<MatX> svd(Phi, Eigen::ComputeFullU);
+  return {svd.singularValues(), svd.matrixU()};
 }
 
-/// Marks the components that the wrenches of one self-stress move; forces count against the largest force times the
-/// length of the machine, and torques alike, beside multipliers of relations: couplings may hold each other and move no
-/// reaction.
-void mark(const Kinematics& kinematics, const std::vector<JointWrenches>& joints, double length, double of_relations,
-          std::vector<JointUniqueness>& flags) {
-  double size = of_relations;
-  for (const JointWrenches& joint : joints) {
-    for (const SideWrench& side : joint.total) {
-      size = std::max({size, length * side.in_C.force.cwiseAbs().maxCoeff(), side.in_C.torque.cwiseAbs().maxCoeff()});
+/// The largest singular value, by a few rounds of the power method: to some per cent.
+double largest_singular_value(const MatX& Phi) {
+  constexpr int kRounds = 6;
+  VecX x = VecX::Ones(Phi.cols()).normalized();
+  double sigma = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    x = Phi.transpose() * (Phi * x).eval();
+    const double size = x.norm();
+    if (!(size > 0.0)) return 0.0;
+    sigma = std::sqrt(size);
+    x /= size;
+  }
+  return sigma;
+}
+
+/// Relative size of the smallest singular value of many rows, if they are clearly independent; else 0.
+double clearly_independent(const MatX& Phi) {
+  if (Phi.rows() < kManyRows) return 0.0;
+  RowFactors factors;
+  factors.compute(Phi);
+  if (factors.rank() < Phi.rows()) return 0.0;
+  const double relative =
+      factors.singular_value(static_cast<int>(Phi.rows())) / std::max(largest_singular_value(Phi), 1.0);
+  return relative > kClearlyIndependent ? relative : 0.0;
+}
+
+void agree(const JointUniqueness& one, const JointUniqueness& other, JointUniqueness& same) {
+  for (int side = 0; side < 2; ++side) {
+    for (int c = 0; c < 6; ++c) {
+      same.unique[side][c] = one.unique[side][c] == other.unique[side][c];
+      same.unique_total[side][c] = one.unique_total[side][c] == other.unique_total[side][c];
     }
   }
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    const auto mark_moved = [&](const SideWrench& wrench, std::array<bool, 6>& unique) {
-      for (int c = 0; c < 6; ++c) {
-        const double moved = wrench.in_C.vector()(c) * (c < 3 ? length : 1.0);
-        if (std::abs(moved) > kUnmoved * size) unique[c] = false;
-      }
-    };
-    for (const Side side : {Side::parent, Side::child}) {
-      mark_moved(joints[k].reaction_on(side), flags[k].unique[index(side)]);
-      mark_moved(joints[k].total_on(side), flags[k].unique_total[index(side)]);
+  for (int c = 0; c < 6; ++c) same.unique_tau[c] = one.unique_tau[c] == other.unique_tau[c];
+}
+
+/// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
+/// largest, one for each column of U that has one.
+void decide_uniqueness(Equations& equations, const Scales& scales, const ScaledRows& rows, const Spectrum& spectrum,
+                       const VecX& relative, RankReport& report) {
+  const auto n_rows = static_cast<int>(spectrum.U.rows());
+  const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
+  Moved moved(equations.model());
+  std::array<std::vector<JointUniqueness>, 3> joints;
+  std::array<std::vector<bool>, 3> couplings;
+  // Thresholds that grow take more self-stresses in, and what is gathered is judged before it grows.
+  const std::array<double, 3> thresholds{kThreshold / kHalfWay, kThreshold, kThreshold * kHalfWay};
+  const std::array<double, 3> unmoved{kUnmoved * kHalfWay, kUnmoved, kUnmoved / kHalfWay};
+  int z = n_rows - 1;
+  for (int step = 0; step < 3; ++step) {
+    for (; z >= 0 && sigma(z) <= thresholds[step]; --z) {
+      const VecX lambda = rows.units.cwiseProduct(spectrum.U.col(z));
+      equations.reactions().compute_self_stress(lambda);
+      moved.add(equations, spectrum.U.col(z), scales.length());
     }
-    const Motion& motion = kinematics.motion(static_cast<int>(k));
-    for (int c = 0; c < motion.n_u(); ++c) {
-      const double moved = joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0);
-      if (std::abs(moved) > kUnmoved * size) flags[k].unique_tau[c] = false;
-    }
+    moved.mark(unmoved[step], joints[step], couplings[step]);
+  }
+  report.joints = joints[1];
+  report.unique_coupling = couplings[1];
+  report.decided.resize(report.joints.size());
+  for (std::size_t k = 0; k < report.joints.size(); ++k) agree(joints[0][k], joints[2][k], report.decided[k]);
+  report.decided_coupling.resize(report.unique_coupling.size());
+  for (std::size_t g = 0; g < report.unique_coupling.size(); ++g) {
+    report.decided_coupling[g] = couplings[0][g] == couplings[2][g];
   }
 }
 
@@ -86,23 +209,24 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
   const ScaledRows rows = free_rows(equations, scales);
   RankReport report;
   report.joints.resize(equations.model().joints.size());
+  report.decided = report.joints;
+  report.unique_coupling.assign(equations.model().couplings.size(), true);
+  report.decided_coupling = report.unique_coupling;
   const int n_rows = equations.closure().n_rows();
   int rank = 0;
-  if (n_rows > 0) {
+  report.smallest_kept = clearly_independent(rows.Phi);
+  if (report.smallest_kept > 0.0) {
+    rank = n_rows;
+  } else if (n_rows > 0) {
     // Where drivers hold every column, one of zeros stands for them: no row has rank, and all can carry self-stress.
-    const Eigen::JacobiSVD<MatX> svd(rows.free.empty() ? MatX::Zero(n_rows, 1) : rows.Phi, Eigen::ComputeFullU);
+    const Spectrum spectrum = decompose(rows.free.empty() ? MatX::Zero(n_rows, 1) : rows.Phi);
     // Rows of unit norm over speeds of unit size: where all of them vanish, the largest is round-off, and 1 the scale.
-    const VecX relative = svd.singularValues() / std::max(svd.singularValues()(0), 1.0);
+    const VecX relative = spectrum.sigma / std::max(spectrum.sigma(0), 1.0);
     rank = static_cast<int>((relative.array() > kThreshold).count());
     report.undecided = (relative.array() > kSurelyZero && relative.array() < kSurelyKept).any();
     report.smallest_kept = rank > 0 ? relative(rank - 1) : 0.0;
     report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
-    for (int z = rank; z < n_rows; ++z) {
-      const VecX lambda = rows.units.cwiseProduct(svd.matrixU().col(z));
-      equations.reactions().compute_self_stress(lambda);
-      mark(equations.kinematics(), equations.reactions().joints(), scales.length(),
-           largest_of_relations(equations.closure(), lambda), report.joints);
-    }
+    decide_uniqueness(equations, scales, rows, spectrum, relative, report);
   }
   const int tree = tree_rows(equations);
   report.constraints = tree + n_rows;
@@ -125,8 +249,9 @@ MatX permitted_velocities(Equations& equations, const Scales& scales, const Coor
   const VecX units = scales.speeds()(rows.free);
   const MatX B = equations.kinematics().explicit_B();
   MatX velocities = B(Eigen::all, rows.free) * units.asDiagonal() * N;
+  const double length = equations.model().length_scale();  // as every solver counts them
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
-    velocities.middleRows<3>(equations.kinematics().first_row(static_cast<int>(i))) /= scales.length();
+    velocities.middleRows<3>(equations.kinematics().first_row(static_cast<int>(i))) /= length;
   }
   const Eigen::HouseholderQR<MatX> qr(velocities);
   return qr.householderQ() * MatX::Identity(velocities.rows(), velocities.cols());

@@ -7,6 +7,21 @@
 
 namespace concord::relative {
 
+namespace {
+
+/// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
+/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
+double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const VecX& addot, const Vec3& omega,
+                           const Vec3& gravity) {
+  const MatX& M_aa = inertia.flexible()->M_aa();
+  const double largest_mode = std::sqrt(M_aa.diagonal().maxCoeff());
+  const double linear = std::sqrt(inertia.moments().mass) * (Vdot.head<3>().norm() + gravity.norm());
+  const double angular = std::sqrt(inertia.moments().I.trace()) * (Vdot.tail<3>().norm() + omega.squaredNorm());
+  return largest_mode * (linear + angular + largest_mode * addot.cwiseAbs().maxCoeff());
+}
+
+}  // namespace
+
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
                      const AppliedForces& applied)
     : kinematics_(&kinematics),
@@ -79,8 +94,9 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
     const VecX& addot = *elimination_->modal_acceleration(body);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
-    // At rest stiffness and gravity cancel in p_a: each is a term of its own.
-    load.largest_modal_term = load.rho_a.cwiseAbs().cwiseMax(flexible->U().cwiseAbs()).maxCoeff();
+    load.largest_modal_term = std::max(
+        flexible->U().cwiseAbs().maxCoeff(),
+        size_of_modal_terms(inertia, Vdot, addot, kinematics_->body(body).omega, kinematics_->model().gravity));
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }

@@ -43,6 +43,16 @@ double compute_gap(const Coupling& coupling, const Model& model, const Topology&
   return gap;
 }
 
+double size_of_terms(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q) {
+  double largest = std::abs(coupling.offset);
+  for (const CouplingTerm& term : coupling.terms) {
+    const joints::JointType& type = *model.joints[term.joint].type;
+    const int place = topology.joints[term.joint].first_q + first_q(type, term.word) + term.component;
+    largest = std::max(largest, std::abs(term.factor * q(place)));
+  }
+  return largest;
+}
+
 double compute_slip(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& u) {
   double slip = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
@@ -74,7 +84,7 @@ RelatedJoint& Relations::part_of(Relation& relation, int joint) {
 void Relations::add_coupling(int number) {
   const Model& model = kinematics_->model();
   const Coupling& coupling = model.couplings[number];
-  Relation relation{first_row_ + n_rows_, 1, number, size_of(coupling, model, model.length_scale()), {},
+  Relation relation{first_row_ + n_rows_, 1, number, size_of(coupling, model, machine_length(model)), {},
                     JointVector::Zero(1)};
   for (const CouplingTerm& term : coupling.terms) {
     part_of(relation, term.joint).C(place_in_u(term, model.joints[term.joint]), 0) = term.factor / relation.size;

@@ -14,6 +14,9 @@ double size_of(const Coupling& coupling, const Model& model, double length);
 /// Sum of factor_k q_k minus the offset, for the coordinates of every joint (q of joint k from first_q of its span).
 double compute_gap(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q);
 
+/// The largest of |factor_k q_k| and |offset|: what round-off of the gap is made of.
+double size_of_terms(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q);
+
 /// Its rate, sum of factor_k u_k.
 double compute_slip(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& u);
 

@@ -1,6 +1,9 @@
 #include "relative/scales.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "common/overloaded.h"
 
 namespace concord::relative {
 
@@ -14,10 +17,54 @@ double largest_displacement(const ModalData& modal, Eigen::Index k) {
   return largest;
 }
 
+double total_mass(const Model& model) {
+  double mass = 0.0;
+  for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
+  return mass;
+}
+
+/// Largest force of a load or of a spring that is stretched by the length [N]; torques over the length.
+double largest_force(const Model& model, double length) {
+  double largest = 0.0;
+  for (const ForceElement& element : model.elements) {
+    std::visit(
+        Overloaded{
+            [&](const Load& load) {
+              largest = std::max({largest, load.force.norm(), load.torque.norm() / length});
+            },
+            [&](const LineSpring& spring) {
+              largest = std::max({largest, std::abs(spring.law.stiffness) * length, std::abs(spring.law.preload)});
+            },
+            [&](const TurnSpring& spring) { largest = std::max(largest, std::abs(spring.law.stiffness) / length); },
+            [&](const auto&) {}},
+        element.what);
+  }
+  return largest;
+}
+
 }  // namespace
 
+double machine_rate(const Model& model) {
+  const double length = machine_length(model);
+  double rate = std::sqrt(model.gravity.norm() / length);
+  for (const Joint& joint : model.joints) {
+    const Motion motion(*joint.type);
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      const WordStart& start = joint.start[word];
+      if (start.role_u == StartRole::unsaid) continue;
+      for (int c = 0; c < static_cast<int>(start.u.size()); ++c) {
+        const bool slides = motion.kind(first_u(*joint.type, static_cast<int>(word)) + c).is_length;
+        rate = std::max(rate, std::abs(start.u(c)) / (slides ? length : 1.0));
+      }
+    }
+  }
+  const double mass = total_mass(model);
+  if (rate == 0.0 && mass > 0.0) rate = std::max(rate, std::sqrt(largest_force(model, length) / (mass * length)));
+  return rate;
+}
+
 Scales::Scales(const Model& model, const Topology& topology)
-    : length_(model.length_scale()), speeds_(VecX::Ones(topology.n_u)) {
+    : length_(machine_length(model)), speeds_(VecX::Ones(topology.n_u)) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Motion motion(*model.joints[k].type);
     for (int c = 0; c < motion.n_u(); ++c) {
@@ -32,16 +79,23 @@ Scales::Scales(const Model& model, const Topology& topology)
   }
 }
 
-VecX Scales::rows(const Closure& closure) const {
-  VecX rows = VecX::Ones(closure.n_rows());
-  for (const Closure::Cut& cut : closure.cuts()) {
-    rows.segment(cut.first_row, cut.measure.n_linear_rows()).setConstant(length_);
+VecX Scales::coordinates(const Model& model, const Topology& topology) const {
+  VecX units = VecX::Ones(topology.n_q);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Motion motion(*model.joints[k].type);
+    // Slides and motions by functions have as many coordinates as speeds and stand before a ball.
+    for (int c = 0; c < motion.n_u(); ++c) {
+      if (motion.kind(c).is_length) units(topology.joints[k].first_q + c) = length_;
+    }
   }
-  return rows;
+  for (const Span& modes : topology.modes) {
+    units.segment(modes.first_q, modes.n_q) = speeds_.segment(modes.first_u, modes.n_u);
+  }
+  return units;
 }
 
 MatX Scales::scaled(const MatX& Phi_u, const Closure& closure) const {
-  return rows(closure).cwiseInverse().asDiagonal() * Phi_u * speeds_.head(Phi_u.cols()).asDiagonal();
+  return closure.row_units().cwiseInverse().asDiagonal() * Phi_u * speeds_.head(Phi_u.cols()).asDiagonal();
 }
 
 }  // namespace concord::relative

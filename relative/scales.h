@@ -5,7 +5,11 @@
 /// Units of a machine, so that metres, radians and modal coordinates can be weighed against each other.
 namespace concord::relative {
 
-/// Length of the machine, Model::length_scale [m], and the size of one unit of each speed and closure row.
+/// The rate of a machine [1/s], by which its speeds are small or not: that of gravity and of
+/// the speeds it starts with; else that of its loads and springs; zero if nothing moves it.
+double machine_rate(const Model& model);
+
+/// Length of the machine, machine_length [m], and the size of one unit of each speed and closure row.
 class Scales {
  public:
   Scales(const Model& model, const Topology& topology);
@@ -14,8 +18,8 @@ class Scales {
   /// One for each entry of u: the length for a slide, 1 rad for a turn, for a mode the amplitude at which its largest
   /// displacement is the length.
   [[nodiscard]] const VecX& speeds() const { return speeds_; }
-  /// One for each row of a closure: the length for a displacement, 1 for a rotation.
-  [[nodiscard]] VecX rows(const Closure& closure) const;
+  /// One for each entry of q: the length for a slide, 1 for an angle or an Euler parameter, for a mode as in speeds().
+  [[nodiscard]] VecX coordinates(const Model& model, const Topology& topology) const;
   /// Phi_u with rows and columns measured in these units.
   [[nodiscard]] MatX scaled(const MatX& Phi_u, const Closure& closure) const;
 

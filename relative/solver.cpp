@@ -1,6 +1,7 @@
 #include "relative/solver.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "relative/integration.h"
 #include "relative/rank.h"
@@ -11,6 +12,27 @@ namespace concord::relative {
 namespace {
 
 constexpr double kLargestMisfit = 1e-12;
+
+/// A frame that is no rotation, as when the norm of its axis overflowed, would give a motion without sense.
+void require_frames(const Model& model) {
+  constexpr double kNoRotation = 1e-9;
+  const auto require = [&](const Attachment& side, const SourceLocation& where, const std::string& owner) {
+    const double misfit = (side.C.transpose() * side.C - Mat3::Identity()).norm();
+    if (misfit <= kNoRotation && side.point_L.allFinite()) return;
+    throw InputError(where, fmt::format("{}: the frame of one of its ends is no rotation at a finite place: its axes "
+                                        "are off by {:.1e}: give numbers of ordinary size",
+                                        owner, misfit));
+  };
+  for (const Joint& joint : model.joints) {
+    for (const Attachment& side : joint.sides) require(side, joint.where, fmt::format("joint '{}'", joint.name));
+  }
+  for (const ForceElement& element : model.elements) {
+    for (const Side side : {Side::parent, Side::child}) {
+      const Attachment* end = end_of(element, side);
+      if (end != nullptr) require(*end, element.where, fmt::format("force element '{}'", element.name));
+    }
+  }
+}
 
 class RelativeSolver final : public Solver {
  public:
@@ -32,7 +54,7 @@ class RelativeSolver final : public Solver {
     try {
       StateMisfit misfit;
       Coordinates coordinates = states_.read(guess, misfit);
-      if (!assembly_.close(coordinates)) return std::nullopt;
+      if (!assembly_.close(coordinates) || states_.strayed_joint(guess, coordinates.q) >= 0) return std::nullopt;
       equations_.move(coordinates.t, coordinates.q, coordinates.u);
       return states_.write(guess.t, guess);
     } catch (const SolverError&) {
@@ -42,8 +64,13 @@ class RelativeSolver final : public Solver {
 
   Evaluation evaluate(const State& state) override {
     const Coordinates coordinates = read_closed(state);
-    assembly_.choose_rows(coordinates);
-    equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
+    assembly_.decide_rank(coordinates);
+    try {
+      equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
+    } catch (const SingularPose&) {
+      assembly_.throw_singular(coordinates, "");
+    }
+    assembly_.require_general_rank(coordinates);
     equations_.compute_reactions();
     require_modal_balance(equations_, state.t);
     return states_.write_evaluation();
@@ -71,11 +98,21 @@ class RelativeSolver final : public Solver {
   Coordinates read_closed(const State& state) {
     StateMisfit misfit;
     Coordinates coordinates = states_.read(state, misfit);
-    if (misfit.largest <= kLargestMisfit) return coordinates;
+    if (misfit.largest <= kLargestMisfit && misfit.strayed_joint < 0) return coordinates;
+    if (misfit.largest <= kLargestMisfit) throw_strayed(state, coordinates, misfit.strayed_joint);
     throw SolverError(
         fmt::format("relative: the state at t = {:.6g} s is not closed: residual {:.1e} at {}, allowed "
                     "{:.0e}: close it first",
                     state.t, misfit.largest, misfit.where, kLargestMisfit));
+  }
+
+  [[noreturn]] void throw_strayed(const State& state, const Coordinates& coordinates, int joint) const {
+    const Span& span = equations_.topology().joints[joint];
+    const VecX found = coordinates.q.segment(span.first_q, span.n_q);
+    throw SolverError(fmt::format(
+        "relative: the state at t = {:.6g} s: joint '{}' stands on another turn or branch than its coordinates say: "
+        "({:.6g}) from the poses of its bodies, ({:.6g}) with the state",
+        state.t, model_.joints[joint].name, fmt::join(found, ", "), fmt::join(state.q[joint], ", ")));
   }
 
   Model model_;
@@ -86,6 +123,9 @@ class RelativeSolver final : public Solver {
 
 }  // namespace
 
-std::unique_ptr<Solver> make_solver(const Model& model) { return std::make_unique<RelativeSolver>(model); }
+std::unique_ptr<Solver> make_solver(const Model& model) {
+  require_frames(model);
+  return std::make_unique<RelativeSolver>(model);
+}
 
 }  // namespace concord::relative

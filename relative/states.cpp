@@ -11,7 +11,16 @@ namespace concord::relative {
 
 namespace {
 
-double largest(const Vec6& values) { return values.cwiseAbs().maxCoeff(); }
+/// The larger of a displacement and a rotation, each relative to its size; nothing is zero of nothing.
+double largest(const Vec6& values, double linear_size, double angular_size) {
+  const double linear = values.head<3>().cwiseAbs().maxCoeff();
+  const double angular = values.tail<3>().cwiseAbs().maxCoeff();
+  const double parts =
+      std::max(linear > 0.0 ? linear / linear_size : 0.0, angular > 0.0 ? angular / angular_size : 0.0);
+  return std::isnan(linear + angular) ? linear + angular : parts;
+}
+
+double part_of(double value, double size) { return value == 0.0 ? 0.0 : std::abs(value) / size; }
 
 void require_numbers(const BodyState& body, const std::string& name, double t) {
   if (body.r.allFinite() && body.p.allFinite() && body.v.allFinite() && body.omega.allFinite() && body.a.allFinite() &&
@@ -25,7 +34,10 @@ void require_numbers(const BodyState& body, const std::string& name, double t) {
 }  // namespace
 
 States::States(const Equations& equations)
-    : equations_(&equations), kinematics_(equations.model()), length_(equations.model().length_scale()) {
+    : equations_(&equations),
+      kinematics_(equations.model()),
+      length_(machine_length(equations.model())),
+      rate_(machine_rate(equations.model())) {
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
     measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
@@ -54,12 +66,13 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   const Model& model = equations_->model();
   const Topology& topology = equations_->topology();
   Coordinates found{state.t, equations_->home(), VecX::Zero(topology.n_u)};
-  double size = 1.0;
-  double speed = 1.0;
+  double size = length_;
+  double speed = length_ * rate_;
   misfit = {};
   const auto judge = [&misfit](double value, const char* kind, const std::string& name) {
     if (std::isnan(misfit.largest) || value <= misfit.largest) return;
-    misfit = {value, fmt::format("{} '{}'", kind, name)};
+    misfit.largest = value;
+    misfit.where = fmt::format("{} '{}'", kind, name);
   };
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
@@ -67,36 +80,54 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     found.q.segment(topology.modes[i].first_q, topology.modes[i].n_q) = body.a;
     found.u.segment(topology.modes[i].first_u, topology.modes[i].n_u) = body.adot;
     size = std::max(size, body.r.cwiseAbs().maxCoeff());
-    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff()});
+    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), length_ * body.omega.cwiseAbs().maxCoeff()});
     judge(std::abs(body.p.norm() - 1.0), "body", model.bodies[i].name);
   }
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
     const Span& span = topology.joints[k];
-    if (k < state.q.size() && state.q[k].size() == span.n_q) found.q.segment(span.first_q, span.n_q) = state.q[k];
+    if (has_q(state, k)) found.q.segment(span.first_q, span.n_q) = state.q[k];
   }
   equations_->prescribe(state.t, found.q, found.u);
+  const double turning = speed / length_;
 
   kinematics_.place(state.bodies);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
     const Span& span = topology.joints[k];
+    const std::string& name = model.joints[k].name;
     JointMeasure& measure = measures_[k];
-    const JointPoint& parent = kinematics_.point(static_cast<int>(k), Side::parent);
-    const JointPoint& child = kinematics_.point(static_cast<int>(k), Side::child);
-    measure.find_q(parent, child, found.q.data() + span.first_q, true);
+    const JointPoint& parent = kinematics_.point(k, Side::parent);
+    const JointPoint& child = kinematics_.point(k, Side::child);
+    const auto restart = has_q(state, k) ? JointMeasure::Restart::if_clearly_better : JointMeasure::Restart::if_better;
+    measure.find_q(parent, child, found.q.data() + span.first_q, restart);
     measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
-    kinematics_.require_rank(static_cast<int>(k), measure.motion_at());
-    judge(largest(measure.error()) / size, "joint", model.joints[k].name);
-    judge(largest(measure.slip()) / speed, "joint", model.joints[k].name);
-    judge(slip_of(static_cast<int>(k), found.u) / speed, "joint", model.joints[k].name);
+    kinematics_.require_rank(k, measure.motion_at());
+    judge(largest(measure.error(), size, 1.0), "joint", name);
+    judge(largest(measure.slip(), speed, turning), "joint", name);
+    judge(part_of(slip_of(k, found.u), turning), "joint", name);
   }
+  misfit.strayed_joint = strayed_joint(state, found.q);
   for (const Coupling& coupling : model.couplings) {
     const double factors = size_of(coupling, model, length_);
-    const double gap = compute_gap(coupling, model, topology, found.q) / factors;
+    const double terms = size_of_terms(coupling, model, topology, found.q);
+    const double gap = compute_gap(coupling, model, topology, found.q);
     const double slip = compute_slip(coupling, model, topology, found.u) / factors;
-    judge(std::abs(gap) / std::max(1.0, found.q.cwiseAbs().maxCoeff()), "coupling", coupling.name);
-    judge(std::abs(slip) / speed, "coupling", coupling.name);
+    judge(part_of(gap, std::max(factors, terms)), "coupling", coupling.name);
+    judge(part_of(slip, turning), "coupling", coupling.name);
   }
   return found;
+}
+
+bool States::has_q(const State& state, int joint) const {
+  return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
+}
+
+int States::strayed_joint(const State& state, const VecX& q) const {
+  for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
+    if (!has_q(state, k)) continue;
+    const double* found = q.data() + equations_->topology().joints[k].first_q;
+    if (!equations_->kinematics().motion(k).is_on_branch_of(found, state.q[k].data())) return k;
+  }
+  return -1;
 }
 
 /// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have

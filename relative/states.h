@@ -7,11 +7,15 @@ namespace concord::relative {
 
 /// How far a state is from one that this solver could have made.
 struct StateMisfit {
-  /// Largest misfit over joints, drivers, couplings and Euler parameter norms: positions [m, rad] relative to max(1,
-  /// largest |r|), velocities relative to max(1, largest speed).
+  /// Largest misfit over joints, drivers, couplings and Euler parameter norms, free of units: displacements relative to
+  /// the larger of the machine's length and the largest |r|, rotations in rad; velocities relative to the largest speed
+  /// of the state, turning times the machine's length among them, or the machine's rate times its length.
   double largest = 0.0;
   /// Where: "joint 'B'", "body 'crank'" or "coupling 'G'".
   std::string where;
+  /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
+  /// the state; -1: none.
+  int strayed_joint = -1;
 };
 
 class States {
@@ -22,25 +26,30 @@ class States {
   /// Throws SolverError if the state has the wrong size.
   void require_shape(const State& state) const;
 
-  /// Coordinates of a state: those of every joint are measured between its two bodies, tree and cut joints alike, with
-  /// the state's q as first guess; cost proportional to the number of joints. `misfit` gets what the joints do not
-  /// permit, and how far driven coordinates are from their laws. Throws SolverError if the state has the wrong size or
-  /// its bodies hold what is no number.
+  /// Coordinates of a state: those of every joint are measured between its two bodies, tree and cut joints alike, from
+  /// the state's q, which chooses turns and branches (without them, the branch nearest to home); cost proportional to
+  /// the number of joints. `misfit` gets what the joints do not permit, and how far driven coordinates are from their
+  /// laws. Throws SolverError if the state has the wrong size or its bodies hold what is no number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
   /// The complete state of the pose that the equations hold; Euler parameters of the sign nearest to those of `before`
   /// (if it is not empty).
   [[nodiscard]] State write(double t, const State& before) const;
 
+  /// A joint whose coordinates in q lie on another turn or branch than those that the state brings; -1: none.
+  [[nodiscard]] int strayed_joint(const State& state, const VecX& q) const;
+
   /// Accelerations and wrenches that the equations hold.
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
   [[nodiscard]] double slip_of(int joint, const VecX& u);
+  [[nodiscard]] bool has_q(const State& state, int joint) const;
 
   const Equations* equations_;
   Kinematics kinematics_;
   double length_;
+  double rate_;
   std::vector<JointMeasure> measures_;
   std::vector<PermittedSpeeds> permitted_;
 };

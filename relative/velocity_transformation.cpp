@@ -21,7 +21,7 @@ Kinematics::Kinematics(const Model& model)
       first_rows_(model.bodies.size(), 0),
       q_(VecX::Zero(topology_.n_q)),
       u_(VecX::Zero(topology_.n_u)) {
-  const double length = model.length_scale();
+  const double length = machine_length(model);
   for (const Joint& joint : model.joints) {
     motions_.emplace_back(*joint.type, length);
     for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
@@ -47,7 +47,7 @@ void Kinematics::update(const VecX& q, const VecX& u) {
 
 void Kinematics::require_rank(int joint, const JointMotion& motion) const {
   if (!motions_[joint].loses_rank(motion)) return;
-  throw SolverError(
+  throw SingularPose(
       fmt::format("relative: joint '{}' ({}): its coordinates are singular in this pose, where two of its motions are "
                   "one: turn its frame on the parent, so that the machine stays away from there",
                   model_->joints[joint].name, model_->joints[joint].type->name));

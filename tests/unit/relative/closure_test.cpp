@@ -41,7 +41,7 @@ TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
   JointMeasure measure(kinematics_.motion(0), nothing.data());
   VecX q = kinematics_.motion(0).home();
   VecX u = VecX::Zero(u_.size());
-  measure.find_q(parent(), child(), q.data(), true);
+  measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
   measure.find_u(parent(), child(), q.data(), u.data());
   if (kinematics_.motion(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
   EXPECT_LT((q - q_).norm(), 1e-14);
@@ -57,7 +57,7 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
     if (held_column >= 0) held[held_column] = 1;
     JointMeasure measure(kinematics_.motion(0), held.data());
     VecX q = q_;
-    measure.find_q(parent(), child(), q.data(), false);
+    measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::never);
     const int rows = measure.n_rows();
     EXPECT_EQ(rows, 6 - n_u + (held_column >= 0 ? 1 : 0));
     const MatX T = measure.T().leftCols(rows);
@@ -87,7 +87,7 @@ TEST_P(MeasuredJoint, KeepsTheNumberOfTurnsOfTheFirstGuess) {
   JointMeasure measure(kinematics_.motion(0), nothing.data());
   VecX q = q_;
   q(0) += 40.0 * M_PI + 0.3;
-  measure.find_q(parent(), child(), q.data(), true);
+  measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
   EXPECT_NEAR(q(0), q_(0) + 40.0 * M_PI, 1e-13);
 }
 
@@ -108,7 +108,7 @@ class MeasuredRod : public ::testing::Test {
     JointMeasure measured(motion_, nothing.data());
     VecX q = motion_.home();
     q.head<2>() << q1, q2;
-    measured.find_q(parent_, child_, q.data(), true);
+    measured.find_q(parent_, child_, q.data(), JointMeasure::Restart::if_better);
     error_ = measured.error();
     return q;
   }
@@ -130,11 +130,14 @@ TEST_F(MeasuredRod, PointsAtItsEndHoweverFarThatIs) {
   }
 }
 
-TEST_F(MeasuredRod, NamesItsPoseByTheElevation) {
+TEST_F(MeasuredRod, NamesItsPoseOnTheSideOfItsGuess) {
   const double bearing = 0.4;
   const double elevation = 2.5;
   const Vec3 gap = 0.4 * (rotation_about(Axis::x, bearing) * rotation_about(Axis::y, elevation)).col(2);
-  const VecX q = measure(gap, bearing + 0.05, elevation - 0.05);
+  const VecX far = measure(gap, bearing + 0.05, elevation - 0.05);
+  EXPECT_NEAR(far(0), bearing, 1e-14);
+  EXPECT_NEAR(far(1), elevation, 1e-14);
+  const VecX q = measure(gap, bearing + M_PI - 0.05, 0.4);
   EXPECT_NEAR(q(0), bearing + M_PI, 1e-14);
   EXPECT_NEAR(q(1), M_PI - elevation, 1e-14);
   EXPECT_LT(error_.norm(), 1e-15);

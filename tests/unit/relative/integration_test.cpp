@@ -192,6 +192,7 @@ TEST(Integration, StopsAtTheGridAndReportsWhatItDid) {
   EXPECT_GE(run.statistics.evaluations, 13 * run.statistics.steps);
   EXPECT_GT(run.statistics.wall_s, 0.0);
   EXPECT_LT(run.statistics.max_constraint, 1e-14);
+  EXPECT_GT(run.statistics.max_constraint, 0.0);
 }
 
 TEST(Integration, SaysWhenAndWhichLoopLocks) {
@@ -205,9 +206,7 @@ TEST(Integration, SaysWhenAndWhichLoopLocks) {
   } catch (const SolverError& error) {
     const std::string text = error.what();
     EXPECT_TRUE(text.starts_with("relative: at t = 1.2")) << text;
-    EXPECT_NE(text.find("closure rows of the cut joints have rank 2 in this pose, 3 in a general one"),
-              std::string::npos)
-        << text;
+    EXPECT_NE(text.find("the loop of joint 'B'"), std::string::npos) << text;
   }
 }
 
@@ -222,7 +221,8 @@ TEST(Integration, RefusesStepsThatGetNowhere) {
     FAIL() << "a spring of 1e24 N/m was followed by an explicit integrator";
   } catch (const SolverError& error) {
     const std::string text = error.what();
-    EXPECT_TRUE(text.starts_with("relative: at t = 0.0000 s 100000 steps were needed for ")) << text;
+    EXPECT_TRUE(text.starts_with("relative: at t = ")) << text;
+    EXPECT_NE(text.find(" s 100000 steps were needed for "), std::string::npos) << text;
     EXPECT_NE(text.find("too stiff for this integrator"), std::string::npos) << text;
   }
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "machines.h"
 #include "relative/solver.h"
 
@@ -120,7 +122,8 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
       JointMeasure measure(kinematics.motion(k), driven.data() + span.first_u);
       VecX q = state.q[k];
       VecX u = VecX::Zero(span.n_u);
-      measure.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(), false);
+      measure.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(),
+                     JointMeasure::Restart::never);
       measure.find_u(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(), u.data());
       EXPECT_LT(measure.slip().norm(), 1e-12) << model.joints[k].name;
     }
@@ -128,6 +131,53 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, PermittedVelocities, ::testing::Range(0, 5));
+
+/// Two couplings that say the same, one of them in other units, share a force that neither has alone; a third stands by
+/// itself. Reactions of the tree are unique all the same.
+TEST(Rank, DecidesTheForceOfEachCoupling) {
+  Model model = test::tree_of_all_joints(false);
+  const auto couple = [&](const std::string& name, double factor, int first, int second) {
+    Coupling coupling;
+    coupling.name = name;
+    coupling.terms = {{first, 0, 0, factor}, {second, 0, 0, -1.7 * factor}};
+    const double q_first = model.joints[first].start[0].q(0);
+    coupling.offset = factor * (q_first - 1.7 * model.joints[second].start[0].q(0));
+    model.couplings.push_back(coupling);
+  };
+  couple("one", 1.0, 0, 7);
+  couple("alone", 0.6, 2, 4);
+  couple("again", -3.0, 0, 7);
+  Equations equations(model);
+  Coordinates pose{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
+  const RankReport report = analyze_rank(equations, Scales(model, equations.topology()), pose);
+  EXPECT_EQ(report.unique_coupling, (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(report.decided_coupling, (std::vector<bool>{true, true, true}));
+  for (const JointUniqueness& joint : report.joints) EXPECT_EQ(flags(joint, Side::child), "uuuuuu");
+  EXPECT_EQ(report.constraints - report.rank, 1);
+}
+
+/// A second hinge on the axis of a first, tilted by less than any need notices and more than round-off: which torques
+/// are unique depends on where the line is drawn, and the report says so. Well tilted or not at all, it is decided.
+TEST(Rank, SaysWhereAFlagDependsOnTheThreshold) {
+  const auto report_with = [](double tilt) {
+    Model model = test::four_bar();
+    Equations parallel(model);
+    const Coordinates pose = Assembly(parallel).start();
+    Model tilted = model;
+    tilted.joints[3].sides[1].C = model.joints[3].sides[1].C * rotation_about(Axis::x, tilt);
+    Equations equations(tilted);
+    return analyze_rank(equations, Scales(tilted, equations.topology()), pose);
+  };
+  const auto n_undecided = [](const RankReport& report) {
+    int n = 0;
+    for (const JointUniqueness& joint : report.decided) {
+      for (const auto& side : joint.unique) n += static_cast<int>(std::count(side.begin(), side.end(), false));
+    }
+    return n;
+  };
+  EXPECT_EQ(n_undecided(report_with(0.0)), 0);
+  EXPECT_GT(n_undecided(report_with(1e-9)), 0);
+}
 
 }  // namespace
 }  // namespace concord::relative

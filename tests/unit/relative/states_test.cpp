@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "common/joints/screw.h"
 #include "machines.h"
+#include "relative/solver.h"
 
 namespace concord::relative {
 namespace {
@@ -116,6 +120,81 @@ TEST(States, MeasureDrivenCoordinatesAgainstTheirLaws) {
   (void)states.read(state, misfit);
   EXPECT_NEAR(misfit.largest, 2e-6, 1e-8);
   EXPECT_EQ(misfit.where, "joint 'A'");
+}
+
+/// The elevation of a rod on two turns has two names; the state's coordinates choose.
+TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
+  Model model = test::pair(*test::type_named("distance"), 2);
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  equations.move(0.0, start.q, start.u);
+  States states(equations);
+  State state = states.write(0.0, {});
+  VecX& q = state.q[2];
+  q(0) += std::numbers::pi;
+  q(1) = std::numbers::pi - q(1);
+  StateMisfit misfit;
+  const Coordinates found = states.read(state, misfit);
+  EXPECT_LT((found.q.segment(equations.topology().joints[2].first_q, 2) - q.head<2>()).norm(), 1e-13);
+  EXPECT_LT(misfit.largest, 1e-13);
+  EXPECT_EQ(misfit.strayed_joint, -1);
+}
+
+/// A nut many turns up its thread: from the turn that the state says, from none at all, and from a wrong one.
+TEST(States, CountTheTurnsOfAThread) {
+  Model model;
+  model.file = "thread.toml";
+  test::Numbers numbers(88);
+  model.bodies = {test::ground(), test::rigid_body("nut", numbers)};
+  const joints::JointType thread = joints::screw_of({0.0013});
+  Joint joint = test::joint(model, "J", "revolute", 0, 1, numbers);
+  joint.type = &thread;
+  joint.start[0].q = VecX::Constant(1, 71.3);
+  model.joints = {joint};
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  equations.move(0.0, start.q, start.u);
+  States states(equations);
+  const State state = states.write(0.0, {});
+  const auto turn_from = [&](std::vector<VecX> hints, int& strayed) {
+    State given = state;
+    given.q = std::move(hints);
+    StateMisfit misfit;
+    const double found = states.read(given, misfit).q(0);
+    EXPECT_LT(misfit.largest, 1e-13);
+    strayed = misfit.strayed_joint;
+    return found;
+  };
+  int strayed = 0;
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, strayed), 71.3, 1e-11);
+  EXPECT_EQ(strayed, -1);
+  EXPECT_NEAR(turn_from({}, strayed), 71.3, 1e-11);
+  EXPECT_EQ(strayed, -1);
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, strayed), 71.3, 1e-11);
+  EXPECT_EQ(strayed, 0);
+}
+
+/// Far from closed, as a guess is, the turn of the thread is that of the coordinates.
+TEST(States, StayOnTheTurnOfAGuess) {
+  Model model;
+  model.file = "thread.toml";
+  test::Numbers numbers(89);
+  model.bodies = {test::ground(), test::rigid_body("nut", numbers)};
+  const joints::JointType thread = joints::screw_of({0.0021});
+  Joint joint = test::joint(model, "J", "revolute", 0, 1, numbers);
+  joint.type = &thread;
+  joint.start[0].q = VecX::Constant(1, 12.6);
+  model.joints = {joint};
+  const std::unique_ptr<Solver> solver = make_solver(model);
+  State guess = solver->assemble();
+  guess.bodies[1].r += Vec3(0.021, -0.013, 0.034);
+  const std::optional<State> closed = solver->close(guess);
+  ASSERT_TRUE(closed.has_value());
+  EXPECT_NEAR(closed->q[0](0), 12.6, 0.5);
+  guess.q[0](0) += 4.0 * std::numbers::pi;
+  const std::optional<State> further = solver->close(guess);
+  ASSERT_TRUE(further.has_value());
+  EXPECT_NEAR(further->q[0](0), 12.6 + 4.0 * std::numbers::pi, 0.5);
 }
 
 }  // namespace
