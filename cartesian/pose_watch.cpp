@@ -189,7 +189,9 @@ bool PoseWatch::follow(double t, const Motion& motion) {
 
 /// Whether the rows at one pose go over into those at the other without a doubt.
 bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vector<bool>& rows) {
-  constexpr double kOverlap = 0.3;
+  // What the rows permit turns by less than about 25 degrees; where a motion changes to another branch it turns at
+  // once, however near the poses are.
+  constexpr double kOverlap = 0.9;
   const auto own_pivots = [&](const Look& at) {
     return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
   };

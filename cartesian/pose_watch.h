@@ -12,9 +12,9 @@ namespace concord::cartesian {
 /// singular poses on and between steps.
 ///
 /// Between two poses a and b of a motion the matrix J_b M^-1 J_a^T, J the rows in use, is positive definite for b = a,
-/// and its pivots, eliminated in a fixed order, can only become negative where the rows lose rank or where what they
-/// permit turns by more than a right angle. A turn is taken apart by looking between a and b; a singular pose stays,
-/// however near both are.
+/// and its pivots, eliminated in a fixed order, are the geometric means of those at a and b as far as what the rows
+/// permit does not turn from a to b. A turn is taken apart by looking between a and b; the change of sign where the
+/// rows lose rank, and the sudden turn where a motion changes to another branch, stay however near both are.
 class PoseWatch {
  public:
   /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is

@@ -260,7 +260,8 @@ TEST_F(IncludedFiles, RefuseBrokenGrammarWithTheRestOfTheModel) {
   write("parts/corner.toml", "format = 1\nmass 3\n");
   EXPECT_EQ(complaints("car.toml"),
             "car.toml:30:9: error: need: unknown joint 'left_hub': known joints: road\n"
-            "car.toml:33:1: error: need: unknown key 'color': known keys: joint, component, same_state, same_run, "
+            "car.toml:33:1: error: need: unknown key 'color': known keys: joint, element, body, component, same_state, "
+            "same_run, "
             "refined, because\n"
             "parts/corner.toml:2:6: error: not TOML: Error while parsing key-value pair: expected '=', saw '3'\n"
             "  included from car.toml:8:1");

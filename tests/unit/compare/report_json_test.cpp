@@ -35,8 +35,11 @@ TEST_F(ReportJsonTest, HasTheseKeys) {
   for (const char* rung : {"same_state", "same_run", "refined", "audit"}) {
     EXPECT_THAT(keys(json[rung]), ElementsAre("digits"));
   }
-  EXPECT_THAT(keys(json["joints"][0]), ElementsAre("joint", "side", "component", "scale", "unique", "same_state_digits",
-                                                   "same_run_digits", "refined_digits", "need", "verdict"));
+  EXPECT_THAT(keys(json["joints"][0]),
+              ElementsAre("joint", "side", "component", "scale", "scale_from", "unique", "states", "same_state_digits",
+                          "same_state_resolvable_digits", "same_run_digits", "refined_digits", "need",
+                          "judged_by_resolution", "verdict"));
+  EXPECT_THAT(keys(json["joints"][0]["states"]), ElementsAre("judged", "not_unique", "too_coarse"));
   EXPECT_THAT(keys(json["joints"][0]["need"]), ElementsAre("same_state", "same_run", "refined"));
   EXPECT_THAT(keys(json["solvers"]), ElementsAre("cartesian", "relative"));
   EXPECT_THAT(keys(json["solvers"]["relative"]),

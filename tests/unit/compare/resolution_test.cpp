@@ -82,7 +82,7 @@ TEST_F(ResolutionTest, AnAnswerThatIsNoiseIsResolvedToThatNoiseInItsWholeForce) 
   };
   const Resolution resolution = measure_all();
   for (Eigen::Index k = 0; k < resolution.both.cols(); ++k) {
-    EXPECT_GT(resolution.both(row(1), k), 1e-8);
+    EXPECT_GT(resolution.both(row(1), k), 1e-9);
     EXPECT_LT(resolution.both(row(1), k), 3e-7);
     EXPECT_EQ(resolution.own[1](row(0), k), resolution.own[1](row(1), k)) << "one force, one resolution";
     EXPECT_LT(resolution.own[0](row(1), k), 1e-12) << "the other solver's own is its own";

@@ -66,9 +66,12 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
     if (motion.couples()) weighed.bottomRows(3) /= motion.length();
     EXPECT_LT((weighed.transpose() * weighed - MatX::Identity(rows, rows)).norm(), 1e-15);
     for (int c = 0; c < n_u; ++c) {
-      const double along = (T.transpose() * measure.motion_at().S.col(c)).norm();
+      // Where a speed both displaces and rotates, turns count in lengths of the machine.
+      VecX column = measure.motion_at().S.col(c);
+      const double along = (T.transpose() * column).norm();
+      if (motion.couples()) column.tail<3>() *= motion.length();
       if (c == held_column) {
-        EXPECT_GT(along, 0.5 * measure.motion_at().S.col(c).norm());
+        EXPECT_GT(along, 0.5 * column.norm());
       } else {
         EXPECT_LT(along, 1e-15);
       }
