@@ -181,6 +181,7 @@ struct Run {
     assembly.project(coordinates);
     variables.pack(coordinates.q, coordinates.u, y);
     watch.pass(coordinates);
+    equations.loops().keep_rows();
   }
 };
 
@@ -374,6 +375,20 @@ void require_modal_balance(const Equations& equations, double t) {
                   kLargestModalResidual));
 }
 
+namespace {
+
+/// Rows stay the same within each step of a run.
+struct RowsOfSteps {
+  Loops& loops;
+
+  explicit RowsOfSteps(Equations& equations) : loops(equations.loops()) { loops.keep_rows(); }
+  ~RowsOfSteps() { loops.free_rows(); }
+  RowsOfSteps(const RowsOfSteps&) = delete;
+  RowsOfSteps& operator=(const RowsOfSteps&) = delete;
+};
+
+}  // namespace
+
 Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const RunOptions& options,
                      const Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
@@ -389,6 +404,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
           SingularityWatch(equations, assembly)};
   run.has_work = equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible();
   run.watch.pass(start);
+  const RowsOfSteps rows(equations);
 
   const sundials::Context context;
   sundials::MessageRecord messages;

@@ -218,6 +218,7 @@ void Loops::choose_rows() {
     scale_(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda_(i, i));
   }
   if (rank_ == n) return;  // all rows are used
+  if (keeps_rows_ && has_kept_ && are_kept_rows_sound()) return;
   rest_.noalias() = scale_.asDiagonal() * Lambda_ * scale_.asDiagonal();
   used_.clear();
   for (const double least : kLeastOwnParts) {
@@ -228,6 +229,25 @@ void Loops::choose_rows() {
   // Of the rows that are left none is independent.
   if (static_cast<int>(used_.size()) < rank_) throw_singular(0);
   std::sort(used_.begin(), used_.end());
+  has_kept_ = keeps_rows_;
+}
+
+/// Whether the rows in use are still independent enough in this pose.
+bool Loops::are_kept_rows_sound() {
+  constexpr double kSound = 1e-6;
+  select();
+  return llt_.compute(selected_).info() == Eigen::Success &&
+         llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kSound;
+}
+
+/// Lambda of the used rows, scaled to unit diagonal.
+void Loops::select() {
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      selected_(i, j) = scale_(used_[i]) * Lambda_(used_[i], used_[j]) * scale_(used_[j]);
+    }
+  }
 }
 
 /// Takes a row and its part off what is left of the others.
@@ -247,13 +267,10 @@ void Loops::use(int pivot) {
 
 /// Cholesky's factor of the used rows of Lambda, or where that loses digits the orthogonal factor of the steps.
 void Loops::factorize() {
-  const auto n = static_cast<Eigen::Index>(used_.size());
-  for (Eigen::Index j = 0; j < n; ++j) {
-    if (scale_(used_[j]) == 0.0) throw_singular(used_[j]);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      selected_(i, j) = scale_(used_[i]) * Lambda_(used_[i], used_[j]) * scale_(used_[j]);
-    }
+  for (const int row : used_) {
+    if (scale_(row) == 0.0) throw_singular(row);
   }
+  select();
   is_orthogonal_ = false;
   least_pivot_ = 0.0;
   if (llt_.compute(selected_).info() == Eigen::Success) {

@@ -31,6 +31,15 @@ class Loops {
   /// The rows used last.
   [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
 
+  /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
+  /// independent: between rows that agree in a closed pose the stages of a step would else jump.
+  void keep_rows() {
+    keeps_rows_ = true;
+    has_kept_ = false;
+  }
+  /// Rows are chosen in each pose again.
+  void free_rows() { keeps_rows_ = false; }
+
   /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
   /// the coordinate forces of a relation -C lambda.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
@@ -75,6 +84,8 @@ class Loops {
   void sum_Lambda();
   void choose_rows();
   void use(int pivot);
+  [[nodiscard]] bool are_kept_rows_sound();
+  void select();
   void factorize();
   void factorize_steps();
   void solve(VecX& right) const;
@@ -88,6 +99,8 @@ class Loops {
   std::vector<Shared> shared_;
   int rank_ = 0;
   std::vector<int> used_;
+  bool keeps_rows_ = false;
+  bool has_kept_ = false;           // whether used_ are the rows to keep
   std::vector<int> first_of_step_;  // places of the steps' unknowns among the rows of stacked_, by link
   MatX Lambda_;
   VecX scale_;                                  // of the rows: 1 / sqrt of the diagonal of Lambda

@@ -67,9 +67,9 @@ child = "far"
 start.turn_z = { guess = 0 }
 )toml"));
   for (const auto& solver : both_solvers(model)) {
-    CHECK_THROWS_WITH(find_equilibrium(model, *solver), Catch::Contains("the pose is singular"));
+    CHECK_THROWS_WITH(find_equilibrium(model, *solver), Catch::Contains("singular"));
     const State start = solver->assemble();
-    CHECK_THROWS_WITH(linearize(model, *solver, start), Catch::Contains("the pose is singular"));
+    CHECK_THROWS_WITH(linearize(model, *solver, start), Catch::Contains("singular"));
   }
 }
 

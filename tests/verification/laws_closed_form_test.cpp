@@ -163,12 +163,12 @@ inertia = [0.004, 0.004, 0.0025]
 [[joint]]
 name = "thread"
 type = "screw"
-lead = -0.03
+lead = 0.03
 parent = { body = "ground", point = [0.1, 0.2, 0.3] }
 child = "nut"
 start.turn = { keep = "500 deg", keep_speed = -4 }
 )toml");
-  const double h = -0.03;
+  const double h = 0.03;
   const double alpha = 0.8 * -9.0 * h / (0.0025 + 0.8 * h * h);
   const double q0 = 500.0 * EIGEN_PI / 180.0;
   for (const auto& solver : both_solvers(model)) {
