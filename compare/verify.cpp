@@ -241,7 +241,8 @@ class Climb {
 
   void check_enough(const SharedStates& shared, const SharedStates& random) {
     if (!shared.refusals.empty() || !random.refusals.empty()) return;  // a difference already
-    if (!shared.singular.empty() || !random.singular.empty()) return;  // the reason why there are fewer
+    // A run that stopped, or singular poses, are the reason why there are fewer.
+    if (!verdict_.failures.empty() || !shared.singular.empty() || !random.singular.empty()) return;
     const auto require = [&](std::size_t found, int needed, const char* what) {
       if (found >= static_cast<std::size_t>(needed)) return;
       verdict_.failures.push_back(fmt::format("same state: {} {} states, need {}", found, what, needed));
