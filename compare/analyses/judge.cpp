@@ -114,15 +114,13 @@ class Judge {
       verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), report.digits());
       summary.audit_need = need_of(report.worst.rule);
       if (report.holds()) continue;
-      verdict_.findings.push_back(
-          {fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(report.worst.rule), summary.audit_worst,
-                       summary.audit_need),
-           "audit: from motions, wrenches, force laws and mass points alone"});
+      verdict_.findings.push_back({fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(report.worst.rule),
+                                               summary.audit_worst, summary.audit_need),
+                                   "audit: from motions, wrenches, force laws and mass points alone"});
     }
-    verdict_.audit.climbed =
-        std::all_of(verdict_.solvers.begin(), verdict_.solvers.end(), [](const SolverSummary& solver) {
-          return solver.audit_digits && *solver.audit_digits >= solver.audit_need;
-        });
+    verdict_.audit.climbed = std::all_of(
+        verdict_.solvers.begin(), verdict_.solvers.end(),
+        [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
   }
 
   void judge_rows() {

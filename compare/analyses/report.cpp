@@ -57,12 +57,12 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
   std::vector<std::vector<std::string>> lines{
       {"wrench", "component", "scale", "same state", "each its own", "need", "verdict"}};
   for (const Row* row : chosen_rows(result.wrenches, all_rows)) {
-    lines.push_back(
-        {describe_owner(model, row->quantity), describe_component(row->quantity),
-         fmt::format("{:.4g}{} {}", row->scale, row->source == ScaleSource::floor ? " (floor)" : "", unit_of(model, row->quantity)),
-         digits_cell(*row, Rung::same_state), digits_cell(*row, Rung::same_run),
-         fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run),
-         row->unique ? to_string(row->judgement) : "not unique, not judged"});
+    lines.push_back({describe_owner(model, row->quantity), describe_component(row->quantity),
+                     fmt::format("{:.4g}{} {}", row->scale, row->source == ScaleSource::floor ? " (floor)" : "",
+                                 unit_of(model, row->quantity)),
+                     digits_cell(*row, Rung::same_state), digits_cell(*row, Rung::same_run),
+                     fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run),
+                     row->unique ? to_string(row->judgement) : "not unique, not judged"});
   }
   return lines.size() > 1 ? format_table(lines, {false, false, true, true, true, false, false}) + '\n' : "";
 }
