@@ -270,8 +270,8 @@ template <class Size>
 Answer answer(const NullSpaceSizes& sizes, const Size& size) {
   constexpr double kZero = 1e-9;
   const bool is_unique = size(sizes.decided) <= kZero;
-  // One threshold is moved at a time: what is nearly singular by s moves others by about s.
-  const bool stays_unique = size(sizes.perhaps) <= kZero && size(sizes.decided) <= kZero / kEitherWay;
+  // One threshold is moved at a time; what is nearly singular by s moves what it does not concern by some s.
+  const bool stays_unique = size(sizes.perhaps) <= kZero * kEitherWay && size(sizes.decided) <= kZero / kEitherWay;
   const bool stays_moved = size(sizes.surely) > kZero && size(sizes.decided) > kZero * kEitherWay;
   return {is_unique, is_unique ? stays_unique : stays_moved};
 }
