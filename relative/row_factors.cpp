@@ -71,12 +71,13 @@ VecX RowFactors::weakest_combination(int rank) const {
 
 VecX RowFactors::smallest_step(const VecX& misfit) const {
   VecX step = VecX::Zero(n_columns_);
+  if (rank_ == 0) return step;
   const auto& place = qr_.colsPermutation().indices();
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_);
   for (int r = 0; r < rank_; ++r) {
     step(r) = (-misfit(place(r)) - R.col(r).head(r).dot(step.head(r))) / R(r, r);
   }
-  if (rank_ > 0) step.applyOnTheLeft(qr_.householderQ());
+  step.applyOnTheLeft(qr_.householderQ());
   return step;
 }
 
