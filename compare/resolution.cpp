@@ -85,7 +85,6 @@ class Loads {
   Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
     for (const Evaluation& evaluation : shared.evaluations) add_wrenches(evaluation);
-    for (std::size_t i = 1; i < bodies_.size(); ++i) machine_ = std::max(machine_, bodies_[i].force);
   }
 
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
@@ -162,7 +161,6 @@ class Loads {
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
-  double machine_ = 0.0;
 };
 
 }  // namespace
