@@ -58,7 +58,9 @@ void sift_from(const Triangle& R, Sifting& sifting) {
   const Eigen::Index live = sifting.live;
   const MatX R11 = R.topLeftCorner(live, live);
   const auto triangle = R11.template triangularView<Eigen::Upper>();
-  sifting.dependence = triangle.solve(MatX(R.topRightCorner(live, R.cols() - live)));
+  sifting.dependence = R.topRightCorner(live, R.cols() - live);
+  // Eigen's solver of triangles reads the first entry of what is empty.
+  if (sifting.dependence.size() > 0) triangle.solveInPlace(sifting.dependence);
   sifting.smallest_live = estimate_smallest(
       live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
 }
