@@ -304,12 +304,12 @@ const ForceLaw* law_of(const ForceElement& element) {
 
 bool has_regimes(const ForceElement& element) {
   const ForceLaw* law = law_of(element);
-  return std::holds_alternative<Tire>(element.what) || (law != nullptr && has_stops(*law));
+  return std::holds_alternative<Tire>(element.what) || (law != nullptr && has_regimes(*law));
 }
 
 bool has_regimes(const Joint& joint) {
   return std::any_of(joint.springs.begin(), joint.springs.end(),
-                     [](const JointSpring& spring) { return has_stops(spring.law); });
+                     [](const JointSpring& spring) { return has_regimes(spring.law); });
 }
 
 }  // namespace

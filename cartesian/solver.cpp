@@ -16,6 +16,7 @@
 #include "cartesian/rank.h"
 #include "cartesian/reactions.h"
 #include "cartesian/stepper.h"
+#include "common/break_times.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -36,6 +37,32 @@ struct HeldRegimes {
   ~HeldRegimes() { applied.hold_regimes(false); }
   HeldRegimes(const HeldRegimes&) = delete;
   HeldRegimes& operator=(const HeldRegimes&) = delete;
+};
+
+/// Refuses a run that would never end: an explicit method on a stiff machine, or a motion into a pose that locks.
+class Pace {
+ public:
+  explicit Pace(double until) : until_(until) {}
+
+  /// Throws SolverError if a thousandth of the run takes too many evaluations.
+  void require(double t, long evaluations) {
+    constexpr long kMost = 300'000;
+    constexpr double kPart = 1e-3;
+    if (t - since_ > kPart * until_) {
+      since_ = t;
+      evaluations_then_ = evaluations;
+    }
+    if (evaluations - evaluations_then_ <= kMost) return;
+    throw SolverError(fmt::format(
+        "cartesian: at t = {:.6g} s {} evaluations brought the run {:.1e} s further: the motion locks there, "
+        "or is too stiff for this integrator",
+        t, kMost, t - since_));
+  }
+
+ private:
+  double until_;
+  double since_ = 0.0;
+  long evaluations_then_ = 0;
 };
 
 class CartesianSolver : public Solver {
@@ -138,14 +165,22 @@ class CartesianSolver : public Solver {
     equations_.measure_terms(0.0, motion_.q);
     std::vector<VecX> speeds = zero_speeds(model_);
     trajectory.samples.push_back(sample(0.0, turns, trajectory.statistics));
+    Pace pace(options.until);
+    const std::vector<double> breaks = break_times(model_, options.until);
+    auto next_break = breaks.begin();
     double reached = 0.0;
     for (int k = 1; k <= options.samples; ++k) {
       const double t = k == options.samples ? options.until : options.until * k / options.samples;
       while (reached < t) {
-        reached = stepper->step(t);
+        const bool breaks_first = next_break != breaks.end() && *next_break < t;
+        reached = stepper->step(breaks_first ? *next_break : t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
-        if (watch.follow(reached, motion_)) stepper->take_new_rows();
+        pace.require(reached, stepper->evaluations());
+        const bool has_new_rows = watch.follow(reached, motion_);
+        const bool at_break = breaks_first && reached >= *next_break;
+        if (at_break) ++next_break;
+        if (has_new_rows || at_break) stepper->begin_anew();
       }
       equations_.update(t, motion_.q, motion_.Y);
       equations_.solve(true);

@@ -50,7 +50,7 @@ double Stepper::step(double stop) {
   return time_;
 }
 
-void Stepper::take_new_rows() {
+void Stepper::begin_anew() {
   if (!remembers_multipliers()) return;
   equations_.update(time_, motion_.q, motion_.Y);
   equations_.solve(true);

@@ -30,8 +30,9 @@ class Stepper {
   /// The motion at the time reached; to be projected by whoever needs it closed to round-off.
   [[nodiscard]] const Motion& motion() const { return motion_; }
   [[nodiscard]] long steps() const { return steps_; }
-  /// The equations use other rows from now on, and the motion goes on as it was reached.
-  void take_new_rows();
+  /// The equations change here, and the motion goes on as it was reached: other rows are in use from now on, or a law
+  /// of time goes on as another formula.
+  void begin_anew();
   /// Evaluations of the equations of motion so far.
   [[nodiscard]] long evaluations() const { return evaluations_; }
 

@@ -7,6 +7,9 @@ namespace concord {
 
 namespace {
 
+/// A regime ends so far beyond its border.
+constexpr double kBeyondBorder = 1e-11;
+
 /// Resistance of a stop that is pressed by p beyond its place, at the rate pdot, in a regime. It pushes: where its
 /// damper would pull by more than its spring pushes, it has let go and is off.
 Resistance press(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
@@ -35,16 +38,15 @@ StopRegime regime_of(const SmoothStop& stop, double p, double pdot) {
 }
 
 double margin_of(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
-  constexpr double kSlack = 1e-11;
   const double z = p / stop.width;
   const double push = push_of(stop, p, pdot);
   switch (regime) {
     case StopRegime::off:
-      return kSlack + (z > 0.0 && push <= 0.0 ? -push : -z);
+      return kBeyondBorder + (z > 0.0 && push <= 0.0 ? -push : -z);
     case StopRegime::soft:
-      return kSlack + std::min(push, 1.0 - z);
+      return kBeyondBorder + std::min(push, 1.0 - z);
     default:
-      return kSlack + std::min(push, z - 1.0);
+      return kBeyondBorder + std::min(push, z - 1.0);
   }
 }
 
@@ -60,13 +62,35 @@ Resistance& operator+=(Resistance& sum, const Resistance& other) {
 ForceTable::ForceTable(std::vector<double> x, std::vector<double> force)
     : spline_(std::move(x), std::move(force)), first_(spline_.times().front()), last_(spline_.times().back()) {}
 
-double ForceTable::evaluate(double x) const {
-  const double inside = std::clamp(x, first_, last_);
-  const TimeFunctionValue at = spline_.evaluate(inside);
-  return at.f + at.fdot * (x - inside);
+int ForceTable::piece_at(double x) const {
+  if (x < first_) return kBelow;
+  return x > last_ ? kAbove : spline_.piece_at(x);
 }
 
-double ForceTable::slope(double x) const { return spline_.evaluate(std::clamp(x, first_, last_)).fdot; }
+double ForceTable::evaluate(int piece, double x) const {
+  if (piece != kBelow && piece != kAbove) return spline_.evaluate(piece, x).f;
+  const double end = nearest_end(piece);
+  const TimeFunctionValue at = spline_.evaluate(end);
+  return at.f + at.fdot * (x - end);
+}
+
+double ForceTable::slope(int piece, double x) const {
+  const bool is_tangent = piece == kBelow || piece == kAbove;
+  return is_tangent ? spline_.evaluate(nearest_end(piece)).fdot : spline_.evaluate(piece, x).fdot;
+}
+
+double ForceTable::margin(int piece, double x) const {
+  double inside = 0.0;
+  if (piece == kBelow) {
+    inside = first_ - x;
+  } else if (piece == kAbove) {
+    inside = x - last_;
+  } else {
+    const auto k = static_cast<std::size_t>(piece);
+    inside = std::min(x - spline_.times()[k], spline_.times()[k + 1] - x);
+  }
+  return inside / (last_ - first_);
+}
 
 Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot) {
   return evaluate_resistance(law, regime_at(law, x, xdot), x, xdot);
@@ -75,8 +99,14 @@ Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot) {
 Resistance evaluate_resistance(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
   const double stretch = x - law.free;
   Resistance sum{law.preload + law.stiffness * stretch + law.damping * xdot, law.stiffness, law.damping};
-  if (law.spring_table) sum += {law.spring_table->evaluate(stretch), law.spring_table->slope(stretch), 0.0};
-  if (law.damper_table) sum += {law.damper_table->evaluate(xdot), 0.0, law.damper_table->slope(xdot)};
+  if (const auto& table = law.spring_table) {
+    const int piece = regime.spring_piece;
+    sum += {table->evaluate(piece, stretch), table->slope(piece, stretch), 0.0};
+  }
+  if (const auto& table = law.damper_table) {
+    const int piece = regime.damper_piece;
+    sum += {table->evaluate(piece, xdot), 0.0, table->slope(piece, xdot)};
+  }
   if (law.upper) sum += press(*law.upper, regime.upper, x - law.upper->at, xdot);
   if (law.lower) {
     const Resistance pushed = press(*law.lower, regime.lower, law.lower->at - x, -xdot);
@@ -89,6 +119,8 @@ LawRegime regime_at(const ForceLaw& law, double x, double xdot) {
   LawRegime regime;
   if (law.upper) regime.upper = regime_of(*law.upper, x - law.upper->at, xdot);
   if (law.lower) regime.lower = regime_of(*law.lower, law.lower->at - x, -xdot);
+  if (law.spring_table) regime.spring_piece = law.spring_table->piece_at(x - law.free);
+  if (law.damper_table) regime.damper_piece = law.damper_table->piece_at(xdot);
   return regime;
 }
 
@@ -96,6 +128,10 @@ double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double 
   double margin = std::numeric_limits<double>::infinity();
   if (law.upper) margin = margin_of(*law.upper, regime.upper, x - law.upper->at, xdot);
   if (law.lower) margin = std::min(margin, margin_of(*law.lower, regime.lower, law.lower->at - x, -xdot));
+  if (law.spring_table) {
+    margin = std::min(margin, kBeyondBorder + law.spring_table->margin(regime.spring_piece, x - law.free));
+  }
+  if (law.damper_table) margin = std::min(margin, kBeyondBorder + law.damper_table->margin(regime.damper_piece, xdot));
   return margin;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,12 +16,24 @@ class ForceTable {
   /// At least four points, x strictly rising.
   ForceTable(std::vector<double> x, std::vector<double> force);
 
-  [[nodiscard]] double evaluate(double x) const;
-  [[nodiscard]] double slope(double x) const;
+  [[nodiscard]] double evaluate(double x) const { return evaluate(piece_at(x), x); }
+  [[nodiscard]] double slope(double x) const { return slope(piece_at(x), x); }
   /// The points as they were given.
   [[nodiscard]] const SplineTable& points() const { return spline_; }
 
+  /// The formula that holds at x: kBelow and kAbove the tangent lines, else a cubic of the spline.
+  [[nodiscard]] int piece_at(double x) const;
+  /// Force and slope by one formula, as if it went on for ever.
+  [[nodiscard]] double evaluate(int piece, double x) const;
+  [[nodiscard]] double slope(int piece, double x) const;
+  /// How far x is inside the piece, in parts of the table's length; negative outside.
+  [[nodiscard]] double margin(int piece, double x) const;
+
  private:
+  static constexpr int kBelow = -1;
+  static constexpr int kAbove = std::numeric_limits<int>::max();
+  [[nodiscard]] double nearest_end(int piece) const { return piece == kBelow ? first_ : last_; }
+
   SplineTable spline_;
   double first_;
   double last_;
@@ -66,25 +79,32 @@ Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot);
 /// width, or in full. Between two of them lies a kink of some derivative of the force.
 enum class StopRegime { off, soft, full };
 
-/// Of both stops of a law. An integrator keeps the regime during a step, as if its formulas went on for ever, and ends
-/// the step where the regime ends, as with tires.
+/// Of both stops of a law, and the pieces of its tables: between two pieces the third derivative jumps. An integrator
+/// keeps the regime during a step, as if its formulas went on for ever, and ends the step where the regime ends, as
+/// with tires.
 struct LawRegime {
   StopRegime lower = StopRegime::off;
   StopRegime upper = StopRegime::off;
+  int spring_piece = 0;
+  int damper_piece = 0;
 };
 
-/// Resistance with the stops in a given regime.
+/// Resistance with the stops and tables in a given regime.
 Resistance evaluate_resistance(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
-/// The regime that the stops are in by themselves.
+/// The regime that the stops and tables are in by themselves.
 LawRegime regime_at(const ForceLaw& law, double x, double xdot);
 
-/// How far the stops are inside a regime: positive inside, through zero where it ends; in widths of the stop, or in
-/// forces over stiffness times width. The smaller of both stops'; infinite without stops. A regime ends 1e-11 beyond
-/// its border, where its formulas still hold to round-off, so that a stop that rests on a border does not chatter.
+/// How far stops and tables are inside a regime: positive inside, through zero where it ends; in widths of the stop, in
+/// forces over stiffness times width, or in lengths of the table. The smallest; infinite without stops and tables. A
+/// regime ends 1e-11 beyond its border, where its formulas still hold to round-off, so that a spring that rests on a
+/// border does not chatter.
 double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
-[[nodiscard]] inline bool has_stops(const ForceLaw& law) { return law.lower.has_value() || law.upper.has_value(); }
+/// Whether the law has more than one regime.
+[[nodiscard]] inline bool has_regimes(const ForceLaw& law) {
+  return law.lower || law.upper || law.spring_table || law.damper_table;
+}
 
 /// Force of the actuator at time t; zero if there is none.
 double evaluate_actuator(const ForceLaw& law, double t);

@@ -76,9 +76,15 @@ std::vector<double> spline_curvatures(const std::vector<double>& t, const std::v
 SplineTable::SplineTable(std::vector<double> times, std::vector<double> values)
     : times_(std::move(times)), values_(std::move(values)), curvatures_(spline_curvatures(times_, values_)) {}
 
-TimeFunctionValue SplineTable::evaluate(double t) const {
+TimeFunctionValue SplineTable::evaluate(double t) const { return evaluate(piece_at(t), t); }
+
+int SplineTable::piece_at(double t) const {
   const auto above = std::upper_bound(times_.begin() + 1, times_.end() - 1, t);
-  const auto k = static_cast<std::size_t>(above - times_.begin()) - 1;
+  return static_cast<int>(above - times_.begin()) - 1;
+}
+
+TimeFunctionValue SplineTable::evaluate(int piece, double t) const {
+  const auto k = static_cast<std::size_t>(piece);
   const double width = times_[k + 1] - times_[k];
   const double right = (t - times_[k]) / width;
   const double left = 1.0 - right;

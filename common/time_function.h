@@ -50,6 +50,10 @@ class SplineTable {
   SplineTable(std::vector<double> times, std::vector<double> values);
 
   [[nodiscard]] TimeFunctionValue evaluate(double t) const;
+  /// The cubic between two points that holds at t: 0 before the second point, one more after each inner one.
+  [[nodiscard]] int piece_at(double t) const;
+  /// The same cubic, as if it went on for ever.
+  [[nodiscard]] TimeFunctionValue evaluate(int piece, double t) const;
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
 

@@ -62,7 +62,7 @@ void AppliedForces::lay_out_springs() {
 
 int AppliedForces::add_law(const ForceLaw& law, const std::string& owner) {
   laws_.push_back({{&law, {}, 0.0, 0.0}, &owner});
-  has_regimes_ = has_regimes_ || has_stops(law);
+  has_regimes_ = has_regimes_ || concord::has_regimes(law);
   return static_cast<int>(laws_.size()) - 1;
 }
 
@@ -130,7 +130,7 @@ AppliedForces::Least AppliedForces::least() const {
     take(margin_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire", tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
-    if (has_stops(*law.held.law)) take(law.held.margin(), "stop of", *law.owner);
+    if (concord::has_regimes(*law.held.law)) take(law.held.margin(), "law of", *law.owner);
   }
   return found;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/break_times.h"
 #include "common/sundials.h"
 #include "relative/singularity_watch.h"
 #include "relative/stepper.h"
@@ -22,9 +23,11 @@ constexpr double kLargestModalResidual = 1e-8;
 constexpr double kStepShare = 0.01;
 constexpr double kFinestStep = 2e-15;
 
-/// More steps than this within this part of a run get nowhere.
-constexpr long kMostStepsOnNoWay = 100'000;
-constexpr double kNoWay = 1e-6;
+/// More evaluations than this within this part of a run get nowhere.
+constexpr long kMostEvaluationsOnNoWay = 300'000;
+constexpr double kNoWay = 1e-3;
+/// Times closer than this part of a run are one.
+constexpr double kSameTime = 1e-13;
 
 /// The integrated numbers y = [coordinates and speeds that are not driven; work]. Speeds of cut joints follow from the
 /// tree and are not integrated; their coordinates are, so that turns are counted and measuring starts close by.
@@ -127,7 +130,7 @@ struct Run {
   VecX sizes{};
   double until = 0.0;
   double paced_from = 0.0;
-  long steps_from_there = 0;
+  long evaluations_before = 0;
 
   void remember(const SolverError& error) {
     last_reason = error.what();
@@ -161,17 +164,17 @@ struct Run {
   void require_pace(double t) {
     if (t - paced_from > kNoWay * until) {
       paced_from = t;
-      steps_from_there = 0;
+      evaluations_before = evaluations;
     }
-    if (++steps_from_there <= kMostStepsOnNoWay) return;
+    if (evaluations - evaluations_before <= kMostEvaluationsOnNoWay) return;
     const std::string place = equations.closure().n_rows() > 0
                                   ? fmt::format("; {} has the largest multiplier there",
                                                 equations.closure().worst_place(equations.loops().lambda()))
                                   : "";
     throw SolverError(
-        fmt::format("{} steps were needed for {:.1e} s: something there locks, or is too stiff for this "
+        fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
                     "integrator{}",
-                    kMostStepsOnNoWay, t - paced_from, place));
+                    kMostEvaluationsOnNoWay, t - paced_from, place));
   }
 
   void project(double t, Eigen::Ref<VecX> y) {
@@ -428,12 +431,21 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
       throw_stopped(t, run, run.last_reason);
     }
   };
+  // No step passes over a time at which a law goes on as another formula.
+  const std::vector<double> breaks = break_times(equations.model(), options.until);
+  auto next_break = breaks.begin();
+  const auto advance_over_breaks = [&](double t_end) {
+    for (; next_break != breaks.end() && *next_break < t_end; ++next_break) {
+      if (*next_break - t > kSameTime * options.until && advance(*next_break) < 0) return -1;
+    }
+    return t_end - t > kSameTime * options.until ? advance(t_end) : 0;
+  };
   Trajectory trajectory;
   State before;
   for (int i = 0; i <= options.samples; ++i) {
     const double t_end = options.until * i / options.samples;
     run.last_reason.clear();
-    if (i > 0 && advance(t_end) < 0) throw_stopped(t, run, messages.last);
+    if (i > 0 && advance_over_breaks(t_end) < 0) throw_stopped(t, run, messages.last);
     Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
     before = sample.state;
     StateMisfit misfit;

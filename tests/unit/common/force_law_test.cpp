@@ -206,5 +206,39 @@ TEST(ForceElement, NamesItsEnds) {
   EXPECT_EQ(end_of(push, Side::child)->body, 2);
 }
 
+/// Held beyond its border, a piece of a table goes on as its own cubic: smooth through the knot.
+TEST(ForceLaw, TablesGoOnInTheirPieceWhileItIsHeld) {
+  ForceLaw law;
+  law.free = 0.2;
+  law.spring_table.emplace(std::vector{-1.0, -0.6, 0.1, 0.5, 0.8, 1.4}, std::vector{-3.0, -1.0, 0.2, 1.5, 1.7, 4.0});
+  const LawRegime held = regime_at(law, 0.2 + 0.3, 0.0);
+  const auto third_difference = [&](double from, double h, const LawRegime* regime) {
+    const auto f = [&](int k) {
+      const double x = 0.2 + from + k * h;
+      return (regime != nullptr ? evaluate_resistance(law, *regime, x, 0.0) : evaluate_resistance(law, x, 0.0)).force;
+    };
+    return (f(3) - 3.0 * f(2) + 3.0 * f(1) - f(0)) / (h * h * h);
+  };
+  const double inside = third_difference(0.2, 0.05, &held);
+  EXPECT_NEAR(third_difference(0.42, 0.05, &held), inside, 1e-9 * std::abs(inside)) << "across the knot at 0.5";
+  EXPECT_GT(std::abs(third_difference(0.42, 0.05, nullptr) - inside), 1e-2 * std::abs(inside));
+  EXPECT_TRUE(has_regimes(law));
+  EXPECT_NEAR(margin_of(law, held, 0.2 + 0.4, 0.0), 0.1 / 2.4, 1e-10);
+  EXPECT_LT(margin_of(law, held, 0.2 + 0.5 + 1e-9, 0.0), 0.0);
+  EXPECT_GT(margin_of(law, held, 0.2 + 0.5, 0.0), 0.0) << "what rests on a knot does not chatter";
+}
+
+/// Outside the table its tangents hold, each a piece of its own.
+TEST(ForceLaw, TangentsOfATableAreRegimes) {
+  ForceLaw law;
+  law.damper_table.emplace(std::vector{-2.0, -0.5, 0.4, 1.5}, std::vector{-4.0, -1.8, 1.5, 3.0});
+  for (const double beyond : {-2.7, 1.9}) {
+    const LawRegime outside = regime_at(law, 0.0, beyond);
+    EXPECT_GT(margin_of(law, outside, 0.0, beyond), 0.0);
+    EXPECT_LT(margin_of(law, outside, 0.0, 0.3), 0.0);
+    EXPECT_EQ(evaluate_resistance(law, outside, 0.0, beyond).force, law.damper_table->evaluate(beyond));
+  }
+}
+
 }  // namespace
 }  // namespace concord
