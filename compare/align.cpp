@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compare/digits.h"
 
@@ -92,7 +93,29 @@ struct MotionScales {
   double turning = 0.0;
   std::vector<double> modal;
   std::vector<double> modal_rate;
+  /// What round-off of the machine's length is as a modal coordinate, and at each mode's own frequency as its rate.
+  std::vector<double> modal_noise;
+  std::vector<VecX> modal_rate_noise;
 };
+
+/// Frequency of each mode alone, rad/s; zero of a mode without stiffness or mass.
+VecX frequencies(const ModalData& modal) {
+  VecX squares = VecX::Zero(modal.stiffness.rows());
+  for (Eigen::Index m = 0; m < squares.size(); ++m) {
+    const double mass = modal.G.diagonal().segment<3>(4 + 3 * m).sum();
+    if (mass > 0.0) squares(m) = std::max(0.0, modal.stiffness(m, m) / mass);
+  }
+  return squares.cwiseSqrt();
+}
+
+/// The part of a difference that round-off does not explain.
+double beyond(const VecX& difference, const VecX& noise) {
+  double most = 0.0;
+  for (Eigen::Index m = 0; m < difference.size(); ++m) {
+    if (!(std::abs(difference(m)) <= noise(m))) most = std::max(most, std::abs(difference(m)));
+  }
+  return most;
+}
 
 double largest(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
 
@@ -100,6 +123,10 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   MotionScales scales;
   scales.modal.assign(model.bodies.size(), 0.0);
   scales.modal_rate.assign(model.bodies.size(), 0.0);
+  scales.modal_noise.assign(model.bodies.size(), 0.0);
+  scales.modal_rate_noise.resize(model.bodies.size());
+  for (std::size_t i = 1; i < model.bodies.size(); ++i)
+    scales.modal_rate_noise[i] = VecX::Zero(model.bodies[i].n_modes());
   for (const Sample& sample : trajectory.samples) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& body = sample.state.bodies[i];
@@ -123,6 +150,9 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
       if (point.Psi_t_L.cols() > 0) shape = std::max(shape, point.Psi_t_L.colwise().norm().maxCoeff());
     }
     if (shape == 0.0) continue;
+    constexpr double kNoise = 20.0 * std::numeric_limits<double>::epsilon();
+    scales.modal_noise[i] = kNoise * length / shape;
+    scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
     scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
     scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
   }
@@ -150,8 +180,10 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
       note(angle_between(rotation_of(a.p), rotation_of(b.p)), 1.0, "orientation", i);
       note((a.v - b.v).norm(), scales.speed, "velocity", i);
       note((a.omega - b.omega).norm(), scales.turning, "angular velocity", i);
-      note(largest(a.a - b.a), scales.modal[i], "modal coordinates", i);
-      note(largest(a.adot - b.adot), scales.modal_rate[i], "modal rates", i);
+      if (a.a.size() == 0) continue;
+      note(beyond(a.a - b.a, VecX::Constant(a.a.size(), scales.modal_noise[i])), scales.modal[i], "modal coordinates",
+           i);
+      note(beyond(a.adot - b.adot, scales.modal_rate_noise[i]), scales.modal_rate[i], "modal rates", i);
     }
   }
   return worst;
