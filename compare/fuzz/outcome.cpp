@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <vector>
 
 namespace concord::compare::fuzz {
 
@@ -24,6 +25,7 @@ constexpr std::array kRefusals{
     RefusalKind{"singular pose", "pose is singular"},
     RefusalKind{"singular pose", "singular in this pose"},
     RefusalKind{"singular pose", "its velocity is singular there"},
+    RefusalKind{"singular pose", "passes a pose where two of its motions are one"},
     RefusalKind{"stiff beyond the integrator", "too stiff for this integrator"},
     RefusalKind{"turned too far for its element", "allowed are 175 deg"},
     RefusalKind{"element without direction", "its force has no direction"},
@@ -113,9 +115,15 @@ Outcome outcome_of(const Verdict& verdict) {
     for (const Finding& finding : verdict.findings) text += fmt::format("{}\n  {}\n", finding.what, finding.symptom);
     return {Sort::differ, "differ: " + differ_kind(first), text};
   }
+  std::vector<Outcome> failures;
+  for (const std::string& failure : verdict.failures) failures.push_back(outcome_of_error(failure));
   Outcome worst;
-  for (const std::string& failure : verdict.failures) {
-    const Outcome one = outcome_of_error(failure);
+  for (const Outcome& one : failures) {
+    // Where one solver says on a rung what is with the machine, the other's stop there needs no other reason.
+    const auto explains = [&one](const Outcome& other) {
+      return other.sort == Sort::refusal && up_to(other.text, ":") == up_to(one.text, ":");
+    };
+    if (one.sort == Sort::stop && std::any_of(failures.begin(), failures.end(), explains)) continue;
     if (worst.sort == Sort::agree || (worst.sort == Sort::refusal && one.sort == Sort::stop)) worst = one;
   }
   return worst;

@@ -26,6 +26,15 @@ TEST(Outcome, FailureOfNoKnownKindIsAStop) {
   EXPECT_EQ(stop.kind, "stop: relative: joint ' is odd at t = #.# s");
 }
 
+/// Both solvers stop where the machine locks, and one of them says so.
+TEST(Outcome, AStopThatTheOtherSolverExplainsIsARefusal) {
+  Verdict verdict;
+  verdict.failures = {"same run: cartesian: at t = 0.1 s the wheel locks", "same run: relative: the pose is singular"};
+  EXPECT_EQ(outcome_of(verdict).kind, "singular pose");
+  verdict.failures[1] = "refined: relative: the pose is singular";
+  EXPECT_EQ(outcome_of(verdict).sort, Sort::stop) << "another rung";
+}
+
 TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
   Verdict verdict;
   verdict.failures = {"no component was judged"};
