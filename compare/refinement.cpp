@@ -177,8 +177,8 @@ void judge(Verdict& verdict) {
     row.judgement = Judgement::agree;
     for (const Rung rung : kRungs) {
       if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || climbs(row, rung)) continue;
-      if (digits_of(row, rung)) row.judgement = Judgement::differ;
-      // A rung that did not run condemns nobody and acquits nobody.
+      if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
+      // A rung that did not run, or did not converge, condemns nobody and acquits nobody.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
     }
   };

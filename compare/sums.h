@@ -2,13 +2,16 @@
 
 #include <vector>
 
-#include "compare/align.h"
+#include "compare/agreement.h"
 #include "compare/verdict.h"
 
 namespace concord::compare {
 
 /// For each pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, moved
-/// to the first one's point, in global axes; its digits over the states, on the scale of the largest wrench in it.
-std::vector<PairSum> compare_pair_sums(const Model& model, const std::vector<SharedState>& states);
+/// to the first one's point, in global axes. It is judged in the states where it must be unique, because on one of the
+/// two bodies no other joint leaves its own total open; there it is resolved as what makes it so: the sum of all joints
+/// on that body, and the totals of the others. `measured` has an entry for each quantity of the layout.
+std::vector<PairSum> compare_pair_sums(const Layout& layout, const std::vector<SharedState>& states,
+                                       const std::vector<Measured>& measured, const Budget& budget = {});
 
 }  // namespace concord::compare

@@ -128,6 +128,9 @@ std::string judgement_text(const Row& row) {
   if (!is_judged(row)) return "not judged: double precision resolves too little";
   std::string said = to_string(row.judgement);
   for (const Rung rung : kRungs) {
+    if (row.judgement == Judgement::not_judged && detail_of(row, rung).unconverged) {
+      return fmt::format("not judged: not converged ({})", name_of(rung));
+    }
     if (row.judgement != Judgement::agree || !is_judged_by_resolution(row, rung)) continue;
     said += fmt::format(", judged by resolution ({})", name_of(rung));
     break;
@@ -270,8 +273,9 @@ std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:
 std::string pair_sums(const Verdict& verdict) {
   std::string text;
   for (const PairSum& pair : verdict.pair_sums) {
-    text += fmt::format("sum of {}: {} digits at the same state; at the first state", pair.what,
-                        format_digits(pair.digits));
+    const std::string digits = pair.samples > 0 ? format_digits(pair.digits) + " digits at the same state"
+                                                : std::string("not unique, not judged");
+    text += fmt::format("sum of {}: {}; at the first state", pair.what, digits);
     for (std::size_t who = 0; who < 2; ++who) {
       text += fmt::format("{} {} F {} N, T {} N m", who == 0 ? "" : ";", verdict.solvers[who].name,
                           vector_text(pair.at_start[who].force), vector_text(pair.at_start[who].torque));

@@ -36,6 +36,8 @@ struct RungDetail {
   int not_unique = 0;  // in which it is not unique
   int too_coarse = 0;  // in which double precision resolves too little to judge
   bool unresolved = false;
+  /// Differs by no more than what the integration of the solvers leaves, at the tightest tolerance: not judged.
+  bool unconverged = false;
 };
 
 /// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
@@ -87,7 +89,9 @@ struct PairSum {
   std::string what;
   int body = 0;  // on which it acts
   std::array<Wrench, 2> at_start;
-  double digits = 16.0;
+  int samples = 0;                   // states in which it must be unique, and is judged
+  double digits = 16.0;              // of the largest difference
+  double unexplained_digits = 16.0;  // of the largest that round-off does not explain: this is judged
 };
 
 /// One component against a reference from outside.

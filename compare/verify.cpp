@@ -9,6 +9,7 @@
 
 #include "compare/agreement.h"
 #include "compare/balance.h"
+#include "compare/convergence.h"
 #include "compare/digits.h"
 #include "compare/findings.h"
 #include "compare/geometric_stiffness.h"
@@ -55,8 +56,6 @@ std::array<const Trajectory*, 2> view(const Trajectories& trajectories) {
   return both;
 }
 
-bool is_complete(const Trajectories& trajectories) { return trajectories[0] && trajectories[1]; }
-
 /// One model on its way through the rungs.
 class Climb {
  public:
@@ -74,13 +73,13 @@ class Climb {
       if (!assemble()) return std::move(verdict_);
       check_rank();
       make_rows(layout_, verdict_);
-      const Trajectories trajectories = integrate(verdict_.run, "same run");
-      same_state(trajectories);
-      same_run(trajectories);
-      refine();
-      audit(trajectories);
-      tell_geometric_stiffness(trajectories);
-      keep(trajectories);
+      RunPair pair{verdict_.run, integrate(verdict_.run, name_of(Rung::same_run)), {}, {}, {}};
+      same_state(pair.trajectories);
+      same_run(pair);
+      refine(pair);
+      audit(pair.trajectories);
+      tell_geometric_stiffness(pair.trajectories);
+      keep(pair.trajectories);
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
@@ -195,24 +194,20 @@ class Climb {
     take_uniqueness(of_run);
     verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
     if (weighed_.states.empty()) return;
-    judge_series(weighed_.series, Rung::same_state, weighed_.budget());
+    const std::vector<Measured> measured = measure(layout_, weighed_.series, weighed_.budget());
+    record(layout_, measured, Rung::same_state, verdict_);
+    judge_series(weighed_.series, measured, Rung::same_state);
     note_resolution();
     for (const SharedState& one : weighed_.states) {
       for (const Who who : kWho) auditors_[index(who)].add(one.state, one.evaluations[index(who)]);
     }
-    verdict_.pair_sums = compare_pair_sums(model_, weighed_.states);
+    verdict_.pair_sums = compare_pair_sums(layout_, weighed_.states, measured, weighed_.budget());
     for (const PairSum& pair : verdict_.pair_sums) judge_pair_sum(pair);
   }
 
-  /// A sum over joints of a pair of bodies is unique, and is resolved as the sum of all joints on the body is.
   void judge_pair_sum(const PairSum& pair) {
-    double need = verdict_.need.same_state;
-    for (const Row& row : verdict_.others) {
-      if (row.quantity.kind != Kind::body_sum || row.quantity.owner != pair.body) continue;
-      const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
-      if (resolvable) need = std::min(need, *resolvable - std::log10(kWithinResolution));
-    }
-    if (pair.digits >= need || !verdict_.findings.empty()) return;
+    const double need = verdict_.need.same_state;
+    if (pair.unexplained_digits >= need || !verdict_.findings.empty()) return;
     verdict_.findings.push_back(
         {fmt::format("sum of {}: {} digits (need {:.1f})", pair.what, format_digits(pair.digits), need),
          "same state: the joints' total on the body differs"});
@@ -276,24 +271,65 @@ class Climb {
     }
   }
 
-  void judge_series(const Series& series, Rung rung, const Budget& budget) {
-    const std::vector<Measured> measured = measure(layout_, series, budget);
-    record(layout_, measured, rung, verdict_);
+  void judge_series(const Series& series, const std::vector<Measured>& measured, Rung rung) {
     std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
     std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
   }
 
-  void same_run(const Trajectories& trajectories) {
-    for (const Who who : kWho) {
-      if (trajectories[index(who)]) verdict_.solvers[index(who)].statistics = trajectories[index(who)]->statistics;
+  /// Puts both runs side by side; false if one is missing.
+  bool set_side_by_side(RunPair& pair, Rung rung) {
+    if (!pair.is_complete()) return false;
+    pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
+    pair.measured = measure(layout_, pair.series, weighed_run_.budget());
+    pair.motion = compare_motions(model_, view(pair.trajectories));
+    record(layout_, pair.measured, rung, verdict_);
+    return true;
+  }
+
+  /// Judges runs on a rung. While they miss the needs although the same state agrees, both solvers run again at a
+  /// tighter tolerance: the needs stay. What is left at the tightest is a difference, or an integration that does not
+  /// converge. `looser`: the runs of before, to see what tolerance changes. False if a solver did not finish.
+  bool climb_by_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need) {
+    if (!set_side_by_side(pair, rung)) return false;
+    const double first = pair.run.rtol;
+    std::optional<RunPair> looser;
+    const auto reaches = [&] { return reaches_needs(verdict_, rung, pair, motion_need); };
+    while (!reaches() && verdict_.findings.empty() && pair.run.rtol > kTightestRepeat) {
+      RunPair tighter{pair.run, {}, {}, {}, {}};
+      tighter.run.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
+      tighter.trajectories = integrate(tighter.run, name_of(rung));
+      looser = std::move(pair);
+      pair = std::move(tighter);
+      if (!set_side_by_side(pair, rung)) return false;
     }
-    if (!is_complete(trajectories)) return;
-    const int rows = verdict_.run.samples + 1;
-    verdict_.motion = compare_motions(model_, view(trajectories));
-    weighed_run_ = weigh_run(weighed_, rows);
-    judge_series(align(layout_, view(trajectories), rows), Rung::same_run, weighed_run_.budget());
-    verdict_.same_run.samples = rows;
-    judge_motion(*verdict_.motion, Rung::same_run, verdict_.need.same_run);
+    if (looser) {
+      verdict_.notes.push_back(fmt::format("{}: repeated at rtol {:g}: at {:g} the integration was not accurate enough",
+                                           name_of(rung), pair.run.rtol, first));
+    }
+    if (reaches()) return true;
+    const RunPair* compared = looser ? &*looser : before;
+    if (compared != nullptr && verdict_.findings.empty()) {
+      if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
+        verdict_.failures.push_back(std::move(*why));
+        return true;
+      }
+    }
+    judge_series(pair.series, pair.measured, rung);
+    judge_motion(pair.motion, rung, motion_need);
+    return true;
+  }
+
+  void same_run(RunPair& pair) {
+    if (pair.is_complete()) weighed_run_ = weigh_run(weighed_, pair.run.samples + 1);
+    const bool finished = climb_by_runs(pair, nullptr, Rung::same_run, verdict_.need.same_run);
+    for (const Who who : kWho) {
+      const auto& trajectory = pair.trajectories[index(who)];
+      if (trajectory) verdict_.solvers[index(who)].statistics = trajectory->statistics;
+    }
+    verdict_.run = pair.run;
+    if (!finished) return;
+    verdict_.motion = pair.motion;
+    verdict_.same_run.samples = pair.run.samples + 1;
   }
 
   /// Motions that part, where no reaction has told of it.
@@ -305,17 +341,15 @@ class Climb {
          fmt::format("{}: the motions part; look at integration, not at reactions", name_of(rung))});
   }
 
-  void refine() {
+  void refine(const RunPair& of_same_run) {
     if (!verdict_.same_run.samples) return;
-    RunOptions run = verdict_.run;
-    run.rtol = refined_tolerance(run.rtol);
-    const Trajectories trajectories = integrate(run, "refined");
-    if (!is_complete(trajectories)) return;
-    verdict_.refined_motion = compare_motions(model_, view(trajectories));
-    judge_series(align(layout_, view(trajectories), run.samples + 1), Rung::refined, weighed_run_.budget());
-    verdict_.refined.samples = run.samples + 1;
-    const double rise = verdict_.motion->digits + kRefinedRise;
-    judge_motion(*verdict_.refined_motion, Rung::refined, std::min(verdict_.need.refined, rise));
+    RunPair pair{of_same_run.run, {}, {}, {}, {}};
+    pair.run.rtol = refined_tolerance(pair.run.rtol);
+    pair.trajectories = integrate(pair.run, name_of(Rung::refined));
+    const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
+    if (!climb_by_runs(pair, &of_same_run, Rung::refined, motion_need)) return;
+    verdict_.refined_motion = pair.motion;
+    verdict_.refined.samples = pair.run.samples + 1;
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.

@@ -143,14 +143,24 @@ TEST_F(VerifyTest, ASpringLeftInTheReactionIsFoundByTheAudit) {
   EXPECT_THAT(verdict.findings.at(0).what, HasSubstr("cartesian is not in balance: workless: A, "));
 }
 
-TEST_F(VerifyTest, AMotionThatDriftsFailsTheSameRunOnly) {
+TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNeed) {
   relative_.drift = 1e6;
   const Verdict verdict = judge();
-  EXPECT_EQ(verdict.outcome, Outcome::differ);
+  EXPECT_EQ(verdict.outcome, Outcome::agree);
+  EXPECT_TRUE(verdict.same_run.climbed);
+  EXPECT_LT(verdict.run.rtol, run_options(model_, {}).rtol);
+  EXPECT_THAT(verdict.notes, Contains(HasSubstr("same run: repeated at rtol ")));
+}
+
+/// Each solver's own run moves by more than the difference: neither can be held against the other.
+TEST_F(VerifyTest, ADriftThatFallsTooSlowlyIsARunThatDoesNotConverge) {
+  relative_.drift = 1e9;
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
   EXPECT_TRUE(verdict.same_state.climbed);
   EXPECT_FALSE(verdict.same_run.climbed);
-  EXPECT_TRUE(verdict.refined.climbed) << "two digits more when the tolerance falls a hundred times";
-  EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
+  EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
+  EXPECT_THAT(verdict.findings, IsEmpty());
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {

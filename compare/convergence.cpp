@@ -1,0 +1,92 @@
+#include "compare/convergence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/digits.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// Rows that are judged on a rung and miss their need, those with the fewest digits first.
+std::vector<Row*> rows_that_miss(Verdict& verdict, Rung rung) {
+  std::vector<Row*> missing;
+  for (auto* rows : {&verdict.rows, &verdict.others}) {
+    for (Row& row : *rows) {
+      if (row.unique && digits_of(row, rung) && !climbs(row, rung)) missing.push_back(&row);
+    }
+  }
+  std::stable_sort(missing.begin(), missing.end(), [rung](const Row* a, const Row* b) {
+    return detail_of(*a, rung).unexplained < detail_of(*b, rung).unexplained;
+  });
+  return missing;
+}
+
+/// The largest change of a quantity from one tolerance to the other, of each solver [the quantity's unit].
+std::array<double, 2> own_changes(const RunPair& looser, const RunPair& tighter, int row) {
+  std::array<double, 2> changes{};
+  for (std::size_t who = 0; who < 2; ++who) {
+    changes[who] = (looser.series.values[who].row(row) - tighter.series.values[who].row(row)).cwiseAbs().maxCoeff();
+  }
+  return changes;
+}
+
+/// The same of the motions, as digits.
+std::array<double, 2> own_motion_digits(const Model& model, const RunPair& looser, const RunPair& tighter) {
+  std::array<double, 2> digits{};
+  for (std::size_t who = 0; who < 2; ++who) {
+    digits[who] = compare_motions(model, {&*looser.trajectories[who], &*tighter.trajectories[who]}).digits;
+  }
+  return digits;
+}
+
+std::string tell(std::string_view what, double digits, const std::array<double, 2>& own, const RunPair& looser,
+                 const RunPair& tighter, Rung rung) {
+  return fmt::format(
+      "{}: the runs do not converge as far as the verdict needs: {}: the solvers agree to {} digits at rtol {:g}, and "
+      "from rtol {:g} on the cartesian run itself holds {} digits, the relative {}; no difference between the solvers "
+      "is larger than that: end the run earlier (--until), or lower the need with a reason",
+      name_of(rung), what, format_digits(digits), tighter.run.rtol, looser.run.rtol, format_digits(own[0]),
+      format_digits(own[1]));
+}
+
+}  // namespace
+
+bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
+  if (pair.motion.digits < motion_need) return false;
+  const auto misses = [rung](const Row& row) { return row.unique && digits_of(row, rung) && !climbs(row, rung); };
+  return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
+         std::none_of(verdict.others.begin(), verdict.others.end(), misses);
+}
+
+std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
+                                            Rung rung, double motion_need, Verdict& verdict) {
+  const std::vector<Row*> missing = rows_that_miss(verdict, rung);
+  for (const Row* row : missing) {
+    const int place = layout.row_of(row->quantity);
+    const std::array<double, 2> own = own_changes(looser, tighter, place);
+    if (tighter.measured[static_cast<std::size_t>(place)].unexplained > own[0] + own[1]) return std::nullopt;
+  }
+  const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
+  const double of_both = std::log10(2.0);
+  if (tighter.motion.digits < motion_need && tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - of_both) {
+    return std::nullopt;
+  }
+  for (Row* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
+  if (missing.empty()) {
+    return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);
+  }
+  const Quantity& quantity = missing.front()->quantity;
+  const int place = layout.row_of(quantity);
+  const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
+  std::array<double, 2> digits = own_changes(looser, tighter, place);
+  for (double& one : digits) one = matching_digits(one, measured.scale);
+  return tell(fmt::format("{}, {}, t = {:.4g} s", describe_owner(layout.model(), quantity),
+                          describe_component(quantity), measured.t),
+              measured.unexplained_digits, digits, looser, tighter, rung);
+}
+
+}  // namespace concord::compare

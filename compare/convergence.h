@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/agreement.h"
+#include "compare/align.h"
+#include "compare/refinement.h"
+#include "compare/verdict.h"
+
+/// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.
+namespace concord::compare {
+
+/// A rung by runs is climbed again at tighter tolerances while its needs are missed, but not below this.
+inline constexpr double kTightestRepeat = 1e-13;
+
+/// Both solvers' runs at one tolerance, side by side.
+struct RunPair {
+  RunOptions run;
+  std::array<std::optional<Trajectory>, 2> trajectories;
+  Series series;
+  std::vector<Measured> measured;
+  MotionAgreement motion;
+
+  [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
+};
+
+/// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
+bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
+
+/// Looks at the rows that miss their need on a rung. Where a difference is no larger than what the solvers' own runs
+/// moved by together from the looser tolerance to the tighter one, the integration has not converged, and the solvers
+/// cannot be told apart there. If that holds for every row and for the motions, marks the rows as not converged and
+/// returns a sentence that names the worst; returns nothing, and marks nothing, if one difference is larger.
+std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
+                                            Rung rung, double motion_need, Verdict& verdict);
+
+}  // namespace concord::compare
