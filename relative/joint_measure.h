@@ -27,7 +27,7 @@ class JointMeasure {
   enum class Restart { never, if_clearly_better, if_better };
 
   /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
-  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame. Held coordinates are taken from q.
+  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame (R40). Held coordinates are taken from q.
   /// Unless it never restarts, it gives the pose found the name that q means: see Motion::choose_chart.
   void find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart);
 
