@@ -150,6 +150,7 @@ TEST(Theory, LinesOfThePagesFit) {
 struct TableRow {
   std::string text;
   std::vector<std::string> equations;
+  std::vector<std::string> of_paper;
   std::vector<std::string> functions;
   std::string file;
 };
@@ -162,6 +163,12 @@ std::vector<std::string> cells_of(const std::string& line) {
     from = bar + 1;
   }
   return cells;
+}
+
+/// "(25)" and "(26)" of "paper (25), (26)".
+std::vector<std::string> paper_numbers(const std::string& text) {
+  static const std::regex pattern(R"((\([0-9]+\)))");
+  return all_matches(text, pattern);
 }
 
 std::vector<TableRow> table_of(const Page& page) {
@@ -178,7 +185,8 @@ std::vector<TableRow> table_of(const Page& page) {
     }
     const std::vector<std::string> files = all_matches(cells[4], quoted);
     EXPECT_EQ(files.size(), 1U) << line;
-    rows.push_back({line, citations(cells[0]), all_matches(cells[3], quoted), files.empty() ? "" : files.front()});
+    rows.push_back({line, citations(cells[0]), paper_numbers(cells[1]), all_matches(cells[3], quoted),
+                    files.empty() ? "" : files.front()});
   }
   return rows;
 }
@@ -256,6 +264,24 @@ TEST(TheoryTables, EveryFunctionCitesAnEquationOfItsRow) {
           return stand_together(sources, function, equation);
         });
         EXPECT_TRUE(cites) << "`" << function << "` cites none of its equations: " << row.text;
+      }
+    }
+  }
+}
+
+/// A reader who comes with the paper finds where each of its equations is computed.
+TEST(TheoryTables, EveryEquationOfThePaperThatAPageNamesLeadsToAFunction) {
+  static const std::regex named(R"([Pp]aper ((\([0-9]+\)(, | and )?)+))");
+  for (const Page& page : kPages) {
+    std::set<std::string> found;
+    for (const TableRow& row : table_of(page)) found.insert(row.of_paper.begin(), row.of_paper.end());
+    std::string text;
+    for (const std::string& line : lines_of(root() / page.folder / "THEORY.md")) text += line + " ";
+    const std::vector<std::string> lists = all_matches(text, named);
+    EXPECT_FALSE(lists.empty()) << page.folder;
+    for (const std::string& list : lists) {
+      for (const std::string& number : paper_numbers(list)) {
+        EXPECT_EQ(found.count(number), 1U) << page.folder << "/README.md has no function for the paper's " << number;
       }
     }
   }
