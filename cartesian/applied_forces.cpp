@@ -36,7 +36,7 @@ Vec3 rotation_vector(const Mat3& R, const std::string& name, double t) {
   return turn.angle() * turn.axis();
 }
 
-/// J^-T of the rotation vector: 1 + theta~ / 2 + c theta~^2, c = (1 - (t/2) cot(t/2)) / t^2.
+/// J^-T of the rotation vector: 1 + theta~ / 2 + c theta~^2, c = (1 - (t/2) cot(t/2)) / t^2 (C36).
 Mat3 inverse_transposed_tangent(const Vec3& theta) {
   const double t_squared = theta.squaredNorm();
   const double half = 0.5 * std::sqrt(t_squared);
@@ -56,7 +56,7 @@ struct TireOnRoad {
   TireContact contact;
 };
 
-/// Throws SolverError where the spin axis is normal to the road.
+/// Throws SolverError where the spin axis is normal to the road (S36), (S37), (C37).
 TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, const std::string& name, double t) {
   const Vec3& c = wheel.point;
   const Vec3& v = wheel.velocity;
@@ -98,7 +98,7 @@ struct Push {
   bool sets_regimes;   // tires and stops take the regime that they are in by themselves
   double shortest;     // line spring that has a direction
 
-  void operator()(const Load& load) const {
+  void operator()(const Load& load) const {  // (S32)
     const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
                       : load.axes == LoadAxes::body ? A_body
                                                     : child().A_joint;
@@ -106,7 +106,7 @@ struct Push {
     on_child() = {size * (axes * load.force), size * (axes * load.torque)};
   }
 
-  void operator()(const LineSpring& spring) const {
+  void operator()(const LineSpring& spring) const {  // (S33)
     const Vec3 line = child().point - parent().point;
     const double length = line.norm();
     if (!(length > shortest)) {
@@ -120,7 +120,7 @@ struct Push {
     on_parent() = {tension * along, Vec3::Zero()};
   }
 
-  void operator()(const TurnSpring& spring) const {
+  void operator()(const TurnSpring& spring) const {  // (S34)
     if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s turn spring '{}' has no angle: the child's x axis points along the "
@@ -141,7 +141,7 @@ struct Push {
     on_parent() = {Vec3::Zero(), -couple};
   }
 
-  void operator()(const Bushing& bushing) const {
+  void operator()(const Bushing& bushing) const {  // (S35)
     const Vec3 theta = rotation_vector(actor.motion.R, name, t);
     Vec6 displacement;
     displacement << actor.motion.d, theta;
@@ -154,7 +154,7 @@ struct Push {
     on_parent() = opposite(on_child(), child().point - parent().point);
   }
 
-  void operator()(const Tire& tire) const {
+  void operator()(const Tire& tire) const {  // (S39)
     if (sets_regimes) actor.regime.stretch = stretch_at(*tire.road, child().point.x());
     const TireOnRoad at = place_on_road(tire, actor.regime.stretch, child(), name, t);
     if (sets_regimes) actor.regime = regime_at(tire, at.contact);
@@ -270,7 +270,7 @@ void AppliedForces::place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, co
   move_relative(parent, child, actor.motion);
 }
 
-/// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own.
+/// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own (C38).
 void AppliedForces::push_by_springs(Actor& actor, double t) const {
   const Joint& stated = model_.joints[actor.joint];
   const JointEquations& joint = constraints_.joint(actor.joint);

@@ -22,7 +22,7 @@ struct Actor {
   TireRegime regime;              // of a tire
   /// Of the stops of a spring, or of each spring of a joint in its order.
   std::vector<LawRegime> stop_regimes;
-  /// Wrenches at the ends, global axes, and their generalized forces (32) on the ends' bodies, 6 + m numbers (none on
+  /// Wrenches at the ends, global axes, and their generalized forces (C12) on the ends' bodies, 6 + m numbers (none on
   /// ground).
   std::array<Wrench, 2> wrenches;
   std::array<VecX, 2> forces;

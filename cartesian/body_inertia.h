@@ -11,20 +11,20 @@ namespace concord::cartesian {
 
 class BodyInertia {
  public:
-  explicit BodyInertia(const Body& body);
+  explicit BodyInertia(const Body& body);  // (C32)
 
   [[nodiscard]] int n_modes() const { return n_modes_; }
   [[nodiscard]] double mass() const { return mass_; }
 
-  /// Sums over the mass points for modal coordinates a and rates adot; call before everything below.
+  /// Sums over the mass points for modal coordinates a and rates adot; call before everything below (C31).
   template <class Modal>
   void update(const Modal& a, const Modal& adot);
 
-  /// M(a), (6 + m) square, for Y = [v; omega; adot] with v and omega in global axes; A: body to global.
+  /// M(a), (6 + m) square, for Y = [v; omega; adot] with v and omega in global axes; A: body to global (C33).
   template <class Block>
   void write_mass_matrix(const Mat3& A, Block&& M) const;
 
-  /// S(omega, a, adot), U = K a + D adot and gravity: writes Q_gravity - S - U, 6 + m rows; omega in global axes.
+  /// S, U = K a + D adot and gravity: writes Q_gravity - S - U, 6 + m rows, (C34), (C35); omega global.
   template <class Modal, class Rows>
   void write_forces(const Mat3& A, const Vec3& omega, const Vec3& gravity, const Modal& a, const Modal& adot,
                     Rows&& force) const;

@@ -173,14 +173,14 @@ struct ClosingSystem {
   VecX residual;
   VecX terms;  // how often a residual holds its round-off
 
-  [[nodiscard]] VecX shortest_step() const { return solve_shortest(jacobian, -residual); }
+  [[nodiscard]] VecX shortest_step() const { return solve_shortest(jacobian, -residual); }  // (C47)
   [[nodiscard]] double gap() const {
     return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
   }
   [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 };
 
-ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,
+ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,  // (C47)
                           std::vector<KeptRow> kept_rows) {
   const Constraints& constraints = equations.constraints();
   const int n_rows = constraints.n_rows();

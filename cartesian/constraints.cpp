@@ -12,7 +12,7 @@ namespace {
 constexpr double kFullTurn = 2.0 * EIGEN_PI;
 
 /// A row's gradient over (d, rho) as force and torque at the side's point: on the child as it is, on the parent
-/// opposite and moved from P_i to P_j.
+/// opposite and moved from P_i to P_j (C26).
 template <class Column>
 void write_row(const JointEquations& joint, Side side, const Row& row, Column&& column) {
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
@@ -169,7 +169,7 @@ void Constraints::place(const Eigen::Ref<const VecX>& q) {
   place_couplings();
 }
 
-/// A body may sit in several of the coupled joints: its columns add up.
+/// A body may sit in several of the coupled joints: its columns add up (C30).
 void Constraints::place_couplings() {
   for (CouplingEquations& coupling : couplings_) {
     for (MatX& columns : coupling.Phi_Y_transposed) columns.setZero();
@@ -272,7 +272,7 @@ void Constraints::move(const Eigen::Ref<const VecX>& Y) {
   for (int k = 0; k < n_joints(); ++k) move_joint(k, Y);
 }
 
-void Constraints::move_joint(int k, const Eigen::Ref<const VecX>& Y) {
+void Constraints::move_joint(int k, const Eigen::Ref<const VecX>& Y) {  // (C14)
   JointEquations& joint = joints_[k];
   const Joint& stated = model_.joints[k];
   for (const Side side : {Side::parent, Side::child}) {

@@ -11,9 +11,9 @@
 /// Constraint equations of all joints and couplings: residuals, Jacobians over the body velocities, gamma.
 namespace concord::cartesian {
 
-/// The child's marker seen from the parent's: (d, R), and after that their rates.
+/// The child's marker seen from the parent's: (d, R), and after that their rates (S10).
 void place_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);
-void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);
+void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);  // (C13)
 
 /// A joint coordinate that couplings relate, and the value that its turns are counted from.
 struct CoupledCoordinate {
@@ -118,15 +118,15 @@ class Constraints {
   /// largest of a coupling's terms; zero for all other rows.
   void write_own_terms(double t, Eigen::Ref<VecX> terms) const;
 
-  /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone.
+  /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone (C27).
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
-  /// Phi_Y Y + Phi_t; after move().
+  /// Phi_Y Y + Phi_t; after move() (C28).
   void write_velocity_residual(double t, Eigen::Ref<VecX> residual) const;
   /// Phi_Y Y of row `row` of a block; after move() or move_joint() of the block's joints.
   [[nodiscard]] double row_rate(const RowBlock& block, int row) const;
   /// Places and moves the joints that a block's rows depend on; after place_body().
   void place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
-  /// gamma of Phi_Y Ydot = gamma; after move().
+  /// gamma of Phi_Y Ydot = gamma; after move() (C29).
   void write_gamma(double t, Eigen::Ref<VecX> gamma) const;
 
   /// All rows on all moving bodies; together they are Phi_Y.
@@ -135,7 +135,7 @@ class Constraints {
   [[nodiscard]] Eigen::Ref<const MatX> columns(const RowBlock& block) const;
 
   /// Multipliers of all rows of joint k and, behind them, of its coupled coordinates, from those of all constraints.
-  [[nodiscard]] VecX joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const;
+  [[nodiscard]] VecX joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const;  // (C42)
 
   /// Transposed Jacobian over Y of the side's body of any row of a joint, for rows that are no constraints: (6 + m).
   void write_transposed(int joint, Side side, const Row& row, Eigen::Ref<VecX> column) const;

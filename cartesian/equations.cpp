@@ -35,7 +35,7 @@ double stiffening_of(const BodyInertia& inertia) {
   return slowest < HUGE_VAL ? kHeavier / slowest : 0.0;
 }
 
-/// Size of a mode's rate that moves some joint of its body by `length` per second.
+/// Size of a mode's rate that moves some joint of its body by `length` per second (C44).
 double modal_unit(const Model& model, int body, int mode, double length) {
   double largest = 0.0;
   for (const Joint& joint : model.joints) {
@@ -245,7 +245,7 @@ void Equations::solve(bool fresh_pivots) {
 }
 
 /// Adds to the inertia of each mode what its stiffness resists: it takes no part in closing the joints, unless nothing
-/// else can.
+/// else can (C48).
 void Equations::stiffen_modes() {
   double* values = position_matrix_->values();
   for (int i = 1; i < layout_.n_bodies(); ++i) {
@@ -267,7 +267,7 @@ void Equations::factor_position_matrix() {
   }
 }
 
-void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {
+void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {  // (C48)
   unknowns_.head(layout_.n_Y()).setZero();
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     unknowns_(place_of(row)) = active_[row] ? -residual(row) : 0.0;
@@ -276,7 +276,7 @@ void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {
   step_ = unknowns_.head(layout_.n_Y());
 }
 
-void Equations::measure_rows() const {
+void Equations::measure_rows() const {  // (C45)
   const auto norm_of = [&](int k, int row) {
     double squared = 0.0;
     for (const Side side : {Side::parent, Side::child}) {

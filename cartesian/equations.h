@@ -15,7 +15,7 @@ namespace concord::cartesian {
 /// Equations of motion of the whole machine,
 ///   [M  Phi_Y^T; Phi_Y  0] [Ydot; lambda] = [Q - S - U; gamma],
 /// over all bodies and an independent set of constraint rows. Memory is laid out once; an evaluation allocates nothing.
-class Equations {
+class Equations {  // (C40)
  public:
   explicit Equations(const Model& model);
 
@@ -41,7 +41,7 @@ class Equations {
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
   /// Accelerations and multipliers at the updated state. With `fresh_pivots` the factorization chooses its pivots anew
-  /// and the solution is refined to round-off. Throws SolverError where the matrix is singular.
+  /// and the solution is refined to round-off. Throws SolverError where the matrix is singular (C40).
   void solve(bool fresh_pivots);
   [[nodiscard]] const VecX& Ydot() const { return Ydot_; }
   /// One multiplier for each constraint row; zero for rows that take no part.
@@ -70,13 +70,13 @@ class Equations {
   [[nodiscard]] double reach() const { return reach_; }
   /// How much less a step of positions moves a mode than a coordinate without stiffness, at most 1.
   [[nodiscard]] double compliance(int body, int mode) const;
-  /// The largest residual by row sizes and terms, a number without a unit; for velocities [1/s].
+  /// The largest residual by row sizes and terms, a number without a unit; for velocities [1/s] (C45).
   [[nodiscard]] double gap(const VecX& residual) const;
   [[nodiscard]] double rate_error(const VecX& velocity_residual) const;
   /// The largest speed in the machine's units at the updated state [1/s], that of laws of drivers included; at least a
   /// millionth of the rate that the forces would bring about over the machine's length.
   [[nodiscard]] double largest_rate(double t, const Eigen::Ref<const VecX>& Y) const;
-  /// That rate [1/s]: sqrt(acceleration / L), the largest of all bodies.
+  /// That rate [1/s]: sqrt(acceleration / L), the largest of all bodies (C46).
   [[nodiscard]] double natural_rate() const;
 
   /// The joint or coupling that a row belongs to, "joint 'A'", and that of the largest of these rows by their sizes.
@@ -92,7 +92,7 @@ class Equations {
   /// Power of drivers, joint springs and force elements less that of modal damping [W] at the updated state; with the
   /// multipliers of the last solve(), or with others (one for each row).
   [[nodiscard]] double power() const { return power_of(lambda_); }
-  [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;
+  [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;  // (C39)
 
   /// The matrix with the numbers of the last solve() or fill_matrix(), rows that take no part included.
   [[nodiscard]] const SparseLu& matrix() const { return *matrix_; }

@@ -21,7 +21,7 @@ struct FreeTable {
 using Table = std::unique_ptr<std::remove_pointer_t<ARKodeButcherTable>, FreeTable>;
 
 /// Weight of the result with n_j substeps in the extrapolation of the first `used` results to n = infinity in (1/n)^2.
-double extrapolation_weight(const std::vector<int>& substeps, std::size_t j, std::size_t used) {
+double extrapolation_weight(const std::vector<int>& substeps, std::size_t j, std::size_t used) {  // (C55)
   double weight = 1.0;
   const double own = substeps[j] * substeps[j];
   for (std::size_t i = 0; i < used; ++i) {
@@ -32,7 +32,7 @@ double extrapolation_weight(const std::vector<int>& substeps, std::size_t j, std
 
 /// Gragg's modified midpoint rule, z_1 = y + h/n f(y), z_{k+1} = z_{k-1} + 2h/n f(z_k), with each even n of `substeps`,
 /// extrapolated in (1/n)^2 and written as one explicit Runge-Kutta table: order 2 m for m sequences, embedded 2 m - 2.
-/// f(y) is shared, so there are 1 + sum of (n - 1) stages. (Hairer, Norsett, Wanner I, section II.9.)
+/// f(y) is shared, so there are 1 + sum of (n - 1) stages. (Hairer, Norsett, Wanner I, section II.9.) (C55)
 Table make_table(const std::vector<int>& substeps) {
   int stages = 1;
   for (const int n : substeps) stages += n - 1;

@@ -21,7 +21,7 @@ using sundials::check;
 using sundials::require;
 using sundials::view;
 
-/// pdot = E(p)^T omega / 2 = Omega(omega) p / 2: the matrix Omega / 2.
+/// pdot = E(p)^T omega / 2 = Omega(omega) p / 2: the matrix Omega / 2 (C57).
 Eigen::Matrix4d compute_Omega_half(const Vec3& omega) {
   Eigen::Matrix4d half;
   for (int k = 0; k < 4; ++k) half.col(k) = compute_pdot(Vec4::Unit(k), omega);
@@ -226,7 +226,7 @@ class IdaStepper : public Stepper {
     return 0;
   }
 
-  void write_residual(double t, const Eigen::Map<VecX>& x, const Eigen::Map<VecX>& xdot, Eigen::Map<VecX> F) {
+  void write_residual(double t, const Eigen::Map<VecX>& x, const Eigen::Map<VecX>& xdot, Eigen::Map<VecX> F) {  // (C56)
     const auto q = x.head(first_Y_);
     const auto Y = x.segment(first_Y_, layout_.n_Y());
     // With p brought to unit length no constraint depends on |p|, as the Jacobian has it.
@@ -410,7 +410,7 @@ class IdaStepper : public Stepper {
   }
 
   template <class Q, class Visit>
-  void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const {
+  void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const {  // (C57)
     const Eigen::Ref<const MatX> Phi_Y_transposed = std::as_const(equations_).constraints().columns(block);
     const int body = block.body;
     const int at_q = layout_.first_q(body);

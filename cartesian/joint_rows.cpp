@@ -26,7 +26,7 @@ Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
 
 Axis next(Axis axis) { return static_cast<Axis>((index(axis) + 1) % 3); }
 
-/// d . e: gap along an axis of the parent.
+/// d . e: gap along an axis of the parent (C16).
 Row gap_row(const Vec3& e, const RelativeMotion& motion) {
   Row row;
   row.value = e.dot(motion.d);
@@ -34,7 +34,7 @@ Row gap_row(const Vec3& e, const RelativeMotion& motion) {
   return row;
 }
 
-/// m . (R n) for a vector m fixed on the parent and n fixed on the child.
+/// m . (R n) for a vector m fixed on the parent and n fixed on the child (C17).
 Row dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
   const Vec3 R_n = motion.R * n;
   const Vec3 swing = motion.omega.cross(R_n);
@@ -45,7 +45,7 @@ Row dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
   return row;
 }
 
-/// atan2(y, x) of two rows.
+/// atan2(y, x) of two rows (C18).
 Row angle_row(const Row& y, const Row& x, const RelativeMotion& motion) {
   const double square = x.value * x.value + y.value * y.value;
   const double xdot = rate_of(x, motion);
@@ -60,7 +60,7 @@ Row angle_row(const Row& y, const Row& x, const RelativeMotion& motion) {
   return row;
 }
 
-/// |d - (d . e) e|: distance of the child's point from the parent's axis e.
+/// |d - (d . e) e|: distance of the child's point from the parent's axis e (C19).
 Row distance_from_axis_row(const Vec3& e, const RelativeMotion& motion) {
   const Vec3 across = motion.d - motion.d.dot(e) * e;
   const Vec3 across_dot = motion.ddot - motion.ddot.dot(e) * e;
@@ -112,7 +112,7 @@ int write(const SameOrientation&, const RelativeMotion& motion, Row* rows) {
   return 3;
 }
 
-int write(const KeepDistance& word, const RelativeMotion& motion, Row* rows) {
+int write(const KeepDistance& word, const RelativeMotion& motion, Row* rows) {  // (C20)
   rows[0].value = (motion.d.squaredNorm() - word.length * word.length) / (2.0 * word.length);
   rows[0].over_d = motion.d / word.length;
   rows[0].over_rho.setZero();
@@ -126,7 +126,7 @@ int write(const ByResidual& word, const RelativeMotion& motion, Row* rows) {
   return found.n;
 }
 
-/// e . (ddot + omega x c), c = -below e_z fixed on the parent; e fixed there or carried by the child.
+/// e . (ddot + omega x c), c = -below e_z fixed on the parent; e fixed there or carried by the child (C22).
 Row write(const NoSlip& word, const RelativeMotion& motion) {
   const Vec3 contact = -word.below * Vec3::UnitZ();
   const bool turns = word.axis_of == Side::child;
@@ -233,7 +233,7 @@ bool is_by_functions(const joints::JointType& type) {
   return type.reads.size() == 1 && std::holds_alternative<ByReading>(type.reads.front());
 }
 
-/// S of a type whose coordinates read by functions: what no row forbids and moves one reading at unit speed.
+/// S of a type whose coordinates read by functions: what no row forbids and moves one reading at unit speed (C25).
 Columns permitted_columns(const joints::JointType& type, const RelativeMotion& motion) {
   Row rows[kMaxRows];
   const int n_forbids = evaluate_forbids(type, motion, rows);

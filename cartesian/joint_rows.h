@@ -18,7 +18,7 @@ struct RelativeMotion {
   bool is_beyond_upright = false;
 };
 
-struct Row {
+struct Row {  // (C15)
   double value = 0.0;
   Vec3 over_d = Vec3::Zero();
   Vec3 over_rho = Vec3::Zero();
@@ -28,11 +28,11 @@ struct Row {
 /// Room for the rows of one type: it forbids at most 6 directions.
 inline constexpr int kMaxRows = 6;
 
-/// Rows of all words of `type.forbids`, written to `rows`; returns their number.
+/// Rows of all words of `type.forbids`, written to `rows`; returns their number (S12).
 int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
 
 /// Rows of all words of `type.forbids_speeds`, written to `rows`; returns their number. They have no value: only their
-/// rate vanishes.
+/// rate vanishes (S13).
 int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
 
 /// Whether the placement is on the branch that the words mean (a hinge's axes point the same way).
@@ -42,7 +42,7 @@ bool on_branch(const joints::JointType& type, const RelativeMotion& motion);
 const joints::Read* read_of(const joints::JointType& type, int word);
 
 /// The row of one coordinate of a reading: its value (an angle in (-pi, pi]), gradient and bias. The reading must be of
-/// numbers (not of an orientation).
+/// numbers (not of an orientation) (S16).
 Row evaluate_read(const joints::Read& read, int component, const RelativeMotion& motion);
 
 /// Whether this coordinate is an angle known but for full turns; a reading by functions that goes on beyond a full turn
@@ -50,18 +50,18 @@ Row evaluate_read(const joints::Read& read, int component, const RelativeMotion&
 bool reads_turn(const joints::Read& read, int component);
 
 /// The value of a reading's row with its turns counted: an angle known but for full turns is moved by these to within
-/// half a turn of `known`.
+/// half a turn of `known` (C23).
 double value_near(bool is_known_but_for_turns, const Row& row, double known);
 
-/// Rate of a row along the motion, gradient . [ddot; omega].
+/// Rate of a row along the motion, gradient . [ddot; omega] (C15).
 double rate_of(const Row& row, const RelativeMotion& motion);
 
-/// Three rows that vanish where the orientation is `target`: half the axial vector of R target^T.
+/// Three rows that vanish where the orientation is `target`: half the axial vector of R target^T (C21).
 void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Row* rows);
 
 /// Coordinate wrench of the coordinate forces tau (n_u numbers): on the child at P_i in the parent's joint frame,
 /// [force; torque], in the span of the slides' forces and of the turns' torques (of an arm's turns: of the forces that
-/// move the arm's end; of readings by functions: of what they say), with S^T w = tau.
+/// move the arm's end; of readings by functions: of what they say), with S^T w = tau (C24).
 Vec6 coordinate_wrench(const joints::JointType& type, const RelativeMotion& motion, const Eigen::Ref<const VecX>& tau);
 
 /// Number of speeds that a reading stands for: 3 for an orientation, else one for each number.

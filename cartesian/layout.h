@@ -54,7 +54,7 @@ class Layout {
   void write_qdot(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, Eigen::Ref<VecX> qdot) const;
 
   /// Moves q by a small displacement [dr; dpi; da] of every body, dpi a rotation vector in global axes; p stays unit.
-  void displace(const Eigen::Ref<const VecX>& step, Eigen::Ref<VecX> q) const;
+  void displace(const Eigen::Ref<const VecX>& step, Eigen::Ref<VecX> q) const;  // (C4)
   /// The same for one body, by `size` along its coordinate c of Y.
   void displace_along(int body, int c, double size, Eigen::Ref<VecX> q) const;
 

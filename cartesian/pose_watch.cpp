@@ -187,7 +187,7 @@ bool PoseWatch::follow(double t, const Motion& motion) {
   return last_.rows != rows;
 }
 
-/// Whether the rows at one pose go over into those at the other without a doubt.
+/// Whether the rows at one pose go over into those at the other without a doubt (C53).
 bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vector<bool>& rows) {
   // What the rows permit turns by less than about 25 degrees; where a motion changes to another branch it turns at
   // once, however near the poses are.
@@ -217,7 +217,7 @@ void PoseWatch::trace(const Look& before, const Look& after, int depth) {
   trace(middle, after, depth - 1);
 }
 
-/// Halfway in time: the cubic through both, brought onto the constraints.
+/// Halfway in time: the cubic through both, brought onto the constraints (C54).
 PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
   const Layout& layout = equations_.layout();
   const double h = after.t - before.t;

@@ -157,7 +157,7 @@ double estimate_largest(const SparseMatrix& transposed) {
   return largest > 0.0 ? largest : 1.0;
 }
 
-/// What the left-over rows leave behind all others, and the singular values of that.
+/// What the left-over rows leave behind all others, and the singular values of that (C50).
 void decide_left_over(const SparseMatrix& transposed, const Sifting& sifting, double largest, RankDecision& decision) {
   const Eigen::Index n = transposed.cols();
   const Eigen::Index left_over = n - sifting.live;
@@ -200,7 +200,7 @@ void decide_left_over(const SparseMatrix& transposed, const Sifting& sifting, do
 }
 
 /// How far multipliers of the null space move what a joint reports: rows are the reactions of both sides (12), totals
-/// of both sides (12), coordinate forces.
+/// of both sides (12), coordinate forces (C51).
 class Movement {
  public:
   Movement(const Equations& equations, int k, const ScaledJacobian& scaled, const MatX& null_space)
@@ -267,7 +267,7 @@ struct Answer {
   bool stays;
 };
 
-/// Of a component that the null space at these sizes moves by `size(n)`.
+/// Of a component that the null space at these sizes moves by `size(n)` (C51).
 template <class Size>
 Answer answer(const NullSpaceSizes& sizes, const Size& size) {
   constexpr double kZero = 1e-9;

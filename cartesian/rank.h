@@ -41,7 +41,7 @@ struct ScaledJacobian {
   SparseMatrix matrix;
   VecX row_scale;  // matrix row = row_scale * Phi_Y row * units; 1 for a row of zeros
 };
-ScaledJacobian scaled_jacobian(const Equations& equations);
+ScaledJacobian scaled_jacobian(const Equations& equations);  // (C49)
 
 /// A largest independent set of the constraint rows at the last update of `equations`, and its size; of rows that
 /// depend on each other those that hold for positions come before those that hold for velocities alone. Where
@@ -54,7 +54,7 @@ RowChoice choose_rows(const Equations& equations, int expected);
 std::vector<bool> independent_rows(const Equations& equations);
 
 /// Orthonormal columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows
-/// permit at the last update of `equations`, drivers at rest.
+/// permit at the last update of `equations`, drivers at rest (C52).
 MatX permitted_velocities(const Equations& equations);
 
 /// Rank, and which reaction components, coordinate forces and coupling forces stay the same for all multipliers in the

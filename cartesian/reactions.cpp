@@ -8,7 +8,7 @@ SideWrench seen_from(const Mat3& A_joint, const Wrench& in_global) {
   return {{A_joint.transpose() * in_global.force, A_joint.transpose() * in_global.torque}, in_global};
 }
 
-/// Generalized force columns of the body, weighted with -lambda, as a wrench at the marker.
+/// Generalized force columns of the body, weighted with -lambda, as a wrench at the marker (C41).
 Wrench from_columns(const Marker& marker, const Eigen::Ref<const MatX>& Phi_Y_transposed,
                     const Eigen::Ref<const VecX>& lambda) {
   const Vec6 generalized = -(Phi_Y_transposed.topRows<6>() * lambda);

@@ -6,10 +6,10 @@
 
 namespace concord::cartesian {
 
-/// Wrenches of joint k from the multipliers of its rows and its coupled coordinates (joint_multipliers()), eqs. (29)
-/// and (30): on either side from that body's own columns of the Jacobian, F = -Phi_r^T lambda at the side's point and T
-/// = -Phi_pi^T lambda - (A s_P) x F. The reaction is that less the coordinate wrenches of drivers and couplings (tau =
-/// -lambda); the total is that and what the joint's springs exert (nullptr: it has none).
+/// Wrenches of joint k from the multipliers of its rows and its coupled coordinates (joint_multipliers()), (C41)
+/// and (C43): on either side from that body's own columns of the Jacobian, F = -Phi_r^T lambda at the side's point and
+/// T = -Phi_pi^T lambda - (A s_P) x F. The reaction is that less the coordinate wrenches of drivers and couplings (tau
+/// = -lambda); the total is that and what the joint's springs exert (nullptr: it has none).
 JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
                                const Actor* springs);
 

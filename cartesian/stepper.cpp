@@ -74,7 +74,7 @@ double Stepper::margin_at(double t) {
 
 /// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
 /// at several times, so that no regime that comes and goes within the step is missed; Illinois' rule between them.
-double Stepper::find_kink(double from, double margin_before, double stop) {
+double Stepper::find_kink(double from, double margin_before, double stop) {  // (C59)
   constexpr int kLooks = 16;
   constexpr double kSharp = 1e-13;  // of the time of the run
   if (!(margin_before >= 0.0)) return from;

@@ -82,7 +82,7 @@ struct Tolerance {
 /// Absolute tolerances over [q; Y; work] that follow from rtol and the sizes of the machine: its length, the speed and
 /// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed. A machine
 /// that starts at rest without gravity has the speed that its forces bring about over its length, or at least its
-/// length in the time of the run. At the last update of `equations`.
+/// length in the time of the run. At the last update of `equations` (C58).
 VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance);
 
 /// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of

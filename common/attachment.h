@@ -5,7 +5,7 @@
 namespace concord {
 
 /// Where a joint or a force element sits on a body: undeformed point s_P0 [m] and frame (C: joint frame to body axes),
-/// and there the translation and rotation rows of the body's mode shapes (3 x m; no columns on a rigid body).
+/// and there the translation and rotation rows of the body's mode shapes (3 x m; no columns on a rigid body) (S1).
 struct Attachment {
   int body = kGround;
   Vec3 point_L = Vec3::Zero();

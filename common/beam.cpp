@@ -83,7 +83,7 @@ Row strain(const Line& line, double xi) {
   return Row{{(12.0 * xi - 6.0) / (h * h), (6.0 * xi - 4.0) / h, (6.0 - 12.0 * xi) / (h * h), (6.0 * xi - 2.0) / h}};
 }
 
-/// integral of factor * rows(x)^T rows(x) over the line, for `rows` one of the two functions above.
+/// integral of factor * rows(x)^T rows(x) over the line, for `rows` one of the two functions above (S6).
 SparseMatrix assemble(const Line& line, Row (*rows)(const Line&, double), double factor) {
   const int n = 2 * line.per_node();
   MatX element = MatX::Zero(n, n);
@@ -282,7 +282,7 @@ MatX normal_modes(const Line& line, int wanted) {
 }
 
 /// The shape that a unit displacement of the free end gives to the line, its first end clamped: number 1 displacement
-/// or twist, number 2 slope. Exact: no load between the ends leaves a cubic, or a straight line.
+/// or twist, number 2 slope. Exact: no load between the ends leaves a cubic, or a straight line (S7).
 VecX static_shape(const Line& line, int number) {
   VecX shape(line.size());
   const double L = line.length();
@@ -349,7 +349,7 @@ void fix_signs(const Line& line, MatX& shapes) {
   }
 }
 
-/// Orthogonal in mass and stiffness, unit modal mass, in order of frequency.
+/// Orthogonal in mass and stiffness, unit modal mass, in order of frequency (S8).
 void orthogonalize(FamilyModes& modes) {
   for (auto shape : modes.shapes.colwise()) shape /= shape.norm();
   const MatX mass = reduce(modes.line, interpolation, modes.line.inertia, modes.shapes);
@@ -452,7 +452,7 @@ SectionMotion in_element(const BeamModes& modes, int element, double xi) {
   return motion;
 }
 
-/// The mass of a section at the four points (+-k_y, +-k_z), k its radii of gyration: its own second moments.
+/// The mass of a section at the four points (+-k_y, +-k_z), k its radii of gyration: its own second moments (S9).
 void add_section(const BeamSpecification& beam, double x, double mass, const SectionMotion& motion,
                  std::vector<MassPoint>& points) {
   const double k_y = std::sqrt(beam.second_moment_z / beam.area);

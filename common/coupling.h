@@ -18,7 +18,7 @@ struct CouplingTerm {
 /// An ideal relation between joint coordinates: sum of factor_k q_k = offset. Gears and belts (two turns), a rack on
 /// its pinion (a slide and a turn), a differential (three turns). Its force f pushes the sum to grow if positive: the
 /// coordinate force on q_k is tau_k = factor_k f, and what it exerts on the joint's two bodies is the coordinate wrench
-/// of tau_k there, as of a driver. So its power is f times the rate of the sum, which is zero.
+/// of tau_k there, as of a driver. So its power is f times the rate of the sum, which is zero (S26).
 struct Coupling {
   std::string name;
   std::vector<CouplingTerm> terms;  // at least two, each coordinate once

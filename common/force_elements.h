@@ -10,7 +10,7 @@
 #include "common/tire.h"
 
 /// Force elements: what pushes and pulls on bodies and is no joint. Each is a statement; the solvers turn it into
-/// generalized forces, (32) with the third row by virtual work. Ends are places on bodies with frames, as for joints,
+/// generalized forces by virtual work (S20). Ends are places on bodies with frames, as for joints,
 /// and move with the modes: A' = A R(theta) C is the end's frame.
 namespace concord {
 
@@ -18,7 +18,7 @@ namespace concord {
 /// which follows the body's deformation.
 enum class LoadAxes { global, body, follower };
 
-/// A force and a torque on one body at a point, both times one law of time.
+/// A force and a torque on one body at a point, both times one law of time (S32).
 struct Load {
   Attachment at;
   LoadAxes axes = LoadAxes::global;
@@ -29,7 +29,7 @@ struct Load {
 
 /// A translational spring, damper and actuator along the line between two points, x = their distance. Tension (the law
 /// and the actuator) pulls each end towards the other. A distance below 1e-9 of the machine's length is refused: it has
-/// no direction.
+/// no direction (S33).
 struct LineSpring {
   std::array<Attachment, 2> ends;
   ForceLaw law;
@@ -40,7 +40,7 @@ struct LineSpring {
 /// x} reads it). With R the child's frame in the parent's, g = dx/drho (dR = rho~ R) and f the law and the actuator,
 /// the torque on the child is -f g in the parent's end frame, and on the parent the opposite: pure couples, conjugate
 /// to x also where the axes z do not coincide. An angle beyond 175 deg is refused: a spring on a joint counts turns.
-struct TurnSpring {
+struct TurnSpring {  // (S34)
   std::array<Attachment, 2> ends;
   ForceLaw law;
 };
@@ -48,7 +48,7 @@ struct TurnSpring {
 /// Six springs and dampers between two frames. With d = A_j'^T (r_Pi - r_Pj), theta = log(R) (beyond 175 deg it is
 /// refused) and v_rel = [ddot; omega_rel], all in the parent's end frame, the wrench on the child at P_i in those axes
 /// is [F; T] = -L^T (stiffness [d; theta] - preload) - damping v_rel, with L = diag(1, J^-1(theta)), thetadot = J^-1
-/// omega_rel. On the parent, at P_j: -F and -(T + d x F).
+/// omega_rel. On the parent, at P_j: -F and -(T + d x F) (S35).
 struct Bushing {
   std::array<Attachment, 2> ends;
   Mat6 stiffness = Mat6::Zero();  // symmetric; N/m, N m/rad

@@ -11,7 +11,7 @@ namespace {
 constexpr double kBeyondBorder = 1e-11;
 
 /// Resistance of a stop that is pressed by p beyond its place, at the rate pdot, in a regime. It pushes: where its
-/// damper would pull by more than its spring pushes, it has let go and is off.
+/// damper would pull by more than its spring pushes, it has let go and is off (S31).
 Resistance press(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
   if (regime == StopRegime::off) return {};
   const bool full = regime == StopRegime::full;

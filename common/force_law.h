@@ -10,7 +10,7 @@
 namespace concord {
 
 /// A force over a stretch or over its rate: a cubic spline through the points inside the table, the tangent lines at
-/// its ends outside.
+/// its ends outside (S30).
 class ForceTable {
  public:
   /// At least four points, x strictly rising.
@@ -73,7 +73,7 @@ struct Resistance {
   double over_xdot = 0.0;
 };
 
-Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot);
+Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot);  // (S29)
 
 /// How a stop acts: not at all (it is not pressed, or has let go), with the share of a stop that is not pressed by its
 /// width, or in full. Between two of them lies a kink of some derivative of the force.

@@ -24,7 +24,7 @@ struct ModalNode {
   Mat3X Psi_r_L;
 };
 
-/// A flexible body in modal coordinates, formulation "body inertia": either the mass points or their integrals.
+/// A flexible body in modal coordinates (S3): either the mass points or their integrals.
 struct ModalData {
   /// All entries of G = sum of m w w^T over the mass points, w = [1; s_0; psi_1; ...; psi_m]: (4 + 3 m) square.
   MatX G;
@@ -40,13 +40,13 @@ struct ModalData {
   [[nodiscard]] int n_modes() const { return static_cast<int>(stiffness.rows()); }
 };
 
-/// G of a set of mass points with m modes each.
+/// G of a set of mass points with m modes each (S3).
 MatX mass_integrals(const std::vector<MassPoint>& points, int n_modes);
 
 /// G with rows and columns divided by the roots of the diagonal, where that is positive: entries without units.
 MatX without_units(const MatX& G);
 
-/// At most 4 + 3 m mass points whose integrals are G (positive semidefinite, G(0, 0) > 0).
+/// At most 4 + 3 m mass points whose integrals are G (positive semidefinite, G(0, 0) > 0) (S5).
 std::vector<MassPoint> equivalent_mass_points(const MatX& G);
 
 }  // namespace concord

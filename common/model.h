@@ -53,7 +53,7 @@ struct WordStart {
   VecX u;
 };
 
-/// Prescribes one coordinate of a joint (a turn or a slide): q = law(t).
+/// Prescribes one coordinate of a joint (a turn or a slide): q = law(t) (S25).
 struct Driver {
   int word = 0;
   TimeFunction law;
@@ -136,13 +136,13 @@ struct Model {
   /// Whether joint k can pass no wrench at all: it forbids nothing, nothing drives or couples it and it has no spring.
   [[nodiscard]] bool carries_nothing(int k) const;
   /// Largest distance between the joint points of a body, over all bodies, undeformed [m]; the ends of force elements
-  /// count like joint points; 1 m if there is none.
+  /// count like joint points; 1 m if there is none (S42).
   [[nodiscard]] double length_scale() const;
 };
 
 /// Rough poses of all bodies at the start (ground included): a body's own guess, else the pose that follows from its
 /// neighbour through a joint with the start coordinates, modes undeformed. A place to start Newton's method from, never
-/// a result: each solver closes the machine with its own equations.
+/// a result: each solver closes the machine with its own equations (S43).
 std::vector<Pose> guess_poses(const Model& model);
 
 }  // namespace concord

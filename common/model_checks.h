@@ -14,7 +14,7 @@ namespace concord {
 double angle_between(const Vec3& a, const Vec3& b);
 
 /// What is wrong with an inertia tensor about the centre of mass [kg m2]: a negative principal moment, or one that
-/// exceeds the sum of the others (by more than 1e-9 of the largest). Nothing if a mass distribution can have it.
+/// exceeds the sum of the others (by more than 1e-9 of the largest). Nothing if a mass distribution can have it (S2).
 std::optional<std::string> complaint_about_inertia(const Mat3& inertia);
 
 /// "entries (1, 2) and (2, 1) differ: 3 and 4", if a matrix is not symmetric within 1e-12 of its largest entry. Rows

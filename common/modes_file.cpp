@@ -96,7 +96,7 @@ std::optional<MatX> read_square(const TableReader& table, std::string_view key, 
 Mat3 second_moment(const Mat3& inertia) { return 0.5 * inertia.trace() * Mat3::Identity() - inertia; }
 
 /// Six mass points that have a node's mass, and its rotary inertia in all modes: at plus and minus c_k along the
-/// principal axes of the second moment, with modes Psi_t - c_k~ Psi_r.
+/// principal axes of the second moment, with modes Psi_t - c_k~ Psi_r (S4).
 void add_rotary_node(const MassPoint& point, const Mat3X& Psi_r_L, const Mat3& inertia,
                      std::vector<MassPoint>& points) {
   const Eigen::SelfAdjointEigenSolver<Mat3> principal(second_moment(inertia));

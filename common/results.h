@@ -29,7 +29,7 @@ struct State {
   std::vector<VecX> u;
 };
 
-/// Force [N] and torque [N m] about a point that the owner names.
+/// Force [N] and torque [N m] about a point that the owner names (S20).
 struct Wrench {
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();
@@ -47,14 +47,14 @@ struct Wrench {
 };
 
 /// A wrench on one side of a joint: on the child at P_i or on the parent at P_j (its own material point), in that
-/// side's joint frame and in global axes.
+/// side's joint frame and in global axes (S23).
 struct SideWrench {
   Wrench in_C;
   Wrench in_global;
 };
 
 /// Wrenches of one joint. Reaction = total minus the coordinate wrenches of drivers, springs, actuators and couplings
-/// on the joint: the total holds all that passes through it.
+/// on the joint: the total holds all that passes through it (S21), (S22).
 struct JointWrenches {
   std::array<SideWrench, 2> reaction;
   std::array<SideWrench, 2> total;
@@ -94,7 +94,7 @@ struct Sample {
   State state;
   Evaluation evaluation;
   /// Work done since the start by drivers, joint springs, force elements and modal damping [J], integrated with the
-  /// motion: all that changes kinetic energy plus that of gravity and of modal stiffness.
+  /// motion: all that changes kinetic energy plus that of gravity and of modal stiffness (S41).
   double work = 0.0;
 };
 

@@ -22,7 +22,7 @@ struct FlatRoad {
   double height = 0.0;
 };
 
-/// h = height sin(pi (x - start) / length) for start <= x <= start + length, else zero.
+/// h = height sin(pi (x - start) / length) for start <= x <= start + length, else zero (S40).
 struct HalfSineBump {
   double start = 0.0;   // m
   double length = 1.0;  // m, positive

@@ -29,7 +29,7 @@ TimeFunctionValue evaluate_one(const Harmonic& law, double t) {
   return {law.offset + swing, law.amplitude * law.frequency * std::cos(angle), -law.frequency * law.frequency * swing};
 }
 
-TimeFunctionValue evaluate_one(const SmoothStep& law, double t) {
+TimeFunctionValue evaluate_one(const SmoothStep& law, double t) {  // (S27)
   if (t <= law.t0) return {law.from, 0.0, 0.0};
   if (t >= law.t1) return {law.to, 0.0, 0.0};
   const double length = law.t1 - law.t0;
@@ -45,7 +45,7 @@ TimeFunctionValue evaluate_one(const SmoothStep& law, double t) {
 TimeFunctionValue evaluate_one(const SplineTable& law, double t) { return law.evaluate(t); }
 
 /// Second derivatives at the knots of the not-a-knot cubic spline: continuity of the slope at the inner knots, and of
-/// the third derivative at the second and the last but one.
+/// the third derivative at the second and the last but one (S28).
 std::vector<double> spline_curvatures(const std::vector<double>& t, const std::vector<double>& f) {
   const auto n = static_cast<Eigen::Index>(t.size());
   std::vector<Eigen::Triplet<double>> entries;

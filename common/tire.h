@@ -18,7 +18,7 @@ namespace concord {
 /// At standstill the slip laws are dampers and hold nothing: under a force F along the road a locked wheel creeps at
 /// about F speed_scale / slip_stiffness, across it at F speed_scale / cornering_stiffness.
 /// The force N n + F_x t_x + F_y t_y acts at the contact, c - D n; what the results hold is this wrench at c. N, F_x
-/// and F_y are the scalar laws below.
+/// and F_y are the scalar laws below (S36), (S37), (S39).
 struct Tire {
   Attachment wheel;
   std::shared_ptr<const Road> road;
@@ -62,7 +62,7 @@ struct TireForces {
 
 /// N = stiffness delta + damping deltadot if the tire pushes, else zero; F_x = -slip_stiffness s_x / V and
 /// F_y = -cornering_stiffness V_y / V, both scaled down by one factor to sqrt(F_x^2 + F_y^2) = friction N if it slides.
-TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact);
+TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact);  // (S38)
 
 /// The regime that a contact is in by itself.
 TireRegime regime_at(const Tire& tire, const TireContact& contact);

@@ -13,7 +13,7 @@ namespace concord::compare {
 /// What the audit demands of every state.
 enum class AuditRule {
   free_body,   // d'Alembert on every body: 6 + m rows against the total wrenches that act on it
-  workless,    // reactions vanish along permitted directions, eq. S^T [F; T] = 0
+  workless,    // reactions vanish along permitted directions, S^T [F; T] = 0 (S24)
   both_sides,  // F_j = -F_i, T_j = -(T_i + (r_Pi - r_Pj) x F_i), of joints and of force elements
   two_frames,  // components in the joint frame (or an element's end frame) and in global axes are one vector
   drivers,     // S^T [F; T] of the total wrench on the child is tau; total minus reaction is its coordinate wrench

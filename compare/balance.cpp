@@ -85,7 +85,7 @@ Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& po
   return balance;
 }
 
-/// Takes away the generalized force of a wrench (global axes, at the deformed joint point), eqs. (25), (26):
+/// Takes away the generalized force of a wrench (global axes, at the deformed joint point), by its power (S20):
 /// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
 void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
   const auto n_modes = state.a.size();

@@ -30,7 +30,7 @@ struct PlacedFrame {
 };
 PlacedFrame place(const Attachment& side, const BodyState& body);
 
-/// The child's frame seen from the parent's: d and R, (10), and v_rel = [ddot; omega_rel], all in the parent's joint
+/// The child's frame seen from the parent's: d and R (S10) and v_rel = [ddot; omega_rel], all in the parent's joint
 /// frame.
 struct RelativeMotion {
   Vec3 d;

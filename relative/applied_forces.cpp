@@ -156,7 +156,7 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
   wrenches.on[index(Side::parent)] = in_both_frames(parent.A, on_parent);
 }
 
-/// tau = actuator - resistance.
+/// tau = actuator - resistance (R31).
 void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   for (const Spring& spring : springs_) {
     HeldLaw& held = laws_[spring.law].held;
@@ -180,7 +180,7 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   }
 }
 
-void AppliedForces::push(int body, const JointPoint& point, const Vec6& wrench) {
+void AppliedForces::push(int body, const JointPoint& point, const Vec6& wrench) {  // (R8)
   if (body == kGround) return;
   power_ += wrench.head<3>().dot(point.v) + wrench.tail<3>().dot(point.omega);
   const int link = kinematics_->topology().link_of_body[body];

@@ -13,7 +13,7 @@
 namespace concord::relative {
 
 /// Everything that pushes besides gravity, modal stiffness and drivers. A wrench w at a point adds G_P^T w to its body:
-/// six rows at the body's origin and the modal rows, (32) with the third row without its lever term. A joint spring in
+/// six rows at the body's origin and the modal rows (R8). A joint spring in
 /// the tree adds its coordinate force to the joint's speed; on a cut joint its coordinate wrench goes on both bodies.
 /// All memory is laid out at construction.
 class AppliedForces {

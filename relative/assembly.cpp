@@ -99,7 +99,7 @@ double Assembly::try_to_measure(Coordinates& coordinates, Closure& closure) {
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
 /// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
-/// values below the damping hardly used.
+/// values below the damping hardly used (R65).
 VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& columns, const VecX& misfit,
                              double damping) const {
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure).topRows(misfit.size()), columns);

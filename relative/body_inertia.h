@@ -4,7 +4,7 @@
 
 #include "common/model.h"
 
-/// Inertia of one body: M(a) Ydot + S(omega, a, adot) + U - Q_gravity, formulation section 5.
+/// Inertia of one body: M(a) Ydot + S(omega, a, adot) + U - Q_gravity, (R24) to (R28).
 namespace concord::relative {
 
 /// Zeroth, first and second moment of a body's mass about its frame's origin: mass [kg], h = sum of m s [kg m],
@@ -17,10 +17,10 @@ struct MassMoments {
   /// The same moments after rotating the body by A.
   [[nodiscard]] MassMoments rotated(const Mat3& A) const { return {mass, A * h, A * I * A.transpose()}; }
 
-  /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot].
+  /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot] (R26).
   void fill(Mat6& M) const;
 
-  /// S - Q of the six rigid rows without deformation rates: centrifugal, gyroscopic and gravity terms.
+  /// S - Q of the six rigid rows without deformation rates: centrifugal, gyroscopic and gravity terms (R27).
   [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
     Vec6 p;
     p.head<3>() = omega.cross(omega.cross(h)) - mass * gravity;
@@ -37,7 +37,7 @@ struct MassMoments {
   }
 };
 
-/// Moments of a rigid body about its frame's origin, body axes.
+/// Moments of a rigid body about its frame's origin, body axes (R24).
 MassMoments rigid_moments(const Body& body);
 
 /// Inertia of a flexible body as exact functions of G = sum of m w w^T, w = [1; s_0; psi_1; ...; psi_m], and of the
@@ -48,10 +48,10 @@ class FlexibleInertia {
 
   [[nodiscard]] int n_modes() const { return static_cast<int>(M_aa_.rows()); }
 
-  /// Takes the deformation: all sums in body axes.
+  /// Takes the deformation: all sums in body axes (R25).
   void deform(const Eigen::Ref<const VecX>& a, const Eigen::Ref<const VecX>& adot);
 
-  /// Takes pose and angular velocity: everything below, global axes.
+  /// Takes pose and angular velocity: everything below, global axes (R28).
   void move(const Mat3& A, const Vec3& omega, const Vec3& gravity);
 
   /// Moments of the deformed body, global axes.

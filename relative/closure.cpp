@@ -63,7 +63,7 @@ void Closure::measure(VecX& q, VecX& u) {
   if (relations_.any()) relations_.measure(cuts_, q, u, gap_, slip_);
 }
 
-/// a_rel: the time derivative of the components of v_rel in the parent's joint frame.
+/// a_rel: the time derivative of the components of v_rel in the parent's joint frame (R45).
 Vec6 Closure::relative_acceleration(const Cut& cut, const Vec6& of_parent, const Vec6& of_child) const {
   const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
   const JointPoint& child = kinematics_->point(cut.joint, Side::child);

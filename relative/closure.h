@@ -6,7 +6,7 @@
 #include "relative/joint_measure.h"
 #include "relative/relations.h"
 
-/// Closure of a machine: its loops from what the cut joints permit, formulation section 7, its couplings, and its
+/// Closure of a machine: its loops from what the cut joints permit, (R43) to (R46), its couplings, and its
 /// constraints of the velocity alone.
 namespace concord::relative {
 
@@ -26,7 +26,7 @@ class Closure {
   [[nodiscard]] const std::vector<Relation>& relations() const { return relations_.all(); }
 
   /// Measures the cut joints in the pose of the kinematics: writes their coordinates (guesses before) and speeds that
-  /// are not held into q and u. Then measures the couplings and the constraints of velocity.
+  /// are not held into q and u. Then measures the couplings and the constraints of velocity (R43).
   void measure(VecX& q, VecX& u);
 
   /// Position closure T^T e [m, rad] and velocity closure T^T (v_rel - S u_held) [m/s, rad/s]; of relations free of
@@ -38,11 +38,11 @@ class Closure {
 
   /// Residual of the acceleration closure T^T (a_rel - Sdot u - S_held udot_held) and of the relations, n_rows numbers,
   /// for the accelerations of the two joint points of every cut joint as `acceleration(joint, side)` gives them (a Vec6
-  /// in global axes) and accelerations of the tree and held ones from udot (other entries are not read).
+  /// in global axes) and accelerations of the tree and held ones from udot (other entries are not read) (R44).
   template <class Acceleration>
   void compute_acceleration_residual(const Acceleration& acceleration, const VecX& udot, VecX& residual) const;
 
-  /// Phi_u = T^T W B, and C^T of the relations, n_rows x n_tree_u, dense.
+  /// Phi_u = T^T W B, and C^T of the relations, n_rows x n_tree_u, dense (R46).
   [[nodiscard]] MatX Phi_u() const;
 
   /// What the largest entry in a vector of row numbers belongs to: "the loop of joint 'A'" or "coupling 'G'" or "the

@@ -115,7 +115,7 @@ void Elimination::load_flexible(int l, const BodyInertia& inertia) {
   flexible.p_a = inertia.flexible()->p_a();
 }
 
-void Elimination::gather_columns(int l, const VecX& udot) {
+void Elimination::gather_columns(int l, const VecX& udot) {  // (R33)
   LinkFactors& link = links_[l];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   link.c = blocks.D;
@@ -161,7 +161,7 @@ void Elimination::dispatch_rigid(int l) {
 }
 
 template <int N>
-void Elimination::eliminate_rigid(int l) {
+void Elimination::eliminate_rigid(int l) {  // (R34), (R35)
   LinkFactors& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   Eigen::Map<Fixed<6, N>> K(link.K.data());
@@ -180,7 +180,7 @@ void Elimination::eliminate_rigid(int l) {
   transmit(l, link.I - K * K.transpose(), p + K * uhat);
 }
 
-void Elimination::eliminate_flexible(int l) {
+void Elimination::eliminate_flexible(int l) {  // (R34), (R35)
   LinkFactors& link = links_[l];
   FlexibleFactors& f = flexible_[flexible_of_link_[l]];
   const Eigen::Index m = f.p_a.size();
@@ -211,7 +211,7 @@ void Elimination::eliminate_flexible(int l) {
 }
 
 /// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
-/// Xa for the modal speeds of the reference body.
+/// Xa for the modal speeds of the reference body (R36).
 void Elimination::transmit(int l, const Mat6& I, const Vec6& p) {
   const Link& step = kinematics_->topology().links[l];
   if (step.reference == kGround) return;
@@ -291,7 +291,7 @@ void Elimination::outward(VecX& udot) {
 }
 
 template <int N>
-void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {
+void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R37)
   LinkFactors& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
@@ -302,7 +302,7 @@ void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {
   for (int k = 0; k < N; ++k) udot(link.free[k]) = solution(k);
 }
 
-void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {
+void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {  // (R37)
   LinkFactors& link = links_[l];
   FlexibleFactors& f = flexible_[flexible_of_link_[l]];
   f.udot = f.uhat;

@@ -9,7 +9,7 @@
 #include "relative/closure.h"
 #include "relative/velocity_transformation.h"
 
-/// Mbar udot = gbar (21), (22) of the opened tree, solved link by link without forming B or Mbar.
+/// Mbar udot = gbar (R32) of the opened tree, solved link by link without forming B or Mbar.
 namespace concord::relative {
 
 /// Factors of one link. With H = [H_free, -Ha] (6 rows, n columns) and I, p the inertia and bias force of the body and
@@ -70,7 +70,7 @@ class Elimination {
   [[nodiscard]] const Vec6& acceleration(int body) const;
   /// addot of a body; nullptr if it is rigid.
   [[nodiscard]] const VecX* modal_acceleration(int body) const;
-  /// Vdot_P of a joint's point, [linear; angular], global axes.
+  /// Vdot_P of a joint's point, [linear; angular], global axes (R38).
   [[nodiscard]] Vec6 acceleration_of_point(int joint, Side side) const;
 
   /// Number of unknowns of a link: free joint speeds and modal speeds.

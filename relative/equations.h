@@ -45,7 +45,7 @@ class Equations {
   /// laws, those of cut joints by measurement (q gives the guess).
   void move(double t, const VecX& q, const VecX& u);
 
-  /// move, and udot from (21), (22). Throws SolverError if a link has no inertia, the pose is singular or a force
+  /// move, and udot from (R32). Throws SolverError if a link has no inertia, the pose is singular or a force
   /// element is not defined in it.
   void compute_accelerations(double t, const VecX& q, const VecX& u);
 
@@ -79,7 +79,7 @@ class Equations {
   [[nodiscard]] BodyAcceleration acceleration(int body) const;
 
   /// Power of drivers, joint springs and force elements minus modal dissipation adot^T D adot [W]; after
-  /// compute_reactions if there are drivers, else after compute_accelerations.
+  /// compute_reactions if there are drivers, else after compute_accelerations (R61).
   [[nodiscard]] double power() const;
   [[nodiscard]] bool has_applied_forces() const { return applied_.any(); }
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }

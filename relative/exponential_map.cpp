@@ -35,7 +35,7 @@ Coefficients series(double x) {
   return sum;
 }
 
-Coefficients closed_forms(double t) {
+Coefficients closed_forms(double t) {  // (R2)
   const double t2 = t * t;
   Coefficients c{};
   c.c1 = std::sin(t) / t;

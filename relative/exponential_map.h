@@ -2,7 +2,7 @@
 
 #include "common/types.h"
 
-/// Finite rotations from rotation vectors and back, formulation section 2.
+/// Finite rotations from rotation vectors and back, (R1) to (R4).
 namespace concord::relative {
 
 /// R(theta), the exact exponential map, and its left tangent J(theta), for which Rdot R^T = (J thetadot)~.
@@ -11,13 +11,13 @@ struct ExponentialMap {
   Mat3 J;
 };
 
-/// Rotation and tangent for the rotation vector theta [rad]. Accurate at any length, zero included.
+/// Rotation and tangent for the rotation vector theta [rad]. Accurate at any length, zero included (R1).
 ExponentialMap exponential_map(const Vec3& theta);
 
-/// Jdot(theta, thetadot), the rate of the left tangent [1/s].
+/// Jdot(theta, thetadot), the rate of the left tangent [1/s] (R3).
 Mat3 tangent_rate(const Vec3& theta, const Vec3& thetadot);
 
-/// The rotation vector of R, of length at most pi [rad].
+/// The rotation vector of R, of length at most pi [rad] (R4).
 Vec3 rotation_vector(const Mat3& R);
 
 /// Rotation matrix of Euler parameters (scalar first) of any length but zero; they are normalized first.

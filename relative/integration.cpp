@@ -137,7 +137,7 @@ struct Run {
     is_singular = dynamic_cast<const SingularPose*>(&error) != nullptr;
   }
 
-  /// ydot(t, y).
+  /// ydot(t, y) (R73).
   void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {
     ++evaluations;
     variables.unpack(y, coordinates);
@@ -151,7 +151,7 @@ struct Run {
   }
 
   /// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
-  /// the size and the value for speeds and work. None below the round-off of the number itself.
+  /// the size and the value for speeds and work. None below the round-off of the number itself (R74).
   void weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> weights) const {
     constexpr double kLeastWeighed = 1e-15;
     const Eigen::Index n_rates = y.size() - variables.n_q();
@@ -273,7 +273,7 @@ class Kinks {
     return run_->equations.applied_forces().margin();
   }
 
-  /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance.
+  /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance (R75).
   [[nodiscard]] static double guess(const Bracket& b, double tolerance) {
     const double part = b.margin_inside / (b.margin_inside - b.margin_outside);
     return std::clamp(b.inside + part * (b.outside - b.inside), b.inside + tolerance, b.outside - tolerance);

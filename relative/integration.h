@@ -12,7 +12,7 @@ namespace concord::relative {
 std::vector<std::string> integrator_names(const Model& model);
 
 /// Throws SolverError if the free modal equations of the last evaluation are out of balance by more than round-off
-/// explains (formulation section 4, Step 5).
+/// explains (R58).
 void require_modal_balance(const Equations& equations, double t);
 
 /// Integrates from the start state to options.until. The integrator stops exactly at the output times; there the state

@@ -19,7 +19,7 @@ constexpr double kMisfitOfAnotherBranch = 1e-6;
 constexpr double kClearlyBetter = 0.1;  // of the misfit on the branch that the guess means
 constexpr double kStillBetter = 0.9;    // of the best misfit so far
 
-Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const JointPoint& child) {
+Vec6 position_error(const JointMotion& motion, const JointPoint& parent, const JointPoint& child) {  // (R39)
   Vec6 error;
   error.head<3>() = parent.A.transpose() * (child.r - parent.r) - motion.d;
   error.tail<3>() = rotation_vector(parent.A.transpose() * child.A * motion.R.transpose());
@@ -65,7 +65,7 @@ JointColumns JointMeasure::free_columns() const {
   return S;
 }
 
-/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one.
+/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one (R40).
 JointVector JointMeasure::fit(const Vec6& motion) const {
   JointVector speeds = JointVector::Zero(motion_->n_u());
   if (motion_->couples()) {
@@ -115,7 +115,7 @@ double JointMeasure::move(const JointPoint& parent, const JointPoint& child, dou
 }
 
 /// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
-/// from closed, where the error itself bends the way, whole steps may overshoot for ever.
+/// from closed, where the error itself bends the way, whole steps may overshoot for ever (R41).
 double JointMeasure::step_length(const JointPoint& parent, const JointPoint& child, const double* q,
                                  const JointVector& step) {
   const double now = 0.5 * weighed(error_).squaredNorm();

@@ -5,7 +5,7 @@
 #include "relative/spatial_basis.h"
 #include "relative/velocity_transformation.h"
 
-/// Measuring a joint between its two points, formulation section 7.
+/// Measuring a joint between its two points, (R39) to (R43).
 namespace concord::relative {
 
 /// Which speeds have values of their own: driven ones, and at the start those that the model keeps. One for each entry
@@ -27,11 +27,11 @@ class JointMeasure {
   enum class Restart { never, if_clearly_better, if_better };
 
   /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
-  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame. Held coordinates are taken from q.
+  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame (R40). Held coordinates are taken from q.
   /// Unless it never restarts, it gives the pose found the name that q means: see Motion::choose_chart.
   void find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart);
 
-  /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q.
+  /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q (R42).
   void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
 
   [[nodiscard]] const JointMotion& motion_at() const { return at_; }

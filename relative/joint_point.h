@@ -3,7 +3,7 @@
 #include "common/model.h"
 #include "relative/motions.h"
 
-/// Motion of a point and a frame on one body, where a joint or a force element sits, formulation section 2.
+/// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R8).
 namespace concord::relative {
 
 /// Pose and velocity of a body frame, global axes.
@@ -30,7 +30,7 @@ class JointPoint {
     if (n_modes() > 0) deform_flexible(a, adot);
   }
 
-  /// Point and joint frame from the body's motion.
+  /// Point and joint frame from the body's motion (R5).
   void ride(const BodyMotion& body) {
     A = body.A * C_;
     lever = body.A * s_L_;
@@ -41,7 +41,7 @@ class JointPoint {
     compute_bias(body.omega);
   }
 
-  /// The body's motion from that of the point and joint frame (members r, A, v, omega set by the caller).
+  /// The body's motion from that of the point and joint frame (members r, A, v, omega set by the caller) (R7).
   void settle(BodyMotion& body) {
     body.A = A * C_.transpose();
     lever = body.A * s_L_;
@@ -69,7 +69,7 @@ class JointPoint {
   void remove_deformation_velocity(BodyMotion& body);
   void rotate_modes(const Mat3& body_A);
 
-  void compute_bias(const Vec3& body_omega) {
+  void compute_bias(const Vec3& body_omega) {  // (R6)
     bias.head<3>() = body_omega.cross(body_omega.cross(lever));
     if (n_modes() > 0) add_deformation_bias(body_omega);
   }

@@ -165,7 +165,7 @@ void Loops::load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Re
   }
 }
 
-/// Carries the unit multipliers of one way inward to ground.
+/// Carries the unit multipliers of one way inward to ground (R51).
 void Loops::pull(Way& way) {
   for (Step& step : way.steps) {
     step.z_r.setZero();
@@ -183,7 +183,7 @@ void Loops::pull(Way& way) {
   }
 }
 
-/// Lambda = sum over links of eps^T eps.
+/// Lambda = sum over links of eps^T eps (R52).
 void Loops::sum_Lambda() {
   Lambda_.setZero();
   for (const Shared& shared : shared_) {
@@ -317,7 +317,7 @@ void Loops::solve(VecX& right) const {
   for (std::size_t i = 0; i < used_.size(); ++i) right(i) *= scale_(used_[i]);
 }
 
-/// Adds -Phi_u^T lambda to the right side of the tree.
+/// Adds -Phi_u^T lambda to the right side of the tree (R53).
 void Loops::push_back(const VecX& lambda) {
   for (const Way& way : ways_) {
     const auto of_way = lambda.segment(way.first_row, way.n_rows);
@@ -329,7 +329,7 @@ void Loops::push_back(const VecX& lambda) {
   }
 }
 
-void Loops::close(VecX& udot) {
+void Loops::close(VecX& udot) {  // (R53)
   if (closure_->n_rows() == 0) return;
   for (Way& way : ways_) pull(way);
   sum_Lambda();

@@ -5,7 +5,7 @@
 #include "relative/closure.h"
 #include "relative/elimination.h"
 
-/// The part of closure in (21), (22): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
+/// The part of closure in (R32): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
 
 /// Constraint forces of the cut joints, couplings and constraints of velocity. Lambda is summed over the links between

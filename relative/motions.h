@@ -5,7 +5,7 @@
 #include "common/joints/joint_type.h"
 #include "common/types.h"
 
-/// Evaluation of what a joint permits: the motion q -> (d, R) and its velocity, formulation section 3.
+/// Evaluation of what a joint permits: the motion q -> (d, R) and its velocity (S14).
 namespace concord::relative {
 
 /// Six rows and as many columns as a joint has speeds, at most six, without heap memory.
@@ -55,24 +55,24 @@ class Motion {
   /// Whether the motion is stated by functions.
   [[nodiscard]] bool is_by_functions() const { return by_functions_; }
 
-  /// The motion at n_q coordinates q and n_u speeds u. Euler parameters need not be of unit length.
+  /// The motion at n_q coordinates q and n_u speeds u. Euler parameters need not be of unit length (R9).
   void evaluate(const double* q, const double* u, JointMotion& motion) const;
 
   /// Whether the columns of S are dependent in this pose, to 1e-6 of the largest, displacements counted in `length`.
-  [[nodiscard]] bool loses_rank(const JointMotion& motion) const {
+  [[nodiscard]] bool loses_rank(const JointMotion& motion) const {  // (R13)
     return !rank_is_certain_ && columns_are_dependent(motion);
   }
 
   /// The coordinate wrench w_d of the coordinate forces tau (n_u numbers, N or N m) on the child at P_i, [F; T] in the
   /// parent's joint frame: S^T w_d = tau, with F in the span of the slides' axes and T in that of the turns' (a screw
   /// counts as a turn). A turn before a ball moves a link without mass, which passes no torque to the child: its
-  /// coordinate wrench is a force. A motion by functions may state its own span.
+  /// coordinate wrench is a force. A motion by functions may state its own span (R12).
   [[nodiscard]] Vec6 coordinate_wrench(const JointMotion& motion, const JointVector& tau) const;
 
-  /// qdot = N(q) u; for a ball pdot = E^T omega / 2.
+  /// qdot = N(q) u; for a ball pdot = E^T omega / 2 (R10).
   void compute_qdot(const double* q, const double* u, double* qdot) const;
 
-  /// Moves q by a finite step of n_u numbers in the directions of u: a ball turns by exp(step), all else adds.
+  /// Moves q by a finite step of n_u numbers in the directions of u: a ball turns by exp(step), all else adds (R11).
   void advance(double* q, const double* step) const;
 
   /// Euler parameters to unit length.
@@ -80,7 +80,7 @@ class Motion {
 
   /// Gives q the values of the same pose that are meant: where a link stands on two turns at right angles, the name
   /// whose elevation (the second) lies on the same side of a quarter turn as that of `near`; then each turn to the
-  /// number of whole turns that is nearest to `near`.
+  /// number of whole turns that is nearest to `near` (R14).
   void choose_chart(double* q, const double* near) const;
 
   /// Whether q means the branch that `near` means: the elevation of a link on the same side of a quarter turn, turns of

@@ -66,7 +66,7 @@ PermittedSpeeds::PermittedSpeeds(const joints::JointType& type, const Motion& mo
                               "': the permitted speeds must be fewer than those of the motion, and among them");
 }
 
-void PermittedSpeeds::place_columns(const JointMotion& at) {
+void PermittedSpeeds::place_columns(const JointMotion& at) {  // (S15)
   const auto n = static_cast<Eigen::Index>(words_.size());
   S_v_.resize(6, n);
   rates_.resize(6, n);
@@ -86,7 +86,7 @@ void PermittedSpeeds::place_columns(const JointMotion& at) {
   }
 }
 
-/// P with S P = S_v (n_u x words).
+/// P with S P = S_v (n_u x words) (R47).
 JointColumns PermittedSpeeds::along_the_motion(const JointMotion& at) const {
   JointColumns S = at.S.leftCols(motion_->n_u());
   JointColumns S_v = S_v_;
@@ -125,7 +125,7 @@ bool PermittedSpeeds::complete(const JointColumns& P) {
   return true;
 }
 
-void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) {
+void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) {  // (R48)
   place_columns(at);
   if (!complete(along_the_motion(at))) {
     throw SingularPose(fmt::format(

@@ -172,7 +172,7 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
 }
 
 /// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
-/// largest, one for each column of U that has one.
+/// largest, one for each column of U that has one (R67), (R68).
 void decide_uniqueness(Equations& equations, const Scales& scales, const ScaledRows& rows, const Spectrum& spectrum,
                        const VecX& relative, RankReport& report) {
   const auto n_rows = static_cast<int>(spectrum.U.rows());

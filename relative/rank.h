@@ -3,8 +3,8 @@
 #include "common/solver.h"
 #include "relative/assembly.h"
 
-/// Rank of the constraints, uniqueness of the reactions and permitted velocities, formulation section 9, from Phi_u
-/// alone.
+/// Rank of the constraints, uniqueness of the reactions and permitted velocities, (R67) to (R69), from
+/// Phi_u alone.
 namespace concord::relative {
 
 /// The report for a closed state. The joints of the tree are independent by construction: they and their drivers add
@@ -14,6 +14,6 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
 
 /// Orthonormal columns that span the velocities Y of all bodies which the constraints permit in a closed state with
 /// drivers at rest, Solver::tangent: B N with Phi_u N = 0 over the free columns, v in units of the machine's length.
-MatX permitted_velocities(Equations& equations, const Scales& scales, const Coordinates& coordinates);
+MatX permitted_velocities(Equations& equations, const Scales& scales, const Coordinates& coordinates);  // (R69)
 
 }  // namespace concord::relative

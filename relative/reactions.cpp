@@ -59,16 +59,16 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
 }
 
 void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& lambda) {
-  load_inertia(inertias);
-  subtract_applied();
+  load_inertia(inertias);  // Step 1: (R54)
+  subtract_applied();      // Step 2: (R55)
   set_spring_forces();
   set_coupling_forces(lambda);
   add_coupling_forces();
-  apply_cut_wrenches(lambda);
+  apply_cut_wrenches(lambda);  // Step 3: (R56)
   apply_relation_wrenches(lambda);
   add_spring_wrenches_of_cuts();
-  pass_inward();
-  split_off_coordinate_wrenches(lambda);
+  pass_inward();                          // Steps 4 and 5: (R57), (R58)
+  split_off_coordinate_wrenches(lambda);  // reactions: (R60)
 }
 
 void Reactions::compute_self_stress(const VecX& lambda) {
@@ -81,7 +81,7 @@ void Reactions::compute_self_stress(const VecX& lambda) {
   split_off_coordinate_wrenches(lambda);
 }
 
-/// rho = M Ydot + S + U - Q_gravity.
+/// rho = M Ydot + S + U - Q_gravity (R54).
 void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
   for (std::size_t l = 0; l < loads_.size(); ++l) {
     const int body = kinematics_->topology().links[l].body;
@@ -103,7 +103,7 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
 }
 
 /// rho -= Q of force elements and of the springs of cut joints; a spring in the tree is part of its joint's total.
-void Reactions::subtract_applied() {
+void Reactions::subtract_applied() {  // (R55)
   if (!applied_->any()) return;
   for (int l = 0; l < static_cast<int>(loads_.size()); ++l) {
     Load& load = loads_[l];
@@ -153,7 +153,7 @@ void Reactions::clear_loads() {
   }
 }
 
-/// The constraint wrench of a cut joint on its child at P_i is -T lambda.
+/// The constraint wrench of a cut joint on its child at P_i is -T lambda (R56).
 void Reactions::apply_cut_wrenches(const VecX& lambda) {
   for (const Closure::Cut& cut : closure_->cuts()) {
     const int rows = cut.measure.n_rows();
@@ -197,7 +197,7 @@ void Reactions::add_spring_wrenches_of_cuts() {
   }
 }
 
-/// rho -= G_P^T w: the generalized force of a wrench at a point, the third row of (32) without its lever term.
+/// rho -= G_P^T w: the generalized force of a wrench at a point (R8), (R55).
 void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wrench) {
   if (body == kGround) return;
   Load& load = loads_[kinematics_->topology().link_of_body[body]];
@@ -205,7 +205,7 @@ void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wre
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
 }
 
-void Reactions::pass_inward() {
+void Reactions::pass_inward() {  // (R57)
   modal_residual_ = 0.0;
   worst_modal_body_ = kGround;
   const std::vector<Link>& links = kinematics_->topology().links;
@@ -226,7 +226,7 @@ void Reactions::pass_inward() {
   }
 }
 
-void Reactions::audit_modal_rows(int l, const Vec6& wrench) {
+void Reactions::audit_modal_rows(int l, const Vec6& wrench) {  // (R58)
   Load& load = loads_[l];
   if (load.rho_a.size() == 0) return;
   const Link& link = kinematics_->topology().links[l];
@@ -254,7 +254,7 @@ void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_par
 }
 
 /// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the constraint of velocity pushes;
-/// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent.
+/// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const Pushed& pushed : pushed_) {
     const int k = pushed.joint;

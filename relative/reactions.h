@@ -8,7 +8,7 @@
 #include "relative/closure.h"
 #include "relative/elimination.h"
 
-/// Joint wrenches by the backward pass of Steps 1 to 5, formulation section 4.
+/// Joint wrenches by the backward pass of Steps 1 to 5, (R54) to (R60).
 namespace concord::relative {
 
 /// The wrenches of all joints from accelerations and cut-joint multipliers. All memory is laid out at construction.

@@ -81,7 +81,7 @@ RelatedJoint& Relations::part_of(Relation& relation, int joint) {
   return relation.joints.back();
 }
 
-void Relations::add_coupling(int number) {
+void Relations::add_coupling(int number) {  // (R49)
   const Model& model = kinematics_->model();
   const Coupling& coupling = model.couplings[number];
   Relation relation{first_row_ + n_rows_, 1, number, size_of(coupling, model, machine_length(model)), {},
@@ -111,7 +111,7 @@ const JointMotion& Relations::motion_of(const RelatedJoint& part, const std::vec
   return part.cut < 0 ? kinematics_->joint_motion(part.joint) : cuts[part.cut].measure.motion_at();
 }
 
-/// The wrenches of a cut joint's rows, and what is left of its velocity beside S u, seen along them.
+/// The wrenches of a cut joint's rows, and what is left of its velocity beside S u, seen along them (R50).
 void Relations::measure_cut(RelatedJoint& part, const CutJoint& cut, VecX::SegmentReturnType slip_rows) {
   const JointPoint& parent = kinematics_->point(part.joint, Side::parent);
   for (Eigen::Index row = 0; row < part.C.cols(); ++row) {

@@ -22,7 +22,7 @@ void RowFactors::compute(const MatX& Phi) {
 }
 
 /// The direction y of the pivoted rows with the smallest |R y|, and that size: inverse iteration from a vector that no
-/// symmetry favours.
+/// symmetry favours (R70).
 VecX RowFactors::iterate(int rank, double& sigma) const {
   constexpr int kRounds = 4;
   const auto R = qr_.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();

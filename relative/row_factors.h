@@ -21,7 +21,7 @@ class RowFactors {
   /// Multipliers (n numbers, of unit size) of the combination of rows that is nearest to zero among the first `rank`.
   [[nodiscard]] VecX weakest_combination(int rank) const;
 
-  /// The smallest step x (one number per column) with Phi x = -misfit in the independent rows; the others follow.
+  /// The smallest step x (one number per column) with Phi x = -misfit in the independent rows; the others follow (R66).
   [[nodiscard]] VecX smallest_step(const VecX& misfit) const;
 
  private:

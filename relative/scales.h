@@ -6,7 +6,7 @@
 namespace concord::relative {
 
 /// The rate of a machine [1/s], by which its speeds are small or not: that of gravity and of
-/// the speeds it starts with; else that of its loads and springs; zero if nothing moves it.
+/// the speeds it starts with; else that of its loads and springs; zero if nothing moves it (R64).
 double machine_rate(const Model& model);
 
 /// Length of the machine, machine_length [m], and the size of one unit of each speed and closure row.
@@ -20,7 +20,7 @@ class Scales {
   [[nodiscard]] const VecX& speeds() const { return speeds_; }
   /// One for each entry of q: the length for a slide, 1 for an angle or an Euler parameter, for a mode as in speeds().
   [[nodiscard]] VecX coordinates(const Model& model, const Topology& topology) const;
-  /// Phi_u with rows and columns measured in these units.
+  /// Phi_u with rows and columns measured in these units (R63).
   [[nodiscard]] MatX scaled(const MatX& Phi_u, const Closure& closure) const;
 
  private:

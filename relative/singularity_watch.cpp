@@ -19,7 +19,7 @@ constexpr double kSteeper = 3.0;
 constexpr int kMostProbes = 60;
 constexpr double kGoldenSection = 0.3819660112501051;
 
-bool is_certainly_regular(double sigma_a, double sigma_b, const MatX& Phi_a, const MatX& Phi_b) {
+bool is_certainly_regular(double sigma_a, double sigma_b, const MatX& Phi_a, const MatX& Phi_b) {  // (R71)
   return (Phi_a - Phi_b).norm() < sigma_a + sigma_b;
 }
 
@@ -39,7 +39,7 @@ SingularityWatch::Record SingularityWatch::record(const Coordinates& coordinates
   return found;
 }
 
-/// Cubic in each coordinate, closed there.
+/// Cubic in each coordinate, closed there (R72).
 Coordinates SingularityWatch::between(const Record& a, const Record& b, double part) const {
   const double h = b.at.t - a.at.t;
   const double s = part;

@@ -19,10 +19,10 @@ struct ContactFrame {
 };
 
 /// The contact of a wheel whose centre and frame are `wheel`, on a stretch of its road. Throws SolverError, with `name`
-/// as the tire's, if the spin axis stands within 1e-6 rad on the road.
+/// as the tire's, if the spin axis stands within 1e-6 rad on the road (S36), (S37), (R29).
 ContactFrame contact_of(const Tire& tire, int stretch, const JointPoint& wheel, const std::string& name);
 
-/// The wrench [F; T] of the forces at the contact, about the wheel's centre, global axes.
+/// The wrench [F; T] of the forces at the contact, about the wheel's centre, global axes (S39).
 Vec6 wrench_at_center(const ContactFrame& frame, const TireForces& forces);
 
 }  // namespace concord::relative

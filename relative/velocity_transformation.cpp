@@ -91,7 +91,7 @@ void Kinematics::update_link(int l) {
   compute_blocks(l);
 }
 
-void Kinematics::place_child_side(const Link& link) {
+void Kinematics::place_child_side(const Link& link) {  // (R15)
   const JointMotion& motion = joint_motions_[link.joint];
   const JointPoint& parent = point(link.joint, Side::parent);
   JointPoint& child = moving_point(link.joint, Side::child);
@@ -102,7 +102,7 @@ void Kinematics::place_child_side(const Link& link) {
   child.v = parent.v + parent.omega.cross(d) + parent.A * motion.v_rel.head<3>();
 }
 
-void Kinematics::place_parent_side(const Link& link) {
+void Kinematics::place_parent_side(const Link& link) {  // (R16)
   const JointMotion& motion = joint_motions_[link.joint];
   JointPoint& parent = moving_point(link.joint, Side::parent);
   const JointPoint& child = point(link.joint, Side::child);
@@ -114,7 +114,7 @@ void Kinematics::place_parent_side(const Link& link) {
 }
 
 /// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
-/// of the tree; everything is then moved to the origin of the link's body.
+/// of the tree; everything is then moved to the origin of the link's body (R20), (R21).
 void Kinematics::compute_blocks(int l) {
   const Link& link = topology_.links[l];
   LinkBlocks& blocks = blocks_[l];

@@ -8,12 +8,12 @@
 #include "relative/motions.h"
 #include "relative/topology.h"
 
-/// The velocity transformation Y = B u (14), Ydot = B udot + Bdot u (15), link by link.
+/// The velocity transformation Y = B u, Ydot = B udot + Bdot u, link by link (R19) to (R22).
 namespace concord::relative {
 
 /// Blocks of one link, body i on reference body j, global axes, at the body origins, without the trivial rows:
 ///   [v; omega]_i = Sh(rho) [v; omega]_j + Xa adot_j + H u_joint - Ha adot_i, and the same for accelerations plus D.
-/// Sh(rho) = [1, -rho~; 0, 1] moves a velocity by rho = r_i - r_j; adot_i are speeds of the tree themselves.
+/// Sh(rho) = [1, -rho~; 0, 1] moves a velocity by rho = r_i - r_j; adot_i are speeds of the tree themselves (R19).
 struct LinkBlocks {
   Vec3 rho = Vec3::Zero();
   Mat6 H = Mat6::Zero();  // first n_u columns
@@ -22,21 +22,21 @@ struct LinkBlocks {
   Mat6X Ha;  // 6 x m_i
 };
 
-/// Moves a velocity or an acceleration [linear; angular] from one point of a frame to another, by e: Sh(e) V.
+/// Moves a velocity or an acceleration [linear; angular] from one point of a frame to another, by e: Sh(e) V (R18).
 inline Vec6 shift_motion(const Vec6& V, const Vec3& e) {
   Vec6 moved = V;
   moved.head<3>() += V.tail<3>().cross(e);
   return moved;
 }
 
-/// Moves a wrench [force; torque] to a point from which the old one is seen at e: Sh(e)^T w.
+/// Moves a wrench [force; torque] to a point from which the old one is seen at e: Sh(e)^T w (R18).
 inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
   Vec6 moved = w;
   moved.tail<3>() += e.cross(w.head<3>());
   return moved;
 }
 
-/// Velocity of the child's joint frame relative to the parent's: v_rel_C = [ddot; omega_rel].
+/// Velocity of the child's joint frame relative to the parent's: v_rel_C = [ddot; omega_rel] (R17).
 Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child);
 
 /// Motion of all bodies and joint points for given coordinates and speeds; outward, cost proportional to their number.
@@ -67,16 +67,16 @@ class Kinematics {
   void require_rank(int joint, const JointMotion& motion) const;
 
   /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried inward: adds W_b B_b to `rows`
-  /// (rows x n_tree_u).
+  /// (rows x n_tree_u) (R23).
   void add_times_B(int body, MatX rows_on_body, MatX& rows) const;
 
   /// Row of the first of the 6 + m_i numbers Y_i in B; bodies in the order of the model, without ground.
   [[nodiscard]] int first_row(int body) const { return first_rows_[body]; }
   [[nodiscard]] int n_rows() const { return n_rows_; }
 
-  /// The explicit B of (14): n_rows x n_tree_u. For inspection; the solver never forms it.
+  /// The explicit B, by (R23): n_rows x n_tree_u. For inspection; the solver never forms it.
   [[nodiscard]] MatX explicit_B() const;
-  /// Bdot u of (15), n_rows numbers.
+  /// Bdot u (R22), n_rows numbers.
   [[nodiscard]] VecX Bdot_u() const;
   /// Y of all bodies, n_rows numbers.
   [[nodiscard]] VecX Y() const;

@@ -10,7 +10,7 @@ inline SideWrench in_both_frames(const Mat3& A_joint, const Vec6& w) {
   return {{A_joint.transpose() * w.head<3>(), A_joint.transpose() * w.tail<3>()}, {w.head<3>(), w.tail<3>()}};
 }
 
-/// The opposite wrench, moved from the point `from` to the point `to`: what the other side feels.
+/// The opposite wrench, moved from the point `from` to the point `to`: what the other side feels (R30).
 inline Vec6 answered_at(const Vec6& wrench, const Vec3& from, const Vec3& to) {
   return -shift_wrench(wrench, from - to);
 }

@@ -5,7 +5,7 @@ namespace concord::joints {
 namespace {
 
 /// The vector w with column_k' = w x column_k for the columns of a rotation: half the sum of column_k x column_k'.
-Vec3 axis_of(const Mat3& R, const Mat3& change) {
+Vec3 axis_of(const Mat3& R, const Mat3& change) {  // (S19)
   Vec3 twice = Vec3::Zero();
   for (int k = 0; k < 3; ++k) twice += R.col(k).cross(change.col(k));
   return 0.5 * twice;

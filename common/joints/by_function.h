@@ -48,7 +48,7 @@ Mat3Of<T> rotation_by(Axis axis, const T& angle) {
 }
 
 /// The placement on its way with relative velocity v_rel = [ddot; omega_rel] and a_rel = 0: derivatives over the six
-/// directions [d; rho], dR = rho~ R, and along the motion.
+/// directions [d; rho], dR = rho~ R, and along the motion (S18).
 PlacementOf<Jet> moving(const Placement& at, const Vec6& v_rel);
 
 /// The motion of a placement whose jets are derivatives over n coordinates q and along their motion: columns of S are

@@ -9,7 +9,7 @@
 /// motion.
 namespace concord::joints {
 
-/// Place and orientation of the child in the parent's joint frame.
+/// Place and orientation of the child in the parent's joint frame (S10).
 struct Placement {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
@@ -18,7 +18,7 @@ struct Placement {
 /// Wrenches [F; T], one in each of at most six columns, without heap memory.
 using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
-/// At most six functions c(d, R).
+/// At most six functions c(d, R) (S11), (S18).
 class FunctionOfPlacement {
  public:
   /// Values, gradients (column k over [d; rho], dR = rho~ R) and biases: cddot = gradient . a_rel + bias along a motion

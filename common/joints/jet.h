@@ -50,7 +50,7 @@ struct Jet {
   friend bool operator==(const Jet& a, const Jet& b) { return a.value == b.value; }
   friend bool operator!=(const Jet& a, const Jet& b) { return a.value != b.value; }
 
-  /// f(this number), from f, f' and f'' at its value.
+  /// f(this number), from f, f' and f'' at its value (S17).
   [[nodiscard]] Jet through(double f, double slope, double curvature) const {
     return {f, slope * gradient, slope * rate, slope * rate_of_rate + curvature * rate * rate};
   }

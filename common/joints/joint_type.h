@@ -47,7 +47,7 @@ int rows(const Forbid& word);
 /// Whether the joint can carry a reaction in `component` (0..2 force x, y, z; 3..5 torque x, y, z) on `side`: on the
 /// child at P_i in the child's joint frame, on the parent at P_j in the parent's. False where the direction is
 /// permitted at every pose, so that the reaction component vanishes there always. Of a type given by functions, or that
-/// forbids velocities alone, nothing is known: true.
+/// forbids velocities alone, nothing is known: true (S24).
 bool carries(const JointType& type, Side side, int component);
 
 }  // namespace concord::joints

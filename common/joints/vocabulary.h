@@ -53,7 +53,7 @@ struct ByResidual {
   bool (*on_branch)(const Placement& at) = nullptr;
 };
 
-using Forbid =
+using Forbid =  // (S12)
     std::variant<Coincide, NoGapAlong, Perpendicular, SameDirection, SameOrientation, KeepDistance, ByResidual>;
 
 // What a joint forbids of the velocity alone, beside what it forbids of places: rates linear in v_rel = [ddot;
@@ -61,7 +61,7 @@ using Forbid =
 
 /// The child's material point at d - below e_z, e_z the parent's z, does not slip over the parent along e, an axis of
 /// the parent or of the child: e . (ddot + omega_rel x (-below e_z)) = 0. 1 row. A wheel or a ball of radius `below`
-/// that rolls (its centre is the child's joint point), or with below = 0 the edge of a skate.
+/// that rolls (its centre is the child's joint point), or with below = 0 the edge of a skate (S13).
 struct NoSlip {
   Side axis_of;
   Axis axis;
@@ -87,7 +87,7 @@ struct SpeedAbout {
   double below = 0.0;  // m
 };
 
-using PermitSpeed = std::variant<SpeedAlong, SpeedAbout>;
+using PermitSpeed = std::variant<SpeedAlong, SpeedAbout>;  // (S15)
 
 // What a joint permits: motions, composed left to right from the parent's joint frame. A Slide moves along an axis of
 // the frame reached so far, a Turn rotates that frame about its own axis. d is the place reached, R the orientation.
@@ -125,7 +125,7 @@ struct ByMotion {
   std::vector<std::array<double, 2>> ranges = {};
 };
 
-using Permit = std::variant<Turn, Slide, Arm, Ball, ByMotion>;
+using Permit = std::variant<Turn, Slide, Arm, Ball, ByMotion>;  // (S14)
 
 // How the coordinates read from (d, R): one word for each word of the motion that has coordinates (an Arm has none), in
 // the same order; a ByMotion has one ByReading of as many numbers. A turn angle is read in (-pi, pi]; whoever needs
@@ -174,7 +174,7 @@ struct ByReading {
   Wrenches (*wrenches)(const Placement& at) = nullptr;
 };
 
-using Read =
+using Read =  // (S16)
     std::variant<TurnOfChildAxis, TurnOfParentAxis, SlideAlong, OrientationOf, BearingOfGap, ElevationOfGap, ByReading>;
 
 }  // namespace concord::joints
