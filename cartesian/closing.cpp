@@ -50,8 +50,8 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
       } else {
         for (int c = 0; c < n; ++c) {
           rows[c] = evaluate_read(*read, c, motion);
-          const double error = rows[c].value - start.q(c);
-          rows[c].value = reads_turn(*read, c) ? std::remainder(error, 2.0 * EIGEN_PI) : error;
+          const double value = rows[c].value;
+          rows[c].value = reads_turn(*read, c) ? turn_from(start.q(c), value) : value - start.q(c);
         }
       }
       for (int c = 0; c < n; ++c) {

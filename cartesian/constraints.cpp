@@ -9,8 +9,6 @@ namespace concord::cartesian {
 
 namespace {
 
-constexpr double kFullTurn = 2.0 * EIGEN_PI;
-
 /// A row's gradient over (d, rho) as force and torque at the side's point: on the child as it is, on the parent
 /// opposite and moved from P_i to P_j (C26).
 template <class Column>
@@ -41,6 +39,19 @@ void evaluate_rows(const Joint& stated, JointEquations& joint) {
 double value_of(const JointEquations& joint, int row) {
   const CoupledCoordinate& coordinate = joint.coupled[row - joint.n_rows];
   return value_near(coordinate.turns, joint.rows[row], coordinate.known);
+}
+
+/// Sum of factor q - offset, whose whole turns and offset are summed apart: the rest has the round-off of one turn.
+double gap_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+  long double turned = -static_cast<long double>(coupling.offset);
+  double sum = 0.0;
+  for (const CouplingEquations::Term& term : coupling.terms) {
+    const JointEquations& joint = joints[term.joint];
+    const CoupledCoordinate& coordinate = joint.coupled[term.row - joint.n_rows];
+    if (coordinate.turns) turned += term.factor * whole_turns_between(joint.rows[term.row].value, coordinate.known);
+    sum += term.factor * joint.rows[term.row].value;
+  }
+  return sum + static_cast<double>(turned);
 }
 
 /// What gradient . a_rel + bias is without the accelerations Ydot.
@@ -212,14 +223,15 @@ void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
   for (int k = 0; k < n_joints(); ++k) {
     const JointEquations& joint = joints_[k];
     for (int row = joint.first_driver; row < joint.n_rows; ++row) {
+      if (joint.driver_turns[row - joint.first_driver]) continue;
       const Driver& driver = model_.joints[k].drivers[row - joint.first_driver];
       terms(joint.first_row + row) = std::abs(evaluate(driver.law, t).f);
     }
   }
   for (const CouplingEquations& coupling : couplings_) {
-    double largest = std::abs(coupling.offset);
+    double largest = 0.0;
     for (const CouplingEquations::Term& term : coupling.terms) {
-      largest = std::max(largest, std::abs(term.factor * value_of(joints_[term.joint], term.row)));
+      largest = std::max(largest, std::abs(term.factor * joints_[term.joint].rows[term.row].value));
     }
     terms(coupling.row) = largest;
   }
@@ -304,16 +316,13 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
     for (int row = 0; row < joint.first_driver; ++row) residual(joint.first_row + row) = joint.rows[row].value;
     for (int row = joint.first_driver; row < joint.n_rows; ++row) {
       const Driver& driver = stated.drivers[row - joint.first_driver];
-      const double error = joint.rows[row].value - evaluate(driver.law, t).f;
+      const double value = joint.rows[row].value;
+      const double asked = evaluate(driver.law, t).f;
       residual(joint.first_row + row) =
-          joint.driver_turns[row - joint.first_driver] ? std::remainder(error, kFullTurn) : error;
+          joint.driver_turns[row - joint.first_driver] ? turn_from(asked, value) : value - asked;
     }
   }
-  for (const CouplingEquations& coupling : couplings_) {
-    double sum = -coupling.offset;
-    for (const auto& term : coupling.terms) sum += term.factor * value_of(joints_[term.joint], term.row);
-    residual(coupling.row) = sum;
-  }
+  for (const CouplingEquations& coupling : couplings_) residual(coupling.row) = gap_of(coupling, joints_);
 }
 
 void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) const {

@@ -114,8 +114,8 @@ class Constraints {
   void follow_turns();
   /// Writes the coupled coordinates that turns are counted from, others untouched.
   void write_turns(std::vector<VecX>& q) const;
-  /// Terms that a row's residual subtracts, in the row's unit, which its round-off is relative to: a driver's law, the
-  /// largest of a coupling's terms; zero for all other rows.
+  /// Terms that a row's residual subtracts, in the row's unit, which its round-off is relative to: the law of a driver
+  /// that does not turn, the largest of a coupling's terms without their whole turns; zero for all other rows.
   void write_own_terms(double t, Eigen::Ref<VecX> terms) const;
 
   /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone (C27).

@@ -287,8 +287,25 @@ bool reads_turn(const joints::Read& word, int component) {
   return !std::holds_alternative<SlideAlong>(word);
 }
 
+namespace {
+
+/// In more digits than a coordinate has, so that many turns are taken off without loss.
+constexpr long double kFullTurn = 6.283185307179586476925286766559L;
+
+}  // namespace
+
+long double whole_turns_between(double value, double known) {
+  return kFullTurn * std::round((known - value) / static_cast<double>(kFullTurn));
+}
+
+double turn_from(double asked, double value) {
+  const auto within_a_turn = static_cast<double>(std::remainder(static_cast<long double>(asked), kFullTurn));
+  return std::remainder(value - within_a_turn, static_cast<double>(kFullTurn));
+}
+
 double value_near(bool is_known_but_for_turns, const Row& row, double known) {
-  return is_known_but_for_turns ? known + std::remainder(row.value - known, 2.0 * EIGEN_PI) : row.value;
+  if (!is_known_but_for_turns) return row.value;
+  return static_cast<double>(row.value + whole_turns_between(row.value, known));
 }
 
 double rate_of(const Row& row, const RelativeMotion& motion) {

@@ -53,6 +53,14 @@ bool reads_turn(const joints::Read& read, int component);
 /// half a turn of `known` (C23).
 double value_near(bool is_known_but_for_turns, const Row& row, double known);
 
+/// The whole turns [rad] that bring an angle, known but for these, nearest to `known`; in more digits than a coordinate
+/// has, so that they cancel against others without loss.
+long double whole_turns_between(double value, double known);
+
+/// How far an angle that is known but for whole turns is from `asked`, in [-pi, pi]; no digit of `asked` is lost
+/// however many turns it counts.
+double turn_from(double asked, double value);
+
 /// Rate of a row along the motion, gradient . [ddot; omega] (C15).
 double rate_of(const Row& row, const RelativeMotion& motion);
 

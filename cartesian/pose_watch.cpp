@@ -172,6 +172,7 @@ void PoseWatch::choose(Look& at) {
 bool PoseWatch::follow(double t, const Motion& motion) {
   constexpr double kWorn = 1e-2;  // a row's pivot of that where the rows were chosen
   constexpr int kDepth = 16;
+  constexpr double kLittle = 0.1;  // pivots that change so little from step to step cannot vanish in between
   if (!may_lose_rank_ || t <= last_.t) return false;
   const std::vector<bool> rows = equations_.active_rows();
   equations_.update(t, motion.q, motion.Y);
@@ -181,10 +182,17 @@ bool PoseWatch::follow(double t, const Motion& motion) {
     choose(now);
     chosen_pivots_ = now.pivots;
   }
-  trace(last_, now, kDepth);
+  const double rate = rate_of_change(last_, now);
+  const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
+  if (!is_regular(last_, now, changes_little)) trace(last_, now, kDepth);
+  rate_ = rate;
   equations_.use_rows(now.rows);
   last_ = std::move(now);
   return last_.rows != rows;
+}
+
+VecX PoseWatch::own_pivots(const Look& at, const std::vector<bool>& rows) {
+  return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
 }
 
 /// Whether the rows at one pose go over into those at the other without a doubt (C53).
@@ -192,12 +200,9 @@ bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vecto
   // What the rows permit turns by less than about 25 degrees; where a motion changes to another branch it turns at
   // once, however near the poses are.
   constexpr double kOverlap = 0.9;
-  const auto own_pivots = [&](const Look& at) {
-    return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
-  };
   const VecX between = overlap_->pivots(before.values, after.values, rows);
-  const VecX at_before = own_pivots(before);
-  const VecX at_after = own_pivots(after);
+  const VecX at_before = own_pivots(before, rows);
+  const VecX at_after = own_pivots(after, rows);
   for (Eigen::Index row = 0; row < between.size(); ++row) {
     if (!rows[row]) continue;
     const double geometric_mean = std::sqrt(at_before(row)) * std::sqrt(at_after(row));
@@ -208,20 +213,74 @@ bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vecto
   return true;
 }
 
-void PoseWatch::trace(const Look& before, const Look& after, int depth) {
-  if (leads_on(before, after, before.rows)) return;
-  if (after.rows != before.rows && leads_on(before, after, after.rows)) return;
-  if (depth == 0) refuse(after.t, weakest_row_);
-  const Look middle = look_between(before, after);
-  trace(before, middle, depth - 1);
-  trace(middle, after, depth - 1);
+/// The largest relative rate of the roots of pivots between two looks [1/s].
+double PoseWatch::rate_of_change(const Look& before, const Look& after) {
+  if (before.rows != after.rows) return HUGE_VAL;
+  double largest = 0.0;
+  for (Eigen::Index row = 0; row < before.pivots.size(); ++row) {
+    if (!before.rows[row]) continue;
+    const double ratio = after.pivots(row) / before.pivots(row);
+    if (!(ratio > 0.0)) return HUGE_VAL;
+    largest = std::max(largest, 0.5 * std::abs(std::log(ratio)));
+  }
+  return largest / (after.t - before.t);
 }
 
-/// Halfway in time: the cubic through both, brought onto the constraints (C54).
-PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
-  const Layout& layout = equations_.layout();
+/// Whether no pivot falls towards zero and rises again between the looks: the root of one that does is in the middle at
+/// most half of what it is at the farther end.
+bool PoseWatch::stays_independent(const Look& before, const Look& after, const std::vector<double>& in_the_middle,
+                                  const std::vector<bool>& rows) {
+  constexpr double kQuarter = 0.25;  // of the pivot
+  const VecX between = overlap_->pivots(in_the_middle, in_the_middle, rows);
+  const VecX at_before = own_pivots(before, rows);
+  const VecX at_after = own_pivots(after, rows);
+  for (Eigen::Index row = 0; row < between.size(); ++row) {
+    if (!rows[row] || between(row) > kQuarter * std::max(at_before(row), at_after(row))) continue;
+    weakest_row_ = static_cast<int>(row);
+    return false;
+  }
+  return true;
+}
+
+/// The values of the equations' matrix in the middle of the cubic through both looks; nothing where the machine cannot
+/// stand there.
+std::vector<double> PoseWatch::values_between(const Look& before, const Look& after) {
+  try {
+    const Motion middle = middle_of(equations_.layout(), before, after);
+    equations_.update(0.5 * (before.t + after.t), middle.q, middle.Y);
+  } catch (const SolverError&) {
+    return {};
+  }
+  equations_.fill_matrix();
+  const SparseLu& matrix = equations_.matrix();
+  return {matrix.values(), matrix.values() + matrix.row_indices().size()};
+}
+
+/// Whether no pose between the looks is singular, by the rows of either.
+bool PoseWatch::is_regular(const Look& before, const Look& after, bool changes_little) {
+  std::vector<double> in_the_middle;
+  for (const Look* own : {&before, &after}) {
+    if (own == &after && after.rows == before.rows) break;
+    if (!leads_on(before, after, own->rows)) continue;
+    if (changes_little) return true;
+    if (in_the_middle.empty()) in_the_middle = values_between(before, after);
+    if (in_the_middle.empty()) return false;
+    if (stays_independent(before, after, in_the_middle, own->rows)) return true;
+  }
+  return false;
+}
+
+/// Looks closer and closer where a singular pose may be.
+void PoseWatch::trace(const Look& before, const Look& after, int depth) {
+  if (depth == 0) refuse(after.t, weakest_row_);
+  const Look middle = look_between(before, after);
+  if (!is_regular(before, middle, false)) trace(before, middle, depth - 1);
+  if (!is_regular(middle, after, false)) trace(middle, after, depth - 1);
+}
+
+/// Halfway in time, by the cubic through both.
+Motion PoseWatch::middle_of(const Layout& layout, const Look& before, const Look& after) {
   const double h = after.t - before.t;
-  const double t = before.t + 0.5 * h;
   VecX rate_before(layout.n_q());
   VecX rate_after(layout.n_q());
   layout.write_qdot(before.q, before.Y, rate_before);
@@ -230,6 +289,13 @@ PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
   middle.q = 0.5 * (before.q + after.q) + h / 8.0 * (rate_before - rate_after);
   middle.Y = 0.5 * (before.Y + after.Y);
   layout.normalize(middle.q);
+  return middle;
+}
+
+/// Halfway in time, brought onto the constraints (C54).
+PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
+  const double t = 0.5 * (before.t + after.t);
+  Motion middle = middle_of(equations_.layout(), before, after);
   try {
     equations_.update(t, middle.q, middle.Y);
     const RowChoice choice = choose_rows(equations_, generic_rank_);

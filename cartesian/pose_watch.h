@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace concord::cartesian {
 /// and its pivots, eliminated in a fixed order, are the geometric means of those at a and b as far as what the rows
 /// permit does not turn from a to b. A turn is taken apart by looking between a and b; the change of sign where the
 /// rows lose rank, and the sudden turn where a motion changes to another branch, stay however near both are.
+///
+/// Where a motion goes over into a branch that is near, or permits nothing as drivers hold it, neither changes its sign
+/// or turns. But the pivots of J M^-1 J^T fall to zero and rise again: their roots are then less than half of the
+/// larger end's in the middle between a and b, however near both are, and nowhere else.
 class PoseWatch {
  public:
   /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is
@@ -41,9 +46,16 @@ class PoseWatch {
   class Overlap;
 
   Look look(double t, const Motion& motion);
+  static Motion middle_of(const Layout& layout, const Look& before, const Look& after);
   Look look_between(const Look& before, const Look& after);
   void choose(Look& at);
+  VecX own_pivots(const Look& at, const std::vector<bool>& rows);
   bool leads_on(const Look& before, const Look& after, const std::vector<bool>& rows);
+  static double rate_of_change(const Look& before, const Look& after);
+  bool stays_independent(const Look& before, const Look& after, const std::vector<double>& in_the_middle,
+                         const std::vector<bool>& rows);
+  std::vector<double> values_between(const Look& before, const Look& after);
+  bool is_regular(const Look& before, const Look& after, bool changes_little);
   void trace(const Look& before, const Look& after, int depth);
   [[noreturn]] void refuse(double t, int row) const;
 
@@ -52,7 +64,8 @@ class PoseWatch {
   bool may_lose_rank_;
   std::unique_ptr<Overlap> overlap_;
   Look last_;
-  VecX chosen_pivots_;  // where the rows in use were chosen
+  VecX chosen_pivots_;      // where the rows in use were chosen
+  double rate_ = HUGE_VAL;  // of the change of pivots over the last step, relative [1/s]
   int weakest_row_ = 0;
 };
 

@@ -231,10 +231,10 @@ class Movement {
   }
 
   [[nodiscard]] int n_u() const { return n_u_; }
-  /// Size of what the first `n` columns of the null space move component c by, relative to what unit multipliers do to
-  /// the joint.
-  [[nodiscard]] double of(int c, Eigen::Index n) const {
-    return scales_(c) > 0.0 ? moved_.row(c).head(n).norm() / scales_(c) : 0.0;
+  /// What each column of the null space moves component c by, relative to what unit multipliers do to the joint.
+  [[nodiscard]] VecX of(int c) const {
+    if (!(scales_(c) > 0.0)) return VecX::Zero(moved_.cols());
+    return moved_.row(c).transpose() / scales_(c);
   }
 
  private:
@@ -267,20 +267,25 @@ struct Answer {
   bool stays;
 };
 
-/// Of a component that the null space at these sizes moves by `size(n)` (C51).
-template <class Size>
-Answer answer(const NullSpaceSizes& sizes, const Size& size) {
+/// (C51) Of a component that each column of the near null space moves by as much as `moves` says, and with which
+/// singular values.
+Answer answer(const NullSpaceSizes& sizes, const VecX& moves, const VecX& values) {
   constexpr double kZero = 1e-9;
-  const bool is_unique = size(sizes.decided) <= kZero;
-  // One threshold is moved at a time; what is nearly singular by s moves what it does not concern by some s.
-  const bool stays_unique = size(sizes.perhaps) <= kZero * kEitherWay && size(sizes.decided) <= kZero / kEitherWay;
-  const bool stays_moved = size(sizes.surely) > kZero && size(sizes.decided) > kZero * kEitherWay;
+  // Rows that are nearly dependent by s leave about that much of themselves along rows that they do not concern.
+  constexpr double kLeft = 10.0;
+  const VecX concerned = (moves.cwiseAbs() - kLeft * values).cwiseMax(0.0);
+  const bool is_unique = moves.head(sizes.decided).norm() <= kZero;
+  // One threshold is moved at a time.
+  const bool stays_unique = concerned.head(sizes.perhaps).norm() <= kZero * kEitherWay &&
+                            concerned.head(sizes.decided).norm() <= kZero / kEitherWay;
+  const bool stays_moved =
+      moves.head(sizes.surely).norm() > kZero && moves.head(sizes.decided).norm() > kZero * kEitherWay;
   return {is_unique, is_unique ? stays_unique : stays_moved};
 }
 
-void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, JointUniqueness& unique,
+void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, const VecX& values, JointUniqueness& unique,
                 JointUniqueness& decided) {
-  const auto at = [&](int c) { return answer(sizes, [&](Eigen::Index n) { return movement.of(c, n); }); };
+  const auto at = [&](int c) { return answer(sizes, movement.of(c), values); };
   for (int c = 0; c < 12; ++c) {
     const Answer reaction = at(c);
     unique.unique[c / 6][c % 6] = reaction.is_unique;
@@ -430,11 +435,12 @@ RankReport report_rank(const Equations& equations) {
   if (sizes.perhaps == 0) return report;
   const MatX& null_space = decision.near_null_space;
   for (int k = 0; k < constraints.n_joints(); ++k) {
-    mark_joint(Movement(equations, k, scaled, null_space), sizes, report.joints[k], report.decided[k]);
+    mark_joint(Movement(equations, k, scaled, null_space), sizes, decision.near_values, report.joints[k],
+               report.decided[k]);
   }
   for (int g = 0; g < constraints.n_couplings(); ++g) {
-    const auto own = null_space.row(constraints.coupling(g).row);
-    const Answer force = answer(sizes, [&](Eigen::Index n) { return own.head(n).norm(); });
+    const VecX own = null_space.row(constraints.coupling(g).row);
+    const Answer force = answer(sizes, own, decision.near_values);
     report.unique_coupling[g] = force.is_unique;
     report.decided_coupling[g] = force.stays;
   }

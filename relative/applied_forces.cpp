@@ -160,7 +160,8 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
 void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   for (const Spring& spring : springs_) {
     HeldLaw& held = laws_[spring.law].held;
-    const double tau = evaluate_actuator(*held.law, t) - held.resist(q(spring.q), u(spring.u), regimes_are_frozen_);
+    const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
+    const double tau = evaluate_actuator(*held.law, t) - held.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }

@@ -351,10 +351,12 @@ void Assembly::decide_rank_near(const Coordinates& coordinates) {
 /// From the start, so that it does not depend on the states that came before; if the machine has none, from here.
 void Assembly::decide_rank(const Coordinates& coordinates) {
   if (rank_is_decided_ || equations_->closure().n_rows() == 0) return;
+  const VecX turns = equations_->kinematics().turns();
   try {
     (void)start();
   } catch (const std::runtime_error&) {  // a start that contradicts itself, or that cannot be evaluated
   }
+  equations_->count_turns(turns);
   if (!rank_is_decided_) decide_rank_near(coordinates);
 }
 
@@ -590,7 +592,7 @@ void Assembly::wind(Coordinates& coordinates, const Held& held) const {
     }
     if (least == nullptr) continue;
     const double turn = 2.0 * std::numbers::pi * least->factor;
-    const double turns = std::round(compute_gap(coupling, model, topology, coordinates.q) / turn);
+    const double turns = std::round(compute_gap(coupling, equations_->kinematics(), coordinates.q) / turn);
     const int place = first_q(*model.joints[least->joint].type, least->word) + least->component;
     coordinates.q(topology.joints[least->joint].first_q + place) -= 2.0 * std::numbers::pi * turns;
   }
@@ -623,12 +625,15 @@ void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) 
   constexpr double kRoundOff = 1e-11;
   const Model& model = equations_->model();
   const double rate = std::max(rate_, size_of_u(closed.u));
-  const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed) {
+  const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
+                           const VecX& left_out) {
     if ((found - kept).cwiseAbs().maxCoeff() <= allowed) return;
     throw InputError(joint.where, fmt::format("start: joint '{}' keeps the {} ({:.9g}), but the machine closes with "
                                               "({:.9g}): keep others",
-                                              joint.name, what, fmt::join(kept, ", "), fmt::join(found, ", ")));
+                                              joint.name, what, fmt::join(VecX(kept + left_out), ", "),
+                                              fmt::join(VecX(found + left_out), ", ")));
   };
+  const VecX angles = static_cast<double>(kWholeTurn) * equations_->kinematics().turns();
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     const Span& span = equations_->topology().joints[k];
@@ -645,22 +650,26 @@ void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) 
           if (found.dot(kept) < 0.0) kept = -kept;
         }
         const double unit = coordinate_units_(iq);
-        require(joint, "coordinates", found, kept, kRoundOff * std::max(unit, kept.cwiseAbs().maxCoeff()));
+        require(joint, "coordinates", found, kept, kRoundOff * std::max(unit, kept.cwiseAbs().maxCoeff()),
+                angles.segment(iq, n));
       }
       if (start.role_u == StartRole::keep && start.u.size() > 0) {
         const auto n = start.u.size();
         require(joint, "speeds", closed.u.segment(iu, n), said.u.segment(iu, n),
-                kRoundOff * rate * scales_.speeds()(iu));
+                kRoundOff * rate * scales_.speeds()(iu), VecX::Zero(n));
       }
     }
   }
 }
 
 Coordinates Assembly::start() {
+  equations_->count_turns(VecX::Zero(equations_->topology().n_q));
   Coordinates start = guess_start();
   const Held held_q = kept(&WordStart::role_q);
   const Held held_u = kept(&WordStart::role_u);
   wind(start, held_q);
+  equations_->count_turns(equations_->kinematics().whole_turns(start.q));
+  start.q = equations_->kinematics().without_turns(start.q);
   Coordinates closed = start;
   const bool kept_agree = close_positions(closed, held_q, Modes::kept);
   if (!kept_agree) closed = start;

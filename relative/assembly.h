@@ -22,8 +22,9 @@ class Assembly {
   [[nodiscard]] const Scales& scales() const { return scales_; }
 
   /// The start: kept and driven values exactly, modal values as given, everything else by Newton's method from the
-  /// model's guesses. Throws InputError, naming the joints, if the kept values are too many, too few, dependent or
-  /// contradictory, and naming body and axis if the opened tree lacks inertia.
+  /// model's guesses; whole turns are counted apart from then on. Throws InputError, naming the joints, if the kept
+  /// values are too many, too few, dependent or contradictory, and naming body and axis if the opened tree lacks
+  /// inertia.
   [[nodiscard]] Coordinates start();
 
   /// Closes q and u near their values at time t, couplings and constraints of velocity too. Modal coordinates and rates

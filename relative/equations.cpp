@@ -35,10 +35,10 @@ VecX Equations::home() const {
   return q;
 }
 
-void Equations::prescribe(double t, VecX& q, VecX& u) const {
+void Equations::prescribe(double t, const Kinematics& counted, VecX& q, VecX& u) const {
   for (const Prescription& driver : drivers_) {
     const TimeFunctionValue value = evaluate(*driver.law, t);
-    q(driver.q) = value.f;
+    q(driver.q) = counted.without_turns(driver.q, value.f);
     u(driver.u) = value.fdot;
   }
 }

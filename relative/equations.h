@@ -38,8 +38,13 @@ class Equations {
   /// Coordinates of the unmoved machine: all joints at home, no deformation.
   [[nodiscard]] VecX home() const;
 
-  /// Writes the driven entries of q and u: their laws at time t.
-  void prescribe(double t, VecX& q, VecX& u) const;
+  /// Counts whole turns apart from the coordinates that all other functions take and give: see Kinematics.
+  void count_turns(const VecX& turns) { kinematics_.count_turns(turns); }
+
+  /// Writes the driven entries of q and u: their laws at time t, without the turns that are counted apart here or by
+  /// other kinematics of the same model.
+  void prescribe(double t, VecX& q, VecX& u) const { prescribe(t, kinematics_, q, u); }
+  void prescribe(double t, const Kinematics& counted, VecX& q, VecX& u) const;
 
   /// Poses, velocities and closure misfits at time t, q, u (n_q and n_u numbers). Driven entries are replaced by their
   /// laws, those of cut joints by measurement (q gives the guess).

@@ -59,6 +59,11 @@ class Variables {
     for (std::size_t c = 0; c < u_.size(); ++c) coordinates.u(u_[c]) = y(q_.size() + c);
   }
 
+  /// Takes whole turns off the coordinates.
+  void take_off(const VecX& turns, Eigen::Ref<VecX> y) const {
+    for (std::size_t c = 0; c < q_.size(); ++c) y(c) = add_turns(y(c), -turns(q_[c]));
+  }
+
   /// Writes all of y but the work.
   void pack(const VecX& q, const VecX& u, Eigen::Ref<VecX> y) const {
     for (std::size_t c = 0; c < q_.size(); ++c) y(c) = q(q_[c]);
@@ -175,6 +180,17 @@ struct Run {
         fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
                     "integrator{}",
                     kMostEvaluationsOnNoWay, t - paced_from, place));
+  }
+
+  /// Counts apart the turns of coordinates that have made many, so that they keep their digits; true if there are any.
+  bool count_turns(Eigen::Ref<VecX> y) {
+    constexpr double kMany = 10.0;
+    const VecX more = equations.kinematics().whole_turns(coordinates.q, kMany);
+    if (more.isZero(0.0)) return false;
+    variables.take_off(more, y);
+    watch.count_turns(more);
+    equations.count_turns(equations.kinematics().turns() + more);
+    return true;
   }
 
   void project(double t, Eigen::Ref<VecX> y) {
@@ -453,6 +469,8 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     trajectory.statistics.max_constraint = std::max(trajectory.statistics.max_constraint, misfit.largest);
     trajectory.samples.push_back(std::move(sample));
     if (progress) progress(t_end);
+    if (run.count_turns(sundials::view(y.get())) && stepper.rename(t, y.get()) < 0)
+      throw_stopped(t, run, messages.last);
   }
   trajectory.statistics.steps = stepper.steps();
   trajectory.statistics.evaluations = run.evaluations;

@@ -6,9 +6,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "common/rotation.h"
 #include "relative/exponential_map.h"
 #include "relative/six_columns.h"
 #include "relative/spatial_basis.h"
+#include "relative/turns.h"
 
 namespace concord::relative {
 
@@ -22,6 +24,7 @@ struct Composition {
   const double* q;
   const double* u;
   JointMotion& motion;
+  const double* turns;
   int column = 0;
   Vec3 omega = Vec3::Zero();  // of the frame reached so far
 
@@ -67,10 +70,14 @@ struct Composition {
 
   void operator()(const joints::ByMotion& by) {
     joints::FunctionOfCoordinates::Motion found;
-    by.motion->evaluate(q, u, found);
     const int n = by.motion->n();
-    motion.d = found.placement.d;
-    motion.R = found.placement.R;
+    std::array<double, 6> rounded{};
+    JointVector rest(n);
+    for (int c = 0; c < n; ++c) rounded[c] = add_turns(q[c], turns[c], rest(c));
+    by.motion->evaluate(rounded.data(), u, found);
+    const Vec6 beyond = found.S.leftCols(n).lazyProduct(rest);
+    motion.d = found.placement.d + beyond.head<3>();
+    motion.R = found.placement.R + skew(beyond.tail<3>()) * found.placement.R;
     motion.S.leftCols(n) = found.S.leftCols(n);
     motion.v_rel.noalias() = found.S.leftCols(n).lazyProduct(Eigen::Map<const VecX>(u, n));
     motion.Sdot_u = found.Sdot_u;
@@ -233,12 +240,16 @@ void Motion::find_elevation() {
   if (at_right_angles) elevation_ = n_u_ - 4;
 }
 
+void Motion::count_turns(const double* turns) {
+  if (by_functions_) std::copy_n(turns, n_q_, turns_.begin());
+}
+
 void Motion::evaluate(const double* q, const double* u, JointMotion& motion) const {
   motion.d.setZero();
   motion.R.setIdentity();
   motion.v_rel.setZero();
   motion.Sdot_u.setZero();
-  Composition composition{q, u, motion};
+  Composition composition{q, u, motion, turns_.data()};
   for (const joints::Permit& word : words_) std::visit(composition, word);
 }
 

@@ -52,8 +52,14 @@ class Motion {
   [[nodiscard]] bool has_ball() const { return has_ball_; }
   /// Whether a link on two turns carries the child, so that two sets of coordinates name each pose.
   [[nodiscard]] bool has_elevation() const { return elevation_ >= 0; }
+  /// Whether coordinate q[c] is an angle, whose whole turns may be counted apart.
+  [[nodiscard]] bool is_turn(int c) const { return c < n_u_ - (has_ball_ ? 3 : 0) && !kinds_[c].is_length; }
   /// Whether the motion is stated by functions.
   [[nodiscard]] bool is_by_functions() const { return by_functions_; }
+
+  /// Counts whole turns apart from the coordinates (n_q numbers, zero but for turns): from now on q[c] means the angle
+  /// q[c] + 2 pi turns[c], of which no digit is lost however many turns it has made.
+  void count_turns(const double* turns);
 
   /// The motion at n_q coordinates q and n_u speeds u. Euler parameters need not be of unit length (R9).
   void evaluate(const double* q, const double* u, JointMotion& motion) const;
@@ -115,6 +121,7 @@ class Motion {
   /// Of a motion by functions, the columns whose span its coordinate wrenches have, if it says so.
   joints::Wrenches (*stated_wrenches_)(const joints::Placement& at) = nullptr;
   std::vector<std::array<double, 2>> ranges_;  // of a motion by functions, if it states them
+  std::array<double, 6> turns_{};              // of a motion by functions; nothing else knows of whole turns
   double length_;
   int n_q_ = 0;
   int n_u_ = 0;

@@ -11,6 +11,11 @@ int place_in_u(const CouplingTerm& term, const Joint& joint) {
   return first_u(*joint.type, term.word) + term.component;
 }
 
+int place_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
+  const joints::JointType& type = *kinematics.model().joints[term.joint].type;
+  return kinematics.topology().joints[term.joint].first_q + first_q(type, term.word) + term.component;
+}
+
 int place_of(const std::vector<int>& joints, int joint) {
   const auto found = std::find(joints.begin(), joints.end(), joint);
   return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
@@ -34,21 +39,21 @@ double size_of(const Coupling& coupling, const Model& model, double length) {
   return std::sqrt(sum);
 }
 
-double compute_gap(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q) {
-  double gap = -coupling.offset;
+double compute_gap(const Coupling& coupling, const Kinematics& kinematics, const VecX& q) {
+  double gap = 0.0;
+  long double turned = -static_cast<long double>(coupling.offset);  // whole turns cancel against the offset
   for (const CouplingTerm& term : coupling.terms) {
-    const joints::JointType& type = *model.joints[term.joint].type;
-    gap += term.factor * q(topology.joints[term.joint].first_q + first_q(type, term.word) + term.component);
+    const int place = place_in_q(term, kinematics);
+    gap += term.factor * q(place);
+    turned += term.factor * (kWholeTurn * kinematics.turns()(place));
   }
-  return gap;
+  return gap + static_cast<double>(turned);
 }
 
-double size_of_terms(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q) {
-  double largest = std::abs(coupling.offset);
+double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, const VecX& q) {
+  double largest = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
-    const joints::JointType& type = *model.joints[term.joint].type;
-    const int place = topology.joints[term.joint].first_q + first_q(type, term.word) + term.component;
-    largest = std::max(largest, std::abs(term.factor * q(place)));
+    largest = std::max(largest, std::abs(term.factor * q(place_in_q(term, kinematics))));
   }
   return largest;
 }
@@ -147,7 +152,7 @@ void Relations::measure(const std::vector<CutJoint>& cuts, const VecX& q, const 
     if (!relation.is_coupling()) continue;
     // The coordinates of a cut joint that is not closed yet: measured along the wrenches by which they move.
     double& found = gap(relation.first_row);
-    found = compute_gap(model.couplings[relation.coupling], model, kinematics_->topology(), q) / relation.size;
+    found = compute_gap(model.couplings[relation.coupling], *kinematics_, q) / relation.size;
     for (const RelatedJoint& part : relation.joints) {
       if (part.cut >= 0) found += part.T.col(0).dot(cuts[part.cut].measure.error());
     }

@@ -11,11 +11,12 @@ namespace concord::relative {
 /// Size of a coupling's factors, slides counted in `length`: its row is divided by it, and so is free of units.
 double size_of(const Coupling& coupling, const Model& model, double length);
 
-/// Sum of factor_k q_k minus the offset, for the coordinates of every joint (q of joint k from first_q of its span).
-double compute_gap(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q);
+/// Sum of factor_k q_k minus the offset, for the coordinates of every joint (q of joint k from first_q of its span),
+/// turns that are counted apart included.
+double compute_gap(const Coupling& coupling, const Kinematics& kinematics, const VecX& q);
 
-/// The largest of |factor_k q_k| and |offset|: what round-off of the gap is made of.
-double size_of_terms(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& q);
+/// The largest |factor_k q_k|, without turns that are counted apart: what round-off of the gap is made of.
+double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, const VecX& q);
 
 /// Its rate, sum of factor_k u_k.
 double compute_slip(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& u);

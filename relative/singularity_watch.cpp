@@ -126,6 +126,12 @@ void SingularityWatch::require_branches(const VecX& before, const VecX& now, dou
   }
 }
 
+void SingularityWatch::count_turns(const VecX& more) {
+  const VecX angles = static_cast<double>(kWholeTurn) * more;
+  for (Record& one : last_) one.at.q -= angles;
+  if (q_.size() > 0) q_ -= angles;
+}
+
 void SingularityWatch::pass(const Coordinates& coordinates) {
   if (!links_.empty()) {
     if (t_ < coordinates.t) require_branches(q_, coordinates.q, coordinates.t);

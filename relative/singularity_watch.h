@@ -23,6 +23,9 @@ class SingularityWatch {
   /// step anew.
   void pass(const Coordinates& coordinates);
 
+  /// The coordinates of the motion leave out so many more whole turns from now on (n_q numbers).
+  void count_turns(const VecX& more);
+
  private:
   struct Record {
     Coordinates at;

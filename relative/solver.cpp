@@ -54,6 +54,7 @@ class RelativeSolver final : public Solver {
     try {
       StateMisfit misfit;
       Coordinates coordinates = states_.read(guess, misfit);
+      equations_.count_turns(states_.turns());
       if (!assembly_.close(coordinates) || states_.strayed_joint(guess, coordinates.q) >= 0) return std::nullopt;
       equations_.move(coordinates.t, coordinates.q, coordinates.u);
       return states_.write(guess.t, guess);
@@ -98,6 +99,7 @@ class RelativeSolver final : public Solver {
   Coordinates read_closed(const State& state) {
     StateMisfit misfit;
     Coordinates coordinates = states_.read(state, misfit);
+    equations_.count_turns(states_.turns());
     if (misfit.largest <= kLargestMisfit && misfit.strayed_joint < 0) return coordinates;
     if (misfit.largest <= kLargestMisfit) throw_strayed(state, coordinates, misfit.strayed_joint);
     throw SolverError(
@@ -108,7 +110,7 @@ class RelativeSolver final : public Solver {
 
   [[noreturn]] void throw_strayed(const State& state, const Coordinates& coordinates, int joint) const {
     const Span& span = equations_.topology().joints[joint];
-    const VecX found = coordinates.q.segment(span.first_q, span.n_q);
+    const VecX found = equations_.kinematics().with_turns(coordinates.q).segment(span.first_q, span.n_q);
     throw SolverError(fmt::format(
         "relative: the state at t = {:.6g} s: joint '{}' stands on another turn or branch than its coordinates say: "
         "({:.6g}) from the poses of its bodies, ({:.6g}) with the state",

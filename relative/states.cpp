@@ -87,7 +87,7 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     const Span& span = topology.joints[k];
     if (has_q(state, k)) found.q.segment(span.first_q, span.n_q) = state.q[k];
   }
-  equations_->prescribe(state.t, found.q, found.u);
+  count_turns(found);
   const double turning = speed / length_;
 
   kinematics_.place(state.bodies);
@@ -108,8 +108,8 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   misfit.strayed_joint = strayed_joint(state, found.q);
   for (const Coupling& coupling : model.couplings) {
     const double factors = size_of(coupling, model, length_);
-    const double terms = size_of_terms(coupling, model, topology, found.q);
-    const double gap = compute_gap(coupling, model, topology, found.q);
+    const double terms = size_of_terms(coupling, kinematics_, found.q);
+    const double gap = compute_gap(coupling, kinematics_, found.q);
     const double slip = compute_slip(coupling, model, topology, found.u) / factors;
     judge(part_of(gap, std::max(factors, terms)), "coupling", coupling.name);
     judge(part_of(slip, turning), "coupling", coupling.name);
@@ -117,14 +117,23 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   return found;
 }
 
+/// Whole turns of the coordinates that came with a state, driven ones by their laws, are counted apart from now on.
+void States::count_turns(Coordinates& coordinates) {
+  kinematics_.count_turns(VecX::Zero(coordinates.q.size()));
+  equations_->prescribe(coordinates.t, kinematics_, coordinates.q, coordinates.u);
+  kinematics_.count_turns(kinematics_.whole_turns(coordinates.q));
+  coordinates.q = kinematics_.without_turns(coordinates.q);
+}
+
 bool States::has_q(const State& state, int joint) const {
   return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
 }
 
 int States::strayed_joint(const State& state, const VecX& q) const {
+  const VecX values = kinematics_.with_turns(q);
   for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
     if (!has_q(state, k)) continue;
-    const double* found = q.data() + equations_->topology().joints[k].first_q;
+    const double* found = values.data() + equations_->topology().joints[k].first_q;
     if (!equations_->kinematics().motion(k).is_on_branch_of(found, state.q[k].data())) return k;
   }
   return -1;
@@ -158,8 +167,9 @@ State States::write(double t, const State& before) const {
     body.a = equations_->q().segment(topology.modes[i].first_q, topology.modes[i].n_q);
     body.adot = equations_->u().segment(topology.modes[i].first_u, topology.modes[i].n_u);
   }
+  const VecX q = equations_->kinematics().with_turns(equations_->q());
   for (const Span& span : topology.joints) {
-    state.q.emplace_back(equations_->q().segment(span.first_q, span.n_q));
+    state.q.emplace_back(q.segment(span.first_q, span.n_q));
     state.u.emplace_back(equations_->u().segment(span.first_u, span.n_u));
   }
   return state;

@@ -29,14 +29,19 @@ class States {
   /// Coordinates of a state: those of every joint are measured between its two bodies, tree and cut joints alike, from
   /// the state's q, which chooses turns and branches (without them, the branch nearest to home); cost proportional to
   /// the number of joints. `misfit` gets what the joints do not permit, and how far driven coordinates are from their
-  /// laws. Throws SolverError if the state has the wrong size or its bodies hold what is no number.
+  /// laws. Whole turns beyond the first are counted apart, see turns(). Throws SolverError if the state has the wrong
+  /// size or its bodies hold what is no number.
   Coordinates read(const State& state, StateMisfit& misfit);
+
+  /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.
+  [[nodiscard]] const VecX& turns() const { return kinematics_.turns(); }
 
   /// The complete state of the pose that the equations hold; Euler parameters of the sign nearest to those of `before`
   /// (if it is not empty).
   [[nodiscard]] State write(double t, const State& before) const;
 
-  /// A joint whose coordinates in q lie on another turn or branch than those that the state brings; -1: none.
+  /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
+  /// those that the state brings; -1: none.
   [[nodiscard]] int strayed_joint(const State& state, const VecX& q) const;
 
   /// Accelerations and wrenches that the equations hold.
@@ -44,6 +49,7 @@ class States {
 
  private:
   [[nodiscard]] double slip_of(int joint, const VecX& u);
+  void count_turns(Coordinates& coordinates);
   [[nodiscard]] bool has_q(const State& state, int joint) const;
 
   const Equations* equations_;

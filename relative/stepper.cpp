@@ -11,10 +11,10 @@ namespace {
 
 constexpr long kMostSteps = 50'000'000;
 
-constexpr Stepper::Calls kErk{ERKStepSetStopTime, ERKStepEvolve,      ERKStepReset, ERKStepSetFixedStep,
-                              ERKStepSetInitStep, ERKStepGetNumSteps, ERKStepFree};
-constexpr Stepper::Calls kArk{ARKStepSetStopTime, ARKStepEvolve,      ARKStepReset, ARKStepSetFixedStep,
-                              ARKStepSetInitStep, ARKStepGetNumSteps, ARKStepFree};
+constexpr Stepper::Calls kErk{ERKStepSetStopTime, ERKStepEvolve,      ERKStepReset,          ERKStepSetFixedStep,
+                              ERKStepSetInitStep, ERKStepGetNumSteps, ERKStepGetCurrentStep, ERKStepFree};
+constexpr Stepper::Calls kArk{ARKStepSetStopTime, ARKStepEvolve,      ARKStepReset,          ARKStepSetFixedStep,
+                              ARKStepSetInitStep, ARKStepGetNumSteps, ARKStepGetCurrentStep, ARKStepFree};
 
 void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Context& context,
                sundials::MessageRecord& messages) {
@@ -79,6 +79,12 @@ int Stepper::restart(double t, N_Vector y, double h) {
   int code = calls_->set_fixed_step(memory_, 0.0);
   if (code >= 0) code = calls_->set_init_step(memory_, h);
   return code < 0 ? code : calls_->reset(memory_, t, y);
+}
+
+int Stepper::rename(double t, N_Vector y) {
+  realtype h = 0.0;
+  const int code = calls_->current_step(memory_, &h);
+  return code < 0 ? code : restart(t, y, h);
 }
 
 int Stepper::step_exactly(double h, N_Vector y, double& t) {

@@ -35,6 +35,8 @@ class Stepper {
   int step(double t_end, N_Vector y, double& t);
   /// Begins anew at a state, where the right side may have changed; the first step is tried with h.
   int restart(double t, N_Vector y, double h);
+  /// Begins anew at a state that is another name of the one reached, with the step that would have been tried next.
+  int rename(double t, N_Vector y);
   /// Makes one step of h from a state, whatever its error; afterwards the integrator must be restarted.
   int step_exactly(double h, N_Vector y, double& t);
 
@@ -48,6 +50,7 @@ class Stepper {
     int (*set_fixed_step)(void*, realtype);
     int (*set_init_step)(void*, realtype);
     int (*steps)(void*, long*);
+    int (*current_step)(void*, realtype*);
     void (*free)(void**);
   };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "relative/exponential_map.h"
 
 namespace concord::relative {
@@ -19,6 +21,7 @@ Kinematics::Kinematics(const Model& model)
       joint_motions_(model.joints.size()),
       bodies_(model.bodies.size()),
       first_rows_(model.bodies.size(), 0),
+      turns_(VecX::Zero(topology_.n_q)),
       q_(VecX::Zero(topology_.n_q)),
       u_(VecX::Zero(topology_.n_u)) {
   const double length = machine_length(model);
@@ -36,6 +39,33 @@ Kinematics::Kinematics(const Model& model)
     first_rows_[i] = n_rows_;
     n_rows_ += 6 + model.bodies[i].n_modes();
   }
+}
+
+void Kinematics::count_turns(const VecX& turns) {
+  turns_ = turns;
+  for (std::size_t k = 0; k < motions_.size(); ++k) motions_[k].count_turns(turns.data() + topology_.joints[k].first_q);
+}
+
+VecX Kinematics::with_turns(const VecX& q) const {
+  return VecX::NullaryExpr(q.size(), [&](Eigen::Index c) { return with_turns(static_cast<int>(c), q(c)); });
+}
+
+VecX Kinematics::without_turns(const VecX& values) const {
+  return VecX::NullaryExpr(values.size(),
+                           [&](Eigen::Index c) { return without_turns(static_cast<int>(c), values(c)); });
+}
+
+VecX Kinematics::whole_turns(const VecX& q, double least) const {
+  VecX turns = VecX::Zero(q.size());
+  for (std::size_t k = 0; k < motions_.size(); ++k) {
+    for (int c = 0; c < motions_[k].n_u(); ++c) {
+      if (!motions_[k].is_turn(c)) continue;
+      const int place = topology_.joints[k].first_q + c;
+      const double made = q(place) / static_cast<double>(kWholeTurn);
+      if (std::abs(made) > least) turns(place) = std::round(made);
+    }
+  }
+  return turns;
 }
 
 void Kinematics::update(const VecX& q, const VecX& u) {

@@ -7,6 +7,7 @@
 #include "relative/joint_point.h"
 #include "relative/motions.h"
 #include "relative/topology.h"
+#include "relative/turns.h"
 
 /// The velocity transformation Y = B u, Ydot = B udot + Bdot u, link by link (R19) to (R22).
 namespace concord::relative {
@@ -48,6 +49,19 @@ class Kinematics {
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
   [[nodiscard]] const Motion& motion(int joint) const { return motions_[joint]; }
+
+  /// Counts whole turns apart from the coordinates, which so keep their digits after many of them: from now on a
+  /// coordinate q means q + 2 pi turns (n_q whole numbers, zero but for turns).
+  void count_turns(const VecX& turns);
+  [[nodiscard]] const VecX& turns() const { return turns_; }
+  /// A coordinate with its whole turns, and one that is given with them without those that are counted apart.
+  [[nodiscard]] double with_turns(int place, double q) const { return add_turns(q, turns_(place)); }
+  [[nodiscard]] double without_turns(int place, double value) const { return add_turns(value, -turns_(place)); }
+  /// All of them.
+  [[nodiscard]] VecX with_turns(const VecX& q) const;
+  [[nodiscard]] VecX without_turns(const VecX& values) const;
+  /// Whole turns that coordinates have made, zero for all that have made no more than `least`.
+  [[nodiscard]] VecX whole_turns(const VecX& q, double least = 1.0) const;
 
   /// Takes n_q coordinates and n_u speeds (cut joints' included, which have no effect here) and computes all that
   /// follows. Throws SolverError if a joint frame has turned too far on a flexible body, or if a joint of the tree
@@ -99,6 +113,7 @@ class Kinematics {
   std::vector<LinkBlocks> blocks_;
   std::vector<int> first_rows_;
   int n_rows_ = 0;
+  VecX turns_;
   VecX q_;
   VecX u_;
 };

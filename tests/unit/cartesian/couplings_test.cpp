@@ -273,5 +273,28 @@ TEST(Couplings, AStateOffTheRelationIsRefusedByName) {
   EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: coupling 'G' gap"));
 }
 
+/// Whole turns of a coupling's coordinates cancel and leave its digits alone: the wheel makes twice as many as the
+/// carrier.
+TEST(Couplings, StandAlikeAfterManyTurns) {
+  constexpr double kTurns = 6000.0;
+  constexpr long double kWholeTurn = 6.283185307179586476925286766559L;
+  Model often = make_differential();
+  often.couplings.pop_back();  // the rack would go along
+  keep(often.joints[kRackSlide], 0, 0.1, -0.2);
+  Model once = often;
+  // The double that counts them stands for an angle some units of its last place beside.
+  double& angle = often.joints[kWheelHinge].start[0].q(0);
+  angle = static_cast<double>(0.7L + kWholeTurn * kTurns);
+  once.joints[kWheelHinge].start[0].q(0) = static_cast<double>(angle - kWholeTurn * kTurns);
+  const auto solver = make_solver(often);
+  const State then = solver->assemble();
+  const State first = make_solver(once)->assemble();
+  EXPECT_NEAR(then.q[kCarrierHinge](0) - first.q[kCarrierHinge](0), EIGEN_PI * kTurns, 1e-10);
+  for (int body = 1; body < static_cast<int>(first.bodies.size()); ++body) {
+    EXPECT_LT((rotation_of_body(then, body) - rotation_of_body(first, body)).norm(), 1e-14) << body;
+  }
+  EXPECT_NO_THROW((void)solver->evaluate(then));
+}
+
 }  // namespace
 }  // namespace concord::cartesian

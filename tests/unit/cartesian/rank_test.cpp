@@ -130,6 +130,7 @@ TEST(Rank, FlagsThatAnotherThresholdWouldChangeAreUndecided) {
     EXPECT_FALSE(all(doubtful.decided[0].unique));
     EXPECT_FALSE(all(doubtful.decided[1].unique));
     EXPECT_TRUE(all(doubtful.joints[2].unique));
+    EXPECT_TRUE(all(doubtful.decided[2].unique));
     const RankReport same = report_at_origin(on_rods(0.0, scale));
     EXPECT_EQ(same.rank, 2);
     EXPECT_FALSE(same.undecided);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/joints/catalogue.h"
+#include "linkage.h"
 #include "machines.h"
 
 namespace concord::cartesian {
@@ -225,6 +226,28 @@ TEST(CartesianSolver, NamesItsIntegratorsWhenAskedForAnother) {
   options.integrator = "euler";
   EXPECT_EQ(message_of<InputError>([&] { (void)make_solver(model)->integrate(options, {}); }),
             "pendulum.toml: error: cartesian: unknown integrator 'euler'; it has gbs, ida");
+}
+
+/// A driver that has counted many turns holds its body to the last digits of what is left beside them.
+TEST(CartesianSolver, DriversKeepTheirDigitsAfterManyTurns) {
+  testing::Linkage linkage;
+  linkage.crank = 0.2;
+  linkage.last_crank = 0.5;
+  linkage.angle = 5000.3;
+  const auto solver = make_solver(linkage.make());
+  const State start = solver->assemble();
+  const Vec4& p = start.bodies[1].p;
+  const Mat3 A = Eigen::Quaterniond(p(0), p(1), p(2), p(3)).toRotationMatrix();
+  EXPECT_LT((A - rotation_about(Axis::z, linkage.angle)).norm(), 2e-15);
+  RunOptions options;
+  options.until = 0.5;
+  options.samples = 4;
+  options.rtol = 1e-9;
+  for (const Sample& sample : solver->integrate(options, {}).samples) {
+    const Vec4& turned = sample.state.bodies[1].p;
+    const Mat3 now = Eigen::Quaterniond(turned(0), turned(1), turned(2), turned(3)).toRotationMatrix();
+    EXPECT_LT((now - rotation_about(Axis::z, linkage.angle + linkage.rate * sample.state.t)).norm(), 4e-15);
+  }
 }
 
 }  // namespace

@@ -239,5 +239,34 @@ TEST(Integration, NamesTheIntegratorsItHas) {
   }
 }
 
+/// A rotor on a soft spring swings through two dozen turns and back: theta = A sin(w t).
+TEST(Integration, SwingsThroughManyTurnsAndBack) {
+  test::Numbers numbers(61);
+  Model model;
+  model.file = "rotor.toml";
+  model.bodies = {test::ground(), test::rigid_body("rotor", numbers)};
+  model.joints = {test::joint(model, "axle", "revolute", 0, 1, numbers)};
+  Joint& axle = model.joints[0];
+  axle.sides[1].point_L = model.bodies[1].center_of_mass_L;
+  const Vec3 axis = axle.sides[1].C.col(2);
+  const double inertia = axis.dot(model.bodies[1].inertia_L * axis);
+  const double amplitude = 150.0;
+  const double rate = 0.8;
+  ForceLaw spring;
+  spring.stiffness = inertia * rate * rate;
+  axle.springs = {{0, spring, 0}};
+  axle.start[0].q(0) = 0.0;
+  axle.start[0].u(0) = amplitude * rate;
+  const auto solver = make_solver(model);
+  const Trajectory run = solver->integrate(options(5.0, 50, 1e-11), {});
+  for (const Sample& sample : run.samples) {
+    EXPECT_NEAR(sample.state.q[0](0), amplitude * std::sin(rate * sample.state.t), 1e-8);
+    const double tau = -spring.stiffness * sample.state.q[0](0);
+    EXPECT_NEAR(sample.evaluation.joints[0].tau(0), tau, 1e-13 * spring.stiffness * amplitude);
+    EXPECT_NO_THROW((void)solver->evaluate(sample.state));
+  }
+  EXPECT_LT(run.statistics.max_constraint, 1e-15);
+}
+
 }  // namespace
 }  // namespace concord::relative

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "machines.h"
 #include "relative/exponential_map.h"
 
@@ -172,6 +174,25 @@ TEST(Motion, NormalizesEulerParametersOnly) {
   VecX expected(7);
   expected << 0.3, 0.4, 0.5, 0.4, -0.4, 0.8, 0.2;
   EXPECT_LT((q - expected).norm(), 1e-15);
+}
+
+/// A thread stands where its turns have brought it, turned by what is left beside them.
+TEST(Motion, LosesNoDigitsOfAThreadAfterManyTurns) {
+  Motion thread(*test::type_named("screw"));
+  const double u = 1.3;
+  JointMotion first;
+  double q = 0.4;
+  thread.evaluate(&q, &u, first);
+  for (const double turns : {-3.0, 90.0, 1e5}) {
+    thread.count_turns(&turns);
+    JointMotion then;
+    thread.evaluate(&q, &u, then);
+    const double height = first.d.z() / 0.4 * (0.4 + 2.0 * std::numbers::pi * turns);
+    EXPECT_NEAR(then.d.z(), height, 1e-15 * std::abs(height));
+    EXPECT_LT((then.R - first.R).norm(), 1e-15) << turns;
+    EXPECT_LT((then.S.col(0) - first.S.col(0)).norm(), 1e-15);
+    EXPECT_LT((then.v_rel - first.v_rel).norm(), 1e-15);
+  }
 }
 
 }  // namespace

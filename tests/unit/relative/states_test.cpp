@@ -197,5 +197,44 @@ TEST(States, StayOnTheTurnOfAGuess) {
   EXPECT_NEAR(further->q[0](0), 12.6 + 4.0 * std::numbers::pi, 0.5);
 }
 
+/// Coordinates that count many turns more give the same machine, to the last digits: of tree and cut joints, of links,
+/// driven or not.
+TEST(States, SayTheSameOfAMachineAfterManyTurns) {
+  constexpr double kTurns = 20000.0;
+  for (const bool has_loop : {false, true}) {
+    const Model model = has_loop ? test::spatial_slider_crank(false) : test::tree_of_all_joints(false);
+    const auto solver = make_solver(model);
+    const State once = solver->assemble();
+    State often = once;
+    int turned = 0;
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Motion motion(*model.joints[k].type);
+      for (int c = 0; c < motion.n_u(); ++c) {
+        if (!motion.is_turn(c)) continue;
+        often.q[k](c) += 2.0 * std::numbers::pi * kTurns;
+        ++turned;
+      }
+    }
+    EXPECT_GT(turned, 2);
+    const Evaluation first = solver->evaluate(once);
+    const Evaluation then = solver->evaluate(often);
+    double size = 0.0;
+    for (const JointWrenches& joint : first.joints) size = std::max(size, joint.total[0].in_C.force.norm());
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Vec6 change = then.joints[k].total[0].in_C.vector() - first.joints[k].total[0].in_C.vector();
+      EXPECT_LT(change.norm(), 1e-13 * size) << model.joints[k].name;
+    }
+    const std::optional<State> closed = solver->close(often);
+    ASSERT_TRUE(closed);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      EXPECT_LT((closed->q[k] - often.q[k]).norm(), 1e-10);
+    }
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      EXPECT_LT((closed->bodies[i].r - once.bodies[i].r).norm(), 1e-13);
+      EXPECT_LT((closed->bodies[i].p - once.bodies[i].p).norm(), 1e-13);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace concord::relative
