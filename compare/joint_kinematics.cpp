@@ -116,14 +116,14 @@ void difference(const JointOnItsWay& joint, const VecX& expected_udot, double le
   // accelerations do so. That both bodies travel together matters to nothing here.
   double rate =
       std::max({found.speed.turn, found.relative.v_rel.head<3>().norm() / length, std::sqrt(found.rate_of_speed.turn)});
+  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
+  if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
   // Near a pose where a coordinate has no meaning the coordinate hurries more than the bodies do.
   const std::vector<bool> turns = turning_speeds(joint.type());
   for (std::size_t k = 0; k < turns.size(); ++k) {
     const double speed = std::abs(found.motion.u(static_cast<Eigen::Index>(k)));
     rate = std::max(rate, turns[k] ? speed : speed / length);
   }
-  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
-  if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
   const auto n_u = expected_udot.size();
   VecX expected(6 + n_u);
   expected << Vec6::Zero(), expected_udot;

@@ -160,7 +160,7 @@ TEST_F(VerifyTest, ADriftThatFallsTooSlowlyIsARunThatDoesNotConverge) {
   EXPECT_TRUE(verdict.same_state.climbed);
   EXPECT_FALSE(verdict.same_run.climbed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
-  EXPECT_THAT(verdict.findings, IsEmpty());
+  EXPECT_THAT(verdict.findings, ::testing::IsEmpty());
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
