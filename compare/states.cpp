@@ -16,6 +16,8 @@ constexpr int kTries = 30;
 constexpr int kTriesAlong = 12;
 /// Each try starts nearer to the run's state than the one before.
 constexpr double kShrink = 0.8;
+/// At least one of so many shaken states must be found.
+constexpr int kFewestOf = 5;
 /// Deflection [of the machine's length] to shake a mode with that the run never moves.
 constexpr double kQuietDeflection = 1e-4;
 
@@ -174,6 +176,15 @@ std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shake
   return std::nullopt;
 }
 
+/// The same by the solver whose turn it is, or by the other one where it finds none.
+std::optional<OwnedState> neighbour_by_either(const Model& model, const std::array<Solver*, 2>& solvers, Who first,
+                                              Shaker& shaker, const State& base) {
+  for (const Who who : {first, first == Who::cartesian ? Who::relative : Who::cartesian}) {
+    if (auto state = neighbour(model, *solvers[index(who)], shaker, base)) return OwnedState{std::move(*state), who};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
@@ -185,21 +196,14 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
     const auto owner = static_cast<Who>(k % 2);
     const State& base = run[static_cast<std::size_t>(k) * run.size() / static_cast<std::size_t>(count)].state;
     SharedStates drawn;
-    bool found = false;
     for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {
-      auto state = neighbour(model, *solvers[index(owner)], shaker, base);
-      if (!state) continue;
-      found = true;
-      share_one(solvers, {std::move(*state), owner}, drawn);
+      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, shaker, base);
+      if (!owned) break;
+      share_one(solvers, *owned, drawn);
       if (drawn.states.empty()) ++shared.drawn_anew;
     }
     if (!drawn.states.empty()) {
       shared.states.push_back(std::move(drawn.states.front()));
-      continue;
-    }
-    if (!found) {
-      shared.failures.push_back(fmt::format("{} finds no consistent state near t = {:.6g} s in {} tries",
-                                            solvers[index(owner)]->name(), base.t, kTries));
       continue;
     }
     // Singular poses all around say nothing about the closures.
@@ -207,8 +211,16 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
       shared.refusals.push_back(drawn.refusals.back());
     else if (!drawn.failures.empty())
       shared.failures.push_back(drawn.failures.back());
-    else
+    else if (!drawn.singular.empty())
       shared.singular.push_back(drawn.singular.back());
+    else
+      ++shared.left_open;
+  }
+  const auto found = static_cast<int>(shared.states.size());
+  if (shared.left_open > 0 && found < count / kFewestOf) {
+    shared.failures.push_back(
+        fmt::format("{} of {} states near those of the run are closed by neither solver in {} tries", shared.left_open,
+                    count, kTries));
   }
   return shared;
 }

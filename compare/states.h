@@ -66,6 +66,8 @@ struct SharedStates {
   /// Shaken states that were drawn anew: singular poses, and states that mean another turn or branch to the other
   /// solver.
   int drawn_anew = 0;
+  /// Shaken states that were given up because neither solver closes there.
+  int left_open = 0;
 };
 
 /// The states of a run, each handed once to both solvers.

@@ -91,13 +91,33 @@ TEST_F(StatesTest, RandomStatesAreClosedInTurnAndEvaluatedByBoth) {
   }
 }
 
-TEST_F(StatesTest, ASolverThatFindsNoStateIsAFailure) {
+/// The other solver closes in its turn, and what it closed is refused: a difference.
+TEST_F(StatesTest, ASolverThatFindsNoStateRefusesThoseOfTheOther) {
   const Trajectory one = run(300);
   relative_.spoil = [](const State&, Evaluation&) { throw SolverError("relative: wrong branch"); };
   const SharedStates random = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
-  EXPECT_EQ(random.failures.size(), static_cast<std::size_t>(kRandomStates / 2));
-  EXPECT_EQ(random.refusals.size(), static_cast<std::size_t>(kRandomStates / 2));
+  EXPECT_EQ(random.refusals.size(), static_cast<std::size_t>(kRandomStates));
+  EXPECT_EQ(random.left_open, 0);
   EXPECT_TRUE(random.states.empty());
+}
+
+TEST_F(StatesTest, StatesThatNeitherSolverClosesAreCounted) {
+  const Trajectory one = run(300);
+  for (FakePendulum* solver : {&cartesian_, &relative_}) {
+    solver->spoil = [&one](const State& state, Evaluation&) {
+      if (state.t > one.samples[150].state.t) throw SolverError("no state here");
+    };
+  }
+  const SharedStates some = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
+  EXPECT_GT(some.left_open, kRandomStates / 3);
+  EXPECT_EQ(some.states.size() + static_cast<std::size_t>(some.left_open), static_cast<std::size_t>(kRandomStates));
+  EXPECT_TRUE(some.failures.empty());
+  for (FakePendulum* solver : {&cartesian_, &relative_}) {
+    solver->spoil = [](const State&, Evaluation&) { throw SolverError("no state anywhere"); };
+  }
+  const SharedStates none = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
+  EXPECT_EQ(none.left_open, kRandomStates);
+  EXPECT_EQ(none.failures.size(), 1U);
 }
 
 }  // namespace
