@@ -11,6 +11,9 @@ namespace concord::compare {
 
 namespace {
 
+/// A change from one tolerance to the next is one draw of an error, whose size may be so many times larger.
+constexpr double kOfOneDraw = 10.0;
+
 /// Rows that are judged on a rung and miss their need, those with the fewest digits first.
 std::vector<Row*> rows_that_miss(Verdict& verdict, Rung rung) {
   std::vector<Row*> missing;
@@ -47,8 +50,8 @@ std::string tell(std::string_view what, double digits, const std::array<double, 
                  const RunPair& tighter, Rung rung) {
   return fmt::format(
       "{}: the runs do not converge as far as the verdict needs: {}: the solvers agree to {} digits at rtol {:g}, and "
-      "from rtol {:g} on the cartesian run itself holds {} digits, the relative {}; no difference between the solvers "
-      "is larger than that: end the run earlier (--until), or lower the need with a reason",
+      "from rtol {:g} on the cartesian run itself holds {} digits, the relative {}; the difference between the solvers "
+      "is of that size: end the run earlier (--until), or lower the need with a reason",
       name_of(rung), what, format_digits(digits), tighter.run.rtol, looser.run.rtol, format_digits(own[0]),
       format_digits(own[1]));
 }
@@ -68,11 +71,12 @@ std::optional<std::string> find_unconverged(const Layout& layout, const RunPair&
   for (const Row* row : missing) {
     const int place = layout.row_of(row->quantity);
     const std::array<double, 2> own = own_changes(looser, tighter, place);
-    if (tighter.measured[static_cast<std::size_t>(place)].unexplained > own[0] + own[1]) return std::nullopt;
+    const double unexplained = tighter.measured[static_cast<std::size_t>(place)].unexplained;
+    if (unexplained > kOfOneDraw * (own[0] + own[1])) return std::nullopt;
   }
   const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
-  const double of_both = std::log10(2.0);
-  if (tighter.motion.digits < motion_need && tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - of_both) {
+  if (tighter.motion.digits < motion_need &&
+      tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - std::log10(kOfOneDraw)) {
     return std::nullopt;
   }
   for (Row* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
