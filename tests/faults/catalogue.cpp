@@ -31,9 +31,9 @@ const std::vector<Standard>& standard_faults() {
   return kStandard;
 }
 
-Planting::Planting(int fault, int accomplice) {
+Planting::Planting(int fault, int second) {
   planted = fault;
-  faults::accomplice = accomplice;
+  accomplice = second;
 }
 
 Planting::~Planting() { planted = accomplice = -1; }

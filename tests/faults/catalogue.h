@@ -34,7 +34,7 @@ const std::vector<Standard>& standard_faults();
 /// Switches faults on for as long as it lives.
 class Planting {
  public:
-  explicit Planting(int fault, int accomplice = -1);
+  explicit Planting(int fault, int second = -1);
   ~Planting();
   Planting(const Planting&) = delete;
   Planting& operator=(const Planting&) = delete;
