@@ -50,10 +50,11 @@ Series align(const Layout& layout, const std::array<const Trajectory*, 2>& traje
     throw IncompleteResult(fmt::format("{}: {} samples, {} were asked for", kSolverNames[who], found, samples));
   }
   Series series = make_series(layout, static_cast<std::size_t>(samples));
+  const double end = samples > 0 ? std::abs(trajectories[0]->samples.back().state.t) : 0.0;
   for (std::size_t k = 0; k < series.times.size(); ++k) {
     const double t = trajectories[0]->samples[k].state.t;
     const double other = trajectories[1]->samples[k].state.t;
-    if (!(std::abs(t - other) <= 1e-12 * std::max(1.0, std::abs(t)))) {
+    if (!(std::abs(t - other) <= 1e-12 * end)) {
       throw IncompleteResult(
           fmt::format("sample {}: cartesian stands at t = {:.9g} s, relative at t = {:.9g} s; they must share a grid",
                       k, t, other));

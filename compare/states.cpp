@@ -55,7 +55,10 @@ Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint
       modal_rate_[i] = modal_rate_[i].cwiseMax(body.adot.cwiseAbs());
     }
   }
-  turning_ = std::max({turning_, speed_ / length_, 1.0});
+  // A machine that hardly moves is set in motion as gravity would, or the time of the run.
+  const double until = run.empty() ? 0.0 : run.back().state.t;
+  turning_ = std::max({turning_, speed_ / length_, std::sqrt(model.gravity.norm() / length_)});
+  if (turning_ == 0.0 && until > 0.0) turning_ = 1.0 / until;
   speed_ = std::max(speed_, turning_ * length_);
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     if (!model.bodies[i].modal) continue;
