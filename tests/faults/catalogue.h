@@ -10,7 +10,8 @@ struct Fault {
   int number = 0;  // in the catalogue: what the switch is set to
   std::string name;
   std::string file;     // that holds it
-  std::string where;    // joint, coupling, force element or body that must be named; "-" for faults of the comparator
+  std::string where;    // joint, coupling, force element or body that must be named; "-": a fault of the comparator, or
+                        // of the machine
   std::string machine;  // the model that it is planted in
   std::string rung;     // that was expected to catch it, before it was run; empty for the oldest ones
   std::string rule;     // of the audit, for faults that both solvers take from common

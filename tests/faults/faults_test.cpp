@@ -187,7 +187,7 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
     std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.rung, found.first_words);
     INFO(fault.name);
     CHECK(found.rung != kNotCaught);
-    CHECK(found.red.count(fault.where) == 1);
+    if (fault.where != "-") CHECK(found.red.count(fault.where) == 1);
     if (!fault.rung.empty()) CHECK(found.rung == fault.rung);
     if (!fault.rule.empty()) {
       CHECK(found.audited == "both");  // only the third opinion can see what both solvers take from there
