@@ -223,7 +223,7 @@ class SuiteReader {
     suite_->baselines = suite_->file.parent_path() /
                         document.text("baselines").value_or("baselines/" + suite_->file.stem().string() + ".csv");
     limits_.seconds = document.positive_number("seconds").value_or(600.0);
-    limits_.wall_per_processor = 2.0;  // a case that sleeps must not cost the night
+    limits_.wall_per_processor = 5.0;  // a case that sleeps must not cost the night
     limits_.megabytes = document.positive_number("megabytes").value_or(4096.0);
     suite_->judging = read_judging(document);
     if (document.tables("case").empty()) document.complain("there is no case: write at least one [[case]]");
