@@ -16,6 +16,8 @@
 #include "compare/fuzz/options.h"
 #include "compare/interrupt.h"
 #include "compare/joint_check/command.h"
+#include "compare/nightly/options.h"
+#include "compare/nightly/origin.h"
 #include "relative/solver.h"
 
 /// The command line: the only place that knows both solvers.
@@ -50,8 +52,14 @@ constexpr const char* kEpilogue = R"(Examples:
       a sheet for each joint type that proves or refutes it, and a summary
   concord fuzz --count 1000 --keep found
       random machines compared; those that end wrongly stand in found/, made small
+  concord nightly data/nightly.toml --history ~/nights.sqlite --out tonight
+      a suite of cases, each in a process of its own, held against what is accepted
+  concord accept data/nightly.toml --reason "first baselines"
+      what this program finds becomes what is accepted
+  concord history slider_crank_flexible --history ~/nights.sqlite
+      the trend of a case, its steps, and the commits before and after
 
-Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish.
+Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish, 4 a baseline is missing.
 Interrupted by SIGINT or SIGTERM: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
@@ -217,7 +225,7 @@ int code_if_told(int code) {
 int run_program(int argc, char** argv) {
   CLI::App program(kAbout, "concord");
   program.footer(kEpilogue);
-  program.set_version_flag("--version", "concord " CONCORD_VERSION);
+  program.set_version_flag("--version", compare::nightly::version_words());
   program.require_subcommand(1);
   CommandLine line;
   const CLI::App* compare_command = add_compare(program, line);
@@ -226,6 +234,7 @@ int run_program(int argc, char** argv) {
   const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
   add_info(program, line);
   AnalysisCommands analyses(program, line);
+  const compare::nightly::NightlyCommands nights(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -242,6 +251,7 @@ int run_program(int argc, char** argv) {
   }
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
+  if (const auto code = nights.run(makers, console)) return *code;
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);
   return compare::show_info(line.info_model, makers, console);
 }

@@ -8,7 +8,7 @@ build=${CONCORD_BUILD:-$root/build}  # a folder of its own for each set of optio
 packages=(
   cmake ninja-build g++ ccache
   libeigen3-dev libsundials-dev libsuitesparse-dev libspectra-dev
-  libtomlplusplus-dev libmuparser-dev libnetcdf-dev nlohmann-json3-dev libcli11-dev libfmt-dev
+  libtomlplusplus-dev libmuparser-dev libnetcdf-dev nlohmann-json3-dev libcli11-dev libfmt-dev libsqlite3-dev
   libgtest-dev libgmock-dev librapidcheck-dev catch2 libbenchmark-dev
   gnuplot-nox
 )
@@ -64,7 +64,7 @@ build() {
   local folder=$1
   shift
   set -o pipefail
-  if ! ninja -C "$folder" "$@" | { grep --line-buffered -v -e '^ninja: Entering' -e '^ninja: no work to do' -e 'Re-checking globbed' || true; } >&2; then
+  if ! ninja -C "$folder" "$@" | { grep --line-buffered -v -e '^ninja: Entering' -e '^ninja: no work to do' -e 'Re-checking globbed' -e 'Finding the commit' || true; } >&2; then
     echo "the build of $* failed: see above" >&2
     exit 3
   fi

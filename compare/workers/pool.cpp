@@ -55,6 +55,34 @@ class Pool::Crew {
     }
   }
 
+  void run_apart(const AssignmentSource& next, const Watch& watch) {
+    for (auto& worker : workers_) worker.reset();
+    std::size_t given = 0;
+    std::size_t told = 0;
+    bool has_more = true;
+    while (has_more || told < given) {
+      for (auto& worker : workers_) {
+        if (worker || !has_more) continue;
+        const std::optional<Assignment> assignment = next();
+        has_more = assignment.has_value();
+        if (!has_more) break;
+        worker = std::make_unique<Worker>(task_, assignment->limits, descriptors());
+        worker->give(given, assignment->input);
+        watch.started(given++);
+      }
+      wait();
+      for (auto& worker : workers_) {
+        const auto report = worker ? worker->look() : std::nullopt;
+        if (!report) continue;
+        const std::size_t number = worker->number();
+        worker.reset();
+        ++told;
+        watch.ended(number, *report);
+      }
+      watch.waited();
+    }
+  }
+
  private:
   /// Whether a worker was free to take the task.
   bool give(std::size_t number, const std::string& input) {
@@ -95,6 +123,8 @@ Pool::Pool(Task task, int workers, Limits limits) : crew_(std::make_unique<Crew>
 Pool::~Pool() = default;
 
 void Pool::run(const Source& next, const Sink& done) { crew_->run(next, done); }
+
+void Pool::run_apart(const AssignmentSource& next, const Watch& watch) { crew_->run_apart(next, watch); }
 
 Report Pool::run_one(const std::string& input) {
   Report only;

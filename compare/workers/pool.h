@@ -10,14 +10,15 @@
 /// reported and costs no other task anything.
 namespace concord::compare::workers {
 
+inline constexpr double kWallPerProcessor = 30.0;
+
 /// What one task may use. The time is the processor's, so that a busy machine changes no result; a task that sleeps is
-/// given kWallPerProcessor times as long by the clock on the wall.
+/// given `wall_per_processor` times as long by the clock on the wall.
 struct Limits {
   double seconds = 20.0;
   double megabytes = 1024.0;  // address space beyond what the process has when it starts
+  double wall_per_processor = kWallPerProcessor;
 };
-
-inline constexpr double kWallPerProcessor = 30.0;
 
 enum class End {
   answered,
@@ -45,6 +46,20 @@ using Source = std::function<std::optional<std::string>()>;
 /// Called in the order of the inputs, counted from 0.
 using Sink = std::function<void(std::size_t number, const Report& report)>;
 
+/// A task with limits of its own.
+struct Assignment {
+  std::string input;
+  Limits limits;
+};
+using AssignmentSource = std::function<std::optional<Assignment>()>;
+
+/// Who looks on: called as things happen, whatever the order of the tasks. Tasks are counted from 0 as they are given.
+struct Watch {
+  std::function<void(std::size_t number)> started;
+  std::function<void(std::size_t number, const Report& report)> ended;
+  std::function<void()> waited;  // many times a second
+};
+
 /// A number of worker processes, each of which does many tasks, one after the other; one that ends is replaced. What is
 /// reported does not depend on their number. Processes are forked when they are first needed: the process that owns the
 /// pool must have no other threads then.
@@ -57,6 +72,11 @@ class Pool {
 
   /// Does all tasks of the source. Throws std::system_error if no process can be made.
   void run(const Source& next, const Sink& done);
+
+  /// Does each task of the source in a process of its own that ends with it, under the task's limits instead of the
+  /// pool's. Reports come when tasks end, so that nothing waits for a long task before it. The source is asked when a
+  /// process can be had. Throws std::system_error if none can be made.
+  void run_apart(const AssignmentSource& next, const Watch& watch);
 
   /// Does one task.
   Report run_one(const std::string& input);

@@ -192,7 +192,7 @@ bool Worker::is_over_time() {
     seen_used_ = used_;
     progress_wall_ = now;
   }
-  return now - progress_wall_ > kWallPerProcessor * limits_.seconds;
+  return now - progress_wall_ > limits_.wall_per_processor * limits_.seconds;
 }
 
 void Worker::hear_words() {

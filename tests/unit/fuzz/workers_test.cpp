@@ -136,3 +136,39 @@ TEST(Workers, LongInputsAndAnswersArriveWhole) {
   EXPECT_EQ(pool.run_one(text).answer, text + text);
   EXPECT_EQ(pool.run_one("").answer, "");
 }
+
+TEST(WorkersApart, EachTaskHasAProcessAndLimitsOfItsOwnAndTellsWhenItEnds) {
+  static int tasks_of_process = 0;
+  const Task task = [](const std::string& input) {
+    ++tasks_of_process;
+    if (input == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return misbehave(input) + " as task " + std::to_string(tasks_of_process);
+  };
+  const std::vector<std::string> inputs{"slow", "a", "spin", "crash", "b"};
+  std::vector<std::size_t> order;
+  std::vector<Report> reports(inputs.size());
+  std::size_t given = 0;
+  std::size_t started = 0;
+  const Watch watch{[&](std::size_t number) { EXPECT_EQ(number, started++); },
+                    [&](std::size_t number, const Report& report) {
+                      order.push_back(number);
+                      reports[number] = report;
+                    },
+                    [] {}};
+  Pool(task, 2, {})
+      .run_apart(
+          [&]() -> std::optional<Assignment> {
+            if (given == inputs.size()) return std::nullopt;
+            const double seconds = inputs[given] == "spin" ? 0.1 : 30.0;
+            return Assignment{inputs[given++], {.seconds = seconds, .megabytes = 200.0}};
+          },
+          watch);
+  ASSERT_EQ(order.size(), inputs.size());
+  EXPECT_EQ(started, inputs.size());
+  EXPECT_NE(order.front(), 0U);  // the slow one keeps nobody waiting
+  EXPECT_EQ(described(reports[0]), "answered/did slow as task 1");
+  EXPECT_EQ(described(reports[1]), "answered/did a as task 1");
+  EXPECT_EQ(reports[2].end, End::hung);
+  EXPECT_EQ(reports[3].end, End::crashed);
+  EXPECT_EQ(described(reports[4]), "answered/did b as task 1");
+}

@@ -1,0 +1,240 @@
+#include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+#include <ostream>
+
+#include "common/error.h"
+#include "common/spelling.h"
+#include "common/toml_reader.h"
+#include "compare/files.h"
+#include "compare/guarded.h"
+#include "compare/nightly/baseline.h"
+#include "compare/nightly/command.h"
+#include "compare/nightly/history.h"
+#include "compare/nightly/night.h"
+#include "compare/nightly/regression.h"
+#include "compare/nightly/suite.h"
+#include "compare/nightly/tables.h"
+#include "compare/nightly/trend.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string user_words() {
+  const passwd* user = getpwuid(geteuid());
+  return user != nullptr ? user->pw_name : fmt::format("user {}", geteuid());
+}
+
+/// What is asked to be accepted.
+struct Asked {
+  Suite suite;
+  std::vector<const Case*> cases;
+  bool is_whole = true;  // the whole suite
+};
+
+std::string summary_of(const Result& result) {
+  const auto digits = [&](std::optional<double> Component::*rung) {
+    const auto worst = worst_of(result, rung);
+    return worst ? fmt::format("{:.2f}", *worst) : "-";
+  };
+  return fmt::format("{}, digits {} / {} / {}, evaluations {} / {}, steps {} / {}", to_string(result.ending),
+                     digits(&Component::same_state), digits(&Component::same_run), digits(&Component::refined),
+                     result.cost[0].evaluations, result.cost[1].evaluations, result.cost[0].steps,
+                     result.cost[1].steps);
+}
+
+/// Makes results baselines.
+class Acceptance {
+ public:
+  Acceptance(const AcceptCommand& command, const SolverMakers& makers, const Console& console)
+      : command_(command), makers_(makers), console_(console), scratch_(fs::temp_directory_path()) {}
+
+  int run() {
+    if (command_.reason.find_first_not_of(" \t\n") == std::string::npos) {
+      throw InputError({"--reason", 0, 0}, "say why these results are accepted");
+    }
+    if (!command_.history.empty() && !command_.from.empty()) {
+      throw InputError({"--from", 0, 0}, "give --history or --from, not both");
+    }
+    asked_.suite = read_suite(suite_file());
+    choose_cases();
+    check_target(asked_.suite.baselines);
+    check_target(log_file());
+    baselines_ = read_baselines(asked_.suite.baselines);
+    take_results();
+    if (asked_.is_whole) drop_gone();
+    write();
+    return refused_ == 0 ? kAgree : kDiffer;
+  }
+
+ private:
+  [[nodiscard]] fs::path log_file() const {
+    fs::path file = asked_.suite.baselines;
+    return file.replace_extension(".log");
+  }
+
+  /// The word that names a file; else the suite of the history's last night.
+  fs::path suite_file() {
+    for (const std::string& word : command_.what) {
+      if (!fs::is_regular_file(word)) continue;
+      suite_word_ = word;
+      return word;
+    }
+    if (!command_.history.empty() && fs::exists(command_.history)) {
+      const std::vector<Night> nights = History(command_.history).nights();
+      if (!nights.empty() && !nights.back().suite_file.empty()) return nights.back().suite_file;
+    }
+    throw InputError({command_.what.front(), 0, 0},
+                     "no suite is named: give the suite's file, or --history FILE, whose last night tells it");
+  }
+
+  void choose_cases() {
+    for (const Case& one : asked_.suite.cases) asked_.cases.push_back(&one);
+    std::vector<std::string> patterns;
+    for (const std::string& word : command_.what) {
+      if (word != suite_word_) patterns.push_back(word);
+    }
+    if (patterns.empty()) return;
+    asked_.is_whole = false;
+    for (const std::string& pattern : patterns) {
+      const auto is_it = [&](const Case* one) { return one->id == pattern || is_meant(one->id, pattern); };
+      if (std::none_of(asked_.cases.begin(), asked_.cases.end(), is_it)) {
+        throw InputError({asked_.suite.file.string(), 0, 0}, fmt::format("no case is called '{}'", pattern));
+      }
+    }
+    std::erase_if(asked_.cases, [&](const Case* one) {
+      return std::none_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+        // The whole name of a case means it alone.
+        const bool is_name = std::any_of(asked_.suite.cases.begin(), asked_.suite.cases.end(),
+                                         [&](const Case& other) { return other.id == pattern; });
+        return is_name ? one->id == pattern : is_meant(one->id, pattern);
+      });
+    });
+  }
+
+  void take_results() {
+    if (!command_.from.empty()) {
+      std::map<std::string, Result> found;
+      for (Result& one : read_night_json(command_.from).results) found.emplace(one.id, std::move(one));
+      for (const Case* one : asked_.cases) take(*one, found.contains(one->id) ? &found.at(one->id) : nullptr);
+      return;
+    }
+    History history(command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history);
+    long night = 0;
+    if (command_.history.empty()) {
+      night = history.begin(asked_.suite.name, "", origin_of_program(command_.commit), utc_now());
+      run_cases(asked_.cases, {command_.jobs, {}}, night, history, {}, makers_, console_);
+    } else {
+      const std::vector<Night> nights = history.nights(asked_.suite.name);
+      if (nights.empty()) {
+        throw InputError({command_.history.string(), 0, 0}, fmt::format("holds no night of '{}'", asked_.suite.name));
+      }
+      night = nights.back().id;
+    }
+    for (const Case* one : asked_.cases) {
+      const auto result = history.find(night, one->id);
+      take(*one, result ? &*result : nullptr);
+    }
+  }
+
+  void refuse(const Case& one, const std::string& reason) {
+    ++refused_;
+    console_.err << fmt::format("{} is not accepted: {}\n", one.id, reason);
+  }
+
+  void take(const Case& one, const Result* result) {
+    if (result == nullptr) return refuse(one, "there is no result of it");
+    if (result->ending == Ending::not_run) return refuse(one, "it was not run");
+    if (!result->is_green() && !one.known_red) {
+      return refuse(one, fmt::format("it is red ({}); a case that must be lived with gets known_red in the suite",
+                                     to_string(result->ending)));
+    }
+    const Result accepted = as_baseline(*result);
+    const auto old = baselines_.find(one.id);
+    if (old == baselines_.end()) {
+      log_ += fmt::format("  {}: new: {}\n", one.id, summary_of(accepted));
+    } else if (format_baselines({{one.id, accepted}}) != format_baselines({{one.id, old->second}})) {
+      log_ += fmt::format("  {}: old: {}\n  {}  new: {}\n", one.id, summary_of(old->second),
+                          std::string(one.id.size(), ' '), summary_of(accepted));
+      log_changes(old->second, accepted);
+    }
+    baselines_.insert_or_assign(one.id, accepted);
+    ++accepted_;
+  }
+
+  void log_changes(const Result& old, const Result& accepted) {
+    for (const Change& change : changes_between(old, accepted, asked_.suite.judging, "")) {
+      log_ += fmt::format("    {}{}{}: {} -> {}{}\n", change.component, change.component.empty() ? "" : ", ",
+                          change.measure, change.was, change.is,
+                          change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+    }
+  }
+
+  void drop_gone() {
+    for (auto entry = baselines_.begin(); entry != baselines_.end();) {
+      const auto is_it = [&](const Case& one) { return one.id == entry->first; };
+      if (std::any_of(asked_.suite.cases.begin(), asked_.suite.cases.end(), is_it)) {
+        ++entry;
+        continue;
+      }
+      log_ += fmt::format("  {}: gone: {}\n", entry->first, summary_of(entry->second));
+      entry = baselines_.erase(entry);
+    }
+  }
+
+  void write() {
+    const Origin origin = origin_of_program(command_.commit);
+    if (!log_.empty()) {
+      std::error_code unknown;
+      const std::string earlier = fs::exists(log_file(), unknown) ? read_text_file(log_file()) : "";
+      std::string reason = command_.reason;
+      std::replace(reason.begin(), reason.end(), '\n', ' ');
+      write_file(asked_.suite.baselines, format_baselines(baselines_));
+      write_file(log_file(), earlier + fmt::format("{} UTC, {}, {} ({}, {}): {}\n{}", utc_now(), user_words(),
+                                                   origin.version, origin.commit, origin.compiler, reason, log_));
+    }
+    console_.out << log_
+                 << fmt::format("{}: {} accepted, {} not{}\n", asked_.suite.baselines.generic_string(), accepted_,
+                                refused_, log_.empty() ? "; nothing changed" : "");
+  }
+
+  const AcceptCommand& command_;
+  const SolverMakers& makers_;
+  const Console& console_;
+  StagedFolder scratch_;
+  Asked asked_;
+  std::string suite_word_;
+  Baselines baselines_;
+  std::string log_;
+  int accepted_ = 0;
+  int refused_ = 0;
+};
+
+}  // namespace
+
+int accept_baselines(const AcceptCommand& command, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] { return Acceptance(command, makers, console).run(); });
+}
+
+int show_history(const HistoryCommand& command, const Console& console) {
+  return guarded(console, [&] {
+    if (!fs::exists(command.history)) throw InputError({command.history.string(), 0, 0}, "there is no such file");
+    History history(command.history);
+    const std::vector<Entry> nights = history.of_case(command.name, command.last);
+    if (nights.empty()) {
+      throw InputError(
+          {command.history.string(), 0, 0},
+          fmt::format("no case '{}': {}", command.name, suggestion(command.name, history.case_names(), "cases")));
+    }
+    console.out << format_trend(command.name, nights, command.component, {});
+    return static_cast<int>(kAgree);
+  });
+}
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,149 @@
+#include "compare/nightly/database.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <chrono>
+#include <thread>
+
+#include "common/error.h"
+#include "compare/files.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+constexpr int kPatienceMs = 60000;  // for another program that writes
+
+/// Every change is on its way to the disk when a transaction ends; a write-ahead log lets others read meanwhile.
+void use_write_ahead_log(Database& database) {
+  constexpr int kTries = 100;
+  for (int k = 0; k < kTries; ++k) {
+    const int code = sqlite3_exec(database.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
+    if (code == SQLITE_OK) break;
+    // Two programs that open a new file at once are not made to wait by SQLite.
+    if (code != SQLITE_BUSY || k + 1 == kTries) database.fail(code);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  database.execute("PRAGMA synchronous = NORMAL");
+  database.execute("PRAGMA foreign_keys = ON");
+}
+
+}  // namespace
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Statement::Statement(Database& database, const char* text) : database_(&database) {
+  sqlite3_stmt* statement = nullptr;
+  const int code = sqlite3_prepare_v2(database.get(), text, -1, &statement, nullptr);
+  statement_.reset(statement);
+  check(code);
+}
+
+void Statement::check(int code) const {
+  if (code != SQLITE_OK) database_->fail(code);
+}
+
+Statement& Statement::bind(const std::string& value) {
+  check(sqlite3_bind_text(statement_.get(), ++bound_, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT));
+  return *this;
+}
+
+Statement& Statement::bind(long value) {
+  check(sqlite3_bind_int64(statement_.get(), ++bound_, value));
+  return *this;
+}
+
+Statement& Statement::bind(double value) {
+  check(sqlite3_bind_double(statement_.get(), ++bound_, value));
+  return *this;
+}
+
+Statement& Statement::bind(const std::optional<double>& value) {
+  if (value) return bind(*value);
+  check(sqlite3_bind_null(statement_.get(), ++bound_));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code != SQLITE_DONE) {
+    sqlite3_reset(statement_.get());
+    bound_ = 0;
+    database_->fail(code);
+  }
+  reset();
+  return false;
+}
+
+void Statement::run() {
+  while (step()) continue;
+}
+
+void Statement::reset() {
+  sqlite3_reset(statement_.get());
+  bound_ = 0;
+}
+
+std::string Statement::text(int column) const {
+  const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
+  return bytes == nullptr ? "" : std::string(bytes, sqlite3_column_bytes(statement_.get(), column));
+}
+
+long Statement::whole(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+double Statement::real(int column) const { return sqlite3_column_double(statement_.get(), column); }
+bool Statement::is_null(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
+
+int Statement::columns() const { return sqlite3_column_count(statement_.get()); }
+
+std::optional<double> Statement::optional_real(int column) const {
+  return is_null(column) ? std::nullopt : std::optional(real(column));
+}
+
+void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+
+Database::Database(const std::filesystem::path& file) : file_(file.string()) {
+  check_target(file);
+  make_folder(file.parent_path());
+  sqlite3* database = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  database_.reset(database);
+  if (code != SQLITE_OK) fail(code);
+  sqlite3_busy_timeout(database, kPatienceMs);
+  // Reads the head of the file: a file of another kind is refused before anything is written.
+  static_cast<void>(pragma("schema_version"));
+  use_write_ahead_log(*this);
+}
+
+void Database::execute(const std::string& text) {
+  const int code = sqlite3_exec(database_.get(), text.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code);
+}
+
+long Database::pragma(const std::string& name) {
+  Statement statement(*this, fmt::format("PRAGMA {}", name).c_str());
+  const long value = statement.step() ? statement.whole(0) : 0;
+  return value;
+}
+
+long Database::last_row() const { return sqlite3_last_insert_rowid(database_.get()); }
+
+void Database::fail(int code) const {
+  const std::string reason = database_ ? sqlite3_errmsg(database_.get()) : sqlite3_errstr(code);
+  if ((code & 0xff) == SQLITE_NOTADB) throw InputError({file_, 0, 0}, "is no history: " + reason);
+  throw DatabaseError(fmt::format("the history {} cannot be used: {}; what was stored before stays", file_, reason));
+}
+
+Transaction::Transaction(Database& database) : database_(&database) { database.execute("BEGIN IMMEDIATE"); }
+
+Transaction::~Transaction() {
+  if (is_open_) sqlite3_exec(database_->get(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void Transaction::commit() {
+  database_->execute("COMMIT");
+  is_open_ = false;
+}
+
+}  // namespace concord::compare::nightly

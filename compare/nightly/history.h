@@ -1,0 +1,85 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/nightly/database.h"
+#include "compare/nightly/origin.h"
+#include "compare/nightly/result.h"
+
+/// What nights found, kept for ever in a SQLite file.
+namespace concord::compare::nightly {
+
+inline constexpr int kHistoryFormat = 2;
+
+struct Night {
+  long id = 0;
+  std::string suite;       // its name
+  std::string suite_file;  // where it lay
+  std::string started;     // "2026-11-22 23:14:05", UTC
+  std::string finished;    // empty: it was stopped, or is running
+  Origin origin;
+};
+
+/// A case in one night.
+struct Entry {
+  Night night;
+  Result result;
+};
+
+/// One transaction for each case: whoever is killed loses the case in flight, and programs that write the same file do
+/// not harm each other. Functions throw DatabaseError.
+class History {
+ public:
+  /// Opens or creates the file; one of an older version is brought up to date. Throws InputError for a file that is no
+  /// history or was written by a later version.
+  explicit History(const std::filesystem::path& file);
+
+  /// Begins a night of this process.
+  long begin(const std::string& suite, const std::string& suite_file, const Origin& origin, const std::string& now);
+  /// The suite's last night, if it was stopped, was done by the same program on the same machine, and no process that
+  /// is still running does it.
+  std::optional<long> stopped_night(const std::string& suite, const Origin& origin);
+  /// From now on this process does the night.
+  void take_over(long night);
+  void finish(long night, const std::string& now);
+
+  /// Stores a case; what the night had of it before is replaced.
+  void store(long night, const Result& result);
+  /// Definitions of the cases that a night has run, by name.
+  std::map<std::string, std::string> definitions(long night);
+  std::optional<Result> find(long night, const std::string& id);
+
+  /// All nights, or those of one suite, the earliest first.
+  std::vector<Night> nights(const std::string& suite = "");
+  /// A case in the last `count` finished nights of the suite before `night`, the latest first.
+  std::vector<Entry> before(long night, const std::string& suite, const std::string& id, int count);
+  /// A case in the last `count` nights of all suites, the latest first.
+  std::vector<Entry> of_case(const std::string& id, int count);
+  /// Wall time of each case in the suite's last finished night [s].
+  std::map<std::string, double> wall_times(const std::string& suite);
+  /// Names of all cases that were ever stored.
+  std::vector<std::string> case_names();
+
+ private:
+  void prepare();
+  Result read_result(const Statement& row);
+  std::vector<Component> components_of(long result);
+  std::vector<Entry> entries(Statement& rows);
+
+  Database database_;
+  struct Statements;
+  std::unique_ptr<Statements, void (*)(Statements*)> statements_;
+};
+
+/// Names this process so that no other one is meant: the start of the system, the number of the process
+/// and its start.
+std::string this_process();
+/// Whether that process still runs on this system.
+bool is_running(const std::string& process);
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/commands.h"
+#include "compare/nightly/history.h"
+#include "compare/nightly/suite.h"
+
+/// Runs the cases of a suite, each in a worker process, and stores what each finds as soon as it ends.
+namespace concord::compare::nightly {
+
+struct NightOptions {
+  int jobs = 0;                   // worker processes; 0: one for each processor
+  std::optional<double> minutes;  // no case is begun after so long
+};
+
+/// "2026-11-22 23:14:05", UTC; the day is what stands before the space.
+std::string utc_now();
+
+/// Runs `cases`; progress goes to `console.err`: on a terminal one line that changes, else a line for each red case and
+/// one every few seconds. What a case was asked stands in its result. Cases that were not begun in time are stored as
+/// not run. Those that took longest (`wall_times`, by name) begin first, unless the time is limited. Returns whether
+/// all were run.
+bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long night, History& history,
+               const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console);
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,78 @@
+#include "compare/nightly/options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace concord::compare::nightly {
+
+NightlyCommands::NightlyCommands(CLI::App& program) {
+  add_nightly(program);
+  add_accept(program);
+  add_history(program);
+  add_diff(program);
+}
+
+void NightlyCommands::add_nightly(CLI::App& program) {
+  CLI::App* app = program.add_subcommand(
+      "nightly", "Run a suite of cases, each in a process of its own, and hold it against what is accepted");
+  nightly_app_ = app;
+  app->add_option("SUITE", nightly_.suite, "Suite file (TOML; compare/nightly/README.md)")->required();
+  app->add_option("--jobs", nightly_.jobs, "Worker processes; default: one for each processor")
+      ->check(CLI::Range(1, 1024));
+  app->add_option("--minutes", nightly_.minutes, "Begin no case after so many minutes")->check(CLI::Range(1e-3, 1e5));
+  app->add_option("--only", nightly_.only, "Cases of this name alone: a part of it, or a pattern with * and ?");
+  app->add_option("--history", nightly_.history, "SQLite file that remembers every night");
+  app->add_flag("--resume", nightly_.resume, "Go on with the last night of the history if it was stopped");
+  app->add_option("--json", nightly_.json, "File for all results as JSON");
+  app->add_option("--junit", nightly_.junit, "File for JUnit XML, a test case for each case");
+  app->add_option("--markdown", nightly_.markdown, "File for the table of changes as Markdown");
+  app->add_option("--out", nightly_.out, "Folder for table.txt, regressions.md, night.json and junit.xml");
+  app->add_option("--notify", nightly_.notify, "Command of the shell that gets the Markdown on its standard input");
+  app->add_option("--commit", nightly_.commit,
+                  "Commit that is written down; default: CONCORD_COMMIT, else the built one");
+}
+
+void NightlyCommands::add_accept(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("accept", "Make results the baselines of a suite, with a reason");
+  accept_app_ = app;
+  app->add_option("SUITE|CASE", accept_.what, "Suite file, and names or patterns of its cases; default: all of them")
+      ->required();
+  app->add_option("--reason", accept_.reason, "Why; logged beside the baselines")->required();
+  app->add_option("--history", accept_.history, "Accept the suite's last night in this file instead of running it");
+  app->add_option("--from", accept_.from, "Accept a file that `nightly --json` wrote instead of running the cases");
+  app->add_option("--jobs", accept_.jobs, "Worker processes; default: one for each processor")
+      ->check(CLI::Range(1, 1024));
+  app->add_option("--commit", accept_.commit,
+                  "Commit that is written down; default: CONCORD_COMMIT, else the built one");
+}
+
+void NightlyCommands::add_history(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("history", "The trend of a case over the nights, with its steps");
+  history_app_ = app;
+  app->add_option("CASE", history_.name, "Name of the case")->required();
+  app->add_option("--history", history_.history, "The file that remembers")->required();
+  app->add_option("--component", history_.component, "One component alone: its name or a part of it");
+  app->add_option("--last", history_.last, "So many nights; default: 30")->check(CLI::Range(1, 100000));
+}
+
+void NightlyCommands::add_diff(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("diff", "What changed between two files of results, nights or commits");
+  diff_app_ = app;
+  app->add_option("A", diff_.a, "File of `nightly --json`; with --history a night's number, last, last-1, or a commit")
+      ->required();
+  app->add_option("B", diff_.b, "The same")->required();
+  app->add_option("--history", diff_.history, "The file that remembers the nights");
+  app->add_option("--suite", diff_.suite, "Suite whose [judge] counts; default: the defaults");
+  app->add_option("--json", diff_.json, "File for the difference as JSON");
+  app->add_option("--junit", diff_.junit, "File for JUnit XML");
+  app->add_option("--markdown", diff_.markdown, "File for the table of changes as Markdown");
+}
+
+std::optional<int> NightlyCommands::run(const SolverMakers& makers, const Console& console) const {
+  if (nightly_app_->parsed()) return run_nightly(nightly_, makers, console);
+  if (accept_app_->parsed()) return accept_baselines(accept_, makers, console);
+  if (history_app_->parsed()) return show_history(history_, console);
+  if (diff_app_->parsed()) return show_difference(diff_, console);
+  return std::nullopt;
+}
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,53 @@
+#include "compare/nightly/origin.h"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "concord_commit.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+std::string compiler_words() {
+#if defined(__clang__)
+  return fmt::format("clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#else
+  return fmt::format("gcc {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
+}
+
+std::string processor_words() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "processor unknown";
+}
+
+std::string machine_words() {
+  utsname system{};
+  if (uname(&system) != 0) return "unknown";
+  return fmt::format("{}: {}, {} processors, {}, {} {}", system.nodename, system.machine,
+                     std::thread::hardware_concurrency(), processor_words(), system.sysname, system.release);
+}
+
+}  // namespace
+
+Origin origin_of_program(const std::string& commit) {
+  const char* said = std::getenv("CONCORD_COMMIT");
+  const bool is_said = said != nullptr && *said != '\0';
+  return {"concord " CONCORD_VERSION, !commit.empty() ? commit : std::string(is_said ? said : CONCORD_COMMIT),
+          compiler_words(), machine_words()};
+}
+
+std::string version_words() {
+  return fmt::format("concord {} ({}, {})", CONCORD_VERSION, CONCORD_COMMIT, compiler_words());
+}
+
+}  // namespace concord::compare::nightly

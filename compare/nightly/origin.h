@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+namespace concord::compare::nightly {
+
+/// Where results come from, in words. Shown beside them, never compared.
+struct Origin {
+  std::string version;   // "concord 0.1.0"
+  std::string commit;    // "3f97bf0c1a2b", with "-dirty" if sources were changed; "unknown"
+  std::string compiler;  // "clang 14.0.6"
+  std::string machine;   // "ci-3: x86_64, 2 processors, Intel ..., Linux 6.1"
+
+  friend bool operator==(const Origin&, const Origin&) = default;
+};
+
+/// Of this program on this machine. The commit is `commit` if that is not empty, else what the environment says in
+/// CONCORD_COMMIT, else the one that was built.
+Origin origin_of_program(const std::string& commit = "");
+
+/// "concord 0.1.0 (3f97bf0c1a2b, clang 14.0.6)".
+std::string version_words();
+
+}  // namespace concord::compare::nightly

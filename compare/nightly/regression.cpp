@@ -1,0 +1,332 @@
+#include "compare/nightly/regression.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "compare/commands.h"
+#include "compare/digits.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+constexpr std::array<std::string_view, 8> kTurns{"red",   "worse",     "gone",   "no baseline",
+                                                 "flaky", "known red", "better", "new"};
+/// A difference within 20 resolutions is round-off (compare/resolution).
+const double kLuck = std::log10(20.0);
+/// Digits of runs beyond this are luck, too: steps are summed up.
+constexpr double kMostRunDigits = 13.0;
+constexpr int kMissingBaseline = 4;
+
+/// Collects the changes of one case: of each turn and measure the largest, and how many others there are.
+class ChangeList {
+ public:
+  explicit ChangeList(const std::string& id) : id_(id) {}
+
+  void add(Change change) {
+    change.id = id_;
+    const auto [entry, is_new] = changes_.try_emplace({change.turn, change.measure}, change);
+    if (is_new) return;
+    const int more = entry->second.more + 1;
+    if (change.size > entry->second.size) entry->second = std::move(change);
+    entry->second.more = more;
+  }
+
+  [[nodiscard]] std::vector<Change> list() const {
+    std::vector<Change> all;
+    for (const auto& [key, change] : changes_) all.push_back(change);
+    return all;
+  }
+
+ private:
+  std::string id_;
+  std::map<std::pair<Turn, std::string>, Change> changes_;
+};
+
+std::string words_for(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
+
+std::optional<double> same_state_that_counts(const Component& one) {
+  if (!one.same_state || !one.resolvable) return one.same_state;
+  return std::min(*one.same_state, *one.resolvable - kLuck);
+}
+
+std::optional<double> run_that_counts(const std::optional<double>& digits) {
+  return digits ? std::optional(std::min(*digits, kMostRunDigits)) : digits;
+}
+
+std::string same_state_words(const Component& one) {
+  return one.resolvable ? fmt::format("{} of {}", words_for(one.same_state), words_for(one.resolvable))
+                        : words_for(one.same_state);
+}
+
+/// Compares one case of two nights.
+class CaseComparison {
+ public:
+  CaseComparison(const Result& then, const Result& now, const Judging& judging, const std::string& against)
+      : then_(then), now_(now), judging_(judging), against_(against), changes_(now.id.empty() ? then.id : now.id) {}
+
+  std::vector<Change> run() {
+    if (then_.ending != now_.ending) {
+      const bool is_better = now_.is_green();
+      changes_.add({is_better ? Turn::better : Turn::worse, "", "", "ending", to_string(then_.ending),
+                    to_string(now_.ending), against_, 1.0, 0});
+    }
+    // A case that was lost has nothing else to be compared.
+    if (has_numbers(then_) && has_numbers(now_)) {
+      compare_costs();
+      compare_components();
+    }
+    return changes_.list();
+  }
+
+ private:
+  static bool has_numbers(const Result& result) {
+    return result.ending == Ending::agree || result.ending == Ending::differ || !result.components.empty();
+  }
+
+  void compare_costs() {
+    constexpr std::array kNames{"cartesian", "relative"};
+    for (std::size_t who = 0; who < 2; ++who) {
+      compare_cost(fmt::format("evaluations of {}", kNames[who]), then_.cost[who].evaluations,
+                   now_.cost[who].evaluations);
+      compare_cost(fmt::format("steps of {}", kNames[who]), then_.cost[who].steps, now_.cost[who].steps);
+    }
+  }
+
+  void compare_cost(const std::string& measure, long was, long is) {
+    const auto rise = [](long from, long to) {
+      return from > 0 ? static_cast<double>(to - from) / static_cast<double>(from) : (to > from ? 1.0 : 0.0);
+    };
+    const double up = rise(was, is);
+    if (up <= judging_.cost && rise(is, was) <= judging_.cost) return;
+    changes_.add({up > 0.0 ? Turn::worse : Turn::better, "", "", measure, fmt::format("{}", was),
+                  fmt::format("{} ({:+.0f} %)", is, 100.0 * up), against_, std::abs(up), 0});
+  }
+
+  void compare_components() {
+    auto then = then_.components.begin();
+    auto now = now_.components.begin();
+    while (then != then_.components.end() || now != now_.components.end()) {
+      const bool only_then = now == now_.components.end() || (then != then_.components.end() && then->name < now->name);
+      const bool only_now = then == then_.components.end() || (now != now_.components.end() && now->name < then->name);
+      if (only_then) {
+        changes_.add({Turn::gone, "", then->name, "component", "judged", "not judged", against_, 1.0, 0});
+        ++then;
+      } else if (only_now) {
+        changes_.add({Turn::fresh, "", now->name, "component", "not judged", "judged", against_, 1.0, 0});
+        ++now;
+      } else {
+        compare_component(*then++, *now++);
+      }
+    }
+  }
+
+  void compare_component(const Component& then, const Component& now) {
+    compare_digits("same state", now.name, same_state_that_counts(then), same_state_that_counts(now),
+                   same_state_words(then), same_state_words(now));
+    compare_digits("same run", now.name, run_that_counts(then.same_run), run_that_counts(now.same_run),
+                   words_for(then.same_run), words_for(now.same_run));
+    compare_digits("refined", now.name, run_that_counts(then.refined), run_that_counts(now.refined),
+                   words_for(then.refined), words_for(now.refined));
+    compare_peaks(then, now);
+  }
+
+  void compare_digits(const std::string& measure, const std::string& component, const std::optional<double>& then,
+                      const std::optional<double>& now, const std::string& was, const std::string& is) {
+    if (then && !now) changes_.add({Turn::worse, "", component, measure, was, is, against_, *then, 0});
+    if (!then || !now) return;
+    const double fall = *then - *now;
+    if (std::abs(fall) <= judging_.margin) return;
+    changes_.add(
+        {fall > 0.0 ? Turn::worse : Turn::better, "", component, measure, was, is, against_, std::abs(fall), 0});
+  }
+
+  void compare_peaks(const Component& then, const Component& now) {
+    if (!then.peak || !now.peak) return;
+    const double scale = std::max({then.scale, now.scale, 0.0});
+    const double change = std::abs(*now.peak - *then.peak);
+    if (change <= judging_.peak * scale) return;
+    changes_.add({Turn::worse, "", now.name, "peak", fmt::format("{:.6g}", *then.peak),
+                  fmt::format("{:.6g}", *now.peak), against_, scale > 0.0 ? change / scale : 1.0, 0});
+  }
+
+  const Result& then_;
+  const Result& now_;
+  const Judging& judging_;
+  const std::string& against_;
+  ChangeList changes_;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The median of what all nights have; nothing if none has it.
+template <class Get>
+std::optional<double> median_where(const std::vector<const Component*>& ones, const Get& get) {
+  std::vector<double> values;
+  for (const Component* one : ones) {
+    if (const std::optional<double> value = get(*one)) values.push_back(*value);
+  }
+  return values.empty() ? std::nullopt : std::optional(median(std::move(values)));
+}
+
+Component median_component(const std::vector<const Component*>& ones) {
+  Component middle = *ones.front();
+  middle.same_state = median_where(ones, [](const Component& one) { return one.same_state; });
+  middle.resolvable = median_where(ones, [](const Component& one) { return one.resolvable; });
+  middle.same_run = median_where(ones, [](const Component& one) { return one.same_run; });
+  middle.refined = median_where(ones, [](const Component& one) { return one.refined; });
+  middle.peak = median_where(ones, [](const Component& one) { return one.peak; });
+  return middle;
+}
+
+std::string first_line(const std::string& words) {
+  constexpr std::size_t kMost = 160;
+  std::string line = words.substr(0, words.find('\n'));
+  if (line.size() > kMost) {
+    std::size_t end = kMost;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U) --end;  // not within a character
+    line = line.substr(0, end) + "...";
+  }
+  return line;
+}
+
+/// The case by itself, whatever was before.
+std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
+  const bool is_known = one.known_red && today <= one.known_red->until;
+  const std::string words = fmt::format("{}: {}", to_string(now.ending), first_line(now.words));
+  if (now.is_green() && one.known_red) {
+    return Change{
+        Turn::better, one.id, "", "ending", "known red: " + one.known_red->reason, "agree: take its known_red away",
+        "suite",      1.0,    0};
+  }
+  if (now.is_green()) return std::nullopt;
+  if (is_known) {
+    return Change{
+        Turn::known, one.id,  "",  "ending", fmt::format("{} (until {})", one.known_red->reason, one.known_red->until),
+        words,       "suite", 1.0, 0};
+  }
+  const std::string was = one.known_red ? fmt::format("known red until {}, which is over", one.known_red->until) : "";
+  return Change{Turn::red, one.id, "", "ending", was, words, "", 1.0, 0};
+}
+
+std::string counts_words(const Result& result) {
+  return fmt::format("{}, {} and {} evaluations", to_string(result.ending), result.cost[0].evaluations,
+                     result.cost[1].evaluations);
+}
+
+bool has_same_counts(const Result& a, const Result& b) {
+  const auto same = [](const Cost& x, const Cost& y) { return x.steps == y.steps && x.evaluations == y.evaluations; };
+  return a.ending == b.ending && same(a.cost[0], b.cost[0]) && same(a.cost[1], b.cost[1]);
+}
+
+/// One program on one machine gives one result.
+std::optional<Change> flaky_change(const Case& one, const Result& now, const std::vector<Entry>& earlier,
+                                   const Origin& origin) {
+  for (const Entry& entry : earlier) {
+    const bool is_same_program = entry.night.origin == origin && !origin.commit.ends_with("-dirty");
+    if (!is_same_program || entry.result.definition != now.definition || has_same_counts(entry.result, now)) continue;
+    return Change{Turn::flaky,
+                  one.id,
+                  "",
+                  "same program",
+                  counts_words(entry.result),
+                  counts_words(now),
+                  fmt::format("night {}", entry.night.id),
+                  1.0,
+                  0};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string to_string(Turn turn) { return std::string(kTurns.at(static_cast<std::size_t>(turn))); }
+
+std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
+                                    const std::string& against) {
+  return CaseComparison(then, now, judging, against).run();
+}
+
+Result median_of(const std::vector<Entry>& nights) {
+  Result middle = nights.front().result;
+  std::map<std::string, std::vector<const Component*>> by_name;
+  for (const Entry& entry : nights) {
+    for (const Component& one : entry.result.components) by_name[one.name].push_back(&one);
+  }
+  middle.components.clear();
+  for (const auto& [name, ones] : by_name) {
+    if (2 * ones.size() > nights.size()) middle.components.push_back(median_component(ones));
+  }
+  for (std::size_t who = 0; who < 2; ++who) {
+    std::vector<double> steps;
+    std::vector<double> evaluations;
+    for (const Entry& entry : nights) {
+      steps.push_back(static_cast<double>(entry.result.cost[who].steps));
+      evaluations.push_back(static_cast<double>(entry.result.cost[who].evaluations));
+    }
+    middle.cost[who].steps = std::lround(median(std::move(steps)));
+    middle.cost[who].evaluations = std::lround(median(std::move(evaluations)));
+  }
+  return middle;
+}
+
+std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,
+                               const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
+                               const std::string& today) {
+  std::vector<Change> changes;
+  const auto own = own_change(one, now, today);
+  if (own) changes.push_back(*own);
+  const auto take = [&](const std::vector<Change>& found) {
+    for (const Change& change : found) {
+      // How a case ended is told once.
+      if (change.measure != "ending" || !own) changes.push_back(change);
+    }
+  };
+  if (now.ending == Ending::not_run) return changes;
+  if (judging.against_baseline && baseline == nullptr) {
+    changes.push_back({Turn::missing, one.id, "", "baseline", "-", "run concord accept", "baseline", 1.0, 0});
+  } else if (judging.against_baseline) {
+    take(changes_between(*baseline, now, judging, "baseline"));
+  }
+  std::vector<Entry> green;
+  for (const Entry& entry : earlier) {
+    if (entry.result.is_green() && entry.result.definition == now.definition) green.push_back(entry);
+  }
+  if (judging.against_median && !green.empty()) {
+    const std::string nights =
+        green.size() == 1 ? "the night before" : fmt::format("median of {} nights", green.size());
+    take(changes_between(median_of(green), now, judging, nights));
+  }
+  if (const auto flaky = flaky_change(one, now, earlier, origin)) changes.push_back(*flaky);
+  return changes;
+}
+
+int exit_code(const Change& change, Ending ending) {
+  switch (change.turn) {
+    case Turn::red:
+      return exit_code(ending);
+    case Turn::worse:
+    case Turn::gone:
+    case Turn::flaky:
+      return kDiffer;
+    case Turn::missing:
+      return kMissingBaseline;
+    default:
+      return kAgree;
+  }
+}
+
+int worse_code(int one, int other) {
+  constexpr std::array kRank{0, 2, 3, 4, 1};  // of codes 0 to 4
+  return kRank.at(static_cast<std::size_t>(one)) >= kRank.at(static_cast<std::size_t>(other)) ? one : other;
+}
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/nightly/history.h"
+#include "compare/nightly/result.h"
+#include "compare/nightly/suite.h"
+
+/// What became worse, better, new, gone.
+namespace concord::compare::nightly {
+
+enum class Turn {
+  red,      // differs, has no verdict or was lost, for no reason that is known
+  worse,    // than what is accepted, or than the nights before
+  gone,     // was there, and is not any more
+  missing,  // has no baseline
+  flaky,    // one program on one machine gave different results
+  known,    // red, for a reason that is known
+  better,
+  fresh  // was not there before
+};
+
+/// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
+std::string to_string(Turn turn);
+
+struct Change {
+  Turn turn = Turn::worse;
+  std::string id;         // of the case
+  std::string component;  // empty: the case as a whole
+  std::string measure;    // "same state", "peak", "evaluations of relative", "ending"
+  std::string was;
+  std::string is;
+  std::string against;  // "baseline", "median of 7 nights", "A"
+  double size = 0.0;    // how far beyond what is allowed, in its own measure
+  int more = 0;         // components of the case that changed in the same way, but less
+};
+
+/// All changes from `then` to `now`, of each measure the largest. Digits of the same state count no more than double
+/// precision resolves; what lies within is luck.
+std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
+                                    const std::string& against);
+
+/// Component by component the median of the numbers; ending and words are the latest's. At least one result.
+Result median_of(const std::vector<Entry>& nights);
+
+/// A case tonight, held against its baseline (may be null) and the nights before, the latest first. `today`:
+/// "2026-11-22".
+std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,
+                               const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
+                               const std::string& today);
+
+/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` tells how a red
+/// case ended.
+int exit_code(const Change& change, Ending ending);
+int worse_code(int one, int other);
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,160 @@
+#include "compare/nightly/result.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "compare/commands.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 8> kEndings{"agree",   "differ", "no verdict",    "bad input",
+                                                   "crashed", "hung",   "out of memory", "not run"};
+
+Json number(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+std::optional<double> number_at(const Json& document, const char* key) {
+  const Json& value = document.at(key);
+  return value.is_null() ? std::nullopt : std::optional(value.get<double>());
+}
+
+Json component_json(const Component& one) {
+  return {{"name", one.name},
+          {"same_state", number(one.same_state)},
+          {"resolvable", number(one.resolvable)},
+          {"same_run", number(one.same_run)},
+          {"refined", number(one.refined)},
+          {"need", one.need},
+          {"peak", number(one.peak)},
+          {"scale", one.scale}};
+}
+
+Component component_from(const Json& document) {
+  Component one;
+  one.name = document.at("name");
+  one.same_state = number_at(document, "same_state");
+  one.resolvable = number_at(document, "resolvable");
+  one.same_run = number_at(document, "same_run");
+  one.refined = number_at(document, "refined");
+  one.need = document.at("need");
+  one.peak = number_at(document, "peak");
+  one.scale = document.at("scale").is_null() ? 0.0 : document.at("scale").get<double>();
+  return one;
+}
+
+}  // namespace
+
+std::string to_string(Ending ending) { return std::string(kEndings.at(static_cast<std::size_t>(ending))); }
+
+Ending ending_of(const std::string& text) {
+  const auto found = std::find(kEndings.begin(), kEndings.end(), text);
+  if (found == kEndings.end()) throw std::runtime_error(fmt::format("no case ends with '{}'", text));
+  return static_cast<Ending>(found - kEndings.begin());
+}
+
+int exit_code(Ending ending) {
+  switch (ending) {
+    case Ending::agree:
+      return kAgree;
+    case Ending::differ:
+      return kDiffer;
+    case Ending::bad_input:
+      return kBadInput;
+    default:
+      return kCouldNotFinish;
+  }
+}
+
+void put_in_order(std::vector<Component>& components) {
+  std::map<std::string, int> met;
+  for (Component& one : components) {
+    const int count = ++met[one.name];
+    if (count > 1) one.name += fmt::format(" #{}", count);
+  }
+  std::sort(components.begin(), components.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+}
+
+std::optional<double> worst_of(const Result& result, std::optional<double> Component::*rung) {
+  std::optional<double> worst;
+  for (const Component& one : result.components) {
+    const std::optional<double>& digits = one.*rung;
+    if (digits && (!worst || *digits < *worst)) worst = digits;
+  }
+  return worst;
+}
+
+Json to_json(const Result& result) {
+  Json components = Json::array();
+  for (const Component& one : result.components) components.push_back(component_json(one));
+  Json solvers;
+  for (std::size_t who = 0; who < 2; ++who) {
+    const Cost& cost = result.cost[who];
+    solvers[who == 0 ? "cartesian" : "relative"] = {
+        {"integrator", cost.integrator}, {"steps", cost.steps}, {"evaluations", cost.evaluations}};
+  }
+  return {{"case", result.id},
+          {"work", result.work},
+          {"ending", to_string(result.ending)},
+          {"words", result.words},
+          {"judged", result.judged},
+          {"total", result.total},
+          {"solvers", std::move(solvers)},
+          {"wall_s", result.wall_s},
+          {"processor_s", result.processor_s},
+          {"components", std::move(components)}};
+}
+
+Result result_from_json(const Json& document) {
+  Result result;
+  result.id = document.at("case");
+  result.work = document.at("work");
+  result.ending = ending_of(document.at("ending"));
+  result.words = document.at("words");
+  result.judged = document.at("judged");
+  result.total = document.at("total");
+  for (std::size_t who = 0; who < 2; ++who) {
+    const Json& cost = document.at("solvers").at(who == 0 ? "cartesian" : "relative");
+    result.cost[who] = {cost.at("integrator"), cost.at("steps"), cost.at("evaluations")};
+  }
+  result.wall_s = document.at("wall_s");
+  result.processor_s = document.at("processor_s");
+  for (const Json& one : document.at("components")) result.components.push_back(component_from(one));
+  put_in_order(result.components);
+  return result;
+}
+
+Result result_of(const std::string& id, const std::string& work, const workers::Report& report) {
+  Result result;
+  const bool is_interrupted = report.signal == SIGINT || report.signal == SIGTERM;
+  if (report.end == workers::End::answered) {
+    result = result_from_json(Json::parse(report.answer));
+  } else if (is_interrupted) {
+    result.words = fmt::format("interrupted by signal {}", report.signal);
+  } else {
+    result.ending = report.end == workers::End::threw           ? Ending::failed
+                    : report.end == workers::End::crashed       ? Ending::crashed
+                    : report.end == workers::End::out_of_memory ? Ending::out_of_memory
+                                                                : Ending::hung;
+    const std::string signal = report.signal != 0 ? fmt::format("signal {}; ", report.signal) : "";
+    result.words = report.end == workers::End::threw ? report.answer
+                   : report.last_words.empty()       ? signal + "no last words"
+                                                     : signal + "last words: " + report.last_words;
+  }
+  result.id = id;
+  result.work = work;
+  result.processor_s = report.seconds;
+  return result;
+}
+
+}  // namespace concord::compare::nightly

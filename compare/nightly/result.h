@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/workers/pool.h"
+
+/// What became of one case, small enough to be kept for ever.
+namespace concord::compare::nightly {
+
+enum class Ending {
+  agree,
+  differ,
+  failed,     // no verdict: a solver stopped, a number is missing, nothing could be judged
+  bad_input,  // the model, or what the suite says of it, is refused
+  crashed,
+  hung,
+  out_of_memory,
+  not_run  // the time of the night was up, or the case was interrupted
+};
+
+/// "agree", "differ", "no verdict", "bad input", "crashed", "hung", "out of memory", "not run"; and back (throws
+/// std::runtime_error for anything else).
+std::string to_string(Ending ending);
+Ending ending_of(const std::string& text);
+
+/// One number on which two solvers agree to some digits. Digits are missing where a rung did not judge it.
+struct Component {
+  std::string name;  // "joint D on slider, F_x"
+  std::optional<double> same_state;
+  std::optional<double> resolvable;  // of the same state
+  std::optional<double> same_run;
+  std::optional<double> refined;
+  std::array<double, 3> need{};  // of same state, same run, refined
+  std::optional<double> peak;    // largest size along the run
+  double scale = 0.0;            // what differences and the peak are held against
+};
+
+struct Cost {
+  std::string integrator;
+  long steps = 0;
+  long evaluations = 0;
+};
+
+struct Result {
+  std::string id;
+  std::string work;
+  std::string definition;  // what the case was asked; empty: not known. No part of the JSON
+  Ending ending = Ending::not_run;
+  std::string words;  // findings, failures or last words
+  int judged = 0;
+  int total = 0;
+  std::array<Cost, 2> cost;           // Cartesian, relative
+  std::vector<Component> components;  // sorted by name, each name once
+  double wall_s = 0.0;                // shown, never judged
+  double processor_s = 0.0;
+
+  [[nodiscard]] bool is_green() const { return ending == Ending::agree; }
+};
+
+/// Sorts the components, and numbers those whose name another one has.
+void put_in_order(std::vector<Component>& components);
+
+/// Worst digits of a rung, nothing if it judged nothing.
+std::optional<double> worst_of(const Result& result, std::optional<double> Component::*rung);
+
+/// Code of the program for a case of this ending.
+int exit_code(Ending ending);
+
+nlohmann::ordered_json to_json(const Result& result);
+/// Throws nlohmann::json::exception or std::runtime_error if it is no such document.
+Result result_from_json(const nlohmann::ordered_json& document);
+
+/// Of a worker's report: what a task answered is the text of to_json(). A worker that somebody ended by SIGINT or
+/// SIGTERM did not crash: the case was not run.
+Result result_of(const std::string& id, const std::string& work, const workers::Report& report);
+
+}  // namespace concord::compare::nightly

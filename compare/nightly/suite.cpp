@@ -1,0 +1,431 @@
+#include "compare/nightly/suite.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "common/joints/catalogue.h"
+#include "common/spelling.h"
+#include "common/toml_reader.h"
+#include "compare/fuzz/generator.h"
+#include "compare/joint_check/coupling_check.h"
+#include "compare/nightly/variants.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSuiteFormat = 1;
+constexpr double kMostCases = 100000.0;
+
+/// The texts of a list; nothing after a complaint.
+std::optional<std::vector<std::string>> read_texts(const TableReader& table, std::string_view key) {
+  if (!table.has(key)) return std::nullopt;
+  const toml::array* list = table.node(key)->as_array();
+  std::vector<std::string> texts;
+  for (const toml::node& entry : list != nullptr ? *list : toml::array()) {
+    if (entry.is_string()) texts.push_back(**entry.as_string());
+  }
+  if (list != nullptr && texts.size() == list->size() && !texts.empty()) return texts;
+  table.complain(key, fmt::format("'{}' must be a list of one or more strings", key));
+  return std::nullopt;
+}
+
+/// Keeps the characters of a path from meaning anything in a pattern.
+std::string without_meaning(const std::string& path) {
+  std::string text;
+  for (const char c : path) {
+    if (std::string_view("*?[\\").find(c) != std::string_view::npos) text += '\\';
+    text += c;
+  }
+  return text;
+}
+
+/// Files that a pattern beside the suite means, sorted.
+std::vector<fs::path> files_of(const fs::path& folder, const std::string& pattern) {
+  const std::string whole =
+      fs::path(pattern).is_absolute() || folder.empty() ? pattern : without_meaning(folder.string()) + '/' + pattern;
+  std::vector<fs::path> files;
+  glob_t found{};
+  if (glob(whole.c_str(), 0, nullptr, &found) == 0) {
+    for (std::size_t k = 0; k < found.gl_pathc; ++k) files.emplace_back(found.gl_pathv[k]);
+  }
+  globfree(&found);
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Judging read_judging(const TableReader& document) {
+  Judging judging;
+  const toml::table* found = document.table("judge");
+  if (found == nullptr) return judging;
+  const TableReader table(*found, "judge", {"margin", "cost", "peak", "nights", "against"}, document.reading());
+  judging.margin = table.positive_number("margin").value_or(judging.margin);
+  judging.cost = table.positive_number("cost").value_or(judging.cost);
+  judging.peak = table.positive_number("peak").value_or(judging.peak);
+  judging.nights = table.count("nights", 1, 1000).value_or(judging.nights);
+  const std::string against = table.text("against").value_or("baseline");
+  judging.against_baseline = against == "baseline" || against == "both";
+  judging.against_median = against == "median" || against == "both";
+  if (!judging.against_baseline && !judging.against_median) {
+    table.complain("against", fmt::format("'against' is \"baseline\", \"median\" or \"both\", found \"{}\"", against));
+  }
+  return judging;
+}
+
+std::optional<KnownRed> read_known_red(const TableReader& outer) {
+  const toml::table* found = outer.table("known_red");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table(*found, outer.title() + ", known_red", {"reason", "until"}, outer.reading());
+  if (!table.require({"reason", "until"})) return std::nullopt;
+  KnownRed known;
+  known.reason = table.text("reason").value_or("");
+  if (known.reason.empty()) table.complain("reason", "a known red case needs a reason");
+  if (const toml::date* day = table.node("until")->is_date() ? &table.node("until")->as_date()->get() : nullptr) {
+    known.until = fmt::format("{:04}-{:02}-{:02}", day->year, day->month, day->day);
+  } else {
+    table.complain("until", "'until' must be a date without quotes, such as 2026-12-31");
+  }
+  return known;
+}
+
+std::vector<NeedOverride> read_case_needs(const TableReader& outer) {
+  std::vector<NeedOverride> needs;
+  for (const toml::table* found : outer.tables("need")) {
+    const TableReader table(*found, outer.title() + ", need",
+                            {"joint", "element", "body", "component", "same_state", "same_run", "refined", "because"},
+                            outer.reading());
+    NeedOverride& need = needs.emplace_back();
+    need.where = table.where();
+    need.joint = table.text("joint").value_or("");
+    need.element = table.text("element").value_or("");
+    need.body = table.text("body").value_or("");
+    need.component = table.text("component").value_or("");
+    need.because = table.text("because").value_or("");
+    need.same_state = table.number_not_negative("same_state");
+    need.same_run = table.number_not_negative("same_run");
+    need.refined = table.number_not_negative("refined");
+  }
+  return needs;
+}
+
+std::optional<StartDraws> read_start(const TableReader& outer) {
+  const toml::table* found = outer.table("start");
+  if (found == nullptr) return std::nullopt;
+  const TableReader table(*found, outer.title() + ", start",
+                          {"seed", "count", "turn", "slide", "turn_speed", "slide_speed"}, outer.reading());
+  if (!table.require({"seed", "count"})) return std::nullopt;
+  StartDraws draws;
+  draws.first.seed = static_cast<std::uint64_t>(table.count("seed", 0).value_or(0));
+  draws.count = table.count("count", 1, 100000).value_or(1);
+  draws.first.turn = table.number_not_negative("turn").value_or(0.0);
+  draws.first.slide = table.number_not_negative("slide").value_or(0.0);
+  draws.first.turn_speed = table.number_not_negative("turn_speed").value_or(0.0);
+  draws.first.slide_speed = table.number_not_negative("slide_speed").value_or(0.0);
+  if (!table.has("turn") && !table.has("slide") && !table.has("turn_speed") && !table.has("slide_speed")) {
+    table.complain("says nothing: give 'turn', 'slide', 'turn_speed' or 'slide_speed'");
+  }
+  return draws;
+}
+
+KnownKeys keys_of(const toml::table& table) {
+  KnownKeys keys;
+  for (const auto& [key, value] : table) keys.push_back(key.str());
+  return keys;
+}
+
+/// `"joint.coordinate" = value`; the last dot ends the joint's name.
+std::vector<analyses::AskedAcceleration> read_accelerations(const TableReader& outer) {
+  std::vector<analyses::AskedAcceleration> asked;
+  const toml::table* found = outer.table("accelerations");
+  if (found == nullptr) return asked;
+  const KnownKeys names = keys_of(*found);
+  const TableReader table(*found, outer.title() + ", accelerations", names, outer.reading());
+  for (const std::string_view name : names) {
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string_view::npos) {
+      table.complain(name, fmt::format("'{}' must be \"joint.coordinate\", such as \"hinge.turn_z\"", name));
+    } else if (const auto value = table.number(name)) {
+      asked.push_back({std::string(name.substr(0, dot)), std::string(name.substr(dot + 1)), *value});
+    }
+  }
+  return asked;
+}
+
+void read_swept_parameters(const TableReader& outer, Sweep& sweep) {
+  const toml::table* found = outer.table("parameters");
+  if (found == nullptr) return;
+  const KnownKeys names = keys_of(*found);
+  const TableReader table(*found, outer.title() + ", parameters", names, outer.reading());
+  for (const std::string_view name : names) {
+    if (auto values = table.numbers(name)) sweep.parameters.emplace_back(name, std::move(*values));
+  }
+}
+
+void read_cuts(const TableReader& outer, Sweep& sweep) {
+  const toml::table* found = outer.table("cut");
+  if (found == nullptr) return;
+  const KnownKeys names = keys_of(*found);
+  const TableReader table(*found, outer.title() + ", cut", names, outer.reading());
+  for (const std::string_view name : names) {
+    if (auto joints = read_texts(table, name)) sweep.cuts.emplace_back(name, std::move(*joints));
+  }
+}
+
+void read_integrators(const TableReader& table, Sweep& sweep) {
+  if (!table.has("integrators")) return;
+  const toml::array* list = table.node("integrators")->as_array();
+  for (const toml::node& entry : list != nullptr ? *list : toml::array()) {
+    const toml::array* pair = entry.as_array();
+    const bool is_pair = pair != nullptr && pair->size() == 2 && pair->get(0)->is_string() && pair->get(1)->is_string();
+    if (is_pair) sweep.integrators.push_back({**pair->get(0)->as_string(), **pair->get(1)->as_string()});
+  }
+  if (list != nullptr && !list->empty() && sweep.integrators.size() == list->size()) return;
+  table.complain("integrators", "'integrators' must be a list of pairs: the Cartesian solver's, the relative one's");
+}
+
+Sweep read_sweep(const TableReader& outer) {
+  Sweep sweep;
+  const toml::table* found = outer.table("sweep");
+  if (found == nullptr) return sweep;
+  const TableReader table(*found, outer.title() + ", sweep", {"parameters", "cut", "integrators", "rtol", "start"},
+                          outer.reading());
+  read_swept_parameters(table, sweep);
+  read_cuts(table, sweep);
+  read_integrators(table, sweep);
+  sweep.rtol = table.numbers("rtol").value_or(std::vector<double>());
+  for (const double rtol : sweep.rtol) {
+    if (rtol >= kTightestTolerance && rtol <= kLoosestTolerance) continue;
+    table.complain("rtol", fmt::format("tolerances must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
+                                       kLoosestTolerance, rtol));
+  }
+  sweep.start = read_start(table);
+  return sweep;
+}
+
+/// Reads a suite file and tells its cases apart.
+class SuiteReader {
+ public:
+  SuiteReader(const fs::path& file, Suite& suite) : suite_(&suite) { reading_.file = file.generic_string(); }
+
+  void read() {
+    const toml::table root = parse_toml(read_text_file(suite_->file), reading_.file);
+    const TableReader document(root, "", {"format", "name", "baselines", "seconds", "megabytes", "judge", "case"},
+                               reading_);
+    check_format(document, kSuiteFormat);
+    suite_->name = document.text("name").value_or(suite_->file.stem().string());
+    suite_->baselines = suite_->file.parent_path() /
+                        document.text("baselines").value_or("baselines/" + suite_->file.stem().string() + ".csv");
+    limits_.seconds = document.positive_number("seconds").value_or(600.0);
+    limits_.wall_per_processor = 5.0;  // a case that sleeps must not cost the night
+    limits_.megabytes = document.positive_number("megabytes").value_or(4096.0);
+    suite_->judging = read_judging(document);
+    if (document.tables("case").empty()) document.complain("there is no case: write at least one [[case]]");
+    for (const toml::table* table : document.tables("case")) read_case(*table);
+    reading_.throw_if_any();
+    std::sort(suite_->cases.begin(), suite_->cases.end(), [](const Case& a, const Case& b) { return a.id < b.id; });
+  }
+
+ private:
+  void read_case(const toml::table& found) {
+    const TableReader table(
+        found, title_with_name(found, "case"),
+        {"name",      "work",      "models",   "except", "until",      "rtol",  "samples",       "states",   "at",
+         "poses",     "joints",    "seed",     "first",  "count",      "style", "accelerations", "seconds",  "need",
+         "known_red", "cartesian", "relative", "sweep",  "parameters", "cut",   "shares",        "megabytes"},
+        reading_);
+    Case base = read_common(table);
+    switch (base.work) {
+      case Work::joint:
+        return add_joints(table, base);
+      case Work::fuzz:
+        return add_fuzz_shares(table, base);
+      default:
+        return add_models(table, base);
+    }
+  }
+
+  Case read_common(const TableReader& table) {
+    Case base;
+    const std::string work = table.text("work").value_or("compare");
+    const auto& names = work_names();
+    const auto known = std::find(names.begin(), names.end(), work);
+    if (known == names.end()) {
+      table.complain("work", fmt::format("no work '{}': {}", work, suggestion(work, names, "kinds of work")));
+    } else {
+      base.work = static_cast<Work>(known - names.begin());
+    }
+    base.limits = limits_;
+    base.limits.seconds = table.positive_number("seconds").value_or(limits_.seconds);
+    base.limits.megabytes = table.positive_number("megabytes").value_or(limits_.megabytes);
+    base.known_red = read_known_red(table);
+    return base;
+  }
+
+  void read_run(const TableReader& table, Case& base) {
+    base.options.until = table.positive_number("until");
+    base.options.rtol = table.positive_number("rtol");
+    if (base.options.rtol && !(*base.options.rtol >= kTightestTolerance && *base.options.rtol <= kLoosestTolerance)) {
+      table.complain("rtol",
+                     fmt::format("'rtol' must lie between {:g} and {:g}", kTightestTolerance, kLoosestTolerance));
+    }
+    base.options.samples = table.count("samples", 1, 1000000);
+    base.options.states = table.count("states", 1, 1000000);
+    base.options.integrators = {table.text("cartesian").value_or(""), table.text("relative").value_or("")};
+    base.needs = read_case_needs(table);
+    const std::string at = table.text("at").value_or("start");
+    base.at_equilibrium = at == "equilibrium";
+    if (at != "start" && at != "equilibrium") {
+      table.complain("at", fmt::format("'at' is \"start\" or \"equilibrium\", found \"{}\"", at));
+    }
+    base.accelerations = read_accelerations(table);
+    if (table.has("cut")) base.cut = read_texts(table, "cut");
+    if (const toml::table* found = table.table("parameters")) {
+      const KnownKeys names = keys_of(*found);
+      const TableReader values(*found, table.title() + ", parameters", names, reading_);
+      for (const std::string_view name : names) {
+        if (const auto value = values.number(name)) base.parameters.emplace_back(name, *value);
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<fs::path> models_of(const TableReader& table) const {
+    std::set<fs::path> models;
+    const fs::path folder = suite_->file.parent_path();
+    for (const std::string& pattern : read_texts(table, "models").value_or(std::vector<std::string>())) {
+      const std::vector<fs::path> found = files_of(folder, pattern);
+      if (found.empty()) table.complain("models", fmt::format("there is no file '{}'", pattern));
+      models.insert(found.begin(), found.end());
+    }
+    if (table.has("except")) {
+      for (const std::string& pattern : read_texts(table, "except").value_or(std::vector<std::string>())) {
+        const std::vector<fs::path> found = files_of(folder, pattern);
+        if (found.empty()) table.complain("except", fmt::format("there is no file '{}'", pattern));
+        for (const fs::path& one : found) models.erase(one);
+      }
+    }
+    return {models.begin(), models.end()};
+  }
+
+  void add_models(const TableReader& table, Case base) {
+    read_run(table, base);
+    if (!table.require({"models"})) return;
+    const std::vector<fs::path> models = models_of(table);
+    const Sweep sweep = read_sweep(table);
+    const std::string name = table.text("name").value_or("");
+    for (const fs::path& model : models) {
+      require_parameters(table, model, base, sweep);
+      base.model = model;
+      base.id = model.stem().string();
+      if (!name.empty()) base.id = models.size() == 1 ? name : name + '/' + base.id;
+      if (name.empty() && base.work != Work::compare) {
+        base.id = fmt::format("{}/{}", work_names()[static_cast<std::size_t>(base.work)], base.id);
+      }
+      if (sweep.combinations() + static_cast<double>(suite_->cases.size()) > kMostCases) {
+        return table.complain(fmt::format("more than {:g} cases in one suite", kMostCases));
+      }
+      for (Case& variant : variants_of(base, sweep)) add(table, std::move(variant));
+    }
+  }
+
+  void add_joints(const TableReader& table, Case base) {
+    std::vector<std::string> known;
+    for (const joints::JointType* type : joints::catalogue()) known.push_back(type->name);
+    known.emplace_back(joint_check::kCouplings);
+    base.poses = table.count("poses", 1, 10000).value_or(base.poses);
+    std::vector<std::string> names = known;
+    if (table.has("joints")) names = read_texts(table, "joints").value_or(std::vector<std::string>());
+    for (const std::string& name : names) {
+      if (std::find(known.begin(), known.end(), name) == known.end()) {
+        table.complain("joints", fmt::format("no joint type '{}': {}", name, suggestion(name, known, "joint types")));
+        continue;
+      }
+      base.joint = name;
+      base.id = fmt::format("{}/{}", table.text("name").value_or("joint"), name);
+      add(table, base);
+    }
+  }
+
+  void add_fuzz_shares(const TableReader& table, Case base) {
+    if (!table.require({"seed", "count"})) return;
+    base.fuzz.seed = static_cast<std::uint64_t>(table.count("seed", 0).value_or(0));
+    base.fuzz.style = table.text("style").value_or(base.fuzz.style);
+    const auto& styles = fuzz::style_names();
+    if (std::find(styles.begin(), styles.end(), base.fuzz.style) == styles.end()) {
+      table.complain("style",
+                     fmt::format("no style '{}': {}", base.fuzz.style, suggestion(base.fuzz.style, styles, "styles")));
+    }
+    const int first = table.count("first", 0).value_or(0);
+    const int count = table.count("count", 1).value_or(1);
+    const int shares = table.count("shares", 1, 10000).value_or(1);
+    const std::string name = table.text("name").value_or(fmt::format("fuzz/seed={}", base.fuzz.seed));
+    for (int k = 0; k < shares; ++k) {
+      base.fuzz.first = static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(k) * count;
+      base.fuzz.count = static_cast<std::uint64_t>(count);
+      base.id = shares == 1 ? name : fmt::format("{}/first={}", name, base.fuzz.first);
+      add(table, base);
+    }
+  }
+
+  void add(const TableReader& table, Case one) {
+    const auto [entry, is_new] = places_.emplace(one.id, table.where());
+    if (is_new) {
+      suite_->cases.push_back(std::move(one));
+    } else {
+      table.complain(fmt::format("there is a case '{}' already (line {}): give one of them another name", one.id,
+                                 entry->second.line));
+    }
+  }
+
+  /// A misspelt parameter would change nothing, and every variant would agree.
+  void require_parameters(const TableReader& table, const fs::path& model, const Case& base, const Sweep& sweep) {
+    std::vector<std::string> asked;
+    for (const auto& [name, value] : base.parameters) asked.push_back(name);
+    for (const auto& [name, values] : sweep.parameters) asked.push_back(name);
+    if (asked.empty()) return;
+    const std::vector<std::string> known = parameters_of(model);
+    for (const std::string& name : asked) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      table.complain(base.parameters.empty() ? "sweep" : "parameters",
+                     fmt::format("'{}' has no parameter '{}': {}", model.generic_string(), name,
+                                 suggestion(name, known, "parameters")));
+    }
+  }
+
+  static std::vector<std::string> parameters_of(const fs::path& model) {
+    std::vector<std::string> names;
+    const toml::table root = parse_toml(read_text_file(model), model.generic_string());
+    if (const toml::table* found = root["parameters"].as_table()) {
+      for (const auto& [key, value] : *found) names.emplace_back(key.str());
+    }
+    return names;
+  }
+
+  Suite* suite_;
+  FileReading reading_;
+  workers::Limits limits_;
+  std::map<std::string, SourceLocation> places_;
+};
+
+}  // namespace
+
+Suite read_suite(const fs::path& file) {
+  Suite suite;
+  suite.file = file;
+  SuiteReader(file, suite).read();
+  return suite;
+}
+
+bool is_meant(std::string_view id, const std::string& pattern) {
+  const std::string text(id);
+  if (pattern.find_first_of("*?[") == std::string::npos) return text.find(pattern) != std::string::npos;
+  return fnmatch(pattern.c_str(), text.c_str(), 0) == 0;
+}
+
+}  // namespace concord::compare::nightly

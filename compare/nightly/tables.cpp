@@ -1,0 +1,302 @@
+#include "compare/nightly/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "common/toml_reader.h"
+#include "compare/digits.h"
+#include "compare/files.h"
+#include "compare/table.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A text in one cell of a table.
+std::string cell(const std::string& text) {
+  std::string plain;
+  for (const char c : text) {
+    if (c == '|') {
+      plain += "\\|";
+    } else {
+      plain += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return plain;
+}
+
+std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
+
+/// "812 / 1011", Cartesian and relative; "-" of what integrates nothing.
+std::string pair_cell(const std::array<long, 2>& pair) {
+  return pair[0] == 0 && pair[1] == 0 ? "-" : fmt::format("{} / {}", pair[0], pair[1]);
+}
+
+/// What there is to say of the past in one cell: the gravest turn.
+std::string past_cell(const CaseLine& line) {
+  const auto gravest = std::min_element(line.changes.begin(), line.changes.end(),
+                                        [](const Change& a, const Change& b) { return a.turn < b.turn; });
+  return gravest == line.changes.end() ? "as accepted" : to_string(gravest->turn);
+}
+
+std::string format_cases(const NightReport& report) {
+  const bool is_night = report.kind == "concord night";
+  std::vector<std::vector<std::string>> lines{
+      {"case", "ending", "judged", "same state", "same run", "refined", "evaluations", "steps", "past"}};
+  for (const CaseLine& line : report.cases) {
+    lines.push_back({cell(line.id), to_string(line.ending), fmt::format("{} of {}", line.judged, line.total),
+                     digits_cell(line.worst[0]), digits_cell(line.worst[1]), digits_cell(line.worst[2]),
+                     pair_cell(line.evaluations), pair_cell(line.steps),
+                     is_night || !line.changes.empty() ? past_cell(line) : "same"});
+  }
+  return format_table(lines, {false, false, true, true, true, true, true, true, false});
+}
+
+/// All changes, the gravest first.
+std::vector<const Change*> all_changes(const NightReport& report) {
+  std::vector<const Change*> all;
+  for (const CaseLine& line : report.cases) {
+    for (const Change& change : line.changes) all.push_back(&change);
+  }
+  for (const Change& change : report.others) all.push_back(&change);
+  std::stable_sort(all.begin(), all.end(), [](const Change* a, const Change* b) { return a->turn < b->turn; });
+  return all;
+}
+
+std::string component_cell(const Change& change) {
+  if (change.component.empty()) return "-";
+  return cell(change.component) + (change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+}
+
+std::string format_changes(const NightReport& report) {
+  std::vector<std::vector<std::string>> lines{{"what", "case", "component", "measure", "was", "is", "against"}};
+  for (const Change* change : all_changes(report)) {
+    lines.push_back({to_string(change->turn), cell(change->id), component_cell(*change), change->measure,
+                     change->was.empty() ? "-" : cell(change->was), cell(change->is),
+                     change->against.empty() ? "-" : change->against});
+  }
+  return lines.size() == 1 ? "" : format_table(lines, {false, false, false, false, false, false, false});
+}
+
+/// "18 agree, 1 differ, 1 crashed".
+std::string endings_of(const NightReport& report) {
+  std::map<Ending, int> counts;
+  for (const CaseLine& line : report.cases) ++counts[line.ending];
+  std::string text;
+  for (const auto& [ending, count] : counts) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(ending));
+  }
+  return text;
+}
+
+std::string turns_of(const NightReport& report) {
+  std::map<Turn, int> counts;
+  for (const Change* change : all_changes(report)) ++counts[change->turn];
+  std::string text;
+  for (const auto& [turn, count] : counts) {
+    text += fmt::format("{}{} {}", text.empty() ? "; " : ", ", count, to_string(turn));
+  }
+  return text;
+}
+
+std::string xml(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+std::string change_words(const Change& change) {
+  return fmt::format("{}: {}{}{}: {} -> {}{}", to_string(change.turn), change.component,
+                     change.component.empty() ? "" : ", ", change.measure, change.was.empty() ? "-" : change.was,
+                     change.is, change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+}
+
+std::string junit_case(const std::string& suite, const std::string& name, int code, bool is_known,
+                       const std::vector<Change>& changes) {
+  std::string words;
+  for (const Change& change : changes) words += change_words(change) + '\n';
+  std::string text = fmt::format("    <testcase classname=\"{}\" name=\"{}\">", xml(suite), xml(name));
+  const std::string message = changes.empty() ? "" : change_words(changes.front());
+  if (code != 0) {
+    const char* kind = code == 1 ? "failure" : "error";
+    text += fmt::format("\n      <{0} message=\"{1}\">{2}</{0}>\n    ", kind, xml(message), xml(words));
+  } else if (is_known) {
+    text += fmt::format("\n      <skipped message=\"{}\"/>\n    ", xml(message));
+  }
+  return text + "</testcase>\n";
+}
+
+bool is_known_red(const CaseLine& line) {
+  return std::any_of(line.changes.begin(), line.changes.end(),
+                     [](const Change& change) { return change.turn == Turn::known; });
+}
+
+Json change_json(const Change& change) {
+  return {{"what", to_string(change.turn)}, {"case", change.id},  {"component", change.component},
+          {"measure", change.measure},      {"was", change.was},  {"is", change.is},
+          {"against", change.against},      {"more", change.more}};
+}
+
+Json origin_json(const Origin& origin) {
+  return {{"version", origin.version},
+          {"commit", origin.commit},
+          {"compiler", origin.compiler},
+          {"machine", origin.machine}};
+}
+
+Json head_json(const NightReport& report) {
+  Json changes = Json::array();
+  for (const Change* change : all_changes(report)) changes.push_back(change_json(*change));
+  return {{"format", kNightFormat},
+          {"kind", report.kind},
+          {"title", report.title},
+          {"started", report.started},
+          {"origin", origin_json(report.origin)},
+          {"verdict", format_headline(report)},
+          {"exit_code", report.code},
+          {"changes", std::move(changes)}};
+}
+
+/// Text of a file from outside need not be UTF-8.
+std::string dumped(const Json& document, int indent) {
+  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+CaseLine case_line_of(const Result& result, std::vector<Change> changes) {
+  CaseLine line{result.id, result.work, result.ending, result.judged, result.total, {}, {}, {}, 0, std::move(changes)};
+  line.worst = {worst_of(result, &Component::same_state), worst_of(result, &Component::same_run),
+                worst_of(result, &Component::refined)};
+  for (std::size_t who = 0; who < 2; ++who) {
+    line.evaluations[who] = result.cost[who].evaluations;
+    line.steps[who] = result.cost[who].steps;
+  }
+  for (const Change& change : line.changes) line.code = worse_code(line.code, exit_code(change, result.ending));
+  return line;
+}
+
+int code_of(const NightReport& report) {
+  int code = 0;
+  for (const CaseLine& line : report.cases) code = worse_code(code, line.code);
+  for (const Change& change : report.others) code = worse_code(code, exit_code(change, Ending::agree));
+  return code;
+}
+
+std::string format_headline(const NightReport& report) {
+  const char* colour = report.code == 0 ? "green" : report.code == 4 ? "no baseline" : "red";
+  return fmt::format("{} {}: {}: {}{}\n", colour, report.title,
+                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
+                     turns_of(report));
+}
+
+std::string format_report(const NightReport& report) {
+  std::string text;
+  if (!report.cases.empty()) text += format_cases(report) + '\n';
+  const std::string changes = format_changes(report);
+  if (!changes.empty()) text += changes + '\n';
+  return text + format_headline(report);
+}
+
+std::string format_markdown(const NightReport& report) {
+  std::string text = "# " + format_headline(report) + '\n';
+  text += fmt::format("{}, commit {}, {}; {}; {} UTC\n", report.origin.version, report.origin.commit,
+                      report.origin.compiler, report.origin.machine, report.started);
+  const std::string changes = format_changes(report);
+  return text + '\n' + (changes.empty() ? "Nothing changed.\n" : changes);
+}
+
+std::string format_night_junit(const NightReport& report) {
+  int failures = 0;
+  int errors = 0;
+  int skipped = 0;
+  std::string cases;
+  const auto add = [&](const std::string& name, int code, bool is_known, const std::vector<Change>& changes) {
+    failures += code == 1 ? 1 : 0;
+    errors += code > 1 ? 1 : 0;
+    skipped += code == 0 && is_known ? 1 : 0;
+    cases += junit_case(report.title, name, code, is_known, changes);
+  };
+  for (const CaseLine& line : report.cases) add(line.id, line.code, is_known_red(line), line.changes);
+  for (const Change& change : report.others) add(change.id, exit_code(change, Ending::agree), false, {change});
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
+      "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}  </testsuite>\n"
+      "</testsuites>\n",
+      xml(report.title), report.cases.size() + report.others.size(), failures, errors, skipped, cases);
+}
+
+void write_night_json(const std::filesystem::path& file, const NightReport& report,
+                      const std::function<std::optional<Result>()>& next) {
+  UnfinishedFile unfinished_file(file);
+  {
+    std::ofstream out(unfinished_file.path(), std::ios::binary);
+    std::string head = dumped(head_json(report), 2);
+    head.resize(head.rfind('\n'));  // without the brace that closes it
+    out << head << ",\n  \"cases\": [";
+    bool is_first = true;
+    while (const std::optional<Result> result = next()) {
+      out << (is_first ? "\n    " : ",\n    ") << dumped(to_json(*result), -1);
+      is_first = false;
+    }
+    out << "\n  ]\n}\n";
+    out.close();
+    if (!out) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+  }
+  unfinished_file.finish();
+}
+
+NightFile read_night_json(const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& reason) { throw InputError({file.string(), 0, 0}, reason); };
+  NightFile found;
+  try {
+    const Json document = Json::parse(read_text_file(file));
+    if (!document.is_object() || document.value("kind", Json()) != "concord night") {
+      refuse("is no file of results that `concord nightly --json` writes");
+    }
+    if (document.at("format") != kNightFormat) {
+      refuse(fmt::format("version {} of these results is not known: this program reads version {}",
+                         document.at("format").dump(), kNightFormat));
+    }
+    const Json& origin = document.at("origin");
+    found.origin = {origin.at("version"), origin.at("commit"), origin.at("compiler"), origin.at("machine")};
+    found.title = document.at("title");
+    for (const Json& one : document.at("cases")) found.results.push_back(result_from_json(one));
+  } catch (const Json::exception& error) {
+    refuse(fmt::format("cannot be read: {}", error.what()));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    refuse(fmt::format("cannot be read: {}", error.what()));
+  }
+  std::sort(found.results.begin(), found.results.end(), [](const Result& a, const Result& b) { return a.id < b.id; });
+  return found;
+}
+
+}  // namespace concord::compare::nightly

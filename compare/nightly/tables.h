@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/nightly/regression.h"
+
+/// A night, or the difference of two, as text, Markdown, JSON and JUnit XML.
+namespace concord::compare::nightly {
+
+/// One case in the tables.
+struct CaseLine {
+  std::string id;
+  std::string work;
+  Ending ending = Ending::not_run;
+  int judged = 0;
+  int total = 0;
+  std::array<std::optional<double>, 3> worst;  // digits of same state, same run, refined
+  std::array<long, 2> evaluations{};
+  std::array<long, 2> steps{};
+  int code = 0;  // of the program, for this case alone
+  std::vector<Change> changes;
+};
+
+CaseLine case_line_of(const Result& result, std::vector<Change> changes);
+
+/// All that is told of a night, or of a difference.
+struct NightReport {
+  std::string title;  // "smoke"
+  std::string kind;   // "concord night", "concord difference"
+  Origin origin;
+  std::string started;
+  std::vector<CaseLine> cases;
+  std::vector<Change> others;  // of cases that are gone
+  int code = 0;
+};
+
+/// The report's code, from its cases and other changes.
+int code_of(const NightReport& report);
+
+/// One sentence: "green smoke: 20 cases agree" or "red smoke: 20 cases: 18 agree, 1 differs, 1 crashed; 2 worse".
+std::string format_headline(const NightReport& report);
+
+/// The table of cases, the table of changes and the headline. Says nothing that changes from run to run.
+std::string format_report(const NightReport& report);
+
+/// The headline, where the results come from, and the table of changes, as Markdown.
+std::string format_markdown(const NightReport& report);
+
+/// JUnit XML: a test case for each case; a red one with all its changes, known red ones skipped.
+std::string format_night_junit(const NightReport& report);
+
+inline constexpr int kNightFormat = 1;
+
+/// Writes the report and all results, one at a time, as JSON. `next` gives them in their order.
+void write_night_json(const std::filesystem::path& file, const NightReport& report,
+                      const std::function<std::optional<Result>()>& next);
+
+/// Results of a file that write_night_json() wrote.
+struct NightFile {
+  Origin origin;
+  std::string title;
+  std::vector<Result> results;
+};
+/// Throws InputError if it is no such file; a version that is not known is refused by name.
+NightFile read_night_json(const std::filesystem::path& file);
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,325 @@
+#include "compare/nightly/trial.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/joints/catalogue.h"
+#include "common/model_file.h"
+#include "common/overloaded.h"
+#include "compare/analyses/judge.h"
+#include "compare/fuzz/generator.h"
+#include "compare/fuzz/random.h"
+#include "compare/fuzz/trial.h"
+#include "compare/joint_check/coupling_check.h"
+#include "compare/refinement.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+void tell_stage(std::string_view stage) {
+  std::fprintf(stderr, "stage: %.*s\n", static_cast<int>(stage.size()), stage.data());
+}
+
+/// A model file that includes the model with other values of its parameters.
+std::string including_text(const Case& one) {
+  std::string text = fmt::format("format = 1\nname = {}\n[[include]]\nfile = {}\n[include.parameters]\n",
+                                 nlohmann::json(one.model.stem().string()).dump(),
+                                 nlohmann::json(one.model.filename().string()).dump());
+  for (const auto& [name, value] : one.parameters) text += fmt::format("{} = {:.17g}\n", name, value);
+  return text;
+}
+
+InputError refusal(const Case& one, const std::string& reason) { return {{one.model.generic_string(), 0, 0}, reason}; }
+
+void name_cuts(const Case& one, Model& model) {
+  std::set<std::string> asked(one.cut->begin(), one.cut->end());
+  for (Joint& joint : model.joints) joint.named_as_cut = asked.erase(joint.name) > 0;
+  if (!asked.empty()) throw refusal(one, fmt::format("the suite cuts joint '{}', which is not there", *asked.begin()));
+}
+
+/// Sizes by which a word's coordinates and speeds are moved.
+std::array<double, 2> sizes_of(const StartDraw& draw, const joints::Permit& word) {
+  const std::array turn{draw.turn, draw.turn_speed};
+  const std::array slide{draw.slide, draw.slide_speed};
+  const std::array none{0.0, 0.0};
+  return std::visit(Overloaded{[&](const joints::Turn&) { return turn; }, [&](const joints::Slide&) { return slide; },
+                               [&](const joints::Arm&) { return none; },
+                               [&](const joints::Ball&) {
+                                 return std::array{0.0, draw.turn_speed};
+                               },
+                               [&](const joints::ByMotion& motion) { return motion.turns.front() ? turn : slide; }},
+                    word);
+}
+
+void move_start(const Case& one, Model& model) {
+  fuzz::Random random(one.start->seed, one.start->number);
+  bool moves = false;
+  const auto move = [&](StartRole role, double size, VecX& values) {
+    if (role != StartRole::keep || size == 0.0) return;
+    values += random.vector(values.size(), size);
+    moves = true;
+  };
+  for (Joint& joint : model.joints) {
+    for (std::size_t k = 0; k < joint.start.size(); ++k) {
+      const auto [place, speed] = sizes_of(*one.start, joint.type->permits.at(k));
+      move(joint.start[k].role_q, place, joint.start[k].q);
+      move(joint.start[k].role_u, speed, joint.start[k].u);
+    }
+  }
+  if (!moves) throw refusal(one, "the suite draws starts, but the model keeps no coordinate or speed that they move");
+}
+
+/// What is written down of each component; of other kinds only the worst of a kind.
+bool is_told(const Row& row) {
+  return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::driver ||
+         row.quantity.kind == Kind::coupling || row.quantity.kind == Kind::element;
+}
+
+std::string name_of_kind(Kind kind) {
+  switch (kind) {
+    case Kind::reaction_global:
+      return "all reactions in global axes";
+    case Kind::total:
+      return "all total wrenches";
+    case Kind::acceleration:
+      return "all accelerations";
+    default:
+      return "all sums on bodies";
+  }
+}
+
+void take_worse(std::optional<double>& worst, const std::optional<double>& digits) {
+  if (digits && (!worst || *digits < *worst)) worst = digits;
+}
+
+Component component_of(const Model& model, const Row& row, const VecX& peaks, const Layout& layout) {
+  Component one;
+  one.name = fmt::format("{}, {}", describe_owner(model, row.quantity), describe_component(row.quantity));
+  one.same_state = row.same_state;
+  one.resolvable = detail_of(row, Rung::same_state).resolvable;
+  one.same_run = row.same_run;
+  one.refined = row.refined;
+  one.need = {row.need.same_state, row.need.same_run, row.need.refined};
+  if (peaks.size() > 0) one.peak = peaks(layout.row_of(row.quantity));
+  one.scale = row.scale;
+  return one;
+}
+
+/// Largest sizes along a run, by row of the layout; empty if there is none.
+VecX peaks_of(const Layout& layout, const Verdict& verdict) {
+  const auto& run = verdict.trajectories[1] ? verdict.trajectories[1] : verdict.trajectories[0];
+  VecX peaks;
+  if (!run) return peaks;
+  for (const Sample& sample : run->samples) {
+    const VecX sizes = layout.observe(sample.state, sample.evaluation).cwiseAbs();
+    peaks = peaks.size() == 0 ? sizes : VecX(peaks.cwiseMax(sizes));
+  }
+  return peaks;
+}
+
+void add_components(const Model& model, const Verdict& verdict, std::vector<Component>& components) {
+  const Layout layout(model);
+  const VecX peaks = peaks_of(layout, verdict);
+  std::map<Kind, Component> worst;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const Row& row : *rows) {
+      if (!is_judged(row)) continue;
+      if (is_told(row)) {
+        components.push_back(component_of(model, row, peaks, layout));
+        continue;
+      }
+      Component& all = worst.try_emplace(row.quantity.kind, component_of(model, row, {}, layout)).first->second;
+      all.name = name_of_kind(row.quantity.kind);
+      take_worse(all.same_state, row.same_state);
+      take_worse(all.resolvable, detail_of(row, Rung::same_state).resolvable);
+      take_worse(all.same_run, row.same_run);
+      take_worse(all.refined, row.refined);
+    }
+  }
+  for (auto& [kind, component] : worst) components.push_back(std::move(component));
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (!solver.audit_digits) continue;
+    Component& audit = components.emplace_back();
+    audit.name = "audit of " + solver.name;
+    audit.same_state = solver.audit_digits;
+    audit.need[0] = solver.audit_need;
+  }
+}
+
+std::string words_of(const Verdict& verdict) {
+  constexpr std::size_t kMost = 5;
+  std::string text;
+  std::size_t told = 0;
+  const auto tell = [&](const std::string& line) {
+    if (++told <= kMost) text += (text.empty() ? "" : "\n") + line;
+  };
+  for (const Finding& finding : verdict.findings) tell(fmt::format("{}: {}", finding.what, finding.symptom));
+  for (const std::string& failure : verdict.failures) tell(failure);
+  if (told > kMost) text += fmt::format("\nand {} more", told - kMost);
+  return text;
+}
+
+Ending ending_of_verdict(const Verdict& verdict) {
+  switch (verdict.outcome) {
+    case Outcome::agree:
+      return Ending::agree;
+    case Outcome::differ:
+      return Ending::differ;
+    default:
+      return Ending::failed;
+  }
+}
+
+void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
+  result.ending = ending_of_verdict(verdict);
+  result.words = words_of(verdict);
+  const ComponentCount count = count_components(verdict);
+  result.judged = count.judged;
+  result.total = count.total;
+  for (std::size_t who = 0; who < 2; ++who) {
+    const SolverSummary& solver = verdict.solvers[who];
+    result.cost[who] = {solver.integrator, solver.statistics.steps, solver.statistics.evaluations};
+  }
+  add_components(model, verdict, result.components);
+}
+
+void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
+  std::string note;
+  const Model model = analyses::as_it_starts(model_of(one), makers, note);
+  const auto cartesian = makers.cartesian(model);
+  const auto relative = makers.relative(model);
+  VerifyOptions options = one.options;
+  std::string last;
+  options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
+    if (rung == last) return;
+    last = rung;
+    tell_stage(rung);
+  };
+  take_verdict(model, verify(model, *cartesian, *relative, options), result);
+}
+
+/// Numbers of an analysis have no scale of their own: it is the largest of their unit.
+void add_numbers(const std::vector<analyses::NumberRow>& numbers, std::vector<Component>& components) {
+  std::map<std::string, double> scales;
+  for (const analyses::NumberRow& row : numbers) {
+    for (const double value : row.values) scales[row.unit] = std::max(scales[row.unit], std::abs(value));
+  }
+  for (const analyses::NumberRow& row : numbers) {
+    Component& one = components.emplace_back();
+    one.name = row.name;
+    one.same_run = row.digits;
+    one.need[1] = row.need;
+    one.peak = std::abs(row.values[1]);
+    one.scale = scales[row.unit];
+  }
+}
+
+void analyse_case(const Case& one, const SolverMakers& makers, Result& result) {
+  const Model model = model_of(one);
+  analyses::AnalysisVerdict found;
+  switch (one.work) {
+    case Work::statics:
+      found = analyses::judge_statics(model, makers);
+      break;
+    case Work::linearize:
+      found = analyses::judge_linearization(model, makers, one.at_equilibrium);
+      break;
+    case Work::kinematics:
+      found = analyses::judge_kinematics(model, makers, one.options);
+      break;
+    default:
+      found = analyses::judge_inverse(model, makers, one.accelerations);
+  }
+  take_verdict(model, found.wrenches, result);
+  add_numbers(found.numbers, result.components);
+}
+
+void check_joint_case(const Case& one, Result& result) {
+  joint_check::SheetOptions options;
+  for (int k = 0; k < one.poses; ++k) options.poses.push_back(k);
+  const joint_check::Sheet sheet = one.joint == joint_check::kCouplings
+                                       ? joint_check::check_couplings(options)
+                                       : joint_check::check_joint(*joints::find(one.joint), options);
+  result.ending = sheet.holds() ? Ending::agree : Ending::differ;
+  result.judged = sheet.held();
+  result.total = sheet.looked();
+  for (const joint_check::Property& property : sheet.properties) {
+    if (!property.looked) continue;
+    if (!property.holds() && result.words.empty()) result.words = fmt::format("{}: {}", property.name, property.where);
+    if (!property.need) continue;
+    Component& component = result.components.emplace_back();
+    component.name = property.name;
+    component.same_state = property.digits;
+    component.need[0] = *property.need;
+  }
+  if (!sheet.holds() && result.words.empty()) result.words = "the wrenches differ in some rig";
+}
+
+void fuzz_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers, Result& result) {
+  const auto& styles = fuzz::style_names();
+  const auto style = static_cast<fuzz::Style>(std::find(styles.begin(), styles.end(), one.fuzz.style) - styles.begin());
+  result.ending = Ending::agree;
+  result.total = static_cast<int>(one.fuzz.count);
+  for (std::uint64_t k = one.fuzz.first; k < one.fuzz.first + one.fuzz.count; ++k) {
+    tell_stage(fmt::format("machine {} of seed {}, style {}", k, one.fuzz.seed, one.fuzz.style));
+    const fuzz::Machine machine = fuzz::draw_machine(one.fuzz.seed, k, style);
+    const fuzz::Outcome outcome = fuzz::try_machine(fuzz::write_machine(machine), scratch, makers);
+    if (outcome.sort == fuzz::Sort::agree) ++result.judged;
+    if (!outcome.is_wrong()) continue;
+    result.ending = Ending::differ;
+    if (result.words.size() < 2000) {
+      result.words += fmt::format("{}machine {}: {}", result.words.empty() ? "" : "\n", k, outcome.kind);
+    }
+  }
+}
+
+void do_work(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers, Result& result) {
+  switch (one.work) {
+    case Work::compare:
+      return compare_case(one, makers, result);
+    case Work::joint:
+      return check_joint_case(one, result);
+    case Work::fuzz:
+      return fuzz_case(one, scratch, makers, result);
+    default:
+      return analyse_case(one, makers, result);
+  }
+}
+
+}  // namespace
+
+Model model_of(const Case& one) {
+  tell_stage("reading");
+  const std::filesystem::path variant = one.model.parent_path() / (one.model.stem().string() + ".variant.toml");
+  Model model = one.parameters.empty() ? read_model(one.model) : parse_model(including_text(one), variant);
+  model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
+  if (one.cut) name_cuts(one, model);
+  if (one.start) move_start(one, model);
+  return model;
+}
+
+Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers) {
+  Result result;
+  result.id = one.id;
+  result.work = work_names()[static_cast<std::size_t>(one.work)];
+  try {
+    do_work(one, scratch, makers, result);
+  } catch (const InputError& error) {
+    result.ending = Ending::bad_input;
+    result.words = error.what();
+  } catch (const SolverError& error) {
+    result.ending = Ending::failed;
+    result.words = error.what();
+  }
+  put_in_order(result.components);
+  return result;
+}
+
+}  // namespace concord::compare::nightly

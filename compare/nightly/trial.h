@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "compare/commands.h"
+#include "compare/nightly/case.h"
+#include "compare/nightly/result.h"
+
+namespace concord::compare::nightly {
+
+/// Does what the case says, in this process. `scratch` is a folder for files that a share of random machines needs.
+/// Says on stderr how far it is, for whoever reads a crashed worker's last words. What is refused is an ending; what
+/// has no place in a result is thrown.
+Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers);
+
+/// The model of a case: the file with the case's parameters, cut joints, needs and start. Throws InputError.
+Model model_of(const Case& one);
+
+}  // namespace concord::compare::nightly

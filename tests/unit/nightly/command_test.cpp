@@ -1,0 +1,313 @@
+#include "compare/nightly/command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "../compare/fake_pendulum.h"
+#include "../compare/temporary_folder.h"
+#include "compare/files.h"
+#include "compare/nightly/history.h"
+#include "compare/nightly/tables.h"
+
+namespace concord::compare::nightly {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// The fake's pendulum as a file; its name decides what its solvers do.
+constexpr const char* kPendulum = R"(format = 1
+gravity = [0.3, -9.81, 0.2]
+[[body]]
+name = "bob"
+mass = 1.3
+center_of_mass = [0.2, 0.1, -0.05]
+inertia = [0.02, 0.03, 0.04]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "bob"
+start.turn_z = { keep = 0.4, keep_speed = 2 }
+[run]
+until = 0.1
+samples = 50
+)";
+
+struct Told {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+class Nights : public ::testing::Test {
+ protected:
+  Nights() {
+    for (const char* name : {"sound", "other"}) model(name);
+    write("[[case]]\nmodels = [\"models/*.toml\"]\n");
+  }
+
+  void model(const std::string& name) { write_file(folder_.path() / "models" / (name + ".toml"), kPendulum); }
+  void write(const std::string& text) { write_file(suite_, "format = 1\n" + text); }
+
+  [[nodiscard]] SolverMakers makers() const {
+    const auto make = [this](const Model& model, const char* name) -> std::unique_ptr<Solver> {
+      if (model.name == "crashing") std::raise(SIGKILL);
+      auto solver = std::make_unique<FakePendulum>(model, name);
+      if (model.name == "stopping") solver->cannot_integrate = true;
+      if (model.name == "differing" && std::string(name) == "relative") {
+        solver->spoil = [](const State&, Evaluation& evaluation) {
+          evaluation.joints[0].reaction[index(Side::child)].in_C.force(0) += 0.01;
+        };
+      }
+      const double factor = factor_;
+      solver->spoil_run = [factor](Trajectory& run) {
+        run.statistics.evaluations = std::lround(factor * static_cast<double>(run.statistics.evaluations));
+      };
+      return solver;
+    };
+    return {[make](const Model& model) { return make(model, "cartesian"); },
+            [make](const Model& model) { return make(model, "relative"); }};
+  }
+
+  Told nightly(NightlyCommand command = {}) {
+    command.suite = suite_;
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = run_nightly(command, makers(), {out, err});
+    return {code, out.str(), err.str()};
+  }
+
+  Told accept(AcceptCommand command = {}) {
+    command.what.insert(command.what.begin(), suite_.string());
+    if (command.reason.empty()) command.reason = "first";
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = accept_baselines(command, makers(), {out, err});
+    return {code, out.str(), err.str()};
+  }
+
+  Told difference(const DiffCommand& command) {
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = show_difference(command, {out, err});
+    return {code, out.str(), err.str()};
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path suite_ = folder_.path() / "suite.toml";
+  std::filesystem::path history_ = folder_.path() / "nights.sqlite";
+  std::filesystem::path baselines_ = folder_.path() / "baselines" / "suite.csv";
+  double factor_ = 1.0;
+};
+
+}  // namespace
+
+TEST_F(Nights, BaselineIsMissingUntilItIsAcceptedThenAllIsGreen) {
+  const Told first = nightly();
+  EXPECT_EQ(first.code, kNoBaseline) << first.out << first.err;
+  EXPECT_THAT(first.out, HasSubstr("no baseline suite: 2 cases: 2 agree; 2 no baseline\n"));
+  EXPECT_FALSE(std::filesystem::exists(baselines_));
+  const Told accepted = accept();
+  EXPECT_EQ(accepted.code, 0) << accepted.err;
+  const Told second = nightly();
+  EXPECT_EQ(second.code, 0) << second.out;
+  EXPECT_THAT(second.out, HasSubstr("green suite: 2 cases: 2 agree\n"));
+  NightlyCommand one_job;
+  one_job.jobs = 1;
+  EXPECT_EQ(nightly(one_job).out, second.out);
+}
+
+TEST_F(Nights, WhoWhenAndWhyOldAndNewAreLogged) {
+  accept();
+  const std::string before = bytes_of(baselines_);
+  factor_ = 1.3;
+  AcceptCommand again;
+  again.what = {"sound"};
+  again.reason = "a better error estimate";
+  EXPECT_THAT(accept(again).out, HasSubstr("1 accepted, 0 not"));
+  const std::string log = bytes_of(folder_.path() / "baselines" / "suite.log");
+  EXPECT_THAT(log, HasSubstr(": first\n  other: new: agree"));
+  EXPECT_THAT(log, HasSubstr(": a better error estimate\n  sound: old: agree"));
+  EXPECT_THAT(log, HasSubstr("(+30 %)"));
+  EXPECT_NE(bytes_of(baselines_), before);
+  const Told night = nightly();
+  EXPECT_EQ(night.code, kDiffer);  // the other one was not accepted
+  EXPECT_THAT(night.out, HasSubstr("| worse | other |"));
+  EXPECT_THAT(night.out, Not(HasSubstr("| worse | sound |")));
+}
+
+TEST_F(Nights, NothingRedIsAcceptedAndNothingWithoutAReason) {
+  model("differing");
+  const Told accepted = accept();
+  EXPECT_EQ(accepted.code, kDiffer);
+  EXPECT_THAT(accepted.err, HasSubstr("differing is not accepted: it is red (differ)"));
+  EXPECT_THAT(bytes_of(baselines_), Not(HasSubstr("differing")));
+  AcceptCommand silent;
+  silent.reason = " ";
+  EXPECT_EQ(accept(silent).code, kBadInput);
+}
+
+TEST_F(Nights, EveryWayToEndIsARowAndNeverTheEnd) {
+  accept();
+  for (const char* name : {"crashing", "stopping", "differing"}) model(name);
+  write_file(folder_.path() / "models" / "refused.toml", "format = 1\n");
+  NightlyCommand command;
+  command.junit = folder_.path() / "junit.xml";
+  const Told night = nightly(command);
+  EXPECT_EQ(night.code, kCouldNotFinish) << night.err;
+  EXPECT_THAT(night.out, HasSubstr("6 cases: 2 agree, 1 differ, 1 no verdict, 1 bad input, 1 crashed"));
+  EXPECT_THAT(night.out, HasSubstr("crashed: signal 9; last words: stage: reading"));
+  EXPECT_THAT(night.out, HasSubstr("no verdict: same run: cartesian: step size too small"));
+  EXPECT_THAT(night.out, HasSubstr("there is no body"));
+  const std::string junit = bytes_of(command.junit);
+  EXPECT_THAT(junit, HasSubstr("tests=\"6\" failures=\"1\" errors=\"3\" skipped=\"0\""));
+}
+
+TEST_F(Nights, KnownRedIsNotRedUntilItsDayIsOver) {
+  accept();
+  model("differing");
+  write(
+      "[[case]]\nmodels = [\"models/*.toml\"]\nexcept = [\"models/d*.toml\"]\n"
+      "[[case]]\nmodels = [\"models/differing.toml\"]\n"
+      "known_red = { reason = \"side to be mended\", until = 2026-06-30 }\n");
+  AcceptCommand known;
+  known.what = {"differing"};
+  EXPECT_EQ(accept(known).code, 0);
+  NightlyCommand command;
+  command.today = "2026-06-30";
+  const Told night = nightly(command);
+  EXPECT_EQ(night.code, 0) << night.out;
+  EXPECT_THAT(night.out, HasSubstr("side to be mended (until 2026-06-30)"));
+  command.today = "2026-07-01";
+  EXPECT_EQ(nightly(command).code, kDiffer);
+}
+
+TEST_F(Nights, ResumedNightRunsOnlyWhatIsLeft) {
+  accept();
+  NightlyCommand command;
+  command.history = history_;
+  command.commit = "abc";
+  command.only = "other";
+  nightly(command);
+  {  // as if it had been killed: another process began it
+    History history(history_);
+    const pid_t child = fork();
+    if (child == 0) {
+      History own(history_);
+      own.finish(1, "");
+      own.take_over(1);
+      _exit(0);
+    }
+    waitpid(child, nullptr, 0);
+  }
+  command.only.clear();
+  command.resume = true;
+  const Told resumed = nightly(command);
+  EXPECT_THAT(resumed.err, HasSubstr("night 1 goes on: 1 of 2 cases were done"));
+  EXPECT_EQ(resumed.code, 0) << resumed.out;
+  EXPECT_THAT(nightly(command).err, HasSubstr("nothing to resume"));
+  command.history.clear();
+  EXPECT_EQ(nightly(command).code, kBadInput);
+}
+
+TEST_F(Nights, TimeThatIsUpLeavesCasesNotRunAndTheNightToBeResumed) {
+  accept();
+  NightlyCommand command;
+  command.history = history_;
+  command.minutes = 1e-9;
+  const Told night = nightly(command);
+  EXPECT_EQ(night.code, kCouldNotFinish);
+  EXPECT_THAT(night.out, HasSubstr("2 not run"));
+}
+
+TEST_F(Nights, RiseOfEvaluationsIsFoundAgainstBaselineHistoryAndFile) {
+  accept();
+  NightlyCommand command;
+  command.history = history_;
+  command.json = folder_.path() / "before.json";
+  command.commit = "aaaa1111";
+  ASSERT_EQ(nightly(command).code, 0);
+  factor_ = 1.2;
+  command.json = folder_.path() / "after.json";
+  command.commit = "bbbb2222";
+  const Told worse = nightly(command);
+  EXPECT_EQ(worse.code, kDiffer);
+  EXPECT_THAT(worse.out, HasSubstr("evaluations of cartesian"));
+
+  for (const DiffCommand& diff :
+       {DiffCommand{(folder_.path() / "before.json").string(), (folder_.path() / "after.json").string()},
+        DiffCommand{"last-1", "last", history_}, DiffCommand{"1", "2", history_},
+        DiffCommand{"aaaa", "bbbb", history_}}) {
+    const Told found = difference(diff);
+    EXPECT_EQ(found.code, kDiffer) << found.err;
+    EXPECT_THAT(found.out, HasSubstr("(+20 %)"));
+  }
+  EXPECT_EQ(difference({"last", "last", history_}).code, 0);
+  EXPECT_EQ(difference({"last-7", "last", history_}).code, kBadInput);
+
+  std::ostringstream out;
+  std::ostringstream err;
+  ASSERT_EQ(show_history({"sound", "", history_}, {out, err}), 0) << err.str();
+  EXPECT_THAT(out.str(), HasSubstr("commit aaaa1111 before, bbbb2222 after"));
+  EXPECT_THAT(out.str(), HasSubstr("▁█"));
+  ASSERT_EQ(show_history({"sound", "hinge on bob, F_y", history_}, {out, err}), 0) << err.str();
+  EXPECT_EQ(show_history({"sond", "", history_}, {out, err}), kBadInput);
+  EXPECT_THAT(err.str(), HasSubstr("did you mean 'sound'?"));
+}
+
+TEST_F(Nights, CaseThatLeavesTheSuiteIsGone) {
+  accept();
+  write("[[case]]\nmodels = [\"models/sound.toml\"]\n");
+  const Told night = nightly();
+  EXPECT_EQ(night.code, kDiffer);
+  EXPECT_THAT(night.out, HasSubstr("| gone | other |"));
+  NightlyCommand only;
+  only.only = "sound";
+  EXPECT_EQ(nightly(only).code, 0);
+  accept();
+  EXPECT_EQ(nightly().code, 0);
+}
+
+TEST_F(Nights, ResultsAreWrittenAndAcceptedFromAFile) {
+  NightlyCommand command;
+  command.out = folder_.path() / "out";
+  command.notify = "cat > '" + (folder_.path() / "told.md").string() + "'";
+  const Told night = nightly(command);
+  EXPECT_EQ(bytes_of(command.out / "table.txt"), night.out);
+  EXPECT_THAT(bytes_of(folder_.path() / "told.md"), HasSubstr("# no baseline suite: 2 cases"));
+  const auto json = nlohmann::json::parse(bytes_of(command.out / "night.json"));
+  EXPECT_EQ(json.at("format"), 1);
+  EXPECT_EQ(json.at("cases").size(), 2U);
+  AcceptCommand from;
+  from.from = command.out / "night.json";
+  EXPECT_EQ(accept(from).code, 0);
+  EXPECT_EQ(nightly().code, 0);
+}
+
+TEST_F(Nights, FileOfResultsOfAVersionThatIsNotKnownIsRefusedByName) {
+  const auto file = folder_.path() / "later.json";
+  write_file(file, "{\"format\": 5, \"kind\": \"concord night\", \"cases\": []}");
+  const Told refused = difference({file.string(), file.string()});
+  EXPECT_EQ(refused.code, kBadInput);
+  EXPECT_THAT(refused.err, HasSubstr("version 5 of these results is not known: this program reads version 1"));
+  write_file(file, "{\"format\": 1}");
+  EXPECT_THAT(difference({file.string(), file.string()}).err, HasSubstr("is no file of results"));
+  write_file(file, "nonsense");
+  EXPECT_EQ(difference({file.string(), file.string()}).code, kBadInput);
+}
+
+TEST_F(Nights, PatternThatMeansNothingIsRefused) {
+  NightlyCommand command;
+  command.only = "sond";
+  EXPECT_EQ(nightly(command).code, kBadInput);
+}
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,205 @@
+#include "compare/nightly/regression.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace concord::compare::nightly {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Result sound() {
+  Result one;
+  one.id = "crank";
+  one.definition = "as ever";
+  one.ending = Ending::agree;
+  one.cost = {Cost{"ida", 100, 1000}, Cost{"gbs", 20, 500}};
+  for (const char* name : {"A, F_x", "A, F_y", "B, T_z"}) {
+    Component& component = one.components.emplace_back();
+    component.name = name;
+    component.same_state = 13.0;
+    component.resolvable = 13.5;
+    component.same_run = 9.0;
+    component.refined = 11.0;
+    component.peak = 40.0;
+    component.scale = 50.0;
+  }
+  return one;
+}
+
+std::vector<std::string> told(const std::vector<Change>& changes) {
+  std::vector<std::string> all;
+  for (const Change& change : changes) all.push_back(to_string(change.turn) + " " + change.measure);
+  return all;
+}
+
+std::vector<std::string> changes_to(const Result& now) { return told(changes_between(sound(), now, {}, "baseline")); }
+
+const Origin kHere{"concord 1", "abc", "gcc", "this one"};
+
+Case ordinary() {
+  Case one;
+  one.id = "crank";
+  return one;
+}
+
+std::vector<std::string> judged(const Case& one, const Result& now, const Result* baseline,
+                                const std::vector<Entry>& earlier, const Judging& judging,
+                                const std::string& today = "2026-05-05") {
+  return told(judge_case(one, now, baseline, earlier, kHere, judging, today));
+}
+
+Entry night(long id, const Result& result, const std::string& commit = "before") {
+  Entry entry;
+  entry.night.id = id;
+  entry.night.origin = kHere;
+  entry.night.origin.commit = commit;
+  entry.result = result;
+  return entry;
+}
+
+}  // namespace
+
+TEST(Changes, NothingIsToldOfEqualResults) { EXPECT_THAT(changes_to(sound()), IsEmpty()); }
+
+TEST(Changes, FallOfTwoDigitsIsFoundInEachRung) {
+  Result now = sound();
+  now.components[1].same_run = 7.0;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse same run"));
+  now.components[0].refined = 9.0;
+  now.components[2].same_state = 10.0;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse refined", "worse same run", "worse same state"));
+  now = sound();
+  now.components[1].same_run = 11.0;
+  EXPECT_THAT(changes_to(now), ElementsAre("better same run"));
+}
+
+TEST(Changes, WorstComponentIsNamedAndTheOthersAreCounted) {
+  Result now = sound();
+  now.components[0].same_run = 7.5;
+  now.components[2].same_run = 6.0;
+  const auto changes = changes_between(sound(), now, {}, "baseline");
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].component, "B, T_z");
+  EXPECT_EQ(changes[0].was, "9.0");
+  EXPECT_EQ(changes[0].is, "6.0");
+  EXPECT_EQ(changes[0].more, 1);
+}
+
+TEST(Changes, DigitsBeyondWhatIsResolvedAreLuck) {
+  Result then = sound();
+  then.components[0].same_state = 16.0;
+  Result now = sound();
+  now.components[0].same_state = 12.3;  // within 20 resolutions
+  EXPECT_THAT(told(changes_between(then, now, {}, "")), IsEmpty());
+  now.components[0].resolvable = 11.0;  // a solver that lost digits
+  EXPECT_THAT(told(changes_between(then, now, {}, "")), ElementsAre("worse same state"));
+}
+
+TEST(Changes, RiseOfEvaluationsByAFifthIsFoundWallTimeNever) {
+  Result now = sound();
+  now.wall_s = 1000.0;
+  now.cost[1].evaluations = 560;
+  EXPECT_THAT(changes_to(now), IsEmpty());
+  now.cost[1].evaluations = 600;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse evaluations of relative"));
+  now.cost[1].evaluations = 400;
+  EXPECT_THAT(changes_to(now), ElementsAre("better evaluations of relative"));
+  now.cost[1].evaluations = 500;
+  now.cost[0].steps = 121;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse steps of cartesian"));
+}
+
+TEST(Changes, PeakMayMoveByItsShareOfTheScale) {
+  Result now = sound();
+  now.components[0].peak = 40.004;
+  EXPECT_THAT(changes_to(now), IsEmpty());
+  now.components[0].peak = 39.99;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse peak"));
+}
+
+TEST(Changes, ComponentsComeAndGo) {
+  Result now = sound();
+  now.components.erase(now.components.begin());
+  EXPECT_THAT(changes_to(now), ElementsAre("gone component"));
+  now = sound();
+  now.components.push_back(now.components.back());
+  now.components.back().name = "C, F_x";
+  EXPECT_THAT(changes_to(now), ElementsAre("new component"));
+  now = sound();
+  now.components[0].refined.reset();
+  EXPECT_THAT(changes_to(now), ElementsAre("worse refined"));
+}
+
+TEST(Changes, LostCaseTellsItsEndingAlone) {
+  Result now;
+  now.id = "crank";
+  now.ending = Ending::crashed;
+  EXPECT_THAT(changes_to(now), ElementsAre("worse ending"));
+}
+
+TEST(Judgement, MissingBaselineIsFour) {
+  const Result now = sound();
+  EXPECT_THAT(judged(ordinary(), now, nullptr, {}, {}), ElementsAre("no baseline baseline"));
+  const auto changes = judge_case(ordinary(), now, nullptr, {}, kHere, {}, "2026-05-05");
+  EXPECT_EQ(exit_code(changes.at(0), now.ending), 4);
+  Judging by_median;
+  by_median.against_baseline = false;
+  by_median.against_median = true;
+  EXPECT_THAT(judged(ordinary(), now, nullptr, {}, by_median), IsEmpty());
+}
+
+TEST(Judgement, RedIsRedUnlessItIsKnownAndOnlyUntilItsDay) {
+  Result now = sound();
+  now.ending = Ending::differ;
+  const Result baseline = sound();
+  EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), ElementsAre("red ending"));
+  Case known = ordinary();
+  known.known_red = KnownRed{"being mended", "2026-05-05"};
+  EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("known red ending"));
+  EXPECT_THAT(judged(known, now, &baseline, {}, {}, "2026-05-06"), ElementsAre("red ending"));
+  EXPECT_THAT(judged(known, sound(), &baseline, {}, {}), ElementsAre("better ending"));
+}
+
+TEST(Judgement, MedianOfGreenNightsOfTheSameQuestionIsWhatCounts) {
+  Judging judging;
+  judging.against_baseline = false;
+  judging.against_median = true;
+  Result lucky = sound();
+  lucky.components[0].same_run = 12.0;
+  Result red = sound();
+  red.ending = Ending::differ;
+  red.components[0].same_run = 1.0;
+  Result other = sound();
+  other.definition = "something else";
+  other.cost[1].evaluations = 5;
+  const std::vector<Entry> earlier{night(5, sound()), night(4, lucky), night(3, red), night(2, other),
+                                   night(1, sound())};
+  EXPECT_THAT(judged(ordinary(), sound(), nullptr, earlier, judging), IsEmpty());
+  Result now = sound();
+  now.components[0].same_run = 7.0;
+  const auto changes = judge_case(ordinary(), now, nullptr, earlier, kHere, judging, "2026-05-05");
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].against, "median of 3 nights");
+  EXPECT_EQ(changes[0].was, "9.0");
+}
+
+TEST(Judgement, OneProgramWithTwoResultsIsFlaky) {
+  const Result baseline = sound();
+  Result earlier = sound();
+  earlier.cost[0].evaluations = 1001;
+  EXPECT_THAT(judged(ordinary(), sound(), &baseline, {night(3, earlier, "abc")}, {}),
+              ElementsAre("flaky same program"));
+  EXPECT_THAT(judged(ordinary(), sound(), &baseline, {night(3, earlier, "another commit")}, {}), IsEmpty());
+}
+
+TEST(Codes, WorstIsNoVerdictThenBadInputThenDifferThenMissing) {
+  EXPECT_EQ(worse_code(4, 1), 1);
+  EXPECT_EQ(worse_code(0, 4), 4);
+  EXPECT_EQ(worse_code(1, 2), 2);
+  EXPECT_EQ(worse_code(3, 2), 3);
+}
+
+}  // namespace concord::compare::nightly

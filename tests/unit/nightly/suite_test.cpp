@@ -1,0 +1,132 @@
+#include "compare/nightly/suite.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "../compare/temporary_folder.h"
+#include "common/error.h"
+#include "compare/files.h"
+#include "compare/nightly/trial.h"
+
+namespace concord::compare::nightly {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kPendulum = R"(format = 1
+gravity = [0.3, -9.81, 0.2]
+[parameters]
+mass = 1.3
+arm = 0.2
+[[body]]
+name = "bob"
+mass = "mass"
+center_of_mass = ["arm", 0.1, -0.05]
+inertia = [0.02, 0.03, 0.04]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "bob"
+start.turn_z = { keep = 0.4, keep_speed = 2 }
+)";
+
+class Suites : public ::testing::Test {
+ protected:
+  Suites() {
+    write_file(folder_.path() / "models" / "one.toml", kPendulum);
+    write_file(folder_.path() / "models" / "two.toml", kPendulum);
+  }
+
+  Suite read(const std::string& text) {
+    write_file(folder_.path() / "suite.toml", "format = 1\n" + text);
+    return read_suite(folder_.path() / "suite.toml");
+  }
+
+  std::vector<std::string> ids(const std::string& text) {
+    std::vector<std::string> all;
+    for (const Case& one : read(text).cases) all.push_back(one.id);
+    return all;
+  }
+
+  std::string refusal(const std::string& text) {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace
+
+TEST_F(Suites, GlobsVariantsAndWorksAreToldApartByName) {
+  EXPECT_THAT(ids("[[case]]\nmodels = [\"models/*.toml\"]\n"), ElementsAre("one", "two"));
+  EXPECT_THAT(ids("[[case]]\nmodels = [\"models/*.toml\"]\nexcept = [\"models/t*.toml\"]\n"), ElementsAre("one"));
+  EXPECT_THAT(ids("[[case]]\nwork = \"statics\"\nmodels = [\"models/one.toml\"]\n"), ElementsAre("statics/one"));
+  EXPECT_THAT(ids("[[case]]\nname = \"p\"\nmodels = [\"models/*.toml\"]\n"), ElementsAre("p/one", "p/two"));
+  EXPECT_THAT(
+      ids("[[case]]\nmodels = [\"models/one.toml\"]\n[case.sweep]\nparameters.mass = [1, 2]\n"
+          "rtol = [1e-9, 1e-11]\n"),
+      ElementsAre("one/mass=1,rtol=1e-09", "one/mass=1,rtol=1e-11", "one/mass=2,rtol=1e-09", "one/mass=2,rtol=1e-11"));
+  EXPECT_THAT(ids("[[case]]\nmodels = [\"models/one.toml\"]\n[case.sweep]\ncut = { here = [\"hinge\"] }\n"
+                  "integrators = [[\"ida\", \"gbs\"]]\nstart = { seed = 4, count = 2, turn = 0.1 }\n"),
+              ElementsAre("one/cut=here,ida+gbs,start=0", "one/cut=here,ida+gbs,start=1"));
+  EXPECT_THAT(ids("[[case]]\nwork = \"fuzz\"\nseed = 3\ncount = 10\nshares = 2\n"),
+              ElementsAre("fuzz/seed=3/first=0", "fuzz/seed=3/first=10"));
+}
+
+TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/none*.toml\"]\n"),
+              HasSubstr("suite.toml:3:10: error: case: there is no file 'models/none*.toml'"));
+  EXPECT_THAT(refusal("[[case]]\nmodel = [\"x\"]\n"), HasSubstr("suite.toml:3:"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nparameters = { masss = 2 }\n"),
+              HasSubstr("has no parameter 'masss': did you mean 'mass'?"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\n[[case]]\nmodels = [\"models/one.toml\"]\n"),
+              HasSubstr("there is a case 'one' already (line 2): give one of them another name"));
+  EXPECT_THAT(refusal("[[case]]\nwork = \"static\"\nmodels = [\"models/one.toml\"]\n"),
+              HasSubstr("no work 'static': did you mean 'statics'?"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nknown_red = { reason = \"x\", until = \"soon\" }\n"),
+              HasSubstr("'until' must be a date without quotes, such as 2026-12-31"));
+  EXPECT_THAT(refusal(""), HasSubstr("there is no case"));
+  write_file(folder_.path() / "suite.toml", "format = 9\n[[case]]\nmodels = [\"models/one.toml\"]\n");
+  EXPECT_THROW(read_suite(folder_.path() / "suite.toml"), InputError);
+}
+
+TEST_F(Suites, ParametersCutsNeedsAndStartsReachTheModel) {
+  const Suite suite = read(
+      "[[case]]\nmodels = [\"models/one.toml\"]\nparameters = { mass = 2.5 }\ncut = [\"hinge\"]\n"
+      "need = [{ joint = \"hinge\", same_run = 5, because = \"soft\" }]\n"
+      "[case.sweep]\nstart = { seed = 4, count = 2, turn = 0.1, turn_speed = 0.3 }\n");
+  const Model first = model_of(suite.cases.at(0));
+  const Model second = model_of(suite.cases.at(1));
+  EXPECT_DOUBLE_EQ(first.bodies.at(1).mass, 2.5);
+  EXPECT_TRUE(first.joints.at(0).named_as_cut);
+  EXPECT_EQ(first.needs.at(0).because, "soft");
+  EXPECT_NE(first.joints.at(0).start.at(0).q(0), second.joints.at(0).start.at(0).q(0));
+  EXPECT_NEAR(first.joints.at(0).start.at(0).q(0), 0.4, 0.1);
+  EXPECT_NE(first.joints.at(0).start.at(0).u(0), 2.0);
+  EXPECT_EQ(model_of(suite.cases.at(0)).joints.at(0).start.at(0).q(0), first.joints.at(0).start.at(0).q(0));
+  EXPECT_THROW(model_of(read("[[case]]\nmodels = [\"models/one.toml\"]\ncut = [\"hing\"]\n").cases.at(0)), InputError);
+}
+
+TEST_F(Suites, DefinitionTellsWhatIsAskedAndOfWhichFile) {
+  const std::string text = "[[case]]\nmodels = [\"models/one.toml\"]\nuntil = 0.3\n";
+  const std::string before = definition_of(read(text).cases.at(0));
+  EXPECT_EQ(definition_of(read(text).cases.at(0)), before);
+  EXPECT_NE(definition_of(read(text + "rtol = 1e-9\n").cases.at(0)), before);
+  write_file(folder_.path() / "models" / "one.toml", std::string(kPendulum) + "# heavier\n");
+  EXPECT_NE(definition_of(read(text).cases.at(0)), before);
+}
+
+TEST(Patterns, MeanPartsOfNamesOrGlobs) {
+  EXPECT_TRUE(is_meant("statics/car", "car"));
+  EXPECT_TRUE(is_meant("statics/car", "statics/*"));
+  EXPECT_FALSE(is_meant("statics/car", "car*"));
+}
+
+}  // namespace concord::compare::nightly
