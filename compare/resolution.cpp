@@ -73,7 +73,8 @@ void take_largest_of_blocks(const Layout& layout, VecX& values) {
 /// Loads on a body in one state.
 struct BodyLoad {
   double mass = 0.0;
-  double least_inertia = 0.0;  // about any axis through the centre of mass, kg m2
+  double least_inertia = 0.0;    // about any axis through the centre of mass, kg m2
+  double largest_inertia = 0.0;  // the same
   double force = 0.0;
   double torque = 0.0;  // about the body's origin
   VecX modal;           // generalized forces by mode
@@ -108,21 +109,23 @@ class Loads {
                    (body.modal->damping.cwiseAbs() * state.adot.cwiseAbs());
       const Vec3 center = body.modal->G.block<3, 1>(1, 0) / load.mass;
       const Mat3 second = body.modal->G.block<3, 3>(1, 1) - load.mass * center * center.transpose();
-      least_inertia_of(second.trace() * Mat3::Identity() - second, load);
+      take_inertia(second.trace() * Mat3::Identity() - second, load);
     } else {
-      least_inertia_of(body.inertia_L, load);
+      take_inertia(body.inertia_L, load);
     }
     for (const Evaluation& evaluation : shared_.evaluations) {
       const BodyAcceleration& acceleration = evaluation.bodies[i];
-      const double size = model_.gravity.norm() + acceleration.vdot.norm() +
-                          reach * (acceleration.omegadot.norm() + state.omega.squaredNorm());
+      const double turning = acceleration.omegadot.norm() + state.omega.squaredNorm();
+      const double size = model_.gravity.norm() + acceleration.vdot.norm() + reach * turning;
       take_force(load, load.mass * size, reach);
+      load.torque = std::max(load.torque, load.largest_inertia * turning);  // I omegadot + omega x (I omega)
       load.modal += (load.mass * load.modal_mass).cwiseSqrt() * size;
     }
   }
 
-  static void least_inertia_of(const Mat3& inertia, BodyLoad& load) {
+  static void take_inertia(const Mat3& inertia, BodyLoad& load) {
     load.least_inertia = std::max(0.0, inertia.diagonal().minCoeff());
+    load.largest_inertia = inertia.diagonal().maxCoeff();
   }
 
   static void take_force(BodyLoad& load, double force, double reach) {
@@ -205,8 +208,11 @@ VecX term_sizes(const Layout& layout, const SharedState& shared) {
   const Model& model = layout.model();
   const Loads loads(model, shared);
   const double length = model.length_scale();
-  // What a joint passes is the rest of the loads on its bodies.
-  const auto of_joint = [&](int k, bool is_torque) {
+  const auto turns = [&](const CouplingTerm& term) -> bool {
+    return turning_speeds(*model.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model, term))];
+  };
+  // What a joint passes is the rest of the loads on its bodies, and of what couplings bring from other joints.
+  const auto of_bodies = [&](int k, bool is_torque) {
     double force = 0.0;
     double torque = 0.0;
     for (const Attachment& side : model.joints[k].sides) {
@@ -216,6 +222,23 @@ VecX term_sizes(const Layout& layout, const SharedState& shared) {
     }
     return is_torque ? std::max(torque, force * length) : force;
   };
+  const auto of_coupling = [&](const Coupling& coupling) {
+    double size = 0.0;
+    for (const CouplingTerm& term : coupling.terms) {
+      size = std::max(size, of_bodies(term.joint, turns(term)) / std::abs(term.factor));
+    }
+    return size;
+  };
+  const auto of_joint = [&](int k, bool is_torque) {
+    double size = of_bodies(k, is_torque);
+    for (const Coupling& coupling : model.couplings) {
+      for (const CouplingTerm& term : coupling.terms) {
+        if (term.joint != k || turns(term) != is_torque) continue;
+        size = std::max(size, of_coupling(coupling) * std::abs(term.factor));
+      }
+    }
+    return size;
+  };
   VecX sizes(static_cast<Eigen::Index>(layout.quantities().size()));
   for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
     const Quantity& quantity = layout.quantities()[row];
@@ -224,10 +247,7 @@ VecX term_sizes(const Layout& layout, const SharedState& shared) {
     size = 0.0;
     switch (quantity.kind) {
       case Kind::coupling:
-        for (const CouplingTerm& term : model.couplings[quantity.owner].terms) {
-          const bool turns = turning_speeds(*model.joints[term.joint].type)[speed_of(model, term)];
-          size = std::max(size, of_joint(term.joint, turns) / std::abs(term.factor));
-        }
+        size = of_coupling(model.couplings[quantity.owner]);
         break;
       case Kind::element: {
         const ElementWrenches& wrenches = shared.evaluations[0].elements[quantity.owner];

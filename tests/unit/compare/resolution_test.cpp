@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "common/model_file.h"
 #include "fake_pendulum.h"
 
 namespace concord::compare {
@@ -102,6 +103,58 @@ TEST_F(ResolutionTest, TermsThatCancelCountThoughNothingIsLeft) {
   const double weight = 1.7 * pendulum_model().gravity.norm();
   for (int c = 0; c < 6; ++c) EXPECT_GE(terms(row(c)), 0.3 * weight);
   EXPECT_GT(terms(layout_.first_row(Kind::acceleration, 1)), 5.0);
+}
+
+/// Two balanced discs on hinges, coupled 3 to -5, the first one driven; at rest but for the second, which turns at 4
+/// rad/s.
+SharedState state_of_coupled_discs(const Model& model) {
+  SharedState shared;
+  shared.state.bodies.resize(model.bodies.size());
+  shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
+  for (Evaluation& evaluation : shared.evaluations) {
+    evaluation.bodies.resize(model.bodies.size());
+    evaluation.joints.resize(model.joints.size());
+    for (JointWrenches& joint : evaluation.joints) joint.tau = VecX::Zero(1);
+    evaluation.couplings = {0.0};
+  }
+  return shared;
+}
+
+TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledWithIt) {
+  const Model model = parse_model(R"(
+    format = 1
+    [[body]]
+    name = "light"
+    mass = 0.1
+    inertia = [1e-6, 1e-6, 1e-6]
+    [[body]]
+    name = "heavy"
+    mass = 7.0
+    inertia = [0.4, 0.5, 0.6]
+    [[joint]]
+    name = "A"
+    type = "revolute"
+    parent = "ground"
+    child = "light"
+    drive.turn_z = { law = "constant_speed", speed = 0 }
+    [[joint]]
+    name = "B"
+    type = "revolute"
+    parent = { body = "ground", point = [0.2, 0, 0] }
+    child = "heavy"
+    [[coupling]]
+    name = "gears"
+    terms = [
+      { joint = "A", coordinate = "turn_z", factor = 3 }, { joint = "B", coordinate = "turn_z", factor = -5 }]
+  )",
+                                  "discs.toml");
+  const Layout layout(model);
+  const VecX terms = term_sizes(layout, state_of_coupled_discs(model));
+  constexpr double kOfHeavy = 0.6 * 4.0 * 4.0;  // N m
+  EXPECT_NEAR(terms(layout.row_of({Kind::driver, 1, Side::child, 0})), kOfHeavy, 1e-12);
+  EXPECT_NEAR(terms(layout.row_of({Kind::coupling, 0, Side::child, 0})), kOfHeavy / 5.0, 1e-12);
+  EXPECT_NEAR(terms(layout.row_of({Kind::driver, 0, Side::child, 0})), kOfHeavy * 3.0 / 5.0, 1e-12);
+  EXPECT_EQ(terms(layout.row_of({Kind::total, 0, Side::child, 0})), 0.0) << "a torque brings no force";
 }
 
 TEST_F(ResolutionTest, StatesThatNoDrawIsAcceptedInAreUnknown) {
