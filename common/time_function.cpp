@@ -58,9 +58,10 @@ std::vector<double> spline_curvatures(const std::vector<double>& t, const std::v
     right(k) = (f[k + 1] - f[k]) / width(k) - (f[k] - f[k - 1]) / width(k - 1);
   }
   const auto same_third_derivative = [&](Eigen::Index row, Eigen::Index k) {
-    entries.emplace_back(row, k - 1, 1.0 / width(k - 1));
-    entries.emplace_back(row, k, -1.0 / width(k - 1) - 1.0 / width(k));
-    entries.emplace_back(row, k + 1, 1.0 / width(k));
+    // Times both widths: all rows are lengths then, so that the choice of pivots does not depend on the unit.
+    entries.emplace_back(row, k - 1, width(k));
+    entries.emplace_back(row, k, -width(k - 1) - width(k));
+    entries.emplace_back(row, k + 1, width(k - 1));
   };
   same_third_derivative(0, 1);
   same_third_derivative(n - 1, n - 2);

@@ -72,6 +72,19 @@ TEST(TimeFunction, NotAKnotSplineReproducesACubicInsideAndOutsideTheTable) {
   }
 }
 
+TEST(TimeFunction, ASplineInOtherUnitsIsTheSameToTheLastDigit) {
+  const SplineTable table = table_of([](double t) { return std::sin(3.0 * t); });
+  for (const double unit : {0x1p-30, 0x1p30}) {
+    std::vector<double> times = kTimes;
+    for (double& t : times) t *= unit;
+    const SplineTable told(times, table.values());
+    for (const double t : {-0.2, 0.1, 0.4, 0.9, 1.3, 1.7, 2.3}) {
+      EXPECT_EQ(told.evaluate(unit * t).f, table.evaluate(t).f);
+      EXPECT_EQ(told.evaluate(unit * t).fddot * unit * unit, table.evaluate(t).fddot);
+    }
+  }
+}
+
 TEST(TimeFunction, SplineGoesThroughItsTableWithContinuousCurvature) {
   const SplineTable table = table_of([](double t) { return std::sin(3.0 * t); });
   for (const double t : kTimes) EXPECT_NEAR(table.evaluate(t).f, std::sin(3.0 * t), 1e-15);
