@@ -128,7 +128,7 @@ void Stepper::pass_kink() {
 }
 
 void Stepper::refuse_chatter() {
-  constexpr int kMaxKinks = 500;
+  constexpr int kMaxKinks = 200;
   if (time_ - kinks_since_ > chatter_window_) {
     kinks_since_ = time_;
     kinks_ = 0;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
 #include "common/rotation.h"
 
@@ -45,35 +44,6 @@ bool Model::is_coupled(int k) const {
   });
 }
 
-namespace {
-
-/// Largest radius of gyration of a body, or extent of its mass points [m].
-double size_of(const Body& body) {
-  if (!body.modal) return body.mass > 0.0 ? std::sqrt(std::max(0.0, 0.5 * body.inertia_L.trace() / body.mass)) : 0.0;
-  double largest = 0.0;
-  for (const MassPoint& point : body.modal->mass_points) {
-    largest = std::max(largest, (point.s0_L - body.modal->mass_points.front().s0_L).norm());
-  }
-  return largest;
-}
-
-/// A length of a machine in which no body has two places: how large its bodies are, and how far their joints are from
-/// their centres of mass; 1 m if all that is nothing.
-double length_of_bodies(const Model& model) {
-  double largest = 0.0;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) largest = std::max(largest, size_of(model.bodies[i]));
-  for (const Joint& joint : model.joints) {
-    for (const Attachment& side : joint.sides) {
-      const Body& body = model.bodies[side.body];
-      if (side.body == kGround || body.modal) continue;
-      largest = std::max(largest, (side.point_L - body.center_of_mass_L).norm());
-    }
-  }
-  return largest > 0.0 ? largest : 1.0;
-}
-
-}  // namespace
-
 double Model::length_scale() const {
   std::vector<const Attachment*> places;
   for (const Joint& joint : joints) {
@@ -91,7 +61,7 @@ double Model::length_scale() const {
       largest = std::max(largest, ((*one)->point_L - (*other)->point_L).norm());
     }
   }
-  return largest > 0.0 ? largest : length_of_bodies(*this);
+  return largest > 0.0 ? largest : 1.0;
 }
 
 namespace {

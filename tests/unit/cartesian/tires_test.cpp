@@ -306,7 +306,7 @@ TEST(Tires, RattlingWithoutEndIsTold) {
   } catch (const SolverError& error) {
     message = error.what();
   }
-  EXPECT_THAT(message, HasSubstr("tire 'tire' changes its regime without end: 501 times within")) << message;
+  EXPECT_THAT(message, HasSubstr("tire 'tire' changes its regime without end: 201 times within")) << message;
 }
 
 TEST(Tires, RefusesAWheelThatLiesOnItsSide) {

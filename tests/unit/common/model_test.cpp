@@ -125,20 +125,6 @@ TEST(Model, LengthScaleIsTheLargestDistanceOfJointPointsOfABody) {
   EXPECT_DOUBLE_EQ(model.length_scale(), (Vec3(0.2, 0.2, 0.5) - Vec3(0.0, -0.6, 0.1)).norm());
 }
 
-/// One place on the body: its own size, in whatever unit.
-TEST(Model, LengthScaleOfABodyOnOneJointIsItsSize) {
-  for (const double unit : {1.0, 1e-6, 1e6}) {
-    Model model;
-    model.bodies.resize(2);
-    model.bodies[1].mass = 2.0;
-    model.bodies[1].inertia_L = (Vec3(1.0, 2.0, 1.5) * unit * unit).asDiagonal();
-    model.joints = {connect("revolute", attach(0, Vec3::Zero(), 0.0), attach(1, Vec3::Zero(), 0.0), {})};
-    EXPECT_DOUBLE_EQ(model.length_scale(), std::sqrt(4.5 / 4.0) * unit);
-    model.joints[0].sides[1].point_L = Vec3(0.0, -3.0, 4.0) * unit;
-    EXPECT_DOUBLE_EQ(model.length_scale(), 5.0 * unit);
-  }
-}
-
 TEST(Model, AFreeJointCarriesNothingUnlessSomethingActsInIt) {
   const auto with = [](const char* type) {
     Model model = chain_of_three();
