@@ -142,7 +142,7 @@ class CartesianSolver : public Solver {
     for (int k = 1; k <= options.samples; ++k) {
       const double t = k == options.samples ? options.until : options.until * k / options.samples;
       while (reached < t) {
-        reached = stepper->step(t);
+        reached = step(*stepper, watch, t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
         if (watch.follow(reached, motion_)) stepper->take_new_rows();
@@ -161,6 +161,17 @@ class CartesianSolver : public Solver {
   }
 
  private:
+  static double step(Stepper& stepper, const PoseWatch& watch, double t) {
+    try {
+      return stepper.step(t);
+    } catch (const SingularPose&) {
+      throw;
+    } catch (const SolverError& error) {
+      watch.explain_stop(error.what());
+      throw;
+    }
+  }
+
   /// Rows that were left out follow from the others with their round-off magnified: closes the motion in them all.
   void close_all_rows(double t) {
     const Closing closing = close_machine(equations_, t, Hold::constraints, closing_modes_, motion_.q, motion_.Y);
