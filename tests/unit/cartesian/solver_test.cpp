@@ -234,7 +234,8 @@ TEST(CartesianSolver, DriversKeepTheirDigitsAfterManyTurns) {
   linkage.crank = 0.2;
   linkage.last_crank = 0.5;
   linkage.angle = 5000.3;
-  const auto solver = make_solver(linkage.make());
+  const Model model = linkage.make();
+  const auto solver = make_solver(model);
   const State start = solver->assemble();
   const Vec4& p = start.bodies[1].p;
   const Mat3 A = Eigen::Quaterniond(p(0), p(1), p(2), p(3)).toRotationMatrix();
