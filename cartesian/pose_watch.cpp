@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "cartesian/rank.h"
 #include "common/error.h"
@@ -145,7 +146,7 @@ PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const Mot
   overlap_ = std::make_unique<Overlap>(equations);
   equations_.update(t, start.q, start.Y);
   last_ = look(t, start);
-  chosen_pivots_ = last_.pivots;
+  chosen_pivots_ = largest_pivots_ = last_.pivots;
 }
 
 PoseWatch::~PoseWatch() = default;
@@ -182,13 +183,23 @@ bool PoseWatch::follow(double t, const Motion& motion) {
     choose(now);
     chosen_pivots_ = now.pivots;
   }
+  refuse_vanished(now);
   const double rate = rate_of_change(last_, now);
   const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
-  if (!is_regular(last_, now, changes_little)) trace(last_, now, kDepth);
+  trace(last_, now, changes_little, kDepth);
   rate_ = rate;
   equations_.use_rows(now.rows);
   last_ = std::move(now);
   return last_.rows != rows;
+}
+
+/// Closed poses this near to a singular one are known to the root of round-off only: on which side they stand is open.
+void PoseWatch::refuse_vanished(const Look& now) {
+  constexpr double kVanished = 1e-13;  // of the largest that a pivot has been; the root of that is the distance
+  largest_pivots_ = largest_pivots_.cwiseMax(now.pivots);
+  for (Eigen::Index row = 0; row < now.pivots.size(); ++row) {
+    if (now.rows[row] && !(now.pivots(row) > kVanished * largest_pivots_(row))) refuse(now.t, static_cast<int>(row));
+  }
 }
 
 VecX PoseWatch::own_pivots(const Look& at, const std::vector<bool>& rows) {
@@ -226,61 +237,46 @@ double PoseWatch::rate_of_change(const Look& before, const Look& after) {
   return largest / (after.t - before.t);
 }
 
-/// Whether no pivot falls towards zero and rises again between the looks: the root of one that does is in the middle at
-/// most half of what it is at the farther end.
-bool PoseWatch::stays_independent(const Look& before, const Look& after, const std::vector<double>& in_the_middle,
+/// Whether no pivot falls to zero and rises again between the looks. Its root is straight over a short time: from the
+/// middle and either end the other end is foreseen, with the other sign where the root has passed zero.
+bool PoseWatch::stays_independent(const Look& before, const Look& middle, const Look& after,
                                   const std::vector<bool>& rows) {
-  constexpr double kQuarter = 0.25;  // of the pivot
-  const VecX between = overlap_->pivots(in_the_middle, in_the_middle, rows);
-  const VecX at_before = own_pivots(before, rows);
-  const VecX at_after = own_pivots(after, rows);
+  constexpr double kForeseen = 0.5;  // of the root at an end
+  const VecX between = own_pivots(middle, rows).cwiseMax(0.0).cwiseSqrt();
+  const VecX at_before = own_pivots(before, rows).cwiseMax(0.0).cwiseSqrt();
+  const VecX at_after = own_pivots(after, rows).cwiseMax(0.0).cwiseSqrt();
   for (Eigen::Index row = 0; row < between.size(); ++row) {
-    if (!rows[row] || between(row) > kQuarter * std::max(at_before(row), at_after(row))) continue;
+    if (!rows[row]) continue;
+    const double from_before = 2.0 * between(row) - at_before(row);
+    const double from_after = 2.0 * between(row) - at_after(row);
+    if (from_before > kForeseen * at_after(row) && from_after > kForeseen * at_before(row)) continue;
     weakest_row_ = static_cast<int>(row);
     return false;
   }
   return true;
 }
 
-/// The values of the equations' matrix in the middle of the cubic through both looks; nothing where the machine cannot
-/// stand there.
-std::vector<double> PoseWatch::values_between(const Look& before, const Look& after) {
-  try {
-    const Motion middle = middle_of(equations_.layout(), before, after);
-    equations_.update(0.5 * (before.t + after.t), middle.q, middle.Y);
-  } catch (const SolverError&) {
-    return {};
-  }
-  equations_.fill_matrix();
-  const SparseLu& matrix = equations_.matrix();
-  return {matrix.values(), matrix.values() + matrix.row_indices().size()};
-}
-
-/// Whether no pose between the looks is singular, by the rows of either.
-bool PoseWatch::is_regular(const Look& before, const Look& after, bool changes_little) {
-  std::vector<double> in_the_middle;
+/// Looks closer and closer where a singular pose may be, by the rows of either look.
+void PoseWatch::trace(const Look& before, const Look& after, bool changes_little, int depth) {
+  std::optional<Look> middle;
   for (const Look* own : {&before, &after}) {
     if (own == &after && after.rows == before.rows) break;
     if (!leads_on(before, after, own->rows)) continue;
-    if (changes_little) return true;
-    if (in_the_middle.empty()) in_the_middle = values_between(before, after);
-    if (in_the_middle.empty()) return false;
-    if (stays_independent(before, after, in_the_middle, own->rows)) return true;
+    if (changes_little) return;
+    if (!middle) middle = look_between(before, after);
+    if (stays_independent(before, *middle, after, own->rows)) return;
   }
-  return false;
-}
-
-/// Looks closer and closer where a singular pose may be.
-void PoseWatch::trace(const Look& before, const Look& after, int depth) {
   if (depth == 0) refuse(after.t, weakest_row_);
-  const Look middle = look_between(before, after);
-  if (!is_regular(before, middle, false)) trace(before, middle, depth - 1);
-  if (!is_regular(middle, after, false)) trace(middle, after, depth - 1);
+  if (!middle) middle = look_between(before, after);
+  trace(before, *middle, false, depth - 1);
+  trace(*middle, after, false, depth - 1);
 }
 
-/// Halfway in time, by the cubic through both.
-Motion PoseWatch::middle_of(const Layout& layout, const Look& before, const Look& after) {
+/// Halfway in time: the cubic through both, brought onto the constraints (C54).
+PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
+  const Layout& layout = equations_.layout();
   const double h = after.t - before.t;
+  const double t = before.t + 0.5 * h;
   VecX rate_before(layout.n_q());
   VecX rate_after(layout.n_q());
   layout.write_qdot(before.q, before.Y, rate_before);
@@ -289,13 +285,6 @@ Motion PoseWatch::middle_of(const Layout& layout, const Look& before, const Look
   middle.q = 0.5 * (before.q + after.q) + h / 8.0 * (rate_before - rate_after);
   middle.Y = 0.5 * (before.Y + after.Y);
   layout.normalize(middle.q);
-  return middle;
-}
-
-/// Halfway in time, brought onto the constraints (C54).
-PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
-  const double t = 0.5 * (before.t + after.t);
-  Motion middle = middle_of(equations_.layout(), before, after);
   try {
     equations_.update(t, middle.q, middle.Y);
     const RowChoice choice = choose_rows(equations_, generic_rank_);
@@ -310,6 +299,18 @@ PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
     refuse(t, weakest_row_);
   }
   return look(t, middle);
+}
+
+void PoseWatch::explain_stop(const std::string& reason) const {
+  constexpr double kNear = 1e-3;  // of the largest that a pivot has been
+  if (!may_lose_rank_) return;
+  for (Eigen::Index row = 0; row < last_.pivots.size(); ++row) {
+    if (!last_.rows[row] || last_.pivots(row) > kNear * largest_pivots_(row)) continue;
+    throw SingularPose(fmt::format(
+        "cartesian: after t = {:.6g} s the motion comes to a singular pose, where constraints lose rank at {}, and the "
+        "integrator does not reach it: {}",
+        last_.t, equations_.name_of(static_cast<int>(row)), reason));
+  }
 }
 
 void PoseWatch::refuse(double t, int row) const {

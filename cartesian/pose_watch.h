@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "cartesian/equations.h"
@@ -18,8 +19,8 @@ namespace concord::cartesian {
 /// rows lose rank, and the sudden turn where a motion changes to another branch, stay however near both are.
 ///
 /// Where a motion goes over into a branch that is near, or permits nothing as drivers hold it, neither changes its sign
-/// or turns. But the pivots of J M^-1 J^T fall to zero and rise again: their roots are then less than half of the
-/// larger end's in the middle between a and b, however near both are, and nowhere else.
+/// or turns. But the roots of the pivots of J M^-1 J^T fall to zero and rise again, as steeply as they fell: what
+/// either end and the middle foresee of the other end is then wrong, however near both are, and nowhere else.
 class PoseWatch {
  public:
   /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is
@@ -32,6 +33,9 @@ class PoseWatch {
   /// The motion has come to t. True if the equations use other rows from now on. Throws SingularPose where the motion
   /// has passed or reached a singular pose.
   bool follow(double t, const Motion& motion);
+
+  /// An integrator has stopped for this reason. Throws SingularPose if the constraints were about to lose rank.
+  void explain_stop(const std::string& reason) const;
 
  private:
   /// A pose of the motion and the pivots of J M^-1 J^T over the rows chosen there.
@@ -46,17 +50,14 @@ class PoseWatch {
   class Overlap;
 
   Look look(double t, const Motion& motion);
-  static Motion middle_of(const Layout& layout, const Look& before, const Look& after);
   Look look_between(const Look& before, const Look& after);
   void choose(Look& at);
+  void refuse_vanished(const Look& now);
   VecX own_pivots(const Look& at, const std::vector<bool>& rows);
   bool leads_on(const Look& before, const Look& after, const std::vector<bool>& rows);
   static double rate_of_change(const Look& before, const Look& after);
-  bool stays_independent(const Look& before, const Look& after, const std::vector<double>& in_the_middle,
-                         const std::vector<bool>& rows);
-  std::vector<double> values_between(const Look& before, const Look& after);
-  bool is_regular(const Look& before, const Look& after, bool changes_little);
-  void trace(const Look& before, const Look& after, int depth);
+  bool stays_independent(const Look& before, const Look& middle, const Look& after, const std::vector<bool>& rows);
+  void trace(const Look& before, const Look& after, bool changes_little, int depth);
   [[noreturn]] void refuse(double t, int row) const;
 
   Equations& equations_;
@@ -65,6 +66,7 @@ class PoseWatch {
   std::unique_ptr<Overlap> overlap_;
   Look last_;
   VecX chosen_pivots_;      // where the rows in use were chosen
+  VecX largest_pivots_;     // so far
   double rate_ = HUGE_VAL;  // of the change of pivots over the last step, relative [1/s]
   int weakest_row_ = 0;
 };

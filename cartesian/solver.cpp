@@ -173,7 +173,7 @@ class CartesianSolver : public Solver {
       const double t = k == options.samples ? options.until : options.until * k / options.samples;
       while (reached < t) {
         const bool breaks_first = next_break != breaks.end() && *next_break < t;
-        reached = stepper->step(breaks_first ? *next_break : t);
+        reached = step(*stepper, watch, breaks_first ? *next_break : t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
         pace.require(reached, stepper->evaluations());
@@ -196,6 +196,17 @@ class CartesianSolver : public Solver {
   }
 
  private:
+  static double step(Stepper& stepper, const PoseWatch& watch, double t) {
+    try {
+      return stepper.step(t);
+    } catch (const SingularPose&) {
+      throw;
+    } catch (const SolverError& error) {
+      watch.explain_stop(error.what());
+      throw;
+    }
+  }
+
   /// Rows that were left out follow from the others with their round-off magnified: closes the motion in them all.
   void close_all_rows(double t) {
     const Closing closing = close_machine(equations_, t, Hold::constraints, closing_modes_, motion_.q, motion_.Y);

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+#include <vector>
+
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "linkage.h"
@@ -10,14 +14,21 @@
 namespace concord::cartesian {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 using testing::Linkage;
 
-std::string end_of_run(const Model& model, double until, const char* integrator) {
+constexpr std::array kIntegrators{"gbs", "ida"};
+std::vector<int> samplings_of(const std::string& integrator) {
+  if (integrator == "ida") return {7, 40};  // whose steps are short
+  return {7, 20, 40, 100};
+}
+
+std::string end_of_run(const Model& model, double until, const char* integrator, int samples = 7) {
   RunOptions options;
   options.until = until;
-  options.samples = 7;
+  options.samples = samples;
   options.rtol = 1e-9;
   options.integrator = integrator;
   try {
@@ -28,15 +39,51 @@ std::string end_of_run(const Model& model, double until, const char* integrator)
   }
 }
 
-/// One loop that swings through its flat pose by itself. With long steps of gbs the watch can miss it; a run alone is
-/// then refused for its energy.
+/// Each integrator and sampling has other steps, which end near the flat pose or far from it.
+void expect_to_be_seen(const Linkage& linkage, double until) {
+  const Model model = linkage.make();
+  for (const char* integrator : kIntegrators) {
+    for (const int samples : samplings_of(integrator)) {
+      EXPECT_THAT(end_of_run(model, until, integrator, samples),
+                  AllOf(HasSubstr("a singular pose"), HasSubstr("constraints lose rank at joint")))
+          << integrator << ", " << samples;
+    }
+  }
+}
+
+TEST(PoseWatch, NamesTheIntegratorsThatItIsTriedWith) {
+  const std::vector<std::string> names = make_solver(Linkage().make())->integrators();
+  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(kIntegrators));
+}
+
+/// One loop that swings through its flat pose by itself, on its branch or into the other one.
 TEST(PoseWatch, SeesAParallelogramPassItsFlatPoseBetweenSteps) {
   Linkage linkage;
   linkage.is_driven = false;
   linkage.rate = 9.0;
   linkage.angle = -0.5;
-  EXPECT_THAT(end_of_run(linkage.make(), 1.0, "ida"),
-              HasSubstr("the motion passes a singular pose: constraints lose rank at joint"));
+  expect_to_be_seen(linkage, 1.0);
+}
+
+/// A driver leaves nothing that could turn.
+TEST(PoseWatch, SeesADrivenParallelogramPassItsFlatPoseBetweenSteps) {
+  Linkage linkage;
+  linkage.angle = -0.7;
+  linkage.rate = 5.0;
+  expect_to_be_seen(linkage, 0.5);
+}
+
+/// A heavy crank leaves the branches of the motion little to differ by.
+TEST(PoseWatch, SeesAFlatPoseWhereTheBranchesAreNear) {
+  Linkage linkage;
+  linkage.is_driven = false;
+  linkage.rate = 4.0;
+  linkage.angle = -0.9;
+  Model model = linkage.make();
+  model.bodies[1].inertia_L *= 3e4;
+  for (const int samples : samplings_of("gbs")) {
+    EXPECT_THAT(end_of_run(model, 0.5, "gbs", samples), HasSubstr("the motion passes a singular pose")) << samples;
+  }
 }
 
 /// Two loops lose rank together: no determinant changes its sign.
@@ -46,17 +93,25 @@ TEST(PoseWatch, SeesTwoLoopsPassTheirFlatPoseTogether) {
   linkage.is_driven = false;
   linkage.rate = 9.0;
   linkage.angle = -0.4;
-  EXPECT_THAT(end_of_run(linkage.make(), 1.0, "gbs"), HasSubstr("the motion passes a singular pose"));
+  expect_to_be_seen(linkage, 1.0);
 }
 
+/// A crank-rocker, and a double rocker's cranks nearly as long as each other, which come by the flat pose.
 TEST(PoseWatch, LetsARegularLinkageTurnFully) {
-  Linkage linkage;
-  linkage.crank = 0.2;
-  linkage.last_crank = 0.5;
-  for (const bool is_driven : {true, false}) {
-    linkage.is_driven = is_driven;
-    linkage.rate = is_driven ? 2.0 : 15.0;
-    EXPECT_EQ(end_of_run(linkage.make(), 4.0, "gbs"), "went through");
+  for (const double last_crank : {0.5, 0.21}) {
+    Linkage linkage;
+    linkage.crank = 0.2;
+    linkage.last_crank = last_crank;
+    for (const bool is_driven : {true, false}) {
+      linkage.is_driven = is_driven;
+      linkage.rate = is_driven ? 2.0 : 15.0;
+      for (const char* integrator : kIntegrators) {
+        for (const int samples : samplings_of(integrator)) {
+          EXPECT_EQ(end_of_run(linkage.make(), is_driven ? 4.0 : 1.0, integrator, samples), "went through")
+              << integrator << ", " << samples;
+        }
+      }
+    }
   }
 }
 
