@@ -68,12 +68,17 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
 std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict) {
   const std::vector<Row*> missing = rows_that_miss(verdict, rung);
+  // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
+  double apart = 0.0;
+  double moved = 0.0;
   for (const Row* row : missing) {
     const int place = layout.row_of(row->quantity);
+    const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
     const std::array<double, 2> own = own_changes(looser, tighter, place);
-    const double unexplained = tighter.measured[static_cast<std::size_t>(place)].unexplained;
-    if (unexplained > kOfOneDraw * (own[0] + own[1])) return std::nullopt;
+    apart = std::max(apart, measured.unexplained / measured.scale);
+    moved = std::max(moved, (own[0] + own[1]) / measured.scale);
   }
+  if (apart > kOfOneDraw * moved) return std::nullopt;
   const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
   if (tighter.motion.digits < motion_need &&
       tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - std::log10(kOfOneDraw)) {

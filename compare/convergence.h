@@ -30,11 +30,11 @@ struct RunPair {
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
 
-/// Looks at the rows that miss their need on a rung. Where a difference is of the size, within a factor of ten, of what
-/// the solvers' own runs moved by together from the looser tolerance to the tighter one, the integration has not
-/// converged, and the solvers cannot be told apart there. If that holds for every row and for the motions, marks the
-/// rows as not converged and returns a sentence that names the worst; returns nothing, and marks nothing, if one
-/// difference is larger.
+/// Looks at the rows that miss their need on a rung where the same state agrees. If the largest difference among them,
+/// relative to its scale, is of the size, within a factor of ten, of what the solvers' own runs moved by in these rows
+/// from the looser tolerance to the tighter one, and the same holds for the motions, the integration has not converged,
+/// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
+/// worst. Returns nothing, and marks nothing, if the difference is larger.
 std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict);
 

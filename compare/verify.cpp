@@ -98,6 +98,7 @@ class Climb {
     for (const Body& body : model_.bodies) verdict_.modes += body.n_modes();
     verdict_.run = run_options(model_, options_);
     asked_samples_ = verdict_.run.samples;
+    asked_rtol_ = verdict_.run.rtol;
     verdict_.run.samples = run_rows(asked_samples_, trajectory_states());
     verdict_.need = default_needs(model_);
     for (const Who who : kWho) {
@@ -387,7 +388,7 @@ class Climb {
 
   void judge_energy(SolverSummary& summary, const EnergyReport& found) {
     summary.energy_error = found.relative();
-    const double allowed = kEnergyPerTolerance * verdict_.run.rtol;
+    const double allowed = kEnergyPerTolerance * asked_rtol_;
     if (found.relative() <= allowed) return;
     verdict_.findings.push_back(
         {fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}", summary.name,
@@ -442,6 +443,7 @@ class Climb {
   std::mutex progress_guard_;
   std::array<double, 2> done_{};
   int asked_samples_ = 0;
+  double asked_rtol_ = 0.0;
   std::array<State, 2> starts_;
   WeighedStates weighed_;  // of the same state rung: of the run, then shaken ones
   WeighedRun weighed_run_;

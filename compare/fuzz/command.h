@@ -19,7 +19,7 @@ struct FuzzCommand {
   std::filesystem::path keep = {};  // folder for machines that end wrongly, shrunk; empty: none
   std::string style = "mixed";
   bool print = false;     // print the machine `first` instead of trying any
-  double seconds = 20.0;  // limits of one machine
+  double seconds = 60.0;  // limits of one machine
   double megabytes = 1024.0;
 };
 

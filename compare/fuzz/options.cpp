@@ -15,7 +15,7 @@ CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
       ->check(CLI::Range(1, 1024));
   fuzz->add_option("--keep", command.keep, "Folder for the machines that end wrongly, shrunk");
   fuzz->add_option("--style", command.style, "Kind of machines; default: mixed")->check(CLI::IsMember(style_names()));
-  fuzz->add_option("--seconds", command.seconds, "Processor time that one machine may use; default: 20")
+  fuzz->add_option("--seconds", command.seconds, "Processor time that one machine may use; default: 60")
       ->check(CLI::Range(0.1, 1e4));
   fuzz->add_option("--megabytes", command.megabytes, "Memory that one machine may use; default: 1024")
       ->check(CLI::Range(16.0, 1e6));

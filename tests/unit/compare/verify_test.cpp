@@ -144,7 +144,7 @@ TEST_F(VerifyTest, ASpringLeftInTheReactionIsFoundByTheAudit) {
 }
 
 TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNeed) {
-  relative_.drift = 2e5;
+  relative_.drift = 5e4;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::agree);
   EXPECT_TRUE(verdict.same_run.climbed);
