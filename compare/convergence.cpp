@@ -14,6 +14,9 @@ namespace {
 /// A change from one tolerance to the next is one draw of an error, whose size may be so many times larger.
 constexpr double kOfOneDraw = 10.0;
 
+/// Where one solver's run moves by so many times more than the other's, it is not the motion that is sensitive.
+constexpr double kOneAlone = 1e4;
+
 /// Rows that are judged on a rung and miss their need, those with the fewest digits first.
 std::vector<Row*> rows_that_miss(Verdict& verdict, Rung rung) {
   std::vector<Row*> missing;
@@ -70,20 +73,22 @@ std::optional<std::string> find_unconverged(const Layout& layout, const RunPair&
   const std::vector<Row*> missing = rows_that_miss(verdict, rung);
   // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
   double apart = 0.0;
-  double moved = 0.0;
+  std::array<double, 2> moved{};
   for (const Row* row : missing) {
     const int place = layout.row_of(row->quantity);
     const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
     const std::array<double, 2> own = own_changes(looser, tighter, place);
     apart = std::max(apart, measured.unexplained / measured.scale);
-    moved = std::max(moved, (own[0] + own[1]) / measured.scale);
+    for (std::size_t who = 0; who < 2; ++who) moved[who] = std::max(moved[who], own[who] / measured.scale);
   }
-  if (apart > kOfOneDraw * moved) return std::nullopt;
+  if (apart > kOfOneDraw * (moved[0] + moved[1])) return std::nullopt;
+  if (std::max(moved[0], moved[1]) > kOneAlone * std::min(moved[0], moved[1])) return std::nullopt;
   const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
   if (tighter.motion.digits < motion_need &&
       tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - std::log10(kOfOneDraw)) {
     return std::nullopt;
   }
+  if (std::abs(of_motions[0] - of_motions[1]) > std::log10(kOneAlone)) return std::nullopt;
   for (Row* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
   if (missing.empty()) {
     return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);

@@ -34,7 +34,8 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
 /// relative to its scale, is of the size, within a factor of ten, of what the solvers' own runs moved by in these rows
 /// from the looser tolerance to the tighter one, and the same holds for the motions, the integration has not converged,
 /// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
-/// worst. Returns nothing, and marks nothing, if the difference is larger.
+/// worst. Returns nothing, and marks nothing, if the difference is larger, or if one solver alone moves: then its
+/// integration is at fault.
 std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict);
 

@@ -220,7 +220,7 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
       ++shared.left_open;
   }
   const auto found = static_cast<int>(shared.states.size());
-  if (shared.left_open > 0 && found < count / kFewestOf) {
+  if (shared.left_open > 0 && found * kFewestOf < count) {
     shared.failures.push_back(
         fmt::format("{} of {} states near those of the run are closed by neither solver in {} tries", shared.left_open,
                     count, kTries));

@@ -125,6 +125,9 @@ class Acceptance {
       for (const Case* one : asked_.cases) take(*one, found.contains(one->id) ? &found.at(one->id) : nullptr);
       return;
     }
+    if (!command_.history.empty() && !fs::exists(command_.history)) {
+      throw InputError({command_.history.string(), 0, 0}, "there is no such file");
+    }
     History history(command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history);
     long night = 0;
     if (command_.history.empty()) {

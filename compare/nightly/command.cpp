@@ -65,7 +65,8 @@ class NightlyRun {
         run_cases(to_run(history), {command_.jobs, command_.minutes}, night_, history, wall_times, makers_, console_);
     const NightReport report = judge(history, baselines);
     // A night that was only a part of the suite is finished too: it is no longer to be resumed.
-    if (is_complete) history.finish(night_, utc_now());
+    // A choice of cases does not end the night that it goes on with.
+    if (is_complete && !(is_resumed_ && !command_.only.empty())) history.finish(night_, utc_now());
     const std::string text = format_report(report);
     console_.out << text << std::flush;
     write_outputs(report, text, history);

@@ -15,20 +15,6 @@ namespace {
 
 constexpr int kPatienceMs = 60000;  // for another program that writes
 
-/// Every change is on its way to the disk when a transaction ends; a write-ahead log lets others read meanwhile.
-void use_write_ahead_log(Database& database) {
-  constexpr int kTries = 100;
-  for (int k = 0; k < kTries; ++k) {
-    const int code = sqlite3_exec(database.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
-    if (code == SQLITE_OK) break;
-    // Two programs that open a new file at once are not made to wait by SQLite.
-    if (code != SQLITE_BUSY || k + 1 == kTries) database.fail(code);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  database.execute("PRAGMA synchronous = NORMAL");
-  database.execute("PRAGMA foreign_keys = ON");
-}
-
 }  // namespace
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
@@ -113,7 +99,19 @@ Database::Database(const std::filesystem::path& file) : file_(file.string()) {
   sqlite3_busy_timeout(database, kPatienceMs);
   // Reads the head of the file: a file of another kind is refused before anything is written.
   static_cast<void>(pragma("schema_version"));
-  use_write_ahead_log(*this);
+}
+
+void Database::use_write_ahead_log() {
+  constexpr int kTries = 100;
+  for (int k = 0; k < kTries; ++k) {
+    const int code = sqlite3_exec(database_.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
+    if (code == SQLITE_OK) break;
+    // Two programs that open a new file at once are not made to wait by SQLite.
+    if (code != SQLITE_BUSY || k + 1 == kTries) fail(code);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  execute("PRAGMA synchronous = NORMAL");
+  execute("PRAGMA foreign_keys = ON");
 }
 
 void Database::execute(const std::string& text) {

@@ -63,6 +63,10 @@ class Database {
   /// DatabaseError if it cannot be used.
   explicit Database(const std::filesystem::path& file);
 
+  /// Every change is on its way to the disk when a transaction ends, and a write-ahead log lets others read meanwhile.
+  /// Changes the head of the file: to be called when it is known to be ours.
+  void use_write_ahead_log();
+
   void execute(const std::string& text);
   [[nodiscard]] long pragma(const std::string& name);
   [[nodiscard]] long last_row() const;

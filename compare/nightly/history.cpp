@@ -124,9 +124,10 @@ struct History::Statements {
 };
 
 History::History(const std::filesystem::path& file) : database_(file), statements_(nullptr, nullptr) {
-  const long version = database_.pragma("user_version");
-  const long application = database_.pragma("application_id");
+  // First the schema: it is there only if the two others were committed with it.
   const bool is_new = database_.pragma("schema_version") == 0;
+  const long application = database_.pragma("application_id");
+  const long version = database_.pragma("user_version");
   if (!is_new && application != kApplication) {
     throw InputError({file.string(), 0, 0}, "is no history: it is a SQLite file of another program");
   }
@@ -135,6 +136,7 @@ History::History(const std::filesystem::path& file) : database_(file), statement
                      fmt::format("version {} of the history is not known: this program reads versions 1 to {}", version,
                                  kHistoryFormat));
   }
+  database_.use_write_ahead_log();
   if (version < kHistoryFormat) prepare();
   statements_ = {new Statements(database_), [](Statements* statements) { delete statements; }};
 }

@@ -137,18 +137,20 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long
     return workers::Assignment{std::to_string(given), cases[given]->limits};
   };
   std::vector<Instant> begun(cases.size());
+  std::vector<std::string> asked(cases.size());  // a file that is edited meanwhile belongs to the next night
   bool is_complete = true;
   workers::Watch watch;
   watch.started = [&](std::size_t k) {
     ++given;
     begun[k] = std::chrono::steady_clock::now();
+    asked[k] = definition_of(*cases[k]);
     progress.start(cases[k]->id);
   };
   watch.ended = [&](std::size_t k, const workers::Report& report) {
     Result result = result_of(cases[k]->id, work_names()[static_cast<std::size_t>(cases[k]->work)], report);
     is_complete = is_complete && result.ending != Ending::not_run;
     result.wall_s = seconds_from(begun[k]);
-    result.definition = definition_of(*cases[k]);
+    result.definition = asked[k].empty() ? definition_of(*cases[k]) : asked[k];
     history.store(night, result);
     note_finished(result.id);
     progress.end(result);

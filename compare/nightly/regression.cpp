@@ -77,6 +77,7 @@ class CaseComparison {
     }
     // A case that was lost has nothing else to be compared.
     if (has_numbers(then_) && has_numbers(now_)) {
+      compare_coverage();
       compare_costs();
       compare_components();
     }
@@ -84,6 +85,14 @@ class CaseComparison {
   }
 
  private:
+  /// What was judged once and is not now was not agreed on.
+  void compare_coverage() {
+    if (now_.judged >= then_.judged) return;
+    changes_.add({Turn::worse, "", "", "judged", fmt::format("{} of {}", then_.judged, then_.total),
+                  fmt::format("{} of {}", now_.judged, now_.total), against_,
+                  static_cast<double>(then_.judged - now_.judged), 0});
+  }
+
   static bool has_numbers(const Result& result) {
     return result.ending == Ending::agree || result.ending == Ending::differ || !result.components.empty();
   }
@@ -200,7 +209,7 @@ std::string first_line(const std::string& words) {
 
 /// The case by itself, whatever was before.
 std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
-  const bool is_known = one.known_red && today <= one.known_red->until;
+  const bool is_known = one.known_red && today <= one.known_red->until && now.ending != Ending::not_run;
   const std::string words = fmt::format("{}: {}", to_string(now.ending), first_line(now.words));
   if (now.is_green() && one.known_red) {
     return Change{
@@ -286,8 +295,9 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   if (own) changes.push_back(*own);
   const auto take = [&](const std::vector<Change>& found) {
     for (const Change& change : found) {
-      // How a case ended is told once.
-      if (change.measure != "ending" || !own) changes.push_back(change);
+      // How a case ended is told once, but another end of a known red one is news.
+      const bool is_news = own && own->turn == Turn::known && change.turn == Turn::worse;
+      if (change.measure != "ending" || !own || is_news) changes.push_back(change);
     }
   };
   if (now.ending == Ending::not_run) return changes;

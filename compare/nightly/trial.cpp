@@ -278,6 +278,10 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
       result.words += fmt::format("{}machine {}: {}", result.words.empty() ? "" : "\n", k, outcome.kind);
     }
   }
+  if (result.judged == 0 && result.ending == Ending::agree) {
+    result.ending = Ending::failed;
+    result.words = "none of the machines was judged";
+  }
 }
 
 void do_work(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers, Result& result) {

@@ -118,6 +118,8 @@ TEST_F(StatesTest, StatesThatNeitherSolverClosesAreCounted) {
   const SharedStates none = share_random(model_, solvers_, run_states({&one, &one}), kSeed);
   EXPECT_EQ(none.left_open, kRandomStates);
   EXPECT_EQ(none.failures.size(), 1U);
+  EXPECT_EQ(share_random(model_, solvers_, run_states({&one, &one}), kSeed, 3).failures.size(), 1U)
+      << "few, none found";
 }
 
 }  // namespace
