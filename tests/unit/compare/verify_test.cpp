@@ -152,8 +152,9 @@ TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNee
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("same run: repeated at rtol ")));
 }
 
-/// Each solver's own run moves by more than the difference: neither can be held against the other.
-TEST_F(VerifyTest, ADriftThatFallsTooSlowlyIsARunThatDoesNotConverge) {
+/// Both solvers' own runs move by as much as they differ: neither can be held against the other.
+TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
+  cartesian_.drift = -4e8;
   relative_.drift = 1e9;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::failed);
@@ -161,6 +162,15 @@ TEST_F(VerifyTest, ADriftThatFallsTooSlowlyIsARunThatDoesNotConverge) {
   EXPECT_FALSE(verdict.same_run.climbed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
   for (const Row& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
+}
+
+/// Where one solver's run moves and the other's does not, the integration of the one is at fault.
+TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
+  relative_.drift = 1e9;
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::differ);
+  EXPECT_TRUE(verdict.same_state.climbed);
+  EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
