@@ -209,7 +209,9 @@ std::string first_line(const std::string& words) {
 
 /// The case by itself, whatever was before.
 std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
-  const bool is_known = one.known_red && today <= one.known_red->until && now.ending != Ending::not_run;
+  // A reason for a verdict is none for a crash, or for a model that is not read.
+  const bool is_verdict = now.ending == Ending::differ || now.ending == Ending::failed;
+  const bool is_known = one.known_red && today <= one.known_red->until && is_verdict;
   const std::string words = fmt::format("{}: {}", to_string(now.ending), first_line(now.words));
   if (now.is_green() && one.known_red) {
     return Change{
@@ -295,9 +297,8 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   if (own) changes.push_back(*own);
   const auto take = [&](const std::vector<Change>& found) {
     for (const Change& change : found) {
-      // How a case ended is told once, but another end of a known red one is news.
-      const bool is_news = own && own->turn == Turn::known && change.turn == Turn::worse;
-      if (change.measure != "ending" || !own || is_news) changes.push_back(change);
+      // How a case ended is told once.
+      if (change.measure != "ending" || !own) changes.push_back(change);
     }
   };
   if (now.ending == Ending::not_run) return changes;

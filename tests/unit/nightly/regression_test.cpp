@@ -161,6 +161,16 @@ TEST(Judgement, RedIsRedUnlessItIsKnownAndOnlyUntilItsDay) {
   EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("known red ending"));
   EXPECT_THAT(judged(known, now, &baseline, {}, {}, "2026-05-06"), ElementsAre("red ending"));
   EXPECT_THAT(judged(known, sound(), &baseline, {}, {}), ElementsAre("better ending"));
+  now.ending = Ending::crashed;
+  EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("red ending")) << "another end than the known one";
+}
+
+TEST(Judgement, LostCoverageIsWorse) {
+  Result baseline = sound();
+  baseline.judged = baseline.total = 3;
+  Result now = baseline;
+  now.judged = 2;
+  EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), ElementsAre("worse judged"));
 }
 
 TEST(Judgement, MedianOfGreenNightsOfTheSameQuestionIsWhatCounts) {
