@@ -76,7 +76,7 @@ class Climb {
       RunPair pair{verdict_.run, integrate(verdict_.run, name_of(Rung::same_run)), {}, {}, {}};
       same_state(pair.trajectories);
       same_run(pair);
-      refine(pair);
+      if (options_.refines) refine(pair);
       audit(pair.trajectories);
       tell_geometric_stiffness(pair.trajectories);
       keep(pair.trajectories);
