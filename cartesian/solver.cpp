@@ -146,11 +146,13 @@ class CartesianSolver : public Solver {
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
     const auto began = std::chrono::steady_clock::now();
-    const State start = assemble();
+    State start = assemble();
+    if (options.start) start = *options.start;
     equations_.layout().unpack(start, motion_.q, motion_.Y);
     equations_.count_turns_from(start.q);
     motion_.work = 0.0;
     equations_.update(0.0, motion_.q, motion_.Y);
+    if (options.start) refuse_open(start);
     use_independent_rows(0.0);
     const HeldRegimes held(equations_.applied());
     equations_.solve(true);

@@ -86,7 +86,9 @@ class RelativeSolver final : public Solver {
   }
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
-    return relative::integrate(equations_, assembly_, states_, options, progress);
+    Coordinates start = assembly_.start();
+    if (options.start) start = read_closed(*options.start);
+    return relative::integrate(equations_, assembly_, states_, start, options, progress);
   }
 
   [[nodiscard]] std::vector<std::string> cut_joints() const override {
