@@ -72,6 +72,7 @@ class RelativeSolver final : public Solver {
       assembly_.throw_singular(coordinates, "");
     }
     assembly_.require_general_rank(coordinates);
+    assembly_.require_agreeing_rows(coordinates);
     equations_.compute_reactions();
     require_modal_balance(equations_, state.t);
     return states_.write_evaluation();
