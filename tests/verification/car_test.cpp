@@ -160,7 +160,7 @@ TEST_CASE("Bounce, pitch and wheel hop of the undamped car are those of its rate
           "[car]") {
   const Model model = undamped(settled("car"));
   const double tire = 190e3;
-  // By hand, models/README.md: the spring's rate at the wheel, and how their ratio changes under its load.
+  // By hand, models/README.md: the spring's rate at the wheel, and what the change of the travels' ratio adds.
   const double front = 21.9e3 + 3589.0 * 0.909 + 34.0;
   const double rear = 21.9e3 + 2538.0 * 0.212;
   const double twist = 2.0 * (79.3e9 * 5.12e-9 + 12.0 * 2.1e11 * 2.5e-7 * 0.03 * 0.03) / (0.4 * 0.4);
