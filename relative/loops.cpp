@@ -29,8 +29,8 @@ constexpr double kStands = 0.25;
 
 }  // namespace
 
-Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination)
-    : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination) {
+Loops::Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies)
+    : kinematics_(&kinematics), closure_(&closure), articulated_bodies_(&articulated_bodies) {
   lay_out_ways();
   lay_out_shared();
   const int n = closure.n_rows();
@@ -40,7 +40,8 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& 
   step_lambda_.setZero(n);
   int most_unknowns = 0;
   for (const Way& way : ways_) {
-    for (const Step& step : way.steps) most_unknowns = std::max(most_unknowns, elimination.n_unknowns(step.link));
+    for (const Step& step : way.steps)
+      most_unknowns = std::max(most_unknowns, articulated_bodies.n_unknowns(step.link));
   }
   force_.setZero(most_unknowns);
   scale_.setZero(n);
@@ -51,7 +52,7 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& 
     for (const Step& step : way.steps) {
       if (first_of_step_[step.link] >= 0) continue;
       first_of_step_[step.link] = n_stacked;
-      n_stacked += elimination.n_unknowns(step.link);
+      n_stacked += articulated_bodies.n_unknowns(step.link);
     }
   }
   stacked_.setZero(n_stacked, n);
@@ -121,7 +122,7 @@ void Loops::lay_out(Way way) {
   for (const int l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
     way.steps.push_back({l, step_of(topology.link_of_body[topology.links[l].reference]), Mat6X::Zero(6, way.n_rows),
-                         MatX::Zero(m, way.n_rows), MatX::Zero(elimination_->n_unknowns(l), way.n_rows)});
+                         MatX::Zero(m, way.n_rows), MatX::Zero(articulated_bodies_->n_unknowns(l), way.n_rows)});
   }
   for (Pull& pull : way.pulls) {
     const Joint& joint = model.joints[pull.joint];
@@ -138,7 +139,8 @@ void Loops::lay_out(Way way) {
 void Loops::load(Way& way, const Pull& pull) {
   if (pull.own_step >= 0) {
     Step& step = way.steps[pull.own_step];
-    elimination_->add_coordinate_forces(step.link, closure_->relations()[way.relation].joints[pull.part].C, step.eps);
+    articulated_bodies_->add_coordinate_forces(step.link, closure_->relations()[way.relation].joints[pull.part].C,
+                                               step.eps);
     return;
   }
   for (const Side side : {Side::child, Side::parent}) {
@@ -174,7 +176,7 @@ void Loops::pull(Way& way) {
   }
   for (const Pull& pull : way.pulls) load(way, pull);
   for (Step& step : way.steps) {
-    elimination_->project(step.link, step.z_r, step.z_a, step.eps);
+    articulated_bodies_->propagate_force(step.link, step.z_r, step.z_a, step.eps);
     if (step.next < 0) continue;
     const LinkBlocks& blocks = kinematics_->blocks(step.link);
     Step& next = way.steps[step.next];
@@ -324,7 +326,7 @@ void Loops::push_back(const VecX& lambda) {
     for (const Step& step : way.steps) {
       auto force = force_.head(step.eps.rows());
       force.noalias() = -step.eps.lazyProduct(of_way);
-      elimination_->add_force(step.link, force);
+      articulated_bodies_->add_force(step.link, force);
     }
   }
 }
@@ -338,7 +340,9 @@ void Loops::close(VecX& udot) {  // (R53)
   if (rank_ == 0) return;
   choose_rows();
   factorize();
-  const auto acceleration = [this](int joint, Side side) { return elimination_->acceleration_of_point(joint, side); };
+  const auto acceleration = [this](int joint, Side side) {
+    return articulated_bodies_->acceleration_of_point(joint, side);
+  };
   double first_residual = 0.0;
   double last_residual = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -357,7 +361,7 @@ void Loops::close(VecX& udot) {  // (R53)
     for (std::size_t i = 0; i < used_.size(); ++i) step_lambda_(used_[i]) = solution_(i);
     lambda_ += step_lambda_;
     push_back(step_lambda_);
-    elimination_->outward(udot);
+    articulated_bodies_->forward_pass(udot);
   }
 }
 

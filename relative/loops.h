@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "relative/articulated_bodies.h"
 #include "relative/closure.h"
-#include "relative/elimination.h"
 
 /// The part of closure in (R32): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
@@ -14,13 +14,13 @@ namespace concord::relative {
 class Loops {
  public:
   /// Both must outlive this object.
-  Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination);
+  Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies);
 
   /// Takes the number of independent closure rows in a general pose (all at first).
   void set_rank(int rank);
   [[nodiscard]] int rank() const { return rank_; }
 
-  /// After the tree has been solved with free loops (Elimination::inward, outward): finds lambda and solves the tree
+  /// After the tree has been solved with free loops (the passes of ArticulatedBodies): finds lambda and solves the tree
   /// again, udot obeying the closure. Where a machine is redundant, the independent rows are chosen anew in each pose,
   /// by the pose alone. Throws SingularPose if there are too few.
   void close(VecX& udot);
@@ -94,7 +94,7 @@ class Loops {
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  Elimination* elimination_;
+  ArticulatedBodies* articulated_bodies_;
   std::vector<Way> ways_;
   std::vector<Shared> shared_;
   int rank_ = 0;

@@ -22,11 +22,11 @@ double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const V
 
 }  // namespace
 
-Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
+Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const ArticulatedBodies& articulated_bodies,
                      const AppliedForces& applied)
     : kinematics_(&kinematics),
       closure_(&closure),
-      elimination_(&elimination),
+      articulated_bodies_(&articulated_bodies),
       applied_(&applied),
       couplings_(kinematics.model().couplings.size(), 0.0),
       coupling_tau_(VecX::Zero(kinematics.topology().n_u)) {
@@ -67,7 +67,7 @@ void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& la
   apply_cut_wrenches(lambda);  // Step 3: (R56)
   apply_relation_wrenches(lambda);
   add_spring_wrenches_of_cuts();
-  pass_inward();                          // Steps 4 and 5: (R57), (R58)
+  backward_pass();                        // Steps 4 and 5: (R57), (R58)
   split_off_coordinate_wrenches(lambda);  // reactions: (R60)
 }
 
@@ -77,7 +77,7 @@ void Reactions::compute_self_stress(const VecX& lambda) {
   add_coupling_forces();
   apply_cut_wrenches(lambda);
   apply_relation_wrenches(lambda);
-  pass_inward();
+  backward_pass();
   split_off_coordinate_wrenches(lambda);
 }
 
@@ -86,12 +86,12 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
   for (std::size_t l = 0; l < loads_.size(); ++l) {
     const int body = kinematics_->topology().links[l].body;
     const BodyInertia& inertia = inertias[l];
-    const Vec6& Vdot = elimination_->acceleration(body);
+    const Vec6& Vdot = articulated_bodies_->acceleration(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
-    const VecX& addot = *elimination_->modal_acceleration(body);
+    const VecX& addot = *articulated_bodies_->modal_acceleration(body);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
     load.largest_modal_term = std::max(
@@ -205,7 +205,7 @@ void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wre
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
 }
 
-void Reactions::pass_inward() {  // (R57)
+void Reactions::backward_pass() {  // (R57)
   modal_residual_ = 0.0;
   worst_modal_body_ = kGround;
   const std::vector<Link>& links = kinematics_->topology().links;

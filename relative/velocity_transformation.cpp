@@ -177,14 +177,14 @@ void Kinematics::compute_blocks(int l) {
   if (motions_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
   joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
   const Vec3 from_own = -own.lever;
-  const Vec3 from_reference = origin - reference.r;
-  blocks.D = shift_motion(reference.bias, from_reference) + sign * shift_motion(joint_bias, from_child) -
+  const Vec3 acceleration_from_reference = origin - reference.r;
+  blocks.D = shift_motion(reference.bias, acceleration_from_reference) + sign * shift_motion(joint_bias, from_child) -
              shift_motion(own.bias, from_own);
 
   const auto shift_columns = [](const Mat6X& G, const Vec3& e, Mat6X& moved) {
     for (Eigen::Index c = 0; c < G.cols(); ++c) moved.col(c) = shift_motion(G.col(c), e);
   };
-  shift_columns(reference.Ga(), from_reference, blocks.Xa);
+  shift_columns(reference.Ga(), acceleration_from_reference, blocks.Xa);
   shift_columns(own.Ga(), from_own, blocks.Ha);
 }
 

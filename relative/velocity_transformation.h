@@ -40,7 +40,8 @@ inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
 /// Velocity of the child's joint frame relative to the parent's: v_rel_C = [ddot; omega_rel] (R17).
 Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child);
 
-/// Motion of all bodies and joint points for given coordinates and speeds; outward, cost proportional to their number.
+/// Motion of all bodies and joint points for given coordinates and speeds, by a forward pass; its cost is
+/// proportional to their number.
 class Kinematics {
  public:
   /// The model must outlive this object. Throws InputError if the tree cannot be built.
@@ -80,7 +81,7 @@ class Kinematics {
   /// Throws SolverError, naming the joint, if the columns S of its motion are dependent.
   void require_rank(int joint, const JointMotion& motion) const;
 
-  /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried inward: adds W_b B_b to `rows`
+  /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried to ground: adds W_b B_b to `rows`
   /// (rows x n_tree_u) (R23).
   void add_times_B(int body, MatX rows_on_body, MatX& rows) const;
 

@@ -203,7 +203,7 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
   equations_.compute_accelerations(0.0, start_.q, start_.u);
   VecX residual(equations_.closure().n_rows());
   const auto acceleration = [&](int joint, Side side) {
-    return equations_.elimination().acceleration_of_point(joint, side);
+    return equations_.articulated_bodies().acceleration_of_point(joint, side);
   };
   equations_.closure().compute_acceleration_residual(acceleration, equations_.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11);

@@ -1,4 +1,4 @@
-#include "relative/elimination.h"
+#include "relative/articulated_bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ DenseSystem dense_system(const Equations& equations) {
     M.block(row, row + 6, 6, m) = flexible->M_ra();
     M.block(row + 6, row, m, 6) = flexible->M_ra().transpose();
     M.block(row + 6, row + 6, m, m) = flexible->M_aa();
-    p.segment(row + 6, m) = flexible->p_a();
+    p.segment(row + 6, m) = flexible->bias_force_a();
   }
   return {B.transpose() * M * B, -(B.transpose() * (p + M * kinematics.Bdot_u()))};
 }
@@ -81,7 +81,7 @@ TEST_P(EliminatedTree, TakesDrivenSpeedsAsGiven) {
 INSTANTIATE_TEST_SUITE_P(Trees, EliminatedTree, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "flexible" : "rigid"; });
 
-TEST(Elimination, FindsTheMotionWithoutInertia) {
+TEST(ArticulatedBodies, FindsTheMotionWithoutInertia) {
   Model model = test::spatial_slider_crank(false);
   model.joints[2].named_as_cut = true;
   // The coupler now hangs on the ball B alone: as a thin line through B it has no inertia about itself.
