@@ -99,12 +99,12 @@ Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) 
 
 Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name,
-                   laws_[element.law].held, regimes_are_frozen_);
+                   laws_[element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name,
-                   laws_[element.law].held, regimes_are_frozen_);
+                   laws_[element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
@@ -130,7 +130,7 @@ AppliedForces::Least AppliedForces::least() const {
     take(margin_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire", tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
-    if (concord::has_regimes(*law.held.law)) take(law.held.margin(), "law of", *law.owner);
+    if (concord::has_regimes(*law.law_in_regime.law)) take(law.law_in_regime.margin(), "law of", *law.owner);
   }
   return found;
 }
@@ -159,9 +159,10 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
 /// tau = actuator - resistance (R31).
 void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   for (const Spring& spring : springs_) {
-    HeldLaw& held = laws_[spring.law].held;
+    LawInRegime& law_in_regime = laws_[spring.law].law_in_regime;
     const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
-    const double tau = evaluate_actuator(*held.law, t) - held.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
+    const double tau = evaluate_actuator(*law_in_regime.law, t) -
+                       law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }

@@ -74,7 +74,7 @@ class AppliedForces {
   };
   /// The law of a line or turn spring or of a joint spring, and whose it is.
   struct OwnedLaw {
-    HeldLaw held;
+    LawInRegime law_in_regime;
     const std::string* owner;
   };
 

@@ -40,7 +40,7 @@ bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
 
 }  // namespace
 
-ArticulatedBodies::ArticulatedBodies(const Kinematics& kinematics, const Held& driven)
+ArticulatedBodies::ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven)
     : kinematics_(&kinematics),
       links_(kinematics.topology().links.size()),
       flexible_of_link_(kinematics.topology().links.size(), -1) {

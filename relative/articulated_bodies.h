@@ -61,7 +61,7 @@ struct MotionWithoutInertia {
 class ArticulatedBodies {
  public:
   /// The kinematics must outlive this object. `driven`: speeds whose accelerations are prescribed.
-  ArticulatedBodies(const Kinematics& kinematics, const Held& driven);
+  ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven);
 
   /// From the outermost links to ground: articulated inertias and bias forces from the inertias of all bodies (by
   /// link), the applied forces and the prescribed accelerations in udot. Throws SolverError if the inertia of a link is

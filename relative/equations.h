@@ -33,7 +33,7 @@ class Equations {
   [[nodiscard]] const Kinematics& kinematics() const { return kinematics_; }
   [[nodiscard]] const Topology& topology() const { return kinematics_.topology(); }
   [[nodiscard]] const Closure& closure() const { return closure_; }
-  [[nodiscard]] const Held& driven() const { return driven_; }
+  [[nodiscard]] const PrescribedMask& driven() const { return driven_; }
 
   /// Coordinates of the unmoved machine: all joints at home, no deformation.
   [[nodiscard]] VecX home() const;
@@ -100,7 +100,7 @@ class Equations {
 
   const Model* model_;
   Kinematics kinematics_;
-  Held driven_;
+  PrescribedMask driven_;
   Closure closure_;
   AppliedForces applied_;
   ArticulatedBodies articulated_bodies_;

@@ -35,20 +35,20 @@ Mat3 three_rows(const Mat6& S, const std::vector<int>& columns, int first_row) {
 
 }  // namespace
 
-Held driven_speeds(const Model& model, const Topology& topology) {
-  Held held(topology.n_u, 0);
+PrescribedMask driven_speeds(const Model& model, const Topology& topology) {
+  PrescribedMask prescribed(topology.n_u, 0);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Driver& driver : model.joints[k].drivers) {
-      held[topology.joints[k].first_u + first_u(*model.joints[k].type, driver.word) + driver.component] = 1;
+      prescribed[topology.joints[k].first_u + first_u(*model.joints[k].type, driver.word) + driver.component] = 1;
     }
   }
-  return held;
+  return prescribed;
 }
 
-JointMeasure::JointMeasure(const Motion& motion, const char* held) : motion_(&motion) {
+JointMeasure::JointMeasure(const Motion& motion, const char* prescribed) : motion_(&motion) {
   for (int c = 0; c < motion.n_u(); ++c) {
-    (held[c] != 0 ? held_ : free_).push_back(c);
-    if (held[c] == 0 && !motion.couples()) (motion.kind(c).displaces ? displacing_ : rotating_).push_back(c);
+    (prescribed[c] != 0 ? prescribed_ : free_).push_back(c);
+    if (prescribed[c] == 0 && !motion.couples()) (motion.kind(c).displaces ? displacing_ : rotating_).push_back(c);
   }
 }
 
@@ -65,7 +65,7 @@ JointColumns JointMeasure::free_columns() const {
   return S;
 }
 
-/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one (R40).
+/// The free speeds (n_u numbers, zero where prescribed) whose motion S u comes closest to the given one (R40).
 JointVector JointMeasure::fit(const Vec6& motion) const {
   JointVector speeds = JointVector::Zero(motion_->n_u());
   if (motion_->couples()) {
@@ -110,17 +110,17 @@ double JointMeasure::move(const JointPoint& parent, const JointPoint& child, dou
   const JointVector still = JointVector::Zero(motion_->n_u());
   motion_->evaluate(q, still.data(), at_);
   decompose_columns();
-  error_ = position_error(at_, parent, child);
-  return 0.5 * weighed(error_).squaredNorm();
+  position_residual_ = position_error(at_, parent, child);
+  return 0.5 * weighed(position_residual_).squaredNorm();
 }
 
 /// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
 /// from closed, where the error itself bends the way, whole steps may overshoot for ever (R41).
 double JointMeasure::step_length(const JointPoint& parent, const JointPoint& child, const double* q,
                                  const JointVector& step) {
-  const double now = 0.5 * weighed(error_).squaredNorm();
+  const double now = 0.5 * weighed(position_residual_).squaredNorm();
   double slope = 0.0;
-  for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(error_));
+  for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(position_residual_));
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> trial(motion_->n_q());
   double length = 1.0;
   for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
@@ -147,14 +147,14 @@ double JointMeasure::size_of(const JointVector& step) const {
 
 /// Size of the error, displacements in parts of the length.
 double JointMeasure::misfit() const {
-  return std::hypot(error_.head<3>().norm() / motion_->length(), error_.tail<3>().norm());
+  return std::hypot(position_residual_.head<3>().norm() / motion_->length(), position_residual_.tail<3>().norm());
 }
 
 /// Returns the size of the misfit; leaves motion, error at the q found.
 double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, double* q) {
   move(parent, child, q);
   for (int step = 0; step < kMostNewtonSteps && !free_.empty(); ++step) {
-    JointVector correction = fit(error_);
+    JointVector correction = fit(position_residual_);
     const double largest = size_of(correction);
     if (motion_->is_curved() && largest > kNewtonIsQuadratic) {
       // A ball finds its own rotation in one whole step, whatever the others do.
@@ -179,7 +179,7 @@ void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& chil
   for (int step = 0; step < kMostSteps; ++step) {
     JointColumns S = free_columns();
     S.bottomRows<3>() *= 1e-9;
-    Vec6 error = weighed(error_);
+    Vec6 error = weighed(position_residual_);
     error.tail<3>().setZero();
     const JointVector fitted = S.completeOrthogonalDecomposition().solve(error);
     JointVector correction = JointVector::Zero(motion_->n_u());
@@ -232,7 +232,7 @@ void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, dou
       const double share = restart == Restart::if_better ? kStillBetter : kClearlyBetter;
       search(parent, child, std::isfinite(misfit) ? share * misfit : HUGE_VAL, given, q);
     }
-    if (held_.empty()) motion_->choose_chart(q, given.data());
+    if (prescribed_.empty()) motion_->choose_chart(q, given.data());
   }
   newton(parent, child, q);
   compute_complement();
@@ -240,7 +240,7 @@ void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, dou
 
 void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u) {
   Vec6 rest = relative_velocity(parent, child);
-  for (const int c : held_) rest -= at_.S.col(c) * u[c];
+  for (const int c : prescribed_) rest -= at_.S.col(c) * u[c];
   for (const int c : free_) u[c] = 0.0;
   const int rounds = motion_->couples() ? 2 : 1;  // once more for the round-off of the normal equations
   for (int round = 0; round < rounds; ++round) {
@@ -250,7 +250,7 @@ void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, con
       rest -= at_.S.col(c) * fitted(c);
     }
   }
-  slip_ = rest;
+  velocity_residual_ = rest;
   motion_->evaluate(q, u, at_);
 }
 

@@ -65,11 +65,11 @@ void Loops::lay_out_ways() {
     if (cut.measure.n_rows() == 0) continue;  // permits all six, and pulls with nothing
     lay_out({static_cast<int>(c), -1, cut.first_row, cut.measure.n_rows(), {{cut.joint, -1, -1, -1, -1}}, {}});
   }
-  for (std::size_t r = 0; r < closure_->relations().size(); ++r) {
-    const Relation& relation = closure_->relations()[r];
-    Way way{-1, static_cast<int>(r), relation.first_row, relation.n_rows, {}, {}};
-    for (std::size_t p = 0; p < relation.joints.size(); ++p) {
-      way.pulls.push_back({relation.joints[p].joint, static_cast<int>(p), -1, -1, -1});
+  for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
+    const SpeedConstraint& constraint = closure_->speed_constraints()[r];
+    Way way{-1, static_cast<int>(r), constraint.first_row, constraint.n_rows, {}, {}};
+    for (std::size_t p = 0; p < constraint.joints.size(); ++p) {
+      way.pulls.push_back({constraint.joints[p].joint, static_cast<int>(p), -1, -1, -1});
     }
     lay_out(std::move(way));
   }
@@ -129,7 +129,7 @@ void Loops::lay_out(Way way) {
     pull.child_step = step_of(topology.link_of_body[joint.on(Side::child).body]);
     pull.parent_step = step_of(topology.link_of_body[joint.on(Side::parent).body]);
     if (pull.part < 0) continue;
-    const RelatedJoint& part = closure_->relations()[way.relation].joints[pull.part];
+    const ConstrainedJoint& part = closure_->speed_constraints()[way.constraint].joints[pull.part];
     if (part.cut < 0) pull.own_step = step_of(part.link);
   }
   ways_.push_back(std::move(way));
@@ -139,15 +139,15 @@ void Loops::lay_out(Way way) {
 void Loops::load(Way& way, const Pull& pull) {
   if (pull.own_step >= 0) {
     Step& step = way.steps[pull.own_step];
-    articulated_bodies_->add_coordinate_forces(step.link, closure_->relations()[way.relation].joints[pull.part].C,
-                                               step.eps);
+    articulated_bodies_->add_coordinate_forces(
+        step.link, closure_->speed_constraints()[way.constraint].joints[pull.part].C, step.eps);
     return;
   }
   for (const Side side : {Side::child, Side::parent}) {
     if (pull.part < 0) {
       load_wrenches(way, pull, side, closure_->cuts()[way.cut].T_global.leftCols(way.n_rows));
     } else {
-      load_wrenches(way, pull, side, closure_->relations()[way.relation].joints[pull.part].T_global);
+      load_wrenches(way, pull, side, closure_->speed_constraints()[way.constraint].joints[pull.part].T_global);
     }
   }
 }
@@ -203,8 +203,8 @@ void Loops::throw_singular(int row) const {
   throw SingularPose(fmt::format(
       "relative: the {} closure rows{} have a rank below {}, their rank in a general pose, at {}: the pose is singular "
       "and the motion may branch",
-      closure_->n_rows(), closure_->relations().empty() ? "" : " of loops, couplings and rolling contacts", rank_,
-      closure_->worst_place(place)));
+      closure_->n_rows(), closure_->speed_constraints().empty() ? "" : " of loops, couplings and rolling contacts",
+      rank_, closure_->worst_place(place)));
 }
 
 /// The scale of each row, zero for one that vanishes; and the rows to use, all or as many as are independent in a

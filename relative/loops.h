@@ -8,7 +8,7 @@
 /// The part of closure in (R32): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
 
-/// Constraint forces of the cut joints, couplings and constraints of velocity. Lambda is summed over the links between
+/// Constraint forces of the cut joints, couplings and nonholonomic constraints. Lambda is summed over the links between
 /// each of their joints and ground; those whose ways share no link do not couple. All memory is laid out at
 /// construction.
 class Loops {
@@ -41,7 +41,7 @@ class Loops {
   void free_rows() { keeps_rows_ = false; }
 
   /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
-  /// the coordinate forces of a relation -C lambda.
+  /// the coordinate forces of a speed constraint -C lambda.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
  private:
@@ -62,10 +62,10 @@ class Loops {
     int parent_step = -1;
     int own_step = -1;  // of the link of a joint of the tree
   };
-  /// The rows of a cut joint or of a relation.
+  /// The rows of a cut joint or of a speed constraint.
   struct Way {
     int cut = -1;
-    int relation = -1;
+    int constraint = -1;
     int first_row = 0;
     int n_rows = 0;
     std::vector<Pull> pulls;

@@ -69,10 +69,10 @@ class Moved {
         joints_[k].tau(c) += std::pow(joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0), 2);
       }
     }
-    for (const Relation& relation : equations.closure().relations()) {
-      const double squares = lambda.segment(relation.first_row, relation.n_rows).squaredNorm();
-      of_relations_ = std::max(of_relations_, squares);
-      if (relation.is_coupling()) couplings_[relation.coupling] += squares;
+    for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {
+      const double squares = lambda.segment(constraint.first_row, constraint.n_rows).squaredNorm();
+      of_speed_constraints_ = std::max(of_speed_constraints_, squares);
+      if (constraint.is_coupling()) couplings_[constraint.coupling] += squares;
     }
   }
 
@@ -108,7 +108,7 @@ class Moved {
   }
 
   [[nodiscard]] double size() const {
-    double size = of_relations_;
+    double size = of_speed_constraints_;
     for (const Squares& joint : joints_) {
       for (const Vec6& total : joint.total) size = std::max(size, total.maxCoeff());
     }
@@ -117,7 +117,7 @@ class Moved {
 
   std::vector<Squares> joints_;
   std::vector<double> couplings_;
-  double of_relations_ = 0.0;
+  double of_speed_constraints_ = 0.0;
 };
 
 /// Singular values, largest first, and all left singular vectors.

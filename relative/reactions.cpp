@@ -49,10 +49,10 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
       if (closure.cuts()[c].joint == pushed.joint) pushed.cut = static_cast<int>(c);
     }
-    for (std::size_t r = 0; r < closure.relations().size(); ++r) {
-      const Relation& relation = closure.relations()[r];
-      if (relation.is_coupling() || relation.joints.front().joint != pushed.joint) continue;
-      pushed.slipping = static_cast<int>(r);
+    for (std::size_t r = 0; r < closure.speed_constraints().size(); ++r) {
+      const SpeedConstraint& constraint = closure.speed_constraints()[r];
+      if (constraint.is_coupling() || constraint.joints.front().joint != pushed.joint) continue;
+      pushed.nonholonomic = static_cast<int>(r);
     }
     pushed_.push_back(pushed);
   }
@@ -65,7 +65,7 @@ void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& la
   set_coupling_forces(lambda);
   add_coupling_forces();
   apply_cut_wrenches(lambda);  // Step 3: (R56)
-  apply_relation_wrenches(lambda);
+  apply_speed_constraint_wrenches(lambda);
   add_spring_wrenches_of_cuts();
   backward_pass();                        // Steps 4 and 5: (R57), (R58)
   split_off_coordinate_wrenches(lambda);  // reactions: (R60)
@@ -76,7 +76,7 @@ void Reactions::compute_self_stress(const VecX& lambda) {
   set_coupling_forces(lambda);
   add_coupling_forces();
   apply_cut_wrenches(lambda);
-  apply_relation_wrenches(lambda);
+  apply_speed_constraint_wrenches(lambda);
   backward_pass();
   split_off_coordinate_wrenches(lambda);
 }
@@ -125,11 +125,11 @@ void Reactions::set_spring_forces() {
 void Reactions::set_coupling_forces(const VecX& lambda) {
   if (couplings_.empty()) return;
   coupling_tau_.setZero();
-  for (const Relation& relation : closure_->relations()) {
-    if (!relation.is_coupling()) continue;
-    const double force = -lambda(relation.first_row);
-    couplings_[relation.coupling] = force / relation.size;
-    for (const RelatedJoint& part : relation.joints) {
+  for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
+    if (!constraint.is_coupling()) continue;
+    const double force = -lambda(constraint.first_row);
+    couplings_[constraint.coupling] = force / constraint.size;
+    for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
       coupling_tau_.segment(span.first_u, span.n_u) += force * part.C.col(0);
     }
@@ -163,13 +163,13 @@ void Reactions::apply_cut_wrenches(const VecX& lambda) {
   }
 }
 
-/// Likewise of couplings and constraints of velocity at cut joints; in the tree they are part of the joint's total.
-void Reactions::apply_relation_wrenches(const VecX& lambda) {
-  for (const Relation& relation : closure_->relations()) {
-    for (const RelatedJoint& part : relation.joints) {
+/// Likewise of couplings and nonholonomic constraints at cut joints; in the tree they are part of the joint's total.
+void Reactions::apply_speed_constraint_wrenches(const VecX& lambda) {
+  for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
+    for (const ConstrainedJoint& part : constraint.joints) {
       if (part.cut < 0) continue;
       Vec6 on_child;
-      on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(relation.first_row, relation.n_rows));
+      on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(constraint.first_row, constraint.n_rows));
       add_to_total(part.joint, on_child, exert_at_cut(part.joint, on_child));
     }
   }
@@ -253,7 +253,7 @@ void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_par
          so_far.total_on(Side::parent).in_global.vector() + on_parent);
 }
 
-/// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the constraint of velocity pushes;
+/// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const Pushed& pushed : pushed_) {
@@ -268,10 +268,10 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
     for (const int c : pushed.driven) {
       wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (pushed.slipping < 0) continue;
-      const Relation& relation = closure_->relations()[pushed.slipping];
-      const JointSquare& C = relation.joints.front().C;
-      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(relation.first_row, relation.n_rows));
+      if (pushed.nonholonomic < 0) continue;
+      const SpeedConstraint& constraint = closure_->speed_constraints()[pushed.nonholonomic];
+      const JointSquare& C = constraint.joints.front().C;
+      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
     }
     const Vec6 coordinate_C = kinematics_->motion(k).coordinate_wrench(motion, JointVector(wrenches.tau));
     Vec6 coordinate;

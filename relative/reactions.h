@@ -45,8 +45,8 @@ class Reactions {
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct Pushed {
     int joint = 0;
-    int cut = -1;       // its place in Closure::cuts; -1 in the tree
-    int slipping = -1;  // its constraint of velocity in Closure::relations; -1: none
+    int cut = -1;           // its place in Closure::cuts; -1 in the tree
+    int nonholonomic = -1;  // its index in Closure::speed_constraints; -1: none
     std::vector<int> driven;
   };
 
@@ -57,7 +57,7 @@ class Reactions {
   void add_coupling_forces();
   void clear_loads();
   void apply_cut_wrenches(const VecX& lambda);
-  void apply_relation_wrenches(const VecX& lambda);
+  void apply_speed_constraint_wrenches(const VecX& lambda);
   Vec6 exert_at_cut(int joint, const Vec6& on_child);
   void add_spring_wrenches_of_cuts();
   void backward_pass();

@@ -41,7 +41,7 @@ States::States(const Equations& equations)
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
     measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
-    permitted_.emplace_back(*equations.model().joints[k].type, kinematics_.motion(static_cast<int>(k)));
+    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.motion(static_cast<int>(k)));
   }
 }
 
@@ -101,18 +101,18 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     measure.find_q(parent, child, found.q.data() + span.first_q, restart);
     measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
     kinematics_.require_rank(k, measure.motion_at());
-    judge(largest(measure.error(), size, 1.0), "joint", name);
-    judge(largest(measure.slip(), speed, turning), "joint", name);
-    judge(part_of(slip_of(k, found.u), turning), "joint", name);
+    judge(largest(measure.position_residual(), size, 1.0), "joint", name);
+    judge(largest(measure.velocity_residual(), speed, turning), "joint", name);
+    judge(part_of(nonholonomic_residual(k, found.u), turning), "joint", name);
   }
   misfit.strayed_joint = strayed_joint(state, found.q);
   for (const Coupling& coupling : model.couplings) {
     const double factors = size_of(coupling, model, length_);
     const double terms = size_of_terms(coupling, kinematics_, found.q);
-    const double gap = compute_gap(coupling, kinematics_, found.q);
-    const double slip = compute_slip(coupling, model, topology, found.u) / factors;
-    judge(part_of(gap, std::max(factors, terms)), "coupling", coupling.name);
-    judge(part_of(slip, turning), "coupling", coupling.name);
+    const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
+    const double velocity_residual = compute_velocity_residual(coupling, model, topology, found.u) / factors;
+    judge(part_of(position_residual, std::max(factors, terms)), "coupling", coupling.name);
+    judge(part_of(velocity_residual, turning), "coupling", coupling.name);
   }
   return found;
 }
@@ -141,13 +141,13 @@ int States::strayed_joint(const State& state, const VecX& q) const {
 
 /// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have
 /// been measured.
-double States::slip_of(int joint, const VecX& u) {
-  PermittedSpeeds& permitted = permitted_[joint];
+double States::nonholonomic_residual(int joint, const VecX& u) {
+  NonholonomicConstraint& permitted = nonholonomic_[joint];
   if (permitted.n_rows() == 0) return 0.0;
   permitted.evaluate(measures_[joint].motion_at(), equations_->model().joints[joint].name);
   const Span& span = equations_->topology().joints[joint];
-  const VecX slip = permitted.C().transpose() * u.segment(span.first_u, span.n_u);
-  return slip.cwiseAbs().maxCoeff();
+  const VecX velocity_residual = permitted.C().transpose() * u.segment(span.first_u, span.n_u);
+  return velocity_residual.cwiseAbs().maxCoeff();
 }
 
 State States::write(double t, const State& before) const {

@@ -48,7 +48,7 @@ class States {
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
-  [[nodiscard]] double slip_of(int joint, const VecX& u);
+  [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
   void count_turns(Coordinates& coordinates);
   [[nodiscard]] bool has_q(const State& state, int joint) const;
 
@@ -57,7 +57,7 @@ class States {
   double length_;
   double rate_;
   std::vector<JointMeasure> measures_;
-  std::vector<PermittedSpeeds> permitted_;
+  std::vector<NonholonomicConstraint> nonholonomic_;
 };
 
 }  // namespace concord::relative

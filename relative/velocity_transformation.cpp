@@ -171,9 +171,9 @@ void Kinematics::compute_blocks(int l) {
   }
 
   const Vec3 spin = parent.A * motion.v_rel.tail<3>();
-  const Vec3 slip = parent.A * motion.v_rel.head<3>();
+  const Vec3 sliding_velocity = parent.A * motion.v_rel.head<3>();
   Vec6 joint_bias;
-  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(child.r - parent.r) + 2.0 * slip);
+  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(child.r - parent.r) + 2.0 * sliding_velocity);
   if (motions_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
   joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
   const Vec3 from_own = -own.lever;

@@ -15,7 +15,7 @@
 #include "compare/joint_check/referee.h"
 #include "compare/joint_motion.h"
 #include "relative/motions.h"
-#include "relative/permitted_speeds.h"
+#include "relative/nonholonomic_constraint.h"
 
 namespace concord::compare::joint_check {
 
@@ -298,7 +298,7 @@ void velocities_fill_space(const Sight& sight, Property& property) {
 /// forbidden: the same velocities, and the same accelerations.
 void solvers_forbid_the_same_speeds(const Sight& sight, Property& property) {
   if (sight.type.slip_rows() == 0) return;
-  relative::PermittedSpeeds permitted(sight.type, sight.words);
+  relative::NonholonomicConstraint permitted(sight.type, sight.words);
   permitted.evaluate(sight.permitted, sight.type.name);
   const MatX C = permitted.C().leftCols(permitted.n_rows());
   const MatX free = free_speeds(sight.type, sight.at.R, sight.S());

@@ -286,7 +286,7 @@ TEST_P(SprungType, PushesTheSameInTheTreeAndCut) {
     JointMotion motion;
     Motion(*joint.type).evaluate(state.q[2].data(), state.u[2].data(), motion);
     const Motion permitted(*joint.type);
-    PermittedSpeeds speeds(*joint.type, permitted);
+    NonholonomicConstraint speeds(*joint.type, permitted);
     MatX free = MatX::Identity(joint.type->n_u(), joint.type->n_u());
     if (speeds.n_rows() > 0) {
       speeds.evaluate(motion, joint.name);

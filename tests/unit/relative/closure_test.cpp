@@ -37,7 +37,7 @@ class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> 
 };
 
 TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
-  const Held nothing(6, 0);
+  const PrescribedMask nothing(6, 0);
   JointMeasure measure(kinematics_.motion(0), nothing.data());
   VecX q = kinematics_.motion(0).home();
   VecX u = VecX::Zero(u_.size());
@@ -46,20 +46,20 @@ TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
   if (kinematics_.motion(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
   EXPECT_LT((q - q_).norm(), 1e-14);
   EXPECT_LT((u - u_).norm(), 1e-14);
-  EXPECT_LT(measure.error().norm(), 1e-15);
-  EXPECT_LT(measure.slip().norm(), 1e-14);
+  EXPECT_LT(measure.position_residual().norm(), 1e-15);
+  EXPECT_LT(measure.velocity_residual().norm(), 1e-14);
 }
 
 TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
   const int n_u = kinematics_.motion(0).n_u();
-  for (int held_column = -1; held_column < n_u; ++held_column) {
-    Held held(6, 0);
-    if (held_column >= 0) held[held_column] = 1;
-    JointMeasure measure(kinematics_.motion(0), held.data());
+  for (int prescribed_column = -1; prescribed_column < n_u; ++prescribed_column) {
+    PrescribedMask prescribed(6, 0);
+    if (prescribed_column >= 0) prescribed[prescribed_column] = 1;
+    JointMeasure measure(kinematics_.motion(0), prescribed.data());
     VecX q = q_;
     measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::never);
     const int rows = measure.n_rows();
-    EXPECT_EQ(rows, 6 - n_u + (held_column >= 0 ? 1 : 0));
+    EXPECT_EQ(rows, 6 - n_u + (prescribed_column >= 0 ? 1 : 0));
     const MatX T = measure.T().leftCols(rows);
     const Motion& motion = kinematics_.motion(0);
     MatX weighed = T;
@@ -70,7 +70,7 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
       VecX column = measure.motion_at().S.col(c);
       const double along = (T.transpose() * column).norm();
       if (motion.couples()) column.tail<3>() *= motion.length();
-      if (c == held_column) {
+      if (c == prescribed_column) {
         EXPECT_GT(along, 0.5 * column.norm());
       } else {
         EXPECT_LT(along, 1e-15);
@@ -86,7 +86,7 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
 
 TEST_P(MeasuredJoint, KeepsTheNumberOfTurnsOfTheFirstGuess) {
   if (GetParam()->name != "revolute" && GetParam()->name != "universal") return;
-  const Held nothing(6, 0);
+  const PrescribedMask nothing(6, 0);
   JointMeasure measure(kinematics_.motion(0), nothing.data());
   VecX q = q_;
   q(0) += 40.0 * M_PI + 0.3;
@@ -107,12 +107,12 @@ class MeasuredRod : public ::testing::Test {
     parent_.r = Vec3(0.2, 0.1, -0.4);
     child_.A = parent_.A * rotation_about(Axis::y, 0.7);
     child_.r = parent_.r + parent_.A * gap;
-    const Held nothing(5, 0);
+    const PrescribedMask nothing(5, 0);
     JointMeasure measured(motion_, nothing.data());
     VecX q = motion_.home();
     q.head<2>() << q1, q2;
     measured.find_q(parent_, child_, q.data(), JointMeasure::Restart::if_better);
-    error_ = measured.error();
+    error_ = measured.position_residual();
     return q;
   }
 
@@ -184,18 +184,18 @@ class LoopOfFourJoints : public ::testing::TestWithParam<int> {
 TEST_P(LoopOfFourJoints, VelocityClosureIsPhiTimesSpeeds) {
   move(0.0);
   const VecX expected = equations_.closure().Phi_u() * speeds_;
-  EXPECT_LT((equations_.closure().slip() - expected).norm(), 1e-13);
+  EXPECT_LT((equations_.closure().velocity_residual() - expected).norm(), 1e-13);
   EXPECT_GT(expected.norm(), 0.1);
 }
 
 TEST_P(LoopOfFourJoints, GapGrowsWithTheVelocityClosure) {
   const double h = 1e-5;
   move(h);
-  const VecX ahead = equations_.closure().gap();
+  const VecX ahead = equations_.closure().position_residual();
   move(-h);
-  const VecX behind = equations_.closure().gap();
+  const VecX behind = equations_.closure().position_residual();
   move(0.0);
-  EXPECT_LT(((ahead - behind) / (2 * h) - equations_.closure().slip()).norm(), 1e-8);
+  EXPECT_LT(((ahead - behind) / (2 * h) - equations_.closure().velocity_residual()).norm(), 1e-8);
 }
 
 TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
@@ -223,7 +223,7 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
     }
     const VecX u = start_.u + t * udot;
     equations_.move(0.0, q, u);
-    return VecX(equations_.closure().slip());
+    return VecX(equations_.closure().velocity_residual());
   };
   EXPECT_LT((slip_at(h) - slip_at(-h)).norm() / (2 * h), 1e-5);
 }

@@ -8,11 +8,11 @@ namespace concord::relative {
 /// Evaluator of the permitted speeds of one joint type: S_v with v_rel = S_v w for every velocity that is possible.
 /// They span less than S: rows C^T u = 0 on the joint's speeds hold for velocities and accelerations, and say nothing
 /// of places. In the six directions they read T^T v_rel = 0, T the coordinate wrenches of C: T^T S = C^T, T^T S_v = 0.
-class PermittedSpeeds {
+class NonholonomicConstraint {
  public:
   /// The motion is the type's and must outlive this object. Throws std::invalid_argument if a permitted speed is none
   /// of the motion, which the page of the type contradicts then.
-  PermittedSpeeds(const joints::JointType& type, const Motion& motion);
+  NonholonomicConstraint(const joints::JointType& type, const Motion& motion);
 
   /// Number of rows: n_u minus the number of permitted speeds; 0 for a type without them.
   [[nodiscard]] int n_rows() const { return n_rows_; }
@@ -28,7 +28,7 @@ class PermittedSpeeds {
 
  private:
   void place_columns(const JointMotion& at);
-  [[nodiscard]] JointColumns along_the_motion(const JointMotion& at) const;
+  [[nodiscard]] JointColumns in_joint_speeds(const JointMotion& at) const;
   [[nodiscard]] JointVector speeds_of(const Vec6& v_rel) const;
   [[nodiscard]] bool complete(const JointColumns& P);
 

@@ -1,4 +1,4 @@
-#include "relative/permitted_speeds.h"
+#include "relative/nonholonomic_constraint.h"
 
 #include <fmt/format.h>
 
@@ -47,7 +47,7 @@ Right fitted(const JointColumns& columns,
 
 }  // namespace
 
-PermittedSpeeds::PermittedSpeeds(const joints::JointType& type, const Motion& motion)
+NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Motion& motion)
     : motion_(&motion), words_(type.permits_speeds), units_(JointVector::Ones(motion.n_u())) {
   if (words_.empty()) return;
   n_rows_ = motion.n_u() - static_cast<int>(words_.size());
@@ -60,13 +60,13 @@ PermittedSpeeds::PermittedSpeeds(const joints::JointType& type, const Motion& mo
   motion.evaluate(home.data(), still.data(), at);
   place_columns(at);
   const double outside =
-      (at.S.leftCols(motion.n_u()) * along_the_motion(at).topRows(motion.n_u()) - S_v_).cwiseAbs().maxCoeff();
+      (at.S.leftCols(motion.n_u()) * in_joint_speeds(at).topRows(motion.n_u()) - S_v_).cwiseAbs().maxCoeff();
   if (n_rows_ > 0 && outside <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
 }
 
-void PermittedSpeeds::place_columns(const JointMotion& at) {  // (S15)
+void NonholonomicConstraint::place_columns(const JointMotion& at) {  // (S15)
   const auto n = static_cast<Eigen::Index>(words_.size());
   S_v_.resize(6, n);
   rates_.resize(6, n);
@@ -87,7 +87,7 @@ void PermittedSpeeds::place_columns(const JointMotion& at) {  // (S15)
 }
 
 /// P with S P = S_v (n_u x words) (R47).
-JointColumns PermittedSpeeds::along_the_motion(const JointMotion& at) const {
+JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) const {
   JointColumns S = at.S.leftCols(motion_->n_u());
   JointColumns S_v = S_v_;
   S.topRows<3>() /= motion_->length();
@@ -99,7 +99,7 @@ JointColumns PermittedSpeeds::along_the_motion(const JointMotion& at) const {
 }
 
 /// w with S_v w = v_rel.
-JointVector PermittedSpeeds::speeds_of(const Vec6& v_rel) const {
+JointVector NonholonomicConstraint::speeds_of(const Vec6& v_rel) const {
   JointColumns S_v = S_v_;
   Vec6 v = v_rel;
   S_v.topRows<3>() /= motion_->length();
@@ -108,7 +108,7 @@ JointVector PermittedSpeeds::speeds_of(const Vec6& v_rel) const {
 }
 
 /// C: what is orthogonal to P among the joint's speeds. False if two columns of P are one.
-bool PermittedSpeeds::complete(const JointColumns& P) {
+bool NonholonomicConstraint::complete(const JointColumns& P) {
   const int n_u = motion_->n_u();
   OrthonormalColumns directions;
   for (int beyond = n_u; beyond < 6; ++beyond) directions.add(Vec6::Unit(beyond));
@@ -125,9 +125,9 @@ bool PermittedSpeeds::complete(const JointColumns& P) {
   return true;
 }
 
-void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) {  // (R48)
+void NonholonomicConstraint::evaluate(const JointMotion& at, const std::string& owner) {  // (R48)
   place_columns(at);
-  if (!complete(along_the_motion(at))) {
+  if (!complete(in_joint_speeds(at))) {
     throw SingularPose(fmt::format(
         "relative: joint '{}': two of the speeds that it permits are one in this pose: its velocity is singular there",
         owner));
