@@ -324,53 +324,53 @@ void ArticulatedBodies::add_coordinate_forces(int link, const Eigen::Ref<const M
   for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
 }
 
-void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& eps) const {
+void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& unit_response) const {
   if (flexible_of_link_[link] >= 0) {
     const FlexibleArticulatedBody& f = flexible_[flexible_of_link_[link]];
-    eps.noalias() += f.H.transpose() * z_r;
-    eps.bottomRows(z_a.rows()) += z_a;
-    f.llt.matrixL().solveInPlace(eps);
-    z_r.noalias() -= f.Kt.transpose() * eps;
+    unit_response.noalias() += f.H.transpose() * z_r;
+    unit_response.bottomRows(z_a.rows()) += z_a;
+    f.llt.matrixL().solveInPlace(unit_response);
+    z_r.noalias() -= f.Kt.transpose() * unit_response;
     return;
   }
   switch (links_[link].n_free) {
     case 0:
       return;
     case 1:
-      return propagate_force_rigid<1>(link, z_r, eps);
+      return propagate_force_rigid<1>(link, z_r, unit_response);
     case 2:
-      return propagate_force_rigid<2>(link, z_r, eps);
+      return propagate_force_rigid<2>(link, z_r, unit_response);
     case 3:
-      return propagate_force_rigid<3>(link, z_r, eps);
+      return propagate_force_rigid<3>(link, z_r, unit_response);
     case 4:
-      return propagate_force_rigid<4>(link, z_r, eps);
+      return propagate_force_rigid<4>(link, z_r, unit_response);
     case 5:
-      return propagate_force_rigid<5>(link, z_r, eps);
+      return propagate_force_rigid<5>(link, z_r, unit_response);
     default:
-      return propagate_force_rigid<6>(link, z_r, eps);
+      return propagate_force_rigid<6>(link, z_r, unit_response);
   }
 }
 
 template <int N>
-void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& eps) const {
+void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& unit_response) const {
   const ArticulatedBody& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
   const Eigen::Map<const Fixed<N, N>> L(link.L.data());
   for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
     Eigen::Map<Vec6> z(z_r.col(c).data());
-    Eigen::Map<Fixed<N, 1>> along(eps.col(c).data());
+    Eigen::Map<Fixed<N, 1>> along(unit_response.col(c).data());
     along.noalias() += H.transpose() * z;
     L.template triangularView<Eigen::Lower>().solveInPlace(along);
     z.noalias() -= K * along;
   }
 }
 
-void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& eps) {
+void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& unit_response) {
   if (flexible_of_link_[link] >= 0) {
-    flexible_[flexible_of_link_[link]].uhat += eps;
+    flexible_[flexible_of_link_[link]].uhat += unit_response;
   } else {
-    links_[link].uhat.head(eps.size()) += eps;
+    links_[link].uhat.head(unit_response.size()) += unit_response;
   }
 }
 
