@@ -328,7 +328,7 @@ std::string AppliedForces::name_of_regime(int actor) const {
   return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
 }
 
-double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
+double AppliedForces::event_function_of_actor(const Actor& actor, double t) const {
   if (actor.element < 0) {
     const Joint& joint = model_.joints[actor.joint];
     double smallest = HUGE_VAL;
@@ -338,7 +338,8 @@ double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
       const Row row = evaluate_read(read, spring.component, actor.motion);
       const double known = actor.known_q(first_q(*joint.type, spring.word) + spring.component);
       const double x = value_near(actor.spring_turns[k], row, known);
-      smallest = std::min(smallest, margin_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
+      smallest =
+          std::min(smallest, event_function_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
     }
     return smallest;
   }
@@ -347,22 +348,22 @@ double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
   const Marker& child = actor.markers[index(Side::child)];
   if (const auto* tire = std::get_if<Tire>(&element.what)) {
     const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, child, element.name, t);
-    return margin_of(*tire, actor.regime, at.contact);
+    return event_function_of(*tire, actor.regime, at.contact);
   }
   const ForceLaw& law = *law_of(element);
   if (std::holds_alternative<TurnSpring>(element.what)) {
     const Row angle = evaluate_read(kSpringAngle, 0, actor.motion);
-    return margin_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
+    return event_function_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
   }
   const Vec3 line = child.point - parent.point;
   const double length = line.norm();
   const double rate = length > shortest_line_ ? line.dot(child.velocity - parent.velocity) / length : 0.0;
-  return margin_of(law, actor.stop_regimes.front(), length, rate);
+  return event_function_of(law, actor.stop_regimes.front(), length, rate);
 }
 
-AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const VecX>& q,
-                                            const Eigen::Ref<const VecX>& Y) {
-  Margin smallest{HUGE_VAL, -1};
+AppliedForces::EventValue AppliedForces::event_function(double t, const Eigen::Ref<const VecX>& q,
+                                                        const Eigen::Ref<const VecX>& Y) {
+  EventValue smallest{HUGE_VAL, -1};
   for (std::size_t k = 0; k < actors_.size(); ++k) {
     Actor& actor = actors_[k];
     const bool has_any = actor.element >= 0 ? cartesian::has_regimes(model_.elements[actor.element])
@@ -375,7 +376,7 @@ AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const Vec
     }
     place_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
     move_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
-    const double own = margin_of_actor(actor, t);
+    const double own = event_function_of_actor(actor, t);
     if (!(own >= smallest.size)) smallest = {own, static_cast<int>(k)};
   }
   return smallest;

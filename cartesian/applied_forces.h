@@ -53,13 +53,13 @@ class AppliedForces {
   /// update() takes the regime that each is in by itself.
   void hold_regimes(bool hold) { holds_regimes_ = hold; }
   [[nodiscard]] bool has_regimes() const;
-  /// How far tires and stops are inside their regimes (margin_of) at time t, positions q and velocities Y: the
+  /// How far tires and stops are inside their regimes (event_function_of) at time t, positions q and velocities Y: the
   /// smallest, and the actor that has it.
-  struct Margin {
+  struct EventValue {
     double size;
     int actor;
   };
-  Margin margin(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  EventValue event_function(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -85,8 +85,8 @@ class AppliedForces {
                  const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
   void push_by_springs(Actor& actor, double t) const;
-  /// The smallest margin of an actor whose ends are placed; infinite if it has no regimes.
-  [[nodiscard]] double margin_of_actor(const Actor& actor, double t) const;
+  /// The smallest event function of an actor whose ends are placed; infinite if it has no regimes.
+  [[nodiscard]] double event_function_of_actor(const Actor& actor, double t) const;
 
   const Model& model_;
   const Layout& layout_;

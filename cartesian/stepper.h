@@ -58,19 +58,19 @@ class Stepper {
   long evaluations_ = 0;
 
  private:
-  double margin(double t, const Motion& motion);
-  double margin_at(double t);
-  double find_kink(double from, double margin_before, double stop);
-  void pass_kink();
+  double event_function(double t, const Motion& motion);
+  double event_function_at(double t);
+  double locate_event(double from, double value_before, double stop);
+  void pass_event();
   void refuse_chatter();
 
   bool has_regimes_;
   double time_ = 0.0;
   double chatter_window_;  // s
-  double kink_;            // in the last step, not yet passed; HUGE_VAL: none
-  int at_margin_ = -1;
-  double kinks_since_ = 0.0;
-  int kinks_ = 0;
+  double event_;           // in the last step, not yet passed; HUGE_VAL: none
+  int nearest_event_ = -1;
+  double events_since_ = 0.0;
+  int events_ = 0;
 };
 
 /// Relative tolerance of each step, and the time of the run [s].

@@ -27,7 +27,7 @@ class ForceTable {
   [[nodiscard]] double evaluate(int piece, double x) const;
   [[nodiscard]] double slope(int piece, double x) const;
   /// How far x is inside the piece, in parts of the table's length; negative outside.
-  [[nodiscard]] double margin(int piece, double x) const;
+  [[nodiscard]] double event_function(int piece, double x) const;
 
  private:
   static constexpr int kBelow = -1;
@@ -99,7 +99,7 @@ LawRegime regime_at(const ForceLaw& law, double x, double xdot);
 /// forces over stiffness times width, or in lengths of the table. The smallest; infinite without stops and tables. A
 /// regime ends 1e-11 beyond its border, where its formulas still hold to round-off, so that a spring that rests on a
 /// border does not chatter.
-double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
 /// Whether the law has more than one regime.
 [[nodiscard]] inline bool has_regimes(const ForceLaw& law) {

@@ -69,6 +69,6 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact);
 
 /// How far the contact is inside a regime: positive inside, through zero where the regime ends; in units of its own (a
 /// length over the radius, a force over stiffness radius). The smallest over all its ends.
-double margin_of(const Tire& tire, const TireRegime& regime, const TireContact& contact);
+double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact);
 
 }  // namespace concord

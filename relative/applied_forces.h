@@ -31,9 +31,10 @@ class AppliedForces {
   void free_regimes() { regimes_are_frozen_ = false; }
   void freeze_regimes() { regimes_are_frozen_ = true; }
   [[nodiscard]] bool has_regimes() const { return has_regimes_; }
-  /// How far the last update was inside the regimes, the worst of all tires and stops: see margin_of. Infinite without.
-  [[nodiscard]] double margin() const;
-  /// "tire 'left'", "stop of 'coil'": the contact with the least margin.
+  /// How far the last update was inside the regimes, the worst of all tires and stops: see event_function_of. Infinite
+  /// without.
+  [[nodiscard]] double event_function() const;
+  /// "tire 'left'", "stop of 'coil'": the contact with the smallest event function.
   [[nodiscard]] std::string least_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
@@ -89,16 +90,16 @@ class AppliedForces {
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
   int add_law(const ForceLaw& law, const std::string& owner);
-  /// The least margin, and whose contact has it.
+  /// The smallest event function, and whose contact has it.
   struct Least {
-    double margin;
+    double value;
     const char* kind;
     const std::string* owner;
   };
   [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
   void apply_springs(double t, const VecX& q, const VecX& u);
-  void push(int body, const JointPoint& point, const Vec6& wrench);
+  void apply_wrench(int body, const JointPoint& point, const Vec6& wrench);
 
   const Kinematics* kinematics_;
   const Closure* closure_;

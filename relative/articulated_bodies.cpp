@@ -324,53 +324,53 @@ void ArticulatedBodies::add_coordinate_forces(int link, const Eigen::Ref<const M
   for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
 }
 
-void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& unit_response) const {
+void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
   if (flexible_of_link_[link] >= 0) {
     const FlexibleArticulatedBody& f = flexible_[flexible_of_link_[link]];
-    unit_response.noalias() += f.H.transpose() * z_r;
-    unit_response.bottomRows(z_a.rows()) += z_a;
-    f.llt.matrixL().solveInPlace(unit_response);
-    z_r.noalias() -= f.Kt.transpose() * unit_response;
+    response.noalias() += f.H.transpose() * z_r;
+    response.bottomRows(z_a.rows()) += z_a;
+    f.llt.matrixL().solveInPlace(response);
+    z_r.noalias() -= f.Kt.transpose() * response;
     return;
   }
   switch (links_[link].n_free) {
     case 0:
       return;
     case 1:
-      return propagate_force_rigid<1>(link, z_r, unit_response);
+      return propagate_force_rigid<1>(link, z_r, response);
     case 2:
-      return propagate_force_rigid<2>(link, z_r, unit_response);
+      return propagate_force_rigid<2>(link, z_r, response);
     case 3:
-      return propagate_force_rigid<3>(link, z_r, unit_response);
+      return propagate_force_rigid<3>(link, z_r, response);
     case 4:
-      return propagate_force_rigid<4>(link, z_r, unit_response);
+      return propagate_force_rigid<4>(link, z_r, response);
     case 5:
-      return propagate_force_rigid<5>(link, z_r, unit_response);
+      return propagate_force_rigid<5>(link, z_r, response);
     default:
-      return propagate_force_rigid<6>(link, z_r, unit_response);
+      return propagate_force_rigid<6>(link, z_r, response);
   }
 }
 
 template <int N>
-void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& unit_response) const {
+void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const {
   const ArticulatedBody& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
   const Eigen::Map<const Fixed<N, N>> L(link.L.data());
   for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
     Eigen::Map<Vec6> z(z_r.col(c).data());
-    Eigen::Map<Fixed<N, 1>> along(unit_response.col(c).data());
+    Eigen::Map<Fixed<N, 1>> along(response.col(c).data());
     along.noalias() += H.transpose() * z;
     L.template triangularView<Eigen::Lower>().solveInPlace(along);
     z.noalias() -= K * along;
   }
 }
 
-void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& unit_response) {
+void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& response) {
   if (flexible_of_link_[link] >= 0) {
-    flexible_[flexible_of_link_[link]].uhat += unit_response;
+    flexible_[flexible_of_link_[link]].uhat += response;
   } else {
-    links_[link].uhat.head(unit_response.size()) += unit_response;
+    links_[link].uhat.head(response.size()) += response;
   }
 }
 

@@ -86,12 +86,12 @@ class ArticulatedBodies {
   void add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
 
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
-  /// in unit_response forces on its unknowns (n x c): makes of unit_response their part along the unknowns, L^-1
-  /// (unit_response + H^T z), and leaves in z_r what the reference body feels.
-  void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& unit_response) const;
+  /// in response forces on its unknowns (n x c): makes of response their part along the unknowns, L^-1
+  /// (response + H^T z), and leaves in z_r what the reference body feels.
+  void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
 
-  /// Adds to a link's right side what a generalized force of projection `unit_response` (n numbers) adds.
-  void add_force(int link, const Eigen::Ref<const VecX>& unit_response);
+  /// Adds to a link's right side what a generalized force of projection `response` (n numbers) adds.
+  void add_force(int link, const Eigen::Ref<const VecX>& response);
 
   /// The outermost link of the opened tree whose joint can move without inertia, and the joint's speeds u (n_u) in that
   /// motion, driven ones at rest; after backward_pass(), also one that threw. "Without" means below round-off of the
@@ -110,7 +110,7 @@ class ArticulatedBodies {
   void add_to_reference_body(int l, const Mat6& I, const Vec6& p);
   [[nodiscard]] Vec6 acceleration_from_reference(int l) const;
   template <int N>
-  void propagate_force_rigid(int l, Mat6X& z_r, MatX& unit_response) const;
+  void propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const;
   template <int N>
   void solve_rigid(int l, const Vec6& A0, VecX& udot);
   void solve_flexible(int l, const Vec6& A0, VecX& udot);

@@ -34,7 +34,7 @@ MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
   return selected;
 }
 
-const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_places ? "coordinates" : "speeds"; }
+const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_positions ? "coordinates" : "speeds"; }
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
@@ -180,13 +180,13 @@ bool Assembly::close(Coordinates& coordinates) {
   return close_positions(coordinates, driven, closing_modes_) && close_velocities(coordinates, driven, closing_modes_);
 }
 
-/// Factors the closure rows here, in the units of the machine: those of places by themselves, and all.
+/// Factors the closure rows here, in the units of the machine: those for positions by themselves, and all.
 void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns());
-  const bool places_are_all = closure.n_position_rows() == closure.n_rows();
+  const bool positions_are_all = closure.n_position_rows() == closure.n_rows();
   row_factors_.compute(Phi);
-  if (!places_are_all) place_factors_.compute(Phi.topRows(closure.n_position_rows()));
+  if (!positions_are_all) position_factors_.compute(Phi.topRows(closure.n_position_rows()));
 }
 
 /// The smallest step of the free columns in the units of the machine that takes away the misfit of the independent rows
@@ -194,7 +194,7 @@ void Assembly::take_projection() {
 VecX Assembly::projection_step(const VecX& misfit) const {
   const Closure& closure = equations_->closure();
   const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const VecX solution = (misfit.size() < closure.n_rows() ? place_factors_ : row_factors_).smallest_step(scaled);
+  const VecX solution = (misfit.size() < closure.n_rows() ? position_factors_ : row_factors_).smallest_step(scaled);
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   const std::vector<int>& columns = projected_columns();
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c) * scales_.speeds()(columns[c]);
@@ -320,7 +320,8 @@ int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes mode
   const Closure& closure = equations_->closure();
   const MatX Phi =
       select_columns(scales_.scaled(closure.Phi_u(), closure), moving_columns(equations_->driven(), modes));
-  return static_cast<int>(rank_of(Phi.topRows(rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows())));
+  return static_cast<int>(
+      rank_of(Phi.topRows(rows == Rows::of_positions ? closure.n_position_rows() : closure.n_rows())));
 }
 
 /// A start or a folded pose may lack rank that the machine has elsewhere, and so may a body that is not deformed: poses
@@ -394,7 +395,7 @@ double Assembly::factor_rows(Coordinates& coordinates, MatX& Phi) {
   return factors.singular_value(rank());
 }
 
-bool Assembly::settle(Coordinates& coordinates) {
+bool Assembly::close_positions_nearby(Coordinates& coordinates) {
   try {
     normalize(coordinates.q);
     projecting_ = closing_modes_;
@@ -543,7 +544,7 @@ void Assembly::require_independent_start(const Coordinates& coordinates, const P
   Coordinates copy = coordinates;
   measure(copy, closure);
   const std::vector<int> columns = moving_columns(prescribed, Modes::kept);
-  const int n_rows = rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows();
+  const int n_rows = rows == Rows::of_positions ? closure.n_position_rows() : closure.n_rows();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure).topRows(n_rows), columns);
   if (rank_of(Phi) == static_cast<Eigen::Index>(columns.size())) return;
   throw InputError(where_kept(prescribed),
@@ -587,7 +588,7 @@ void Assembly::throw_not_closing(const PrescribedMask& prescribed) const {
 
 /// Whole turns, which change no pose, for couplings that are off by more: on the turn with the smallest factor among
 /// those that are not prescribed.
-void Assembly::wind(Coordinates& coordinates, const PrescribedMask& prescribed) const {
+void Assembly::add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const {
   const Model& model = equations_->model();
   const Topology& topology = equations_->topology();
   for (const Coupling& coupling : model.couplings) {
@@ -677,19 +678,19 @@ Coordinates Assembly::start() {
   Coordinates start = guess_start();
   const PrescribedMask prescribed_q = kept(&WordStart::role_q);
   const PrescribedMask prescribed_u = kept(&WordStart::role_u);
-  wind(start, prescribed_q);
+  add_turns_of_couplings(start, prescribed_q);
   equations_->count_turns(equations_->kinematics().whole_turns(start.q));
   start.q = equations_->kinematics().without_turns(start.q);
   Coordinates closed = start;
   const bool kept_agree = close_positions(closed, prescribed_q, Modes::kept);
   if (!kept_agree) closed = start;
   if (kept_agree || close_positions(closed, equations_->driven(), Modes::kept)) {
-    require_number_of_kept(closed, prescribed_q, Rows::of_places);
+    require_number_of_kept(closed, prescribed_q, Rows::of_positions);
   }
   if (!kept_agree) throw_not_closing(prescribed_q);
   closed.u = start.u;  // closing places has measured the cut joints' speeds, those too that are kept
   choose_branches(closed, start, prescribed_q, prescribed_u);
-  require_independent_start(closed, prescribed_q, Rows::of_places);
+  require_independent_start(closed, prescribed_q, Rows::of_positions);
   require_number_of_kept(closed, prescribed_u, Rows::of_velocities);
   require_independent_start(closed, prescribed_u, Rows::of_velocities);
   require_inertia(closed);

@@ -51,16 +51,16 @@ class Assembly {
   /// Closure rows in machine units over the free columns, and the size of the smallest singular value that a general
   /// pose has.
   double factor_rows(Coordinates& coordinates, MatX& Phi);
-  /// Closes places near by; false where Newton's method fails.
-  [[nodiscard]] bool settle(Coordinates& coordinates);
+  /// Closes positions near the given ones; false where Newton's method fails.
+  [[nodiscard]] bool close_positions_nearby(Coordinates& coordinates);
 
   /// Largest misfit of position and velocity closure in machine units, as the projection measures it: position residual
   /// / max(1, largest coordinate), velocity residual relative to the largest speed.
   [[nodiscard]] double misfit(const Coordinates& coordinates);
 
   enum class Modes { kept, moving };
-  /// The closure rows of places alone, or all, which hold for velocities.
-  enum class Rows { of_places, of_velocities };
+  /// The closure rows that hold for positions, or all rows, which hold for velocities.
+  enum class Rows { of_positions, of_velocities };
 
   /// Rank of the closure rows in scaled units over the free columns of the tree, with or without modal ones.
   [[nodiscard]] int closure_rank(const Coordinates& coordinates, Rows rows, Modes modes);
@@ -95,7 +95,7 @@ class Assembly {
   [[nodiscard]] Coordinates guess_start() const;
   void measure_unsaid(Coordinates& coordinates) const;
   [[nodiscard]] PrescribedMask kept(StartRole WordStart::*role) const;
-  void wind(Coordinates& coordinates, const PrescribedMask& prescribed) const;
+  void add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const;
   void require_independent_start(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows);
   void require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows);
   [[noreturn]] void throw_not_closing(const PrescribedMask& prescribed) const;
@@ -114,8 +114,8 @@ class Assembly {
   Modes projecting_ = Modes::moving;
   Coordinates drifted_;
   RowFactors row_factors_;
-  RowFactors place_factors_;  // of the rows of places, where there are others
-  double rate_;               // machine_rate
+  RowFactors position_factors_;  // of the rows for positions, where there are others
+  double rate_;                  // machine_rate
   VecX coordinate_units_;
   bool rank_is_decided_ = false;
   Modes closing_modes_ = Modes::kept;  // decided with the rows

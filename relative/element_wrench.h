@@ -15,7 +15,7 @@ struct LawInRegime {
 
   /// Resistance at x with rate xdot; takes the regime that the stops are in by themselves unless it `keeps` its own.
   double resist(double at_x, double at_xdot, bool keeps);
-  [[nodiscard]] double margin() const { return margin_of(*law, regime, x, xdot); }
+  [[nodiscard]] double event_function() const { return event_function_of(*law, regime, x, xdot); }
 };
 
 /// What an element between two ends exerts on the child at P_i [F; T], global axes. The parent gets the opposite, moved

@@ -42,19 +42,19 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     wrenches.tau.setZero(joint.type->n_u());
     joints_.push_back(wrenches);
     if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
-    Pushed pushed{static_cast<int>(k), -1, -1, {}};
+    ForcedJoint forced{static_cast<int>(k), -1, -1, {}};
     for (const Driver& driver : joint.drivers) {
-      pushed.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
+      forced.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
     }
     for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
-      if (closure.cuts()[c].joint == pushed.joint) pushed.cut = static_cast<int>(c);
+      if (closure.cuts()[c].joint == forced.joint) forced.cut = static_cast<int>(c);
     }
     for (std::size_t r = 0; r < closure.speed_constraints().size(); ++r) {
       const SpeedConstraint& constraint = closure.speed_constraints()[r];
-      if (constraint.is_coupling() || constraint.joints.front().joint != pushed.joint) continue;
-      pushed.nonholonomic = static_cast<int>(r);
+      if (constraint.is_coupling() || constraint.joints.front().joint != forced.joint) continue;
+      forced.nonholonomic = static_cast<int>(r);
     }
-    pushed_.push_back(pushed);
+    forced_joints_.push_back(forced);
   }
 }
 
@@ -115,9 +115,9 @@ void Reactions::subtract_applied() {  // (R55)
 }
 
 void Reactions::set_spring_forces() {
-  for (const Pushed& pushed : pushed_) {
-    const Span& span = kinematics_->topology().joints[pushed.joint];
-    joints_[pushed.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
+  for (const ForcedJoint& forced : forced_joints_) {
+    const Span& span = kinematics_->topology().joints[forced.joint];
+    joints_[forced.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
   }
 }
 
@@ -138,14 +138,14 @@ void Reactions::set_coupling_forces(const VecX& lambda) {
 
 void Reactions::add_coupling_forces() {
   if (couplings_.empty()) return;
-  for (const Pushed& pushed : pushed_) {
-    const Span& span = kinematics_->topology().joints[pushed.joint];
-    joints_[pushed.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
+  for (const ForcedJoint& forced : forced_joints_) {
+    const Span& span = kinematics_->topology().joints[forced.joint];
+    joints_[forced.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
   }
 }
 
 void Reactions::clear_loads() {
-  for (const Pushed& pushed : pushed_) joints_[pushed.joint].tau.setZero();
+  for (const ForcedJoint& forced : forced_joints_) joints_[forced.joint].tau.setZero();
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
@@ -188,12 +188,12 @@ Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
 
 /// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
 void Reactions::add_spring_wrenches_of_cuts() {
-  for (const Pushed& pushed : pushed_) {
-    if (pushed.cut < 0) continue;
-    const JointPoint& parent = kinematics_->point(pushed.joint, Side::parent);
-    const JointPoint& child = kinematics_->point(pushed.joint, Side::child);
-    const Vec6& spring = applied_->on_child_of_cut(pushed.cut);
-    add_to_total(pushed.joint, spring, answered_at(spring, child.r, parent.r));
+  for (const ForcedJoint& forced : forced_joints_) {
+    if (forced.cut < 0) continue;
+    const JointPoint& parent = kinematics_->point(forced.joint, Side::parent);
+    const JointPoint& child = kinematics_->point(forced.joint, Side::child);
+    const Vec6& spring = applied_->on_child_of_cut(forced.cut);
+    add_to_total(forced.joint, spring, answered_at(spring, child.r, parent.r));
   }
 }
 
@@ -256,20 +256,20 @@ void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_par
 /// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
-  for (const Pushed& pushed : pushed_) {
-    const int k = pushed.joint;
+  for (const ForcedJoint& forced : forced_joints_) {
+    const int k = forced.joint;
     const JointMotion& motion =
-        pushed.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[pushed.cut].measure.motion_at();
+        forced.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[forced.cut].measure.motion_at();
     const JointPoint& parent = kinematics_->point(k, Side::parent);
     const JointPoint& child = kinematics_->point(k, Side::child);
     JointWrenches& wrenches = joints_[k];
     const Wrench& total = wrenches.total[index(Side::child)].in_global;
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
-    for (const int c : pushed.driven) {
+    for (const int c : forced.driven) {
       wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (pushed.nonholonomic < 0) continue;
-      const SpeedConstraint& constraint = closure_->speed_constraints()[pushed.nonholonomic];
+      if (forced.nonholonomic < 0) continue;
+      const SpeedConstraint& constraint = closure_->speed_constraints()[forced.nonholonomic];
       const JointSquare& C = constraint.joints.front().C;
       wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
     }

@@ -43,7 +43,7 @@ class Reactions {
     double largest_modal_term = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
-  struct Pushed {
+  struct ForcedJoint {
     int joint = 0;
     int cut = -1;           // its place in Closure::cuts; -1 in the tree
     int nonholonomic = -1;  // its index in Closure::speed_constraints; -1: none
@@ -72,7 +72,7 @@ class Reactions {
   const ArticulatedBodies* articulated_bodies_;
   const AppliedForces* applied_;
   std::vector<Load> loads_;
-  std::vector<Pushed> pushed_;
+  std::vector<ForcedJoint> forced_joints_;
   std::vector<JointWrenches> joints_;
   std::vector<double> couplings_;
   VecX coupling_tau_;

@@ -7,11 +7,11 @@ namespace concord::relative {
 
 namespace {
 
-int place_in_u(const CouplingTerm& term, const Joint& joint) {
+int index_in_u(const CouplingTerm& term, const Joint& joint) {
   return first_u(*joint.type, term.word) + term.component;
 }
 
-int place_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
+int index_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
   const joints::JointType& type = *kinematics.model().joints[term.joint].type;
   return kinematics.topology().joints[term.joint].first_q + first_q(type, term.word) + term.component;
 }
@@ -33,7 +33,7 @@ double size_of(const Coupling& coupling, const Model& model, double length) {
   double sum = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
     const Joint& joint = model.joints[term.joint];
-    const bool slides = Motion(*joint.type).kind(place_in_u(term, joint)).is_length;
+    const bool slides = Motion(*joint.type).kind(index_in_u(term, joint)).is_length;
     sum += std::pow(term.factor * (slides ? length : 1.0), 2);
   }
   return std::sqrt(sum);
@@ -43,7 +43,7 @@ double compute_position_residual(const Coupling& coupling, const Kinematics& kin
   double position_residual = 0.0;
   long double turned = -static_cast<long double>(coupling.offset);  // whole turns cancel against the offset
   for (const CouplingTerm& term : coupling.terms) {
-    const int place = place_in_q(term, kinematics);
+    const int place = index_in_q(term, kinematics);
     position_residual += term.factor * q(place);
     turned += term.factor * (kWholeTurn * kinematics.turns()(place));
   }
@@ -53,7 +53,7 @@ double compute_position_residual(const Coupling& coupling, const Kinematics& kin
 double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, const VecX& q) {
   double largest = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
-    largest = std::max(largest, std::abs(term.factor * q(place_in_q(term, kinematics))));
+    largest = std::max(largest, std::abs(term.factor * q(index_in_q(term, kinematics))));
   }
   return largest;
 }
@@ -63,7 +63,7 @@ double compute_velocity_residual(const Coupling& coupling, const Model& model, c
   double velocity_residual = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
     velocity_residual +=
-        term.factor * u(topology.joints[term.joint].first_u + place_in_u(term, model.joints[term.joint]));
+        term.factor * u(topology.joints[term.joint].first_u + index_in_u(term, model.joints[term.joint]));
   }
   return velocity_residual;
 }
@@ -94,7 +94,7 @@ void SpeedConstraints::add_coupling(int number) {  // (R49)
   SpeedConstraint constraint{first_row_ + n_rows_, 1, number, size_of(coupling, model, machine_length(model)), {},
                              JointVector::Zero(1)};
   for (const CouplingTerm& term : coupling.terms) {
-    part_of(constraint, term.joint).C(place_in_u(term, model.joints[term.joint]), 0) = term.factor / constraint.size;
+    part_of(constraint, term.joint).C(index_in_u(term, model.joints[term.joint]), 0) = term.factor / constraint.size;
   }
   constraints_.push_back(std::move(constraint));
   n_rows_ += 1;

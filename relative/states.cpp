@@ -105,7 +105,7 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     judge(largest(measure.velocity_residual(), speed, turning), "joint", name);
     judge(part_of(nonholonomic_residual(k, found.u), turning), "joint", name);
   }
-  misfit.strayed_joint = strayed_joint(state, found.q);
+  misfit.joint_off_branch = joint_off_branch(state, found.q);
   for (const Coupling& coupling : model.couplings) {
     const double factors = size_of(coupling, model, length_);
     const double terms = size_of_terms(coupling, kinematics_, found.q);
@@ -129,7 +129,7 @@ bool States::has_q(const State& state, int joint) const {
   return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
 }
 
-int States::strayed_joint(const State& state, const VecX& q) const {
+int States::joint_off_branch(const State& state, const VecX& q) const {
   const VecX values = kinematics_.with_turns(q);
   for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
     if (!has_q(state, k)) continue;

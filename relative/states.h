@@ -15,7 +15,7 @@ struct StateMisfit {
   std::string where;
   /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
   /// the state; -1: none.
-  int strayed_joint = -1;
+  int joint_off_branch = -1;
 };
 
 class States {
@@ -42,7 +42,7 @@ class States {
 
   /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
   /// those that the state brings; -1: none.
-  [[nodiscard]] int strayed_joint(const State& state, const VecX& q) const;
+  [[nodiscard]] int joint_off_branch(const State& state, const VecX& q) const;
 
   /// Accelerations and wrenches that the equations hold.
   [[nodiscard]] Evaluation write_evaluation() const;

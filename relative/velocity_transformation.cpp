@@ -72,7 +72,7 @@ void Kinematics::update(const VecX& q, const VecX& u) {
   q_ = q;
   u_ = u;
   for (std::size_t l = 0; l < topology_.links.size(); ++l) update_link(static_cast<int>(l));
-  ride_cut_joints();
+  place_cut_joint_points();
 }
 
 void Kinematics::require_rank(int joint, const JointMotion& motion) const {
@@ -94,7 +94,7 @@ void Kinematics::place(const std::vector<BodyState>& bodies) {
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
       deform(static_cast<int>(k), side);
-      moving_point(static_cast<int>(k), side).ride(bodies_[model_->joints[k].on(side).body]);
+      moving_point(static_cast<int>(k), side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
 }
@@ -111,13 +111,13 @@ void Kinematics::update_link(int l) {
   require_rank(link.joint, joint_motions_[link.joint]);
   deform(link.joint, Side::parent);
   deform(link.joint, Side::child);
-  moving_point(link.joint, link.reference_side()).ride(bodies_[link.reference]);
+  moving_point(link.joint, link.reference_side()).compute_point_motion(bodies_[link.reference]);
   if (link.along) {
     place_child_side(link);
   } else {
     place_parent_side(link);
   }
-  moving_point(link.joint, link.own_side()).settle(bodies_[link.body]);
+  moving_point(link.joint, link.own_side()).compute_body_motion(bodies_[link.body]);
   compute_blocks(l);
 }
 
@@ -188,11 +188,11 @@ void Kinematics::compute_blocks(int l) {
   shift_columns(own.Ga(), from_own, blocks.Ha);
 }
 
-void Kinematics::ride_cut_joints() {
+void Kinematics::place_cut_joint_points() {
   for (const int k : topology_.cuts) {
     for (const Side side : {Side::parent, Side::child}) {
       deform(k, side);
-      moving_point(k, side).ride(bodies_[model_->joints[k].on(side).body]);
+      moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
 }

@@ -103,7 +103,7 @@ class Kinematics {
   void place_child_side(const Link& link);
   void place_parent_side(const Link& link);
   void compute_blocks(int l);
-  void ride_cut_joints();
+  void place_cut_joint_points();
 
   const Model* model_;
   Topology topology_;

@@ -159,7 +159,7 @@ struct Carrier {
     add_hinge(name, 1, static_cast<int>(model.bodies.size()) - 1, at, {Vec3::Zero(), Mat3::Identity()}, q, u);
   }
 
-  void push(int joint, double torque) {
+  void apply_wrench(int joint, double torque) {
     ForceLaw law;
     law.actuator = Polynomial{{torque}};
     model.joints[joint].springs = {{0, law, 0}};
@@ -182,8 +182,8 @@ TEST(SpeedConstraints, GearsOnATurningCarrierObeyNewtonAndEuler) {
   // Some turns away, so that the second wheel must be wound, and is then a little off.
   model.couplings = {{"G", {{1, 0, 0, n_1}, {2, 0, 0, n_2}}, 0.8, {}}};
   test::release(model.joints[2]);
-  gears.push(0, 1.9);
-  gears.push(1, -0.6);
+  gears.apply_wrench(0, 1.9);
+  gears.apply_wrench(1, -0.6);
   for (const bool cut : {false, true}) {
     if (cut) {
       // The second gear flies freely beside its hinge: the coupled joint is cut.
@@ -230,7 +230,7 @@ TEST(SpeedConstraints, DifferentialInAYawingCarObeysNewtonAndEuler) {
   const std::array<const char*, 3> names{"left", "right", "cage"};
   for (int k = 0; k < 3; ++k) {
     car.add_disc(names[k], 0.5, I(k), {Vec3(0.3 * (k - 1), 0.0, 0.1), axle}, 0.2 + 0.3 * k, u(k));
-    car.push(k + 1, T(k));
+    car.apply_wrench(k + 1, T(k));
   }
   car.model.couplings = {{"differential", {{1, 0, 0, n(0)}, {2, 0, 0, n(1)}, {3, 0, 0, n(2)}}, 0.0, {}}};
   test::release(car.model.joints[3]);

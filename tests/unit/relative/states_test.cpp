@@ -137,7 +137,7 @@ TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
   const Coordinates found = states.read(state, misfit);
   EXPECT_LT((found.q.segment(equations.topology().joints[2].first_q, 2) - q.head<2>()).norm(), 1e-13);
   EXPECT_LT(misfit.largest, 1e-13);
-  EXPECT_EQ(misfit.strayed_joint, -1);
+  EXPECT_EQ(misfit.joint_off_branch, -1);
 }
 
 /// A nut many turns up its thread: from the turn that the state says, from none at all, and from a wrong one.
@@ -163,7 +163,7 @@ TEST(States, CountTheTurnsOfAThread) {
     const double left = states.read(given, misfit).q(0);
     const double found = left + 2.0 * std::numbers::pi * states.turns()(0);
     EXPECT_LT(misfit.largest, 1e-13);
-    strayed = misfit.strayed_joint;
+    strayed = misfit.joint_off_branch;
     return found;
   };
   int strayed = 0;
