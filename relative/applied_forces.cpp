@@ -173,7 +173,7 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
     const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
     const JointPoint& child = kinematics_->point(cut.joint, Side::child);
     const JointVector tau = tau_.segment(span.first_u, span.n_u);
-    const Vec6 wrench = kinematics_->motion(cut.joint).coordinate_wrench(cut.measure.motion_at(), tau);
+    const Vec6 wrench = kinematics_->mobilizer(cut.joint).coordinate_wrench(cut.measure.motion_at(), tau);
     on_child_of_cut_[c] << parent.A * wrench.head<3>(), parent.A * wrench.tail<3>();
     const double power_so_far = power_;  // the springs' power has been counted by their coordinates
     const Joint& joint = kinematics_->model().joints[cut.joint];

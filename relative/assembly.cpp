@@ -75,7 +75,7 @@ void Assembly::advance(VecX& q, const VecX& step) const {
   const Topology& topology = equations_->topology();
   for (const Link& link : topology.links) {
     const Span& joint = topology.joints[link.joint];
-    equations_->kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
+    equations_->kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
     const Span& modes = topology.modes[link.body];
     q.segment(modes.first_q, modes.n_q) += step.segment(modes.first_u, modes.n_u);
   }
@@ -278,7 +278,7 @@ void Assembly::project_velocities(Coordinates& coordinates) {
 void Assembly::normalize(VecX& q) const {
   const Topology& topology = equations_->topology();
   for (std::size_t k = 0; k < topology.joints.size(); ++k) {
-    equations_->kinematics().motion(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
+    equations_->kinematics().mobilizer(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
   }
 }
 
@@ -442,7 +442,7 @@ void Assembly::measure_unsaid(Coordinates& coordinates) const {
   kinematics.place(bodies);
   const PrescribedMask nothing(equations_->topology().n_u, 0);
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
-    JointMeasure measured(kinematics.motion(k), nothing.data());
+    JointMeasure measured(kinematics.mobilizer(k), nothing.data());
     measured.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child),
                     coordinates.q.data() + equations_->topology().joints[k].first_q, JointMeasure::Restart::if_better);
   }
@@ -615,14 +615,14 @@ void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, con
   const Model& model = equations_->model();
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
     const Span& span = equations_->topology().joints[k];
-    const Motion& motion = equations_->kinematics().motion(k);
-    if (!motion.has_elevation()) continue;
+    const Mobilizer& mobilizer = equations_->kinematics().mobilizer(k);
+    if (!mobilizer.has_elevation()) continue;
     bool is_prescribed = false;
     for (int c = span.first_u; c < span.first_u + span.n_u; ++c)
       is_prescribed = is_prescribed || prescribed_q[c] != 0 || prescribed_u[c] != 0;
     if (!is_prescribed) {
-      motion.choose_canonical_chart(closed.q.data() + span.first_q);
-    } else if (!motion.is_on_branch_of(closed.q.data() + span.first_q, said.q.data() + span.first_q)) {
+      mobilizer.choose_canonical_chart(closed.q.data() + span.first_q);
+    } else if (!mobilizer.is_on_branch_of(closed.q.data() + span.first_q, said.q.data() + span.first_q)) {
       throw InputError(model.joints[k].where,
                        fmt::format("start: joint '{}' closes on another branch than its start values say: a link's "
                                    "second turn passes a quarter turn: give other guesses or keep other coordinates",

@@ -20,7 +20,7 @@ std::vector<CutJoint> lay_out_cuts(const Kinematics& kinematics, const Prescribe
   int rows = 0;
   for (const int k : kinematics.topology().cuts) {
     cuts.push_back(
-        {k, rows, JointMeasure(kinematics.motion(k), prescribed.data() + kinematics.topology().joints[k].first_u)});
+        {k, rows, JointMeasure(kinematics.mobilizer(k), prescribed.data() + kinematics.topology().joints[k].first_u)});
     rows += cuts.back().measure.n_rows();
   }
   return cuts;
@@ -41,7 +41,8 @@ Closure::Closure(const Kinematics& kinematics, const PrescribedMask& prescribed)
       velocity_residual_(VecX::Zero(count_rows(cuts_) + speed_constraints_.n_rows())),
       row_units_(VecX::Ones(velocity_residual_.size())) {
   for (const Cut& cut : cuts_) {
-    row_units_.segment(cut.first_row, cut.measure.n_linear_rows()).setConstant(kinematics.motion(cut.joint).length());
+    row_units_.segment(cut.first_row, cut.measure.n_linear_rows())
+        .setConstant(kinematics.mobilizer(cut.joint).length());
   }
 }
 

@@ -30,7 +30,7 @@ VecX Equations::home() const {
   VecX q = VecX::Zero(topology().n_q);
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     const Span& span = topology().joints[k];
-    q.segment(span.first_q, span.n_q) = kinematics_.motion(static_cast<int>(k)).home();
+    q.segment(span.first_q, span.n_q) = kinematics_.mobilizer(static_cast<int>(k)).home();
   }
   return q;
 }
@@ -93,7 +93,7 @@ void Equations::compute_reactions() { reactions_.compute(inertias_, loops_.lambd
 void Equations::compute_qdot(VecX& qdot) const {
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     const Span& span = topology().joints[k];
-    kinematics_.motion(static_cast<int>(k))
+    kinematics_.mobilizer(static_cast<int>(k))
         .compute_qdot(q_.data() + span.first_q, u_.data() + span.first_u, qdot.data() + span.first_q);
   }
   for (const Span& modes : topology().modes) {

@@ -89,9 +89,9 @@ class Sizes {
     q_ = VecX::Ones(topology.n_q);
     u_ = rate * speed_units;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
-      for (int c = 0; c < motion.n_u(); ++c) {
-        if (motion.kind(c).is_length) q_(topology.joints[k].first_q + c) = scales.length();
+      const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        if (mobilizer.kind(c).is_length) q_(topology.joints[k].first_q + c) = scales.length();
       }
     }
     for (const Span& modes : topology.modes) {

@@ -19,17 +19,17 @@ PrescribedMask driven_speeds(const Model& model, const Topology& topology);
 class JointMeasure {
  public:
   /// `prescribed` has n_u entries for the joint's speeds.
-  JointMeasure(const Motion& motion, const char* prescribed);
+  JointMeasure(const Mobilizer& mobilizer, const char* prescribed);
 
-  /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Motion::length): nothing;
-  /// or start from Motion::trial values too and take a pose with less than a tenth of that misfit, so that q chooses
-  /// turns and branches wherever it can; or take the best pose.
+  /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Mobilizer::length):
+  /// nothing; or start from Mobilizer::trial values too and take a pose with less than a tenth of that misfit, so that
+  /// q chooses turns and branches wherever it can; or take the best pose.
   enum class Restart { never, if_clearly_better, if_better };
 
   /// Finds the coordinates that are not prescribed so that the motion comes closest to the points: S^T e = 0 by
   /// Newton's method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame (R40). Prescribed coordinates
   /// are taken from q. Unless it never restarts, it gives the pose found the name that q means: see
-  /// Motion::choose_chart.
+  /// Mobilizer::choose_chart.
   void find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart);
 
   /// Finds the speeds that are not prescribed, S^T (v_rel - S u) = 0; prescribed speeds are taken from u. After find_q
@@ -45,10 +45,10 @@ class JointMeasure {
   [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
   /// Of these, the ones in metres; they stand first.
   [[nodiscard]] int n_linear_rows() const {
-    return motion_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
+    return mobilizer_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
   }
   /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
-  /// rotates, then with torques counted in Motion::length, T^T diag(1, 1 / length^2) T = 1.
+  /// rotates, then with torques counted in Mobilizer::length, T^T diag(1, 1 / length^2) T = 1.
   [[nodiscard]] const Mat6& T() const { return T_; }
 
  private:
@@ -68,7 +68,7 @@ class JointMeasure {
   void compute_complement();
   void complete_together();
 
-  const Motion* motion_;
+  const Mobilizer* mobilizer_;
   std::vector<int> free_;
   std::vector<int> prescribed_;
   std::vector<int> displacing_;  // free speeds that displace, if none both displaces and rotates

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/model.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 /// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R8).
 namespace concord::relative {

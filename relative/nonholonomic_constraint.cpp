@@ -47,20 +47,20 @@ Right fitted(const JointColumns& columns,
 
 }  // namespace
 
-NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Motion& motion)
-    : motion_(&motion), words_(type.permits_speeds), units_(JointVector::Ones(motion.n_u())) {
+NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Mobilizer& mobilizer)
+    : mobilizer_(&mobilizer), words_(type.permits_speeds), units_(JointVector::Ones(mobilizer.n_u())) {
   if (words_.empty()) return;
-  n_rows_ = motion.n_u() - static_cast<int>(words_.size());
-  for (int c = 0; c < motion.n_u(); ++c) {
-    if (motion.kind(c).is_length) units_(c) = motion.length();
+  n_rows_ = mobilizer.n_u() - static_cast<int>(words_.size());
+  for (int c = 0; c < mobilizer.n_u(); ++c) {
+    if (mobilizer.kind(c).is_length) units_(c) = mobilizer.length();
   }
-  const VecX home = motion.home();
-  const VecX still = VecX::Zero(motion.n_u());
+  const VecX home = mobilizer.home();
+  const VecX still = VecX::Zero(mobilizer.n_u());
   JointMotion at;
-  motion.evaluate(home.data(), still.data(), at);
+  mobilizer.evaluate(home.data(), still.data(), at);
   place_columns(at);
   const double outside =
-      (at.S.leftCols(motion.n_u()) * in_joint_speeds(at).topRows(motion.n_u()) - S_v_).cwiseAbs().maxCoeff();
+      (at.S.leftCols(mobilizer.n_u()) * in_joint_speeds(at).topRows(mobilizer.n_u()) - S_v_).cwiseAbs().maxCoeff();
   if (n_rows_ > 0 && outside <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
@@ -88,13 +88,13 @@ void NonholonomicConstraint::place_columns(const JointMotion& at) {  // (S15)
 
 /// P with S P = S_v (n_u x words) (R47).
 JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) const {
-  JointColumns S = at.S.leftCols(motion_->n_u());
+  JointColumns S = at.S.leftCols(mobilizer_->n_u());
   JointColumns S_v = S_v_;
-  S.topRows<3>() /= motion_->length();
-  S_v.topRows<3>() /= motion_->length();
+  S.topRows<3>() /= mobilizer_->length();
+  S_v.topRows<3>() /= mobilizer_->length();
   const JointColumns scaled = S * units_.asDiagonal();
   JointColumns P = JointColumns::Zero(6, S_v.cols());
-  P.topRows(motion_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
+  P.topRows(mobilizer_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
   return P;
 }
 
@@ -102,14 +102,14 @@ JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) cons
 JointVector NonholonomicConstraint::speeds_of(const Vec6& v_rel) const {
   JointColumns S_v = S_v_;
   Vec6 v = v_rel;
-  S_v.topRows<3>() /= motion_->length();
-  v.head<3>() /= motion_->length();
+  S_v.topRows<3>() /= mobilizer_->length();
+  v.head<3>() /= mobilizer_->length();
   return fitted<JointVector>(S_v, v);
 }
 
 /// C: what is orthogonal to P among the joint's speeds. False if two columns of P are one.
 bool NonholonomicConstraint::complete(const JointColumns& P) {
-  const int n_u = motion_->n_u();
+  const int n_u = mobilizer_->n_u();
   OrthonormalColumns directions;
   for (int beyond = n_u; beyond < 6; ++beyond) directions.add(Vec6::Unit(beyond));
   for (Eigen::Index c = 0; c < P.cols(); ++c) {
@@ -135,7 +135,7 @@ void NonholonomicConstraint::evaluate(const JointMotion& at, const std::string& 
   const Vec6 misfit = at.Sdot_u - rates_.lazyProduct(speeds_of(at.v_rel));
   bias_.resize(n_rows_);
   for (int row = 0; row < n_rows_; ++row) {
-    bias_(row) = motion_->coordinate_wrench(at, JointVector(C_.col(row))).dot(misfit);
+    bias_(row) = mobilizer_->coordinate_wrench(at, JointVector(C_.col(row))).dot(misfit);
   }
 }
 

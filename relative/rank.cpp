@@ -64,9 +64,9 @@ class Moved {
         add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
         add_squares(joints[k].total_on(side), length, joints_[k].total[index(side)]);
       }
-      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
-      for (int c = 0; c < motion.n_u(); ++c) {
-        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0), 2);
+      const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (mobilizer.kind(c).is_length ? length : 1.0), 2);
       }
     }
     for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {

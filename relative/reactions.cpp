@@ -273,7 +273,7 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
       const JointSquare& C = constraint.joints.front().C;
       wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
     }
-    const Vec6 coordinate_C = kinematics_->motion(k).coordinate_wrench(motion, JointVector(wrenches.tau));
+    const Vec6 coordinate_C = kinematics_->mobilizer(k).coordinate_wrench(motion, JointVector(wrenches.tau));
     Vec6 coordinate;
     coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();
     const Vec6 on_child = total.vector() - coordinate;

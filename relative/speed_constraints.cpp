@@ -33,7 +33,7 @@ double size_of(const Coupling& coupling, const Model& model, double length) {
   double sum = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
     const Joint& joint = model.joints[term.joint];
-    const bool slides = Motion(*joint.type).kind(index_in_u(term, joint)).is_length;
+    const bool slides = Mobilizer(*joint.type).kind(index_in_u(term, joint)).is_length;
     sum += std::pow(term.factor * (slides ? length : 1.0), 2);
   }
   return std::sqrt(sum);
@@ -101,7 +101,7 @@ void SpeedConstraints::add_coupling(int number) {  // (R49)
 }
 
 void SpeedConstraints::add_nonholonomic(int joint) {
-  NonholonomicConstraint permitted(*kinematics_->model().joints[joint].type, kinematics_->motion(joint));
+  NonholonomicConstraint permitted(*kinematics_->model().joints[joint].type, kinematics_->mobilizer(joint));
   if (permitted.n_rows() == 0) return;
   SpeedConstraint constraint{
       first_row_ + n_rows_, permitted.n_rows(), -1, 1.0, {}, JointVector::Zero(permitted.n_rows())};
@@ -127,7 +127,7 @@ void SpeedConstraints::measure_cut(ConstrainedJoint& part, const CutJoint& cut, 
     for (int c = 0; c < static_cast<int>(tau.size()); ++c) {
       if (is_prescribed(part, c)) tau(c) = 0.0;
     }
-    const Vec6 w = kinematics_->motion(part.joint).coordinate_wrench(cut.measure.motion_at(), tau);
+    const Vec6 w = kinematics_->mobilizer(part.joint).coordinate_wrench(cut.measure.motion_at(), tau);
     part.T.col(row) = w;
     part.T_global.col(row) << parent.A * w.head<3>(), parent.A * w.tail<3>();
     velocity_rows(row) += w.dot(cut.measure.velocity_residual());

@@ -39,9 +39,9 @@ States::States(const Equations& equations)
       length_(machine_length(equations.model())),
       rate_(machine_rate(equations.model())) {
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
-    measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
+    measures_.emplace_back(kinematics_.mobilizer(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
-    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.motion(static_cast<int>(k)));
+    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.mobilizer(static_cast<int>(k)));
   }
 }
 
@@ -134,7 +134,7 @@ int States::joint_off_branch(const State& state, const VecX& q) const {
   for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
     if (!has_q(state, k)) continue;
     const double* found = values.data() + equations_->topology().joints[k].first_q;
-    if (!equations_->kinematics().motion(k).is_on_branch_of(found, state.q[k].data())) return k;
+    if (!equations_->kinematics().mobilizer(k).is_on_branch_of(found, state.q[k].data())) return k;
   }
   return -1;
 }

@@ -5,7 +5,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "relative/joint_point.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 #include "relative/topology.h"
 #include "relative/turns.h"
 
@@ -49,7 +49,7 @@ class Kinematics {
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
-  [[nodiscard]] const Motion& motion(int joint) const { return motions_[joint]; }
+  [[nodiscard]] const Mobilizer& mobilizer(int joint) const { return mobilizers_[joint]; }
 
   /// Counts whole turns apart from the coordinates, which so keep their digits after many of them: from now on a
   /// coordinate q means q + 2 pi turns (n_q whole numbers, zero but for turns).
@@ -107,7 +107,7 @@ class Kinematics {
 
   const Model* model_;
   Topology topology_;
-  std::vector<Motion> motions_;
+  std::vector<Mobilizer> mobilizers_;
   std::vector<JointPoint> points_;
   std::vector<JointMotion> joint_motions_;
   std::vector<BodyMotion> bodies_;

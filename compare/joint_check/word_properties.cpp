@@ -14,7 +14,7 @@
 #include "common/rotation.h"
 #include "compare/joint_check/referee.h"
 #include "compare/joint_motion.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 #include "relative/nonholonomic_constraint.h"
 
 namespace concord::compare::joint_check {
@@ -112,7 +112,7 @@ struct Sight {
 
   const JointType& type;
   const MotionPose& pose;
-  relative::Motion words;
+  relative::Mobilizer words;
   relative::JointMotion permitted;
   FunctionOfCoordinates::Motion referee;
   Placement at;
@@ -482,7 +482,7 @@ std::string readings_beside_words(const JointType& type) {
 
 std::string order_of_words(const JointType& type) {
   try {
-    const relative::Motion motion(type);
+    const relative::Mobilizer motion(type);
     return {};
   } catch (const std::invalid_argument& error) {
     return error.what();

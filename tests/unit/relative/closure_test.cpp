@@ -11,11 +11,11 @@ namespace {
 class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> {
  protected:
   MeasuredJoint() : model_(machine()), kinematics_(model_), numbers_(31) {
-    const Motion motion(*GetParam());
-    q_ = motion.home();
-    const VecX away = numbers_.vector(motion.n_u(), 1.1);
-    motion.advance(q_.data(), away.data());
-    u_ = numbers_.vector(motion.n_u(), 1.4);
+    const Mobilizer mobilizer(*GetParam());
+    q_ = mobilizer.home();
+    const VecX away = numbers_.vector(mobilizer.n_u(), 1.1);
+    mobilizer.advance(q_.data(), away.data());
+    u_ = numbers_.vector(mobilizer.n_u(), 1.4);
     kinematics_.update(q_, u_);
   }
 
@@ -38,12 +38,12 @@ class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> 
 
 TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
   const PrescribedMask nothing(6, 0);
-  JointMeasure measure(kinematics_.motion(0), nothing.data());
-  VecX q = kinematics_.motion(0).home();
+  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
+  VecX q = kinematics_.mobilizer(0).home();
   VecX u = VecX::Zero(u_.size());
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
   measure.find_u(parent(), child(), q.data(), u.data());
-  if (kinematics_.motion(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
+  if (kinematics_.mobilizer(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
   EXPECT_LT((q - q_).norm(), 1e-14);
   EXPECT_LT((u - u_).norm(), 1e-14);
   EXPECT_LT(measure.position_residual().norm(), 1e-15);
@@ -51,32 +51,32 @@ TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
 }
 
 TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
-  const int n_u = kinematics_.motion(0).n_u();
+  const int n_u = kinematics_.mobilizer(0).n_u();
   for (int prescribed_column = -1; prescribed_column < n_u; ++prescribed_column) {
     PrescribedMask prescribed(6, 0);
     if (prescribed_column >= 0) prescribed[prescribed_column] = 1;
-    JointMeasure measure(kinematics_.motion(0), prescribed.data());
+    JointMeasure measure(kinematics_.mobilizer(0), prescribed.data());
     VecX q = q_;
     measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::never);
     const int rows = measure.n_rows();
     EXPECT_EQ(rows, 6 - n_u + (prescribed_column >= 0 ? 1 : 0));
     const MatX T = measure.T().leftCols(rows);
-    const Motion& motion = kinematics_.motion(0);
+    const Mobilizer& mobilizer = kinematics_.mobilizer(0);
     MatX weighed = T;
-    if (motion.couples()) weighed.bottomRows(3) /= motion.length();
+    if (mobilizer.couples()) weighed.bottomRows(3) /= mobilizer.length();
     EXPECT_LT((weighed.transpose() * weighed - MatX::Identity(rows, rows)).norm(), 1e-15);
     for (int c = 0; c < n_u; ++c) {
       // Where a speed both displaces and rotates, turns count in lengths of the machine.
       VecX column = measure.motion_at().S.col(c);
       const double along = (T.transpose() * column).norm();
-      if (motion.couples()) column.tail<3>() *= motion.length();
+      if (mobilizer.couples()) column.tail<3>() *= mobilizer.length();
       if (c == prescribed_column) {
         EXPECT_GT(along, 0.5 * column.norm());
       } else {
         EXPECT_LT(along, 1e-15);
       }
     }
-    if (motion.couples()) {
+    if (mobilizer.couples()) {
       EXPECT_EQ(measure.n_linear_rows(), rows);
     } else {
       EXPECT_EQ(T.bottomLeftCorner(3, measure.n_linear_rows()).norm(), 0.0);
@@ -87,7 +87,7 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
 TEST_P(MeasuredJoint, KeepsTheNumberOfTurnsOfTheFirstGuess) {
   if (GetParam()->name != "revolute" && GetParam()->name != "universal") return;
   const PrescribedMask nothing(6, 0);
-  JointMeasure measure(kinematics_.motion(0), nothing.data());
+  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
   VecX q = q_;
   q(0) += 40.0 * M_PI + 0.3;
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, MeasuredJoint, ::testing::ValuesIn(test::all
 /// The ends of a rod at given places, measured from a first guess of its two turns.
 class MeasuredRod : public ::testing::Test {
  protected:
-  MeasuredRod() : motion_(*joints::find("distance")), parent_("parent", {}), child_("child", {}) {}
+  MeasuredRod() : mobilizer_(*joints::find("distance")), parent_("parent", {}), child_("child", {}) {}
 
   VecX measure(const Vec3& gap, double q1, double q2) {
     parent_.A = rotation_about(Vec3(Vec3(1, -2, 3).normalized()), 0.9);
@@ -108,15 +108,15 @@ class MeasuredRod : public ::testing::Test {
     child_.A = parent_.A * rotation_about(Axis::y, 0.7);
     child_.r = parent_.r + parent_.A * gap;
     const PrescribedMask nothing(5, 0);
-    JointMeasure measured(motion_, nothing.data());
-    VecX q = motion_.home();
+    JointMeasure measured(mobilizer_, nothing.data());
+    VecX q = mobilizer_.home();
     q.head<2>() << q1, q2;
     measured.find_q(parent_, child_, q.data(), JointMeasure::Restart::if_better);
     error_ = measured.position_residual();
     return q;
   }
 
-  Motion motion_;
+  Mobilizer mobilizer_;
   JointPoint parent_;
   JointPoint child_;
   Vec6 error_;
@@ -166,7 +166,7 @@ class LoopOfFourJoints : public ::testing::TestWithParam<int> {
     for (const Link& link : equations_.topology().links) {
       const Span& joint = equations_.topology().joints[link.joint];
       const VecX step = h * speeds_.segment(joint.first_u, joint.n_u);
-      equations_.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      equations_.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = equations_.topology().modes[link.body];
       q.segment(modes.first_q, modes.n_q) += h * speeds_.segment(modes.first_u, modes.n_u);
     }
@@ -217,7 +217,7 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
       const Span& joint = equations_.topology().joints[link.joint];
       const VecX step =
           t * start_.u.segment(joint.first_u, joint.n_u) + 0.5 * t * t * udot.segment(joint.first_u, joint.n_u);
-      equations_.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      equations_.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = equations_.topology().modes[link.body];
       q.segment(modes.first_q, modes.n_q) += t * start_.u.segment(modes.first_u, modes.n_u);
     }

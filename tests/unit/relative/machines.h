@@ -10,7 +10,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "common/rotation.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 /// Machines for the tests of the relative solver, all in generic poses: tilted frames, offsets along no axis, unequal
 /// inertias; and a referee of their motion that uses Newton's and Euler's laws for bodies and mass points, nothing
@@ -220,7 +220,7 @@ inline void fit_child_side(const Model& model, Joint& joint) {
     q.segment(first_q(*joint.type, static_cast<int>(word)), joint.start[word].q.size()) = joint.start[word].q;
   }
   JointMotion motion;
-  Motion(*joint.type).evaluate(q.data(), u.data(), motion);
+  Mobilizer(*joint.type).evaluate(q.data(), u.data(), motion);
   const Mat3 A_parent = from.A * on_parent.A * parent.C;
   const Vec3 r_child = from.r + from.A * (parent.point_L + on_parent.r) + A_parent * motion.d;
   child.C = on_child.A.transpose() * to.A.transpose() * A_parent * motion.R;

@@ -16,42 +16,42 @@ std::vector<const joints::JointType*> slipping_types() {
 
 class RollingType : public ::testing::TestWithParam<const joints::JointType*> {
  protected:
-  RollingType() : motion_(*GetParam(), 1.7), speeds_(*GetParam(), motion_), numbers_(15) {
-    q_ = motion_.home();
-    const VecX away = numbers_.vector(motion_.n_u(), 1.3);
-    motion_.advance(q_.data(), away.data());
+  RollingType() : mobilizer_(*GetParam(), 1.7), speeds_(*GetParam(), mobilizer_), numbers_(15) {
+    q_ = mobilizer_.home();
+    const VecX away = numbers_.vector(mobilizer_.n_u(), 1.3);
+    mobilizer_.advance(q_.data(), away.data());
   }
 
   /// What of u is not permitted at q.
   VecX slip(const VecX& q, const VecX& u) {
     JointMotion at;
-    motion_.evaluate(q.data(), u.data(), at);
+    mobilizer_.evaluate(q.data(), u.data(), at);
     speeds_.evaluate(at, "J");
     const MatX C = speeds_.C();
     return C * (C.transpose() * C).inverse() * C.transpose() * u;
   }
 
-  Motion motion_;
+  Mobilizer mobilizer_;
   NonholonomicConstraint speeds_;
   test::Numbers numbers_;
   VecX q_;
 };
 
 TEST_P(RollingType, StaysPermittedAlongItsMotion) {
-  ASSERT_EQ(speeds_.n_rows(), motion_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
-  VecX u = numbers_.vector(motion_.n_u(), 1.5);
+  ASSERT_EQ(speeds_.n_rows(), mobilizer_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
+  VecX u = numbers_.vector(mobilizer_.n_u(), 1.5);
   u -= slip(q_, u);
   EXPECT_LT(slip(q_, u).norm(), 1e-14);
   JointMotion at;
-  motion_.evaluate(q_.data(), u.data(), at);
+  mobilizer_.evaluate(q_.data(), u.data(), at);
   speeds_.evaluate(at, "J");
   const MatX C = speeds_.C();
-  VecX udot = numbers_.vector(motion_.n_u(), 2.0);
+  VecX udot = numbers_.vector(mobilizer_.n_u(), 2.0);
   udot -= C * (C.transpose() * C).inverse() * (C.transpose() * udot + speeds_.bias());
   const auto slip_at = [&](double h) {
     VecX q = q_;
     const VecX step = h * u + 0.5 * h * h * udot;
-    motion_.advance(q.data(), step.data());
+    mobilizer_.advance(q.data(), step.data());
     return slip(q, u + h * udot);
   };
   const double h = 1e-5;
@@ -64,8 +64,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, RollingType, ::testing::ValuesIn(slipping_ty
 TEST(NonholonomicConstraint, RefuseAPageThatContradictsItself) {
   joints::JointType type = *joints::find("knife_edge");
   type.permits_speeds[0] = joints::SpeedAlong{Side::parent, Axis::z};
-  const Motion motion(type);
-  EXPECT_THROW((NonholonomicConstraint{type, motion}), std::invalid_argument);
+  const Mobilizer mobilizer(type);
+  EXPECT_THROW((NonholonomicConstraint{type, mobilizer}), std::invalid_argument);
 }
 
 /// A body on a plane of any tilt, at a joint of the type with the plane as parent.

@@ -119,7 +119,7 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
     kinematics.place(state.bodies);
     for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
       const Span& span = kinematics.topology().joints[k];
-      JointMeasure measure(kinematics.motion(k), driven.data() + span.first_u);
+      JointMeasure measure(kinematics.mobilizer(k), driven.data() + span.first_u);
       VecX q = state.q[k];
       VecX u = VecX::Zero(span.n_u);
       measure.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(),

@@ -43,7 +43,7 @@ void expect_ideal(const Model& model, const State& state, const Evaluation& eval
     const Pose parent = frame(Side::parent);
     const Pose child = frame(Side::child);
     JointMotion motion;
-    Motion(*joint.type).evaluate(state.q[k].data(), state.u[k].data(), motion);
+    Mobilizer(*joint.type).evaluate(state.q[k].data(), state.u[k].data(), motion);
     const SideWrench& on_child = evaluation.joints[k].reaction_on(Side::child);
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * on_child.in_global.force, parent.A.transpose() * on_child.in_global.torque;

@@ -209,9 +209,9 @@ TEST(States, SayTheSameOfAMachineAfterManyTurns) {
     State often = once;
     int turned = 0;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const Motion motion(*model.joints[k].type);
-      for (int c = 0; c < motion.n_u(); ++c) {
-        if (!motion.is_turn(c)) continue;
+      const Mobilizer mobilizer(*model.joints[k].type);
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        if (!mobilizer.is_turn(c)) continue;
         often.q[k](c) += 2.0 * std::numbers::pi * kTurns;
         ++turned;
       }

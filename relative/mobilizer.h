@@ -5,7 +5,7 @@
 #include "common/joints/joint_type.h"
 #include "common/types.h"
 
-/// Evaluation of what a joint permits: the motion q -> (d, R) and its velocity (S14).
+/// Mobilizers: evaluation of what a joint permits, the motion q -> (d, R) and its velocity (S14).
 namespace concord::relative {
 
 /// Six rows and as many columns as a joint has speeds, at most six, without heap memory.
@@ -31,15 +31,15 @@ struct ColumnKind {
   bool is_fixed = false;   // the column is the same in every pose
 };
 
-/// Evaluator of the words of one joint type's motion.
-class Motion {
+/// The mobilizer of one joint type: the motion that its words permit, as a function of joint coordinates and speeds.
+class Mobilizer {
  public:
   /// `length` [m]: the displacement that counts as much as a radian where the two must be weighed against each other.
   /// Throws std::invalid_argument if the words stand in an order that the vocabulary excludes: a motion is slides, then
   /// turns, then at most one ball, with arms anywhere before it; a turn before a ball must carry an arm, for the ball
   /// takes its rotation away; a motion by functions stands alone. Also if more than three speeds only displace, or only
   /// rotate.
-  explicit Motion(const joints::JointType& type, double length = 1.0);
+  explicit Mobilizer(const joints::JointType& type, double length = 1.0);
 
   [[nodiscard]] int n_q() const { return n_q_; }
   [[nodiscard]] int n_u() const { return n_u_; }
