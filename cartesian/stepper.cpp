@@ -27,7 +27,7 @@ constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-Stepper::Stepper(Equations& equations, const Motion& start)
+Stepper::Stepper(Equations& equations, const MotionState& start)
     : equations_(equations), motion_(start), has_regimes_(equations.applied().has_regimes()), event_(HUGE_VAL) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
   const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
@@ -45,7 +45,7 @@ double Stepper::step(double stop) {
     pass_event();
   } else {
     time_ = std::min(reached_, stop);
-    look_back(time_);
+    set_motion_at(time_);
   }
   return time_;
 }
@@ -60,7 +60,7 @@ void Stepper::begin_anew() {
 }
 
 /// How far tires and stops are inside their regimes.
-double Stepper::event_function(double t, const Motion& motion) {
+double Stepper::event_function(double t, const MotionState& motion) {
   if (!has_regimes_) return HUGE_VAL;
   const AppliedForces::EventValue smallest = equations_.applied().event_function(t, motion.q, motion.Y);
   nearest_event_ = smallest.actor;
@@ -68,23 +68,23 @@ double Stepper::event_function(double t, const Motion& motion) {
 }
 
 double Stepper::event_function_at(double t) {
-  look_back(t);
+  set_motion_at(t);
   return event_function(t, motion_);
 }
 
 /// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
 /// at several times, so that no regime that comes and goes within the step is missed; Illinois' rule between them.
 double Stepper::locate_event(double from, double value_before, double stop) {  // (C59)
-  constexpr int kLooks = 16;
+  constexpr int kSamples = 16;
   constexpr double kSharp = 1e-13;  // of the time of the run
   if (!(value_before >= 0.0)) return from;
   const double step = reached_ - from;
   if (step <= kSharp * stop) return HUGE_VAL;
   double inside = from;
   double outside = HUGE_VAL;
-  for (int k = 1; k <= kLooks && outside == HUGE_VAL; ++k) {
-    const double t = k == kLooks ? reached_ : from + step * k / kLooks;
-    if (event_function(t, glance(t)) < 0.0) outside = t;
+  for (int k = 1; k <= kSamples && outside == HUGE_VAL; ++k) {
+    const double t = k == kSamples ? reached_ : from + step * k / kSamples;
+    if (event_function(t, interpolate(t)) < 0.0) outside = t;
   }
   if (outside == HUGE_VAL) return HUGE_VAL;
   double past = event_function_at(outside);
@@ -113,14 +113,14 @@ double Stepper::locate_event(double from, double value_before, double stop) {  /
 }
 
 void Stepper::pass_event() {
-  look_back(event_);
+  set_motion_at(event_);
   (void)event_function(event_, motion_);  // names the tire or the stop
   equations_.update(event_, motion_.q, motion_.Y);
   equations_.solve(true);
   equations_.project(event_, motion_.q, motion_.Y);
-  equations_.applied().hold_regimes(false);
+  equations_.applied().freeze_regimes(false);
   equations_.update(event_, motion_.q, motion_.Y);
-  equations_.applied().hold_regimes(true);
+  equations_.applied().freeze_regimes(true);
   restart(event_);
   time_ = reached_ = event_;
   event_ = HUGE_VAL;
@@ -140,7 +140,7 @@ void Stepper::refuse_chatter() {
                   time_, equations_.applied().name_of_regime(nearest_event_), events_, time_ - events_since_));
 }
 
-VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance) {
+VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance) {
   const Model& model = equations.model();
   const Layout& layout = equations.layout();
   const double length = model.length_scale();

@@ -32,7 +32,7 @@ bool Model::is_flexible() const {
 
 bool Model::carries_nothing(int k) const {
   const Joint& joint = joints[k];
-  if (joint.type->rows() + joint.type->slip_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
+  if (joint.type->rows() + joint.type->nonholonomic_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
     return false;
   return !is_coupled(k);
 }

@@ -33,7 +33,7 @@ struct JointType {
   /// Number of constraint rows of `forbids`, which hold for places and velocities.
   [[nodiscard]] int rows() const;
   /// Number of constraint rows of `forbids_speeds`, which hold for velocities alone.
-  [[nodiscard]] int slip_rows() const { return static_cast<int>(forbids_speeds.size()); }
+  [[nodiscard]] int nonholonomic_rows() const { return static_cast<int>(forbids_speeds.size()); }
   /// Number of joint coordinates q and of joint speeds u of `permits`.
   [[nodiscard]] int n_q() const;
   [[nodiscard]] int n_u() const;

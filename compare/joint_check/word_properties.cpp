@@ -21,8 +21,8 @@ namespace concord::compare::joint_check {
 
 namespace {
 
+using cartesian::ConstraintRow;
 using cartesian::RelativeMotion;
-using cartesian::Row;
 using joints::FunctionOfCoordinates;
 
 constexpr double kExact = 13.0;         // digits of what only round-off parts
@@ -32,7 +32,7 @@ constexpr double kStep = 1e-3;          // m, rad
 constexpr double kIndependent = 0.01;   // least singular value of unit columns that do not depend on each other
 constexpr double kDisturbance = 0.15;   // m, rad
 
-Vec6 gradient_of(const Row& row) { return (Vec6() << row.over_d, row.over_rho).finished(); }
+Vec6 gradient_of(const ConstraintRow& row) { return (Vec6() << row.over_d, row.over_rho).finished(); }
 
 /// The placement after moving with constant ddot and omega for `time`.
 Placement after(const Placement& at, const Vec6& v_rel, double time) {
@@ -46,15 +46,15 @@ RelativeMotion relative_motion(const Placement& at, const Vec6& v_rel) {
   return {at.d, at.R, v_rel.head<3>(), v_rel.tail<3>()};
 }
 
-std::vector<Row> forbids(const JointType& type, const RelativeMotion& motion) {
-  std::vector<Row> rows(cartesian::kMaxRows);
+std::vector<ConstraintRow> forbids(const JointType& type, const RelativeMotion& motion) {
+  std::vector<ConstraintRow> rows(cartesian::kMaxRows);
   rows.resize(cartesian::evaluate_forbids(type, motion, rows.data()));
   return rows;
 }
 
 /// One row for each speed: the readings, and of an orientation the three rows of its distance from `target`.
-std::vector<Row> reads(const JointType& type, const RelativeMotion& motion, const Mat3& target) {
-  std::vector<Row> rows;
+std::vector<ConstraintRow> reads(const JointType& type, const RelativeMotion& motion, const Mat3& target) {
+  std::vector<ConstraintRow> rows;
   for (const joints::Read& word : type.reads) {
     if (std::holds_alternative<joints::OrientationOf>(word)) {
       rows.resize(rows.size() + 3);
@@ -117,8 +117,8 @@ struct Sight {
   FunctionOfCoordinates::Motion referee;
   Placement at;
   RelativeMotion motion;
-  std::vector<Row> forbidden;
-  std::vector<Row> readings;
+  std::vector<ConstraintRow> forbidden;
+  std::vector<ConstraintRow> readings;
 };
 
 auto in_words(const char* format, double a, double b) {
@@ -178,7 +178,7 @@ void both_sets_fill_space(const Sight& sight, Property& property) {
 std::optional<Placement> nearest_allowed(const JointType& type, Placement from) {
   constexpr int kMostSteps = 50;
   for (int step = 0; step < kMostSteps; ++step) {
-    const std::vector<Row> rows = forbids(type, relative_motion(from, Vec6::Zero()));
+    const std::vector<ConstraintRow> rows = forbids(type, relative_motion(from, Vec6::Zero()));
     const auto n = static_cast<Eigen::Index>(rows.size());
     MatX G(n, 6);
     VecX values(n);
@@ -262,8 +262,8 @@ void note_difference(Property& property, const Sight& sight, const char* what, s
                 [&] { return fmt::format("{} {}: {:.12g}, expected {:.12g}", what, row + 1, found, expected); });
 }
 
-std::vector<Row> forbidden_speeds(const JointType& type, const RelativeMotion& motion) {
-  std::vector<Row> rows(cartesian::kMaxRows);
+std::vector<ConstraintRow> forbidden_speeds(const JointType& type, const RelativeMotion& motion) {
+  std::vector<ConstraintRow> rows(cartesian::kMaxRows);
   rows.resize(cartesian::evaluate_forbidden_speeds(type, motion, rows.data()));
   return rows;
 }
@@ -272,7 +272,7 @@ std::vector<Row> forbidden_speeds(const JointType& type, const RelativeMotion& m
 MatX possible(const Sight& sight) { return sight.S() * free_speeds(sight.type, sight.at.R, sight.S()); }
 
 void possible_velocities_do_not_slip(const Sight& sight, Property& property) {
-  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  const std::vector<ConstraintRow> rows = forbidden_speeds(sight.type, sight.motion);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double error = (possible(sight).transpose() * gradient_of(rows[k])).lpNorm<Eigen::Infinity>();
     property.note(error, sight.pose.number, in_row("row", k, error, 0.0));
@@ -281,11 +281,12 @@ void possible_velocities_do_not_slip(const Sight& sight, Property& property) {
 
 /// What a page permits of velocities is what its motion permits, less what it forbids of velocities: nothing is lost.
 void velocities_fill_space(const Sight& sight, Property& property) {
-  if (sight.type.slip_rows() == 0) return;
+  if (sight.type.nonholonomic_rows() == 0) return;
   MatX directions(6, 6);
   Eigen::Index column = 0;
-  for (const Row& row : sight.forbidden) directions.col(column++) = gradient_of(row);
-  for (const Row& row : forbidden_speeds(sight.type, sight.motion)) directions.col(column++) = gradient_of(row);
+  for (const ConstraintRow& row : sight.forbidden) directions.col(column++) = gradient_of(row);
+  for (const ConstraintRow& row : forbidden_speeds(sight.type, sight.motion))
+    directions.col(column++) = gradient_of(row);
   directions.rightCols(6 - column) = possible(sight);
   directions.colwise().normalize();
   const double least = directions.jacobiSvd().singularValues().minCoeff();
@@ -297,7 +298,7 @@ void velocities_fill_space(const Sight& sight, Property& property) {
 /// The relative solver's rows on the speeds, from what is permitted, against the Cartesian ones, from what is
 /// forbidden: the same velocities, and the same accelerations.
 void solvers_forbid_the_same_speeds(const Sight& sight, Property& property) {
-  if (sight.type.slip_rows() == 0) return;
+  if (sight.type.nonholonomic_rows() == 0) return;
   relative::NonholonomicConstraint permitted(sight.type, sight.words);
   permitted.evaluate(sight.permitted, sight.type.name);
   const MatX C = permitted.C().leftCols(permitted.n_rows());
@@ -307,7 +308,7 @@ void solvers_forbid_the_same_speeds(const Sight& sight, Property& property) {
                 in_words("a velocity that is permitted slips by {:.3g} in relative, {:g} expected", error, 0.0));
   const VecX udot = -C * (C.transpose() * C).fullPivLu().solve(VecX(permitted.bias().head(permitted.n_rows())));
   const Vec6 a_rel = sight.S() * udot + sight.permitted.Sdot_u;
-  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  const std::vector<ConstraintRow> rows = forbidden_speeds(sight.type, sight.motion);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double found = gradient_of(rows[k]).dot(a_rel) + rows[k].bias;
     property.note(found / (sight.speed() * sight.speed()), sight.pose.number,
@@ -318,7 +319,7 @@ void solvers_forbid_the_same_speeds(const Sight& sight, Property& property) {
 /// gamma of what is forbidden of velocities alone, by differences of the rows' rates.
 void rates_of_forbidden_speeds(const Sight& sight, Property& property) {
   const Vec6& v_rel = sight.permitted.v_rel;
-  const std::vector<Row> rows = forbidden_speeds(sight.type, sight.motion);
+  const std::vector<ConstraintRow> rows = forbidden_speeds(sight.type, sight.motion);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double expected = differentiate([&](double h) {
       const RelativeMotion later = relative_motion(after(sight.at, v_rel, h), v_rel);
@@ -349,7 +350,7 @@ void coordinate_wrenches_work_on_their_coordinate(const Sight& sight, Property& 
 // Derivatives by differences -----------------------------------------------------------------------------------------
 
 template <class RowsAt>
-void rows_by_differences(const Sight& sight, const std::vector<Row>& rows, const RowsAt& rows_at,
+void rows_by_differences(const Sight& sight, const std::vector<ConstraintRow>& rows, const RowsAt& rows_at,
                          const std::vector<bool>& wraps, Property& jacobian, Property& gamma) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     for (int c = 0; c < 6; ++c) {
@@ -360,7 +361,8 @@ void rows_by_differences(const Sight& sight, const std::vector<Row>& rows, const
       note_difference(jacobian, sight, "row", k, gradient_of(rows[k])(c), expected, 1.0 + gradient_of(rows[k]).norm());
     }
     const double expected = differentiate([&](double h) {
-      const Row later = rows_at(relative_motion(after(sight.at, sight.permitted.v_rel, h), sight.permitted.v_rel))[k];
+      const ConstraintRow later =
+          rows_at(relative_motion(after(sight.at, sight.permitted.v_rel, h), sight.permitted.v_rel))[k];
       return gradient_of(later).dot(sight.permitted.v_rel);
     });
     note_difference(gamma, sight, "row", k, rows[k].bias, expected,
@@ -400,8 +402,8 @@ void motion_against_differences(const Sight& sight, Property& columns, Property&
 
 // Derivatives by the referee -----------------------------------------------------------------------------------------
 
-void rows_against_referee(const Sight& sight, const std::vector<Row>& rows, const std::vector<RefereedRow>& refereed,
-                          Property& property) {
+void rows_against_referee(const Sight& sight, const std::vector<ConstraintRow>& rows,
+                          const std::vector<RefereedRow>& refereed, Property& property) {
   property.require(rows.size() == refereed.size(), sight.pose.number,
                    [&] { return fmt::format("{} rows, {} expected", rows.size(), refereed.size()); });
   for (std::size_t k = 0; k < std::min(rows.size(), refereed.size()); ++k) {
@@ -459,10 +461,10 @@ const std::vector<Look>& single_looks() {
 
 std::string rows_and_speeds(const JointType& type) {
   const auto permitted = static_cast<int>(type.permits_speeds.size());
-  if (type.slip_rows() + permitted > 0 && type.rows() + type.slip_rows() + permitted != 6) {
+  if (type.nonholonomic_rows() + permitted > 0 && type.rows() + type.nonholonomic_rows() + permitted != 6) {
     return fmt::format(
         "{} rows are forbidden, {} of velocities alone, and {} velocities permitted; together they must be 6",
-        type.rows(), type.slip_rows(), permitted);
+        type.rows(), type.nonholonomic_rows(), permitted);
   }
   if (type.rows() + type.n_u() == 6) return {};
   return fmt::format("{} rows are forbidden and {} speeds permitted; together they must be 6", type.rows(), type.n_u());

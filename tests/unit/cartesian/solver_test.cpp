@@ -94,7 +94,7 @@ TEST(CartesianSolver, RefusesAStateThatIsNotClosed) {
   State state = solver->assemble();
   state.bodies[1].r.x() += 1e-9;
   const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
-  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: joint 'revolute' gap"));
+  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: joint 'revolute' residual"));
 }
 
 TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {

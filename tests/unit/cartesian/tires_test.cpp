@@ -119,11 +119,11 @@ TEST(Tires, HeldRegimesGoOnBeyondTheirEnd) {
   EXPECT_GT(rig.applied.event_function(0.0, rig.q, rig.Y).size, 0.0);
   VecX lifted = rig.q;
   rig.layout.r(lifted, 2).z() += 5.0;
-  rig.applied.hold_regimes(true);
+  rig.applied.freeze_regimes(true);
   EXPECT_EQ(rig.act(lifted).regime, before);
   EXPECT_GT(rig.act(lifted).wrenches[1].force.norm(), 1.0);
   EXPECT_LT(rig.applied.event_function(0.0, lifted, rig.Y).size, 0.0);
-  rig.applied.hold_regimes(false);
+  rig.applied.freeze_regimes(false);
   EXPECT_FALSE(rig.act(lifted).regime.touches);
   EXPECT_EQ(rig.act(lifted).wrenches[1].force.norm(), 0.0);
 }
