@@ -38,7 +38,7 @@ double total_mass(const Model& model) {
 
 class Scales {
  public:
-  Scales(const Layout& layout, const Series& series)
+  Scales(const QuantityLayout& layout, const Series& series)
       : layout_(layout), series_(series), length_(layout.model().length_scale()) {
     collect_wrenches();
     collect_accelerations();
@@ -196,7 +196,7 @@ class Scales {
     }
   }
 
-  const Layout& layout_;
+  const QuantityLayout& layout_;
   const Series& series_;
   double length_;
   std::vector<BlockScale> reactions_;  // joint-major, parent then child
@@ -263,7 +263,7 @@ void measure_row(const Series& series, const Budget& budget, Eigen::Index row, M
 
 }  // namespace
 
-std::vector<Measured> measure(const Layout& layout, const Series& series, const Budget& budget) {
+std::vector<Measured> measure(const QuantityLayout& layout, const Series& series, const Budget& budget) {
   const Scales scales(layout, series);
   std::vector<Measured> all(layout.quantities().size());
   for (std::size_t row = 0; row < all.size(); ++row) {

@@ -27,7 +27,7 @@ struct Series {
 
 /// Puts two trajectories on their common grid. Throws IncompleteResult if either has other than `samples` samples, if
 /// the times differ, or if a number is missing or not finite.
-Series align(const Layout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
+Series align(const QuantityLayout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
 
 /// One state, evaluated by both solvers. `row`: the sample of the run that it is taken from, or -1.
 struct SharedState {
@@ -37,7 +37,7 @@ struct SharedState {
 };
 
 /// Evaluations of the same states side by side. Throws IncompleteResult like the other one.
-Series align(const Layout& layout, const std::vector<SharedState>& states);
+Series align(const QuantityLayout& layout, const std::vector<SharedState>& states);
 
 /// Angle between two orientations, of A1^T A2 [rad], accurate near zero.
 double angle_between(const Mat3& A1, const Mat3& A2);

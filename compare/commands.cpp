@@ -332,7 +332,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     if (!note.empty()) console.out << fmt::format("note: {}\n", note);
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     const RunCheck check = check_run(layout, *solver, trajectory, run);
     console.out << format_run_check(layout, solver->name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);

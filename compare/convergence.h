@@ -36,7 +36,7 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
 /// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
 /// worst. Returns nothing, and marks nothing, if the difference is larger, or if one solver alone moves: then its
 /// integration is at fault.
-std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
+std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict);
 
 }  // namespace concord::compare

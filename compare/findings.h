@@ -14,7 +14,8 @@ std::string describe(const Model& model, const Quantity& quantity, const Measure
 /// One finding for each joint, force element or body that fails on a rung, its worst quantity, the largest shortfall
 /// first; sums on bodies only if nothing else fails. Whoever failed on an earlier rung (stands in `known`) is left out,
 /// and is added there.
-std::vector<Finding> find_differences(const Layout& layout, const Series& series, const std::vector<Measured>& measured,
-                                      const Verdict& verdict, Rung rung, std::vector<Quantity>& known);
+std::vector<Finding> find_differences(const QuantityLayout& layout, const Series& series,
+                                      const std::vector<Measured>& measured, const Verdict& verdict, Rung rung,
+                                      std::vector<Quantity>& known);
 
 }  // namespace concord::compare

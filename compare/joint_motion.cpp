@@ -196,7 +196,7 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
   return S;
 }
 
-VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
+VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
   for (std::size_t k = 0; k < springs.size(); ++k) {
     const JointSpring& spring = joint.springs[k];

@@ -39,7 +39,7 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
 /// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out. `springs`: the laws of
 /// Joint::springs, in their order.
-VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
+VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
 
 /// tau that the couplings of a model exert on the speeds of joint k, given their forces (one for each coupling).
 VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces);

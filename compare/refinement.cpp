@@ -21,14 +21,14 @@ const char* name_of(Rung rung) {
 
 namespace {
 
-constexpr std::optional<double> Row::*digits_at(Rung rung) {
+constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
   switch (rung) {
     case Rung::same_state:
-      return &Row::same_state;
+      return &QuantityRow::same_state;
     case Rung::same_run:
-      return &Row::same_run;
+      return &QuantityRow::same_run;
     default:
-      return &Row::refined;
+      return &QuantityRow::refined;
   }
 }
 
@@ -48,9 +48,9 @@ bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::el
 
 }  // namespace
 
-std::optional<double> digits_of(const Row& row, Rung rung) { return row.*digits_at(rung); }
+std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
 
-double need_of(const Row& row, Rung rung) {
+double need_of(const QuantityRow& row, Rung rung) {
   switch (rung) {
     case Rung::same_state:
       return row.need.same_state;
@@ -61,26 +61,26 @@ double need_of(const Row& row, Rung rung) {
   }
 }
 
-bool climbs(const Row& row, Rung rung) {
+bool meets_need(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   if (!digits) return false;
   if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
   return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
 }
 
-const RungDetail& detail_of(const Row& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
+const RungDetail& detail_of(const QuantityRow& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
 
-bool is_judged_by_resolution(const Row& row, Rung rung) {
+bool is_judged_by_resolution(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
 }
 
 bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
 
-void make_rows(const Layout& layout, Verdict& verdict) {
+void make_rows(const QuantityLayout& layout, Verdict& verdict) {
   const Model& model = layout.model();
   for (const Quantity& quantity : layout.quantities()) {
-    Row row;
+    QuantityRow row;
     row.quantity = quantity;
     row.need = needs_of(model, quantity);
     if (quantity.kind != Kind::reaction) {
@@ -96,7 +96,7 @@ void make_rows(const Layout& layout, Verdict& verdict) {
 namespace {
 
 /// Whether the rung ran for the row, and double precision or redundancy kept it from being judged there.
-bool is_left_out(const Row& row, Rung rung) {
+bool is_left_out(const QuantityRow& row, Rung rung) {
   const RungDetail& detail = detail_of(row, rung);
   return detail.samples == 0 && detail.not_unique + detail.too_coarse > 0;
 }
@@ -115,10 +115,10 @@ RungDetail detail_from(const Measured& found) {
 
 }  // namespace
 
-void record(const Layout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
   const auto& quantities = layout.quantities();
   std::size_t place = 0;
-  const auto fill = [&](Row& row) {
+  const auto fill = [&](QuantityRow& row) {
     while (quantities[place] != row.quantity) ++place;  // rows keep the layout's order
     const Measured& found = measured[place];
     if (row.scale == 0.0) {
@@ -135,20 +135,24 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
     row.*digits_at(rung) = found.digits;
     row.worst_t[static_cast<std::size_t>(rung)] = found.t;
   };
-  for (Row& row : verdict.rows) fill(row);
+  for (QuantityRow& row : verdict.rows) fill(row);
   place = 0;
-  for (Row& row : verdict.others) fill(row);
+  for (QuantityRow& row : verdict.others) fill(row);
 }
 
-bool is_judged(const Row& row) { return row.unique && !is_left_out(row, Rung::same_state); }
+bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
 bool has_judged(const Verdict& verdict) {
-  const auto is_judged_element = [](const Row& row) { return row.quantity.kind == Kind::element && is_judged(row); };
+  const auto is_judged_element = [](const QuantityRow& row) {
+    return row.quantity.kind == Kind::element && is_judged(row);
+  };
   return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_element);
 }
 
 bool carries_something(const Verdict& verdict) {
-  const auto carries = [](const Row& row) { return row.unique && row.scale > 0.0 && gives_digits(row.quantity.kind); };
+  const auto carries = [](const QuantityRow& row) {
+    return row.unique && row.scale > 0.0 && gives_digits(row.quantity.kind);
+  };
   return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
          std::any_of(verdict.others.begin(), verdict.others.end(), carries);
 }
@@ -158,35 +162,35 @@ namespace {
 void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.climbed = has_judged(verdict);
-  const auto take = [&](const Row& row) {
+  const auto take = [&](const QuantityRow& row) {
     if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
-    summary.climbed = summary.climbed && climbs(row, rung);
+    summary.climbed = summary.climbed && meets_need(row, rung);
     const auto digits = digits_of(row, rung);
     if (!digits || !gives_digits(row.quantity.kind)) return;
     summary.digits = std::min(summary.digits.value_or(kMostDigits), *digits);
   };
-  for (const Row& row : verdict.rows) take(row);
-  for (const Row& row : verdict.others) take(row);
+  for (const QuantityRow& row : verdict.rows) take(row);
+  for (const QuantityRow& row : verdict.others) take(row);
 }
 
 }  // namespace
 
 void judge(Verdict& verdict) {
-  const auto judge_row = [](Row& row) {
+  const auto judge_row = [](QuantityRow& row) {
     if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
     for (const Rung rung : kRungs) {
-      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || climbs(row, rung)) continue;
+      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
       if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
       // A rung that did not run, or did not converge, condemns nobody and acquits nobody.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
     }
   };
-  for (Row& row : verdict.rows) judge_row(row);
-  for (Row& row : verdict.others) judge_row(row);
+  for (QuantityRow& row : verdict.rows) judge_row(row);
+  for (QuantityRow& row : verdict.others) judge_row(row);
   verdict.total = static_cast<int>(verdict.rows.size());
   verdict.judged = static_cast<int>(
-      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) { return is_judged(row); }));
   for (const Rung rung : kRungs) sum_up(rung, verdict);
 }
 

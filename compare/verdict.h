@@ -41,7 +41,7 @@ struct RungDetail {
 };
 
 /// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
-struct Row {
+struct QuantityRow {
   Quantity quantity;
   double scale = 0.0;
   ScaleSource source = ScaleSource::own_peak;
@@ -119,8 +119,9 @@ struct Verdict {
   Needs need;
   std::array<SolverSummary, 2> solvers;
 
-  std::vector<Row> rows;    // reaction components that the joints can carry
-  std::vector<Row> others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
+  std::vector<QuantityRow> rows;  // reaction components that the joints can carry
+  std::vector<QuantityRow>
+      others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
   int judged = 0;
   int total = 0;
 

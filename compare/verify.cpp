@@ -56,10 +56,10 @@ std::array<const Trajectory*, 2> view(const Trajectories& trajectories) {
   return both;
 }
 
-/// One model on its way through the rungs.
-class Climb {
+/// The verification of one model, rung by rung.
+class Verification {
  public:
-  Climb(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options)
+  Verification(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options)
       : model_(model),
         layout_(model),
         solvers_{&cartesian, &relative},
@@ -454,7 +454,7 @@ class Climb {
   }
 
   const Model& model_;
-  Layout layout_;
+  QuantityLayout layout_;
   std::array<Solver*, 2> solvers_;
   const VerifyOptions& options_;
   std::mutex progress_guard_;
@@ -472,7 +472,7 @@ class Climb {
 }  // namespace
 
 Verdict verify(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options) {
-  return Climb(model, cartesian, relative, options).run();
+  return Verification(model, cartesian, relative, options).run();
 }
 
 }  // namespace concord::compare

@@ -26,8 +26,8 @@ struct WeighedStates {
 };
 
 /// Asks both solvers in every state for rank and resolution. Throws IncompleteResult like align().
-WeighedStates weigh(const Layout& layout, const std::array<Solver*, 2>& solvers, std::vector<SharedState> states,
-                    std::uint64_t seed);
+WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
+                    std::vector<SharedState> states, std::uint64_t seed);
 
 /// Uniqueness and resolution in the samples of a run from which the states were taken.
 struct WeighedRun {

@@ -161,7 +161,7 @@ TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   EXPECT_TRUE(verdict.same_state.climbed);
   EXPECT_FALSE(verdict.same_run.climbed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
-  for (const Row& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
+  for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
 }
 
 /// Where one solver's run moves and the other's does not, the integration of the one is at fault.
