@@ -68,6 +68,7 @@ VecX machine_units(const Model& model, const Layout& layout) {
 
 Equations::Equations(const Model& model)
     : model_(model),
+      length_(model.length_scale()),
       layout_(model),
       inertias_(make_inertias(model)),
       constraints_(model, layout_),
@@ -304,12 +305,12 @@ void Equations::measure_rows() const {  // (C45)
 void Equations::measure_terms(double t, const Eigen::Ref<const VecX>& q) {
   reach_ = 1.0;
   for (int i = 1; i < layout_.n_bodies(); ++i) {
-    reach_ = std::max(reach_, layout_.r(q, i).lpNorm<Eigen::Infinity>() / model_.length_scale());
+    reach_ = std::max(reach_, layout_.r(q, i).lpNorm<Eigen::Infinity>() / length_);
   }
   for (int k = 0; k < constraints_.n_joints(); ++k) {
     for (const Marker& marker : constraints_.joint(k).markers) {
       const double far = std::max(marker.lever.lpNorm<Eigen::Infinity>(), marker.point.lpNorm<Eigen::Infinity>());
-      reach_ = std::max(reach_, far / model_.length_scale());
+      reach_ = std::max(reach_, far / length_);
     }
   }
   constraints_.write_own_terms(t, terms_);
@@ -354,7 +355,7 @@ double Equations::natural_rate() const {
     if (!(inertias_[i].mass() > 0.0)) continue;
     acceleration = std::max(acceleration, layout_.v(forces_, i).lpNorm<Eigen::Infinity>() / inertias_[i].mass());
   }
-  return std::sqrt(acceleration / model_.length_scale());
+  return std::sqrt(acceleration / length_);
 }
 
 double Equations::largest_rate(double t, const Eigen::Ref<const VecX>& Y) const {

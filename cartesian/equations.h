@@ -124,6 +124,7 @@ class Equations {  // (C40)
   void solve_constraint_step(SparseLu& matrix, const VecX& residual);
 
   const Model& model_;
+  double length_;  // the machine's [m]
   Layout layout_;
   std::vector<BodyInertia> inertias_;
   Constraints constraints_;

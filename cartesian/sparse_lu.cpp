@@ -50,7 +50,7 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
   }
   klu_defaults(&common_);
   common_.btf = pattern == Pattern::general ? 1 : 0;
-  common_.scale = 0;
+  common_.scale = -1;  // the matrix comes scaled, of a checked pattern: KLU neither scales nor checks again
   if (size() == 0) return;
   symbolic_ = klu_analyze(size(), column_starts_.data(), row_indices_.data(), &common_);
   if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze found the equations structurally singular");

@@ -46,6 +46,11 @@ RungSummary& summary_of(Verdict& verdict, Rung rung) {
 /// The kinds whose worst digits stand for a rung.
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
+/// Forces on joint speeds: all that there is to judge where no joint constrains anything (a body on free joints alone).
+bool is_force_on_speed(Kind kind) { return kind == Kind::driver || kind == Kind::coupling; }
+
+bool is_force(Kind kind) { return gives_digits(kind) || is_force_on_speed(kind); }
+
 }  // namespace
 
 std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
@@ -128,7 +133,7 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
     // The first rung that runs says where a row is unique.
     if (rung == Rung::same_state) row.unique = found.samples + found.too_coarse > 0;
     RungSummary& summary = summary_of(verdict, rung);
-    summary.carries = summary.carries || (row.unique && found.scale > 0.0 && gives_digits(row.quantity.kind));
+    summary.carries = summary.carries || (row.unique && found.scale > 0.0 && is_force(row.quantity.kind));
     if (!judges(rung, row.quantity.kind)) return;
     row.detail[static_cast<std::size_t>(rung)] = detail_from(found);
     if (found.samples == 0) return;
@@ -143,15 +148,13 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
 bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
 bool has_judged(const Verdict& verdict) {
-  const auto is_judged_element = [](const QuantityRow& row) {
-    return row.quantity.kind == Kind::element && is_judged(row);
-  };
-  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_element);
+  const auto is_judged_force = [](const QuantityRow& row) { return is_force(row.quantity.kind) && is_judged(row); };
+  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force);
 }
 
 bool carries_something(const Verdict& verdict) {
   const auto carries = [](const QuantityRow& row) {
-    return row.unique && row.scale > 0.0 && gives_digits(row.quantity.kind);
+    return row.unique && row.scale > 0.0 && is_force(row.quantity.kind);
   };
   return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
          std::any_of(verdict.others.begin(), verdict.others.end(), carries);
@@ -162,15 +165,18 @@ namespace {
 void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.climbed = has_judged(verdict);
+  std::optional<double> on_speeds;
   const auto take = [&](const QuantityRow& row) {
     if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
     summary.climbed = summary.climbed && meets_need(row, rung);
     const auto digits = digits_of(row, rung);
-    if (!digits || !gives_digits(row.quantity.kind)) return;
-    summary.digits = std::min(summary.digits.value_or(kMostDigits), *digits);
+    if (!digits || !is_force(row.quantity.kind)) return;
+    std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
+    worst = std::min(worst.value_or(kMostDigits), *digits);
   };
   for (const QuantityRow& row : verdict.rows) take(row);
   for (const QuantityRow& row : verdict.others) take(row);
+  if (!summary.digits) summary.digits = on_speeds;
 }
 
 }  // namespace

@@ -44,10 +44,11 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
 /// Whether a row is judged at all: it is unique in some state, and double precision resolves enough of it.
 bool is_judged(const QuantityRow& row);
 
-/// Whether anything was judged: a reaction component, or a force element where no joint carries anything.
+/// Whether anything was judged: a reaction component, a force element, or a force on a joint speed (driver, spring,
+/// actuator, coupling) where no joint constrains anything.
 bool has_judged(const Verdict& verdict);
 
-/// Whether any joint or force element that is judged carries more than nothing.
+/// Whether any of those that is judged carries more than nothing.
 bool carries_something(const Verdict& verdict);
 
 /// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether climbed.

@@ -56,11 +56,12 @@ struct QuantityRow {
   Judgement judgement = Judgement::not_judged;
 };
 
-/// One rung over all judged components of reactions and of force elements.
+/// One rung over all judged components of reactions and of force elements; of forces on joint speeds where there are
+/// none of these.
 struct RungSummary {
   std::optional<double> digits;  // worst, missing if the rung did not run
   int samples = 0;
-  bool carries = false;  // whether any reaction or force element that is judged is not exactly zero
+  bool carries = false;  // whether any force that is judged is not exactly zero
   bool climbed = false;
 };
 

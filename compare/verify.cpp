@@ -40,6 +40,11 @@ namespace {
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
 
+bool has_elements(const Verdict& verdict) {
+  return std::any_of(verdict.others.begin(), verdict.others.end(),
+                     [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
+}
+
 /// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
 int run_rows(int samples, int states) {
   const int parts = (states - 1 + samples - 1) / samples;
@@ -76,7 +81,7 @@ class Verification {
       RunPair pair{verdict_.run, integrate(verdict_.run, name_of(Rung::same_run)), {}, {}, {}};
       same_state(pair.trajectories);
       same_run(pair);
-      refine(pair);
+      if (options_.refines) refine(pair);
       audit(pair.trajectories);
       tell_geometric_stiffness(pair.trajectories);
       keep(pair.trajectories);
@@ -445,6 +450,8 @@ class Verification {
     } else if (verdict_.same_run.digits && !verdict_.same_run.carries) {
       verdict_.failures.emplace_back(
           "during the run no joint and no force element carries anything: agreement on zeros is no verdict");
+    } else if (verdict_.total == 0 && !has_elements(verdict_)) {
+      verdict_.notes.emplace_back("no joint constrains anything: judged are the forces on joint speeds");
     }
     if (!verdict_.failures.empty()) {
       verdict_.outcome = Outcome::failed;

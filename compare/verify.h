@@ -24,6 +24,8 @@ struct VerifyOptions {
   /// States of the run that are handed to both solvers, at least, and a quarter as many near them; fewer than the
   /// default kTrajectoryStates blunt the verdict: for many machines in little time.
   std::optional<int> states;
+  /// Whether the third rung is climbed: both runs again at a tighter tolerance, half of a verdict's cost or more.
+  bool refines = true;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
   /// Called from several threads, never at the same time: the rung, and the part of it that each solver has done, 0

@@ -16,7 +16,7 @@ int index_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
   return kinematics.topology().joints[term.joint].first_q + first_q(type, term.word) + term.component;
 }
 
-int place_of(const std::vector<int>& joints, int joint) {
+int index_of(const std::vector<int>& joints, int joint) {
   const auto found = std::find(joints.begin(), joints.end(), joint);
   return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
 }
@@ -82,7 +82,7 @@ ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, int joi
   }
   const Topology& topology = kinematics_->topology();
   const int n_u = topology.joints[joint].n_u;
-  constraint.joints.push_back({joint, place_of(topology.cuts, joint), link_of(topology, joint),
+  constraint.joints.push_back({joint, index_of(topology.cuts, joint), link_of(topology, joint),
                                JointSquare::Zero(n_u, constraint.n_rows), JointColumns::Zero(6, constraint.n_rows),
                                JointColumns::Zero(6, constraint.n_rows)});
   return constraint.joints.back();

@@ -36,7 +36,8 @@ std::optional<Model> read_text(const ModelText& text, const std::filesystem::pat
 
 }  // namespace
 
-Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers) {
+Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers,
+                    bool refines) {
   Outcome outcome;
   tell_rung("reading");
   const std::optional<Model> model = read_text(text, folder, outcome);
@@ -48,6 +49,7 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
     VerifyOptions options;
     options.states = kStates;
     options.samples = kStates - 1;
+    options.refines = refines;
     std::string last;
     options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
       if (rung == last) return;

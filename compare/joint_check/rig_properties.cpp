@@ -108,7 +108,7 @@ void compare_opinions(const Rig& rig, const Opinions& opinions, Opinion one, Opi
     both.evaluations[1].joints.resize(model.joints.size());
     shared.push_back(std::move(both));
   }
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const std::vector<Measured> measured = measure(layout, align(layout, shared));
   for (std::size_t row = 0; row < measured.size(); ++row) {
     const Quantity& quantity = layout.quantities()[row];
