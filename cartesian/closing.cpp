@@ -69,7 +69,7 @@ std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
   return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
 }
 
-/// Calls visit(joint, place among its q, reading, component) for each reading that counts turns by itself.
+/// Calls visit(joint, index among its q, reading, component) for each reading that counts turns by itself.
 template <class Visit>
 void each_counting_reading(const Model& model, const Visit& visit) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {

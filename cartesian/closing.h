@@ -43,8 +43,8 @@ bool modes_are_restricted(const Equations& equations);
 
 /// Moves q and Y by the shortest steps until all constraints hold as far as round-off lets, at time t: at most 1e-13 in
 /// the machine's units, of the distance from the origin beyond one length, of the largest speed. Rows that hold for
-/// velocities alone restrict no place. Turns of coupled coordinates are counted on the way, from those that `equations`
-/// count from.
+/// velocities alone restrict no position. Turns of coupled coordinates are counted on the way, from those that
+/// `equations` count from.
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y);
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints

@@ -44,7 +44,7 @@ struct JointEquations {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
-  int elevation = -1;              // place of an arm's elevation among the joint's q; -1: it has none
+  int elevation = -1;              // index of an arm's elevation among the joint's q; -1: it has none
   std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;

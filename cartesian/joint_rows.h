@@ -8,7 +8,7 @@
 /// of cddot = gradient . a_rel + bias, exact along the motion.
 namespace concord::cartesian {
 
-/// The child's place and orientation seen in the parent's joint frame, and their motion.
+/// The child's position and orientation seen in the parent's joint frame, and their motion.
 struct RelativeMotion {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();

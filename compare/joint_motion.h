@@ -19,7 +19,7 @@ struct JointMotion {
   Mat6X S;
   /// The speeds that are possible, u = free w: identity but where the type forbids velocities alone (n_u rows).
   MatX free;
-  /// Where the motion leads with the coordinates q: place and orientation in the parent's joint frame.
+  /// Where the motion leads with the coordinates q: position and orientation in the parent's joint frame.
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
 };

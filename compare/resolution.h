@@ -29,8 +29,8 @@ struct Resolution {
   int unknown_states = 0;
 };
 
-/// Sizes of the numbers in a state, which round-off is relative to: of places, velocities, angular velocities [m, m/s,
-/// rad/s] and of each body's modal coordinates and rates.
+/// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
+/// m/s, rad/s] and of each body's modal coordinates and rates.
 struct StateSizes {
   double place = 0.0;
   double velocity = 0.0;

@@ -152,7 +152,7 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
   wrenches.on[index(Side::child)] = in_both_frames(child.A, on_child);
   if (element.ends.size() == 1) return;
   const JointPoint& parent = element.ends.front();
-  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+  const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   apply_wrench(element.bodies[index(Side::parent)], parent, on_parent);
   wrenches.on[index(Side::parent)] = in_both_frames(parent.A, on_parent);
 }
@@ -178,7 +178,7 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
     const double power_so_far = power_;  // the springs' power has been counted by their coordinates
     const Joint& joint = kinematics_->model().joints[cut.joint];
     apply_wrench(joint.on(Side::child).body, child, on_child_of_cut_[c]);
-    apply_wrench(joint.on(Side::parent).body, parent, answered_at(on_child_of_cut_[c], child.r, parent.r));
+    apply_wrench(joint.on(Side::parent).body, parent, opposite_wrench_at(on_child_of_cut_[c], child.r, parent.r));
     power_ = power_so_far;
   }
 }

@@ -60,17 +60,17 @@ class AppliedForces {
     const ForceElement* statement;
     std::vector<JointPoint> ends;  // by Side, or the child's alone
     std::array<int, 2> bodies{kGround, kGround};
-    int tire = -1;  // its place among the tires
-    int law = -1;   // of a spring, its place among the laws
+    int tire = -1;  // its index among the tires
+    int law = -1;   // of a spring, its index among the laws
   };
   struct TireState {
     const ForceElement* statement;
     TireRegime regime;
     TireContact contact;
   };
-  /// A joint spring and the places of its coordinate and speed.
+  /// A joint spring and the indices of its coordinate and speed.
   struct Spring {
-    int law;  // its place among the laws
+    int law;  // its index among the laws
     int q, u;
   };
   /// The law of a line or turn spring or of a joint spring, and whose it is.
@@ -110,7 +110,7 @@ class AppliedForces {
   std::vector<OwnedLaw> laws_;
   bool has_regimes_ = false;
   bool regimes_are_frozen_ = false;
-  std::vector<int> sprung_cuts_;  // places in Closure::cuts
+  std::vector<int> sprung_cuts_;  // indices in Closure::cuts
   std::vector<Vec6> on_body_;
   std::vector<VecX> on_modes_;
   std::vector<Vec6> on_child_of_cut_;

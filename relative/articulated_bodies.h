@@ -17,9 +17,9 @@ namespace concord::relative {
 /// acceleration that the reference body alone would give.
 struct ArticulatedBody {
   int n_free = 0;             // free joint speeds
-  std::array<int, 6> free{};  // their places in u
+  std::array<int, 6> free{};  // their indices in u
   int n_driven = 0;
-  std::array<int, 6> driven{};  // places of the driven ones in u
+  std::array<int, 6> driven{};  // indices of the driven ones in u
   std::array<int, 6> free_column{};
   std::array<int, 6> driven_column{};
   Mat6 H_free = Mat6::Zero();  // used only where some speeds are driven
@@ -87,7 +87,7 @@ class ArticulatedBodies {
 
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
   /// in response forces on its unknowns (n x c): makes of response their part along the unknowns, L^-1
-  /// (response + H^T z), and leaves in z_r what the reference body feels.
+  /// (response + H^T z), and leaves in z_r what is passed to the reference body.
   void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
 
   /// Adds to a link's right side what a generalized force of projection `response` (n numbers) adds.

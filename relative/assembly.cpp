@@ -165,8 +165,8 @@ bool Assembly::close_velocities(Coordinates& coordinates, const PrescribedMask& 
   return residual <= kClosed * std::max(size, size_of_u(coordinates.u));
 }
 
-/// Joints alone close a machine as far as its loops leave the modes free; others must move too. Off the closure rows
-/// that depend on each other look independent, so that only a closed pose tells.
+/// Joints alone close a machine as far as its loops leave the modes free; others must move too. In a pose
+/// that is not closed, dependent rows look independent, so that the ranks must be taken in a closed one.
 void Assembly::decide_modes(const Coordinates& closed) {
   const auto rank = [&](Modes modes) { return closure_rank(closed, Rows::of_velocities, modes); };
   const bool restricted = equations_->model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
@@ -688,7 +688,7 @@ Coordinates Assembly::start() {
     require_number_of_kept(closed, prescribed_q, Rows::of_positions);
   }
   if (!kept_agree) throw_not_closing(prescribed_q);
-  closed.u = start.u;  // closing places has measured the cut joints' speeds, those too that are kept
+  closed.u = start.u;  // closing the positions has measured the cut joints' speeds, those too that are kept
   choose_branches(closed, start, prescribed_q, prescribed_u);
   require_independent_start(closed, prescribed_q, Rows::of_positions);
   require_number_of_kept(closed, prescribed_u, Rows::of_velocities);

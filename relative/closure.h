@@ -20,7 +20,7 @@ class Closure {
   Closure(const Kinematics& kinematics, const PrescribedMask& prescribed);
 
   [[nodiscard]] int n_rows() const { return static_cast<int>(velocity_residual_.size()); }
-  /// The rows that hold for places too; they stand first.
+  /// The rows that hold for positions too; they stand first.
   [[nodiscard]] int n_position_rows() const { return static_cast<int>(position_residual_.size()); }
   [[nodiscard]] const std::vector<Cut>& cuts() const { return cuts_; }
   [[nodiscard]] const std::vector<SpeedConstraint>& speed_constraints() const { return speed_constraints_.all(); }

@@ -90,7 +90,7 @@ class Equations {
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
 
  private:
-  /// One driver and the places of its coordinate and speed.
+  /// One driver and the indices of its coordinate and speed.
   struct Prescription {
     const TimeFunction* law;
     int joint, q, u;

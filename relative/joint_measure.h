@@ -47,7 +47,7 @@ class JointMeasure {
   [[nodiscard]] int n_linear_rows() const {
     return mobilizer_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
   }
-  /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
+  /// T with T^T S_free = 0: only the first n_rows columns are defined. Orthonormal; if a speed both displaces and
   /// rotates, then with torques counted in Mobilizer::length, T^T diag(1, 1 / length^2) T = 1.
   [[nodiscard]] const Mat6& T() const { return T_; }
 

@@ -19,7 +19,7 @@ namespace {
 /// Columns are dependent if one of them keeps less than this part of the largest beside the others.
 constexpr double kLeastIndependence = 1e-6;
 
-/// A motion so far, extended word by word from the parent's frame; it walks along q and u (R9).
+/// The motion of the words read so far, extended by each word from the parent's frame on; q and u advance with it (R9).
 struct Composition {
   const double* q;
   const double* u;

@@ -13,12 +13,12 @@ using JointColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 using JointSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
-/// The motion of a joint at (q, u), components in the parent's joint frame: place d [m] and orientation R of the child,
-/// v_rel = S u = [ddot; omega_rel] and a_rel = S udot + Sdot_u.
+/// The motion of a joint at (q, u), components in the parent's joint frame: position d [m] and orientation R of the
+/// child, v_rel = S u = [ddot; omega_rel] and a_rel = S udot + Sdot_u.
 struct JointMotion {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
-  Mat6 S = Mat6::Zero();  // only the first n_u columns mean something
+  Mat6 S = Mat6::Zero();  // only the first n_u columns are defined
   Vec6 v_rel = Vec6::Zero();
   Vec6 Sdot_u = Vec6::Zero();
 };
@@ -101,7 +101,7 @@ class Mobilizer {
   [[nodiscard]] VecX home() const;
 
   /// Whether coordinate q[c] is worth trying elsewhere when a pose is not found, and its k-th trial value, k = 0 .. 3:
-  /// quarter turns from `given`, or places spread over the range that a motion by functions states.
+  /// quarter turns from `given`, or values spread over the range that a motion by functions states.
   [[nodiscard]] bool has_trials(int c) const;
   [[nodiscard]] double trial(int c, int k, double given) const;
 

@@ -7,7 +7,8 @@ namespace concord::relative {
 
 /// Evaluator of the permitted speeds of one joint type: S_v with v_rel = S_v w for every velocity that is possible.
 /// They span less than S: rows C^T u = 0 on the joint's speeds hold for velocities and accelerations, and say nothing
-/// of places. In the six directions they read T^T v_rel = 0, T the coordinate wrenches of C: T^T S = C^T, T^T S_v = 0.
+/// of positions. In the six directions they read T^T v_rel = 0, T the coordinate wrenches of C: T^T S = C^T, T^T S_v =
+/// 0.
 class NonholonomicConstraint {
  public:
   /// The motion is the type's and must outlive this object. Throws std::invalid_argument if a permitted speed is none

@@ -175,12 +175,13 @@ void Reactions::apply_speed_constraint_wrenches(const VecX& lambda) {
   }
 }
 
-/// Both bodies of a cut joint feel the wrench, the parent an answer at its own point: returned.
+/// Applies a wrench to the child of a cut joint and the opposite one, at its own point, to the parent; returns the
+/// latter.
 Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
   const JointPoint& parent = kinematics_->point(k, Side::parent);
   const JointPoint& child = kinematics_->point(k, Side::child);
   const Joint& joint = kinematics_->model().joints[k];
-  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+  const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(joint.on(Side::child).body, child, on_child);
   subtract_from(joint.on(Side::parent).body, parent, on_parent);
   return on_parent;
@@ -193,7 +194,7 @@ void Reactions::add_spring_wrenches_of_cuts() {
     const JointPoint& parent = kinematics_->point(forced.joint, Side::parent);
     const JointPoint& child = kinematics_->point(forced.joint, Side::child);
     const Vec6& spring = applied_->on_child_of_cut(forced.cut);
-    add_to_total(forced.joint, spring, answered_at(spring, child.r, parent.r));
+    add_to_total(forced.joint, spring, opposite_wrench_at(spring, child.r, parent.r));
   }
 }
 
@@ -216,7 +217,7 @@ void Reactions::backward_pass() {  // (R57)
     Vec6 on_body = loads_[l].rho;
     on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
     audit_modal_rows(l, on_body);
-    const Vec6 on_reference = answered_at(on_body, own.r, reference.r);
+    const Vec6 on_reference = opposite_wrench_at(on_body, own.r, reference.r);
     subtract_from(link.reference, reference, on_reference);
     if (link.along) {
       report(link.joint, on_body, on_reference);
@@ -278,7 +279,7 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();
     const Vec6 on_child = total.vector() - coordinate;
     const Vec6 on_parent =
-        wrenches.total[index(Side::parent)].in_global.vector() - answered_at(coordinate, child.r, parent.r);
+        wrenches.total[index(Side::parent)].in_global.vector() - opposite_wrench_at(coordinate, child.r, parent.r);
     wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);
     wrenches.reaction[index(Side::parent)] = in_both_frames(parent.A, on_parent);
   }

@@ -45,7 +45,7 @@ class Reactions {
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
     int joint = 0;
-    int cut = -1;           // its place in Closure::cuts; -1 in the tree
+    int cut = -1;           // its index in Closure::cuts; -1 in the tree
     int nonholonomic = -1;  // its index in Closure::speed_constraints; -1: none
     std::vector<int> driven;
   };

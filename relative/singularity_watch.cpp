@@ -76,7 +76,7 @@ bool SingularityWatch::may_pass_zero(const Record& a, const Record& b) const {
 SingularityWatch::Record SingularityWatch::probe(const Record& a, const Record& b, double part) const {
   Coordinates coordinates = between(a, b, part);
   if (assembly_->close_positions_nearby(coordinates)) return record(coordinates);
-  Record lost;  // places that do not close are as good as singular
+  Record lost;  // a pose that does not close counts as singular
   lost.at = coordinates;
   return lost;
 }

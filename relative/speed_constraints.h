@@ -26,7 +26,7 @@ double compute_velocity_residual(const Coupling& coupling, const Model& model, c
 /// on the joint's speeds; of a cut joint, which has none in the tree, with their coordinate wrench on both bodies.
 struct ConstrainedJoint {
   int joint = 0;
-  int cut = -1;    // its place among the cut joints; -1 in the tree
+  int cut = -1;    // its index among the cut joints; -1 in the tree
   int link = -1;   // its link in the tree
   JointSquare C;   // n_u x rows
   JointColumns T;  // of a cut joint: coordinate wrenches of C (entries of prescribed speeds left out), 6 x rows, in the

@@ -30,7 +30,7 @@ struct JointType {
   std::vector<ForbidSpeed> forbids_speeds = {};
   std::vector<PermitSpeed> permits_speeds = {};
 
-  /// Number of constraint rows of `forbids`, which hold for places and velocities.
+  /// Number of constraint rows of `forbids`, which hold for positions and velocities.
   [[nodiscard]] int rows() const;
   /// Number of constraint rows of `forbids_speeds`, which hold for velocities alone.
   [[nodiscard]] int nonholonomic_rows() const { return static_cast<int>(forbids_speeds.size()); }
