@@ -31,9 +31,9 @@ struct Tire {
   double speed_scale = 0.1;          // m/s: V = sqrt(V_x^2 + speed_scale^2), regular at standstill
 };
 
-/// In which way the laws of a tire hold; between two regimes lies a kink, or a jump where a damped tire lands. An
-/// integrator keeps the regime during a step, as if the laws of the regime went on for ever, and ends the step where
-/// the regime ends.
+/// In which way the laws of a tire hold; between two regimes a derivative jumps, or the force where a damped tire
+/// lands. An integrator keeps the regime during a step, as if the laws of the regime went on for ever, and ends the
+/// step where the regime ends.
 struct TireRegime {
   int stretch = 0;       // of the road
   bool touches = false;  // delta > 0

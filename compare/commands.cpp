@@ -26,7 +26,7 @@ namespace concord::compare {
 
 namespace {
 
-/// One line on a terminal that tells how far a run is; wiped when it goes.
+/// One line on a terminal that shows how far a run is; wiped when it goes.
 class ProgressLine {
  public:
   explicit ProgressLine(const Console& console) : console_(console) {}

@@ -13,7 +13,7 @@
 /// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.
 namespace concord::compare {
 
-/// A rung by runs is climbed again at tighter tolerances while its needs are missed, but not below this.
+/// A rung by runs is repeated at tighter tolerances while its needs are missed, but not below this.
 inline constexpr double kTightestRepeat = 1e-13;
 
 /// Both solvers' runs at one tolerance, side by side.

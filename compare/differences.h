@@ -17,7 +17,7 @@ struct SlopeMisfit {
 
 /// Compares the slope of f at 0 with `expected` (entries over `scales`, positive; NaN: anything is right). Quotients of
 /// fourth order are taken across 0 and on either side of it, with `step` and with steps that shrink by ten down to a
-/// hundred thousandth: a kink of a higher derivative spoils those that reach over it, a short wave those with long
+/// hundred thousandth: a jump of a higher derivative spoils those that reach over it, a short wave those with long
 /// steps, and round-off those with short ones. The best of them counts; the search ends at one as good as `enough`.
 template <class Function>
 SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& scales, double step, double enough) {

@@ -35,8 +35,8 @@ bool is_same_owner(const Quantity& a, const Quantity& b) {
   return owner_kind(a) == owner_kind(b) && a.owner == b.owner;
 }
 
-/// What is told first: on the same state a force element, whose wrench follows from the state alone while everything
-/// else follows from it; then reactions; then what follows from them.
+/// What is reported first: on the same state a force element, whose wrench follows from the state alone while
+/// everything else follows from it; then reactions; then what follows from them.
 int order_of(const Quantity& quantity, Rung rung) {
   if (rung == Rung::same_state && quantity.kind == Kind::element) return 0;
   return quantity.kind == Kind::reaction ? 1 : 2;

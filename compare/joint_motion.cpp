@@ -73,7 +73,7 @@ class Reading {
   Eigen::Index next_ = 0;
 };
 
-/// Walks along the words of a motion and keeps the axis and the place of each turn: the child's velocity for a unit
+/// Goes through the words of a motion and keeps the axis and the position of each turn: the child's velocity for a unit
 /// speed follows when the end is reached.
 class Walk {
  public:

@@ -37,7 +37,7 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
 Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S);
 
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
-/// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out. `springs`: the laws of
+/// where a driver acts, whose force no law gives [n_u numbers]. Couplings are left out. `springs`: the laws of
 /// Joint::springs, in their order.
 VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
 

@@ -75,7 +75,7 @@ TestCase yes_or_no(std::string name, bool passed, std::string message) {
           passed ? "" : std::move(message)};
 }
 
-/// A difference that no other test case tells, such as a state that one solver refuses.
+/// A difference that no other test case reports, such as a state that one solver refuses.
 void add_other_differences(const Verdict& verdict, std::vector<TestCase>& tests) {
   const auto has_failed = [](const TestCase& test) { return test.result == TestCase::Result::failed; };
   if (verdict.findings.empty() || std::any_of(tests.begin(), tests.end(), has_failed)) return;

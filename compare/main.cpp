@@ -260,7 +260,7 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   occupy_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is told
+  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
   try {
     const compare::InterruptWatch watch;
     return code_if_told(run_program(argc, argv));

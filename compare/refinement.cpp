@@ -188,7 +188,7 @@ void judge(Verdict& verdict) {
     for (const Rung rung : kRungs) {
       if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
       if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
-      // A rung that did not run, or did not converge, condemns nobody and acquits nobody.
+      // A rung that did not run, or did not converge, decides about no solver.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
     }
   };

@@ -14,7 +14,7 @@ inline constexpr double kTighter = 100.0;
 /// Relative tolerance of the refined run.
 double refined_tolerance(double rtol);
 
-/// The rungs at which digits are judged, in the order of climbing.
+/// The rungs at which digits are judged, in their order.
 enum class Rung { same_state, same_run, refined };
 inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
 
@@ -51,7 +51,7 @@ bool has_judged(const Verdict& verdict);
 /// Whether any of those that is judged carries more than nothing.
 bool carries_something(const Verdict& verdict);
 
-/// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether climbed.
+/// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether they hold.
 void judge(Verdict& verdict);
 
 }  // namespace concord::compare

@@ -12,7 +12,7 @@ namespace concord::compare {
 
 namespace {
 
-/// Refusals of the same kind are told once, with their number and the first one's words.
+/// Refusals of the same kind are reported once, with their number and the first one's words.
 class Refusals {
  public:
   void take(const std::string& words) {

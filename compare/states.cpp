@@ -16,7 +16,7 @@ constexpr int kTries = 30;
 constexpr int kTriesAlong = 12;
 /// Each try starts nearer to the run's state than the one before.
 constexpr double kShrink = 0.8;
-/// At least one of so many shaken states must be found.
+/// At least one of so many perturbed states must be found.
 constexpr int kFewestOf = 5;
 /// Deflection [of the machine's length] to shake a mode with that the run never moves.
 constexpr double kQuietDeflection = 1e-4;

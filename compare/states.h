@@ -63,10 +63,10 @@ struct SharedStates {
   std::vector<std::string> failures;
   /// A solver calls the pose singular, in its words.
   std::vector<std::string> singular;
-  /// Shaken states that were drawn anew: singular poses, and states that mean another turn or branch to the other
+  /// Perturbed states that were drawn anew: singular poses, and states that mean another turn or branch to the other
   /// solver.
   int drawn_anew = 0;
-  /// Shaken states that were given up because neither solver closes there.
+  /// Perturbed states that were given up because neither solver closes there.
   int left_open = 0;
 };
 

@@ -124,7 +124,7 @@ std::string rotation_pattern(const Suspect& suspect) {
                      samples_of(suspect.series));
 }
 
-/// No pattern: where the difference stands tells at least whether it grows.
+/// No pattern: where the difference stands shows at least whether it grows.
 std::string growth_pattern(const Suspect& suspect) {
   const Eigen::Index samples = suspect.vectors[0].cols();
   const Eigen::Index early = std::max<Eigen::Index>(1, samples / 10);

@@ -399,7 +399,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   }
   text += motion_text(verdict) + audit_text(verdict);
   if (verdict.same_state.samples > 0) {
-    text += fmt::format("states handed to both: {}, of which {} shaken with seed {}{}\n", verdict.same_state.samples,
+    text += fmt::format("states handed to both: {}, of which {} perturbed with seed {}{}\n", verdict.same_state.samples,
                         kRandomStates, kSeed,
                         verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }

@@ -127,7 +127,7 @@ struct Verdict {
   int total = 0;
 
   bool rank_agrees = false;
-  /// States at singular poses, and shaken states that mean different things to the solvers: left out and counted.
+  /// States at singular poses, and perturbed states that mean different things to the solvers: left out and counted.
   int singular_states = 0;
   int drawn_anew = 0;
   RungSummary same_state;

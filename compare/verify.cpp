@@ -195,7 +195,7 @@ class Verification {
     for (SharedStates* part : {&shared, &random}) note_refusals(*part);
     verdict_.drawn_anew = random.drawn_anew;
     if (random.left_open > 0) {
-      verdict_.notes.push_back(fmt::format("{} of {} shaken states were left out: neither solver closes there",
+      verdict_.notes.push_back(fmt::format("{} of {} perturbed states were left out: neither solver closes there",
                                            random.left_open, random_states()));
     }
     const std::size_t of_run = shared.states.size();
@@ -268,7 +268,7 @@ class Verification {
                      shared.refusals.size())});
   }
 
-  /// A rank at the start that is lower than in the shaken states is a singular pose.
+  /// A rank at the start that is lower than in the perturbed states is a singular pose.
   void note_singular_start(const RankReports& reports, Who who, std::size_t of_run) {
     const RankReport& start = verdict_.solvers[index(who)].rank;
     for (std::size_t k = of_run; k < reports.size(); ++k) {
@@ -359,7 +359,7 @@ class Verification {
     verdict_.same_run.samples = pair.run.samples + 1;
   }
 
-  /// Motions that part, where no reaction has told of it.
+  /// Motions that part, where no reaction differs.
   void judge_motion(const MotionAgreement& motion, Rung rung, double need) {
     if (motion.digits >= need || !verdict_.findings.empty()) return;
     verdict_.findings.push_back(
@@ -469,7 +469,7 @@ class Verification {
   int asked_samples_ = 0;
   double asked_rtol_ = 0.0;
   std::array<State, 2> starts_;
-  WeighedStates weighed_;  // of the same state rung: of the run, then shaken ones
+  WeighedStates weighed_;  // of the same state rung: of the run, then perturbed ones
   WeighedRun weighed_run_;
   std::vector<Quantity> known_;
   std::array<Auditor, 2> auditors_;

@@ -23,10 +23,10 @@ struct FuzzCommand {
   double megabytes = 1024.0;
 };
 
-/// Compares random machines, each in a worker process, and tells what became of them: on `out` every machine that ended
+/// Compares random machines, each in a worker process, and reports their outcomes: on `out` every machine that ended
 /// wrongly, the outcomes, the coverage; on `err` progress and speed. Returns 0 if none ended wrongly, 1 if solvers
-/// differ or stop without an honest reason, 3 if one crashes, hangs or eats memory, 2 for a style that is not known.
-/// What is told on `out` depends on seed, style, `first` and count alone.
+/// differ or stop without a known reason, 3 if one crashes, hangs or exceeds its memory, 2 for a style that is not
+/// known. What is written to `out` depends on seed, style, `first` and count alone.
 int fuzz_machines(const FuzzCommand& command, const SolverMakers& makers, const Console& console);
 
 }  // namespace concord::compare::fuzz

@@ -10,7 +10,7 @@ namespace concord::compare::fuzz {
 
 namespace {
 
-/// Fewer than for a model that somebody cares about: many machines see more than many states of one.
+/// Fewer than for a model of a user: many machines with few states find more than one machine with many.
 constexpr int kStates = 40;
 
 void tell_rung(std::string_view rung) {

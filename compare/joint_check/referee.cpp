@@ -100,7 +100,7 @@ void append_rotation(std::vector<RefereedRow>& rows) {
   for (int k = 0; k < 3; ++k) rows.push_back({0.0, Vec6::Unit(3 + k), 0.0});
 }
 
-/// A motion so far in jets over the speeds, extended word by word; it walks along q and u.
+/// The motion of the words read so far, in jets over the speeds; q and u advance with each word.
 struct Permitted {
   const double* q;
   const double* u;

@@ -37,7 +37,7 @@ struct Change {
 };
 
 /// All changes from `then` to `now`, of each measure the largest. Digits of the same state count no more than double
-/// precision resolves; what lies within is luck.
+/// precision resolves; smaller ones mean nothing.
 std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
                                     const std::string& against);
 
@@ -50,7 +50,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
                                const std::string& today);
 
-/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` tells how a red
+/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` says how a red
 /// case ended.
 int exit_code(const Change& change, Ending ending);
 int worse_code(int one, int other);

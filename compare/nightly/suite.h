@@ -19,7 +19,7 @@ struct Judging {
   bool against_median = false;
 };
 
-/// A suite file, all its models and variants told apart.
+/// A suite file, with a name of its own for each model and variant.
 struct Suite {
   std::filesystem::path file;
   std::string name;

@@ -208,7 +208,7 @@ TEST_F(VerifyTest, FewerSamplesThanAskedIsNoVerdict) {
 TEST_F(VerifyTest, ARunThatCarriesNothingIsNoVerdict) {
   model_.gravity.setZero();
   model_.joints[0].start[0].u(0) = 0.0;
-  const Verdict verdict = judge();  // the shaken states carry something
+  const Verdict verdict = judge();  // the perturbed states carry something
   EXPECT_GT(verdict.rows.front().scale, 0.0);
   EXPECT_EQ(verdict.outcome, Outcome::failed);
   EXPECT_THAT(verdict.failures, ::testing::ElementsAre("during the run no joint and no force element carries anything: "
