@@ -34,7 +34,7 @@ struct TurnError {
 TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
 
 /// Moves q by shortest steps towards these coordinates of such readings with all other constraints held, so that a
-/// perturbed machine closes on the turns that it is said to be on. Leaves q as it is where that leads nowhere.
+/// perturbed machine closes on the turns that it is said to be on. Leaves q as it is where that fails.
 void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y);
 
 /// Whether the constraints at the last update of `equations` restrict the modes, as where a flexible body is held at

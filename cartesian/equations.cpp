@@ -46,7 +46,7 @@ double modal_unit(const Model& model, int body, int mode, double length) {
     }
   }
   if (largest > 0.0) return length / largest;
-  // No joint feels it: by its size at a typical mass point.
+  // It moves no joint: by its size at a typical mass point.
   const BodyInertia inertia(model.bodies[body]);
   const double shape = std::sqrt(inertia.modal_mass()(mode, mode) / inertia.mass());
   return shape > 0.0 && std::isfinite(shape) ? length / shape : 1.0;

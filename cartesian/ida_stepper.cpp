@@ -58,8 +58,8 @@ struct RefinedLu {
   }
 };
 
-/// Slopes of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and pushed
-/// side.
+/// Derivatives of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and
+/// pushed side.
 struct ForceSlopes {
   std::array<std::array<MatX, 2>, 2> over_q;
   std::array<std::array<MatX, 2>, 2> over_Y;
@@ -105,7 +105,8 @@ class IdaStepper : public Stepper {
   }
 
  protected:
-  /// IDA steps past `stop` and looks back: its formulas interpolate to their own order, and a stop would cost them it.
+  /// IDA steps past `stop` and interpolates: its formulas interpolate to their own order, and a stop would cost them
+  /// it.
   void advance(double stop) override {
     // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
     const double toward = std::max(stop, reached_ + last_step_);

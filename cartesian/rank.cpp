@@ -21,7 +21,7 @@ constexpr double kUndecidedAbove = 1e-12;
 /// Rows that others leave less than this of are candidates of the null space: far above every threshold, far below
 /// what independent rows leave.
 constexpr double kCandidate = 1e-6;
-/// What moves a threshold half of the way that no answer may depend on.
+/// The factor by which a threshold is moved, up and down, to see whether a flag depends on it.
 constexpr double kEitherWay = 31.622776601683793;
 constexpr Eigen::Index kDenseRows = 60;
 constexpr Eigen::Index kShortestDenseRows = 500;
@@ -59,7 +59,7 @@ void select_from(const Triangle& R, RowSelection& selection) {
   const MatX R11 = R.topLeftCorner(live, live);
   const auto triangle = R11.template triangularView<Eigen::Upper>();
   selection.dependence = R.topRightCorner(live, R.cols() - live);
-  // Eigen's solver of triangles reads the first entry of what is empty.
+  // Eigen's triangular solver reads the first entry of an empty matrix too.
   if (selection.dependence.size() > 0) triangle.solveInPlace(selection.dependence);
   selection.smallest_live = estimate_smallest(
       live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
@@ -89,7 +89,7 @@ RowSelection select_dense(const MatX& transposed, double tolerance) {
   return selection;
 }
 
-/// The rows that go first are sifted among themselves, the others by what these leave of them.
+/// The rows that go first are selected among themselves, the others by their parts independent of these.
 RowSelection select_dense_in_order(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
   std::vector<Eigen::Index> first;
   std::vector<Eigen::Index> then;
@@ -114,7 +114,7 @@ RowSelection select_dense_in_order(const MatX& transposed, const std::vector<boo
   return selection;
 }
 
-/// SuiteSparseQR leaves over a row that its predecessors leave less than the tolerance of.
+/// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
 RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   Eigen::SPQR<SparseMatrix> qr;
   qr.setPivotThreshold(tolerance);
@@ -159,7 +159,7 @@ double estimate_largest(const SparseMatrix& transposed) {
   return largest > 0.0 ? largest : 1.0;
 }
 
-/// What the left-over rows leave behind all others, and the singular values of that (C50).
+/// The parts of the left-over rows that are independent of all others, and their singular values (C50).
 void decide_left_over(const SparseMatrix& transposed, const RowSelection& selection, double largest,
                       RankDecision& decision) {
   const Eigen::Index n = transposed.cols();
@@ -258,7 +258,7 @@ class Movement {
   VecX scales_;
 };
 
-/// Sizes of the null space at the threshold and half the way of doubt to either side.
+/// Sizes of the null space at the threshold and at the thresholds moved to either side.
 struct NullSpaceSizes {
   Eigen::Index surely;
   Eigen::Index decided;
@@ -317,7 +317,8 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
   RankDecision decision;
   if (matrix.rows() == 0) return decision;
   if (!Eigen::Map<const VecX>(matrix.valuePtr(), matrix.nonZeros()).allFinite()) {
-    throw SolverError("cartesian: the Jacobian of the constraints holds what is no number: its rank cannot be decided");
+    throw SolverError(
+        "cartesian: the Jacobian of the constraints holds an entry that is not a number: its rank cannot be decided");
   }
   const SparseMatrix transposed = matrix.transpose();
   const RowSelection selection = select_rows(transposed, goes_first, kCandidate);

@@ -350,7 +350,7 @@ class CartesianSolver : public Solver {
   /// relative to the distance, whose round-off they carry; velocities relative to the largest.
   void refuse_open(const State& state) {
     if (!motion_.q.allFinite() || !motion_.Y.allFinite()) {
-      throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds what is no finite number", state.t));
+      throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds a number that is not finite", state.t));
     }
     equations_.measure_terms(state.t, motion_.q);
     const double position_residual = equations_.largest_residual(equations_.residual());

@@ -68,7 +68,7 @@ const CLI::Validator kNumber(
     [](std::string& text) {
       double value = 0.0;
       const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      if (!is_number) return fmt::format("{} is no finite number", text);
+      if (!is_number) return fmt::format("{} is not a finite number", text);
       return has_usable_size(value) ? std::string() : fmt::format("the number {}", complaint_about_size(value));
     },
     "");

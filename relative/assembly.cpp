@@ -38,7 +38,7 @@ const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_pos
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
-/// What coordinates of the tree move by in search of a general pose: their units, modes a twentieth of it.
+/// By how much coordinates of the tree are moved in search of a general pose: their units, modes a twentieth of it.
 VecX exploring_steps(const Scales& scales, const Topology& topology) {
   VecX steps = scales.speeds();
   for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
@@ -89,7 +89,7 @@ double Assembly::measure(Coordinates& coordinates, Closure& closure) {
   return largest(closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
 }
 
-/// The same; infinite where the machine cannot stand.
+/// The same; infinite where the machine has no such pose.
 double Assembly::try_to_measure(Coordinates& coordinates, Closure& closure) {
   try {
     return measure(coordinates, closure);
@@ -324,8 +324,8 @@ int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes mode
       rank_of(Phi.topRows(rows == Rows::of_positions ? closure.n_position_rows() : closure.n_rows())));
 }
 
-/// A start or a folded pose may lack rank that the machine has elsewhere, and so may a body that is not deformed: poses
-/// nearby, reached with the drivers let go, decide.
+/// The rank may be lower at the start, in a folded pose or with undeformed bodies than it is in general: poses
+/// nearby, reached with the drivers released, decide.
 void Assembly::decide_rank_near(const Coordinates& coordinates) {
   const int n_rows = equations_->closure().n_rows();
   Coordinates best = coordinates;
@@ -608,7 +608,7 @@ void Assembly::add_turns_of_couplings(Coordinates& coordinates, const Prescribed
   }
 }
 
-/// Gives links that nothing holds their canonical names, and requires of the others that they stand on the branches
+/// Gives links without prescribed values their canonical names, and requires that the others are on the branches
 /// that the start values choose.
 void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,
                                const PrescribedMask& prescribed_u) const {
@@ -631,7 +631,7 @@ void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, con
   }
 }
 
-/// What the model keeps stands in the start to round-off.
+/// Requires that the start holds the kept values to round-off.
 void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) const {
   constexpr double kRoundOff = 1e-11;
   const Model& model = equations_->model();

@@ -116,7 +116,7 @@ double JointMeasure::move(const JointPoint& parent, const JointPoint& child, dou
 }
 
 /// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
-/// from closed, where the error itself bends the way, whole steps may overshoot for ever (R41).
+/// from closed, where the error is strongly nonlinear, full steps may overshoot for ever (R41).
 double JointMeasure::step_length(const JointPoint& parent, const JointPoint& child, const double* q,
                                  const JointVector& step) {
   const double now = 0.5 * weighed(position_residual_).squaredNorm();
@@ -172,7 +172,7 @@ double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, d
   return misfit();
 }
 
-/// Brings the coordinates of a motion by functions to where the place alone wants them, as far as it does: the place
+/// Moves the coordinates of a motion by functions to fit the position alone, as far as it determines them: the position
 /// counts the turns of a thread, the orientation does not.
 void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& child, double* q) {
   constexpr int kMostSteps = 8;
@@ -191,8 +191,8 @@ void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& chil
   }
 }
 
-/// Starts from all combinations of the motion's trial values about `given`, and from where the place leads; leaves in q
-/// the best pose whose misfit is below `least`, else q as it is.
+/// Starts from all combinations of the motion's trial values about `given`, and from the fit of the position; leaves in
+/// q the best pose whose misfit is below `least`, else q as it is.
 void JointMeasure::search(const JointPoint& parent, const JointPoint& child, double least, const VecX& given,
                           double* q) {
   std::vector<int> tried;  // of scalar words: their places in q and u are the same

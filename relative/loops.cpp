@@ -19,13 +19,13 @@ constexpr double kIllConditioned = 1e-8;
 /// Pivots of that factor, sines between rows, below this are round-off.
 constexpr double kDependent = 1e-14;
 
-/// What a row must keep beside those taken to be used, in rounds: squares of sines.
+/// The square of the sine that a row must have against the rows chosen before, in rounds.
 constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
-/// Further rounds take off what is left of the residual: until it is this part of the first, or stands.
-constexpr int kMostRounds = 4;
-constexpr double kLeftByRoundOff = 2e-16;
-constexpr double kStands = 0.25;
+/// Iterative refinement goes on until the residual is this part of the first one, or falls no further.
+constexpr int kMostRefinements = 4;
+constexpr double kRoundOffOfFirst = 2e-16;
+constexpr double kStagnates = 0.25;
 
 }  // namespace
 
@@ -352,7 +352,7 @@ void Loops::close(VecX& udot) {  // (R53)
   };
   double first_residual = 0.0;
   double last_residual = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostRefinements; ++round) {
     closure_->compute_acceleration_residual(acceleration, udot, residual_);
     double residual = 0.0;
     for (std::size_t i = 0; i < used_.size(); ++i) {
@@ -361,7 +361,7 @@ void Loops::close(VecX& udot) {  // (R53)
       residual = std::max(residual, std::abs(solution_(i)) * scale_(used_[i]));
     }
     if (round == 0) first_residual = residual;
-    if (round > 0 && (residual <= kLeftByRoundOff * first_residual || residual > kStands * last_residual)) break;
+    if (round > 0 && (residual <= kRoundOffOfFirst * first_residual || residual > kStagnates * last_residual)) break;
     last_residual = residual;
     solve(solution_);
     lambda_correction_.setZero();

@@ -22,7 +22,7 @@ constexpr Eigen::Index kManyRows = 24;
 constexpr double kClearlyIndependent = 1e-5;
 
 /// Phi_u in machine units over the free columns, and the factors that turn multipliers of these rows into lambda. The
-/// rows T^T W have unit norm in these units; to norm Phi_u itself would blow up rows that vanish but for round-off.
+/// rows T^T W have unit norm in these units; normalizing Phi_u would magnify rows that are zero but for round-off.
 struct ScaledRows {
   MatX Phi;
   VecX units;

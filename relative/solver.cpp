@@ -101,14 +101,14 @@ class RelativeSolver final : public Solver {
     Coordinates coordinates = states_.read(state, misfit);
     equations_.count_turns(states_.turns());
     if (misfit.largest <= kLargestMisfit && misfit.joint_off_branch < 0) return coordinates;
-    if (misfit.largest <= kLargestMisfit) throw_strayed(state, coordinates, misfit.joint_off_branch);
+    if (misfit.largest <= kLargestMisfit) throw_off_branch(state, coordinates, misfit.joint_off_branch);
     throw SolverError(
         fmt::format("relative: the state at t = {:.6g} s is not closed: residual {:.1e} at {}, allowed "
                     "{:.0e}: close it first",
                     state.t, misfit.largest, misfit.where, kLargestMisfit));
   }
 
-  [[noreturn]] void throw_strayed(const State& state, const Coordinates& coordinates, int joint) const {
+  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const {
     const Span& span = equations_.topology().joints[joint];
     const VecX found = equations_.kinematics().with_turns(coordinates.q).segment(span.first_q, span.n_q);
     throw SolverError(fmt::format(

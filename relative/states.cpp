@@ -28,7 +28,7 @@ void require_numbers(const BodyState& body, const std::string& name, double t) {
     return;
   }
   throw SolverError(
-      fmt::format("relative: the state at t = {:.6g} s holds for body '{}' what is no finite number", t, name));
+      fmt::format("relative: the state at t = {:.6g} s holds a number of body '{}' that is not finite", t, name));
 }
 
 }  // namespace

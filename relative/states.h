@@ -30,7 +30,7 @@ class States {
   /// the state's q, which chooses turns and branches (without them, the branch nearest to home); cost proportional to
   /// the number of joints. `misfit` gets what the joints do not permit, and how far driven coordinates are from their
   /// laws. Whole turns beyond the first are counted apart, see turns(). Throws SolverError if the state has the wrong
-  /// size or its bodies hold what is no number.
+  /// size or its bodies hold an entry that is not a number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
   /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.

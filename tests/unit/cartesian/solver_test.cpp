@@ -103,7 +103,7 @@ TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {
   State state = solver->assemble();
   state.bodies[1].omega.y() = std::nan("");
   const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
-  EXPECT_EQ(message, "cartesian: the state at t = 0 s holds what is no finite number");
+  EXPECT_EQ(message, "cartesian: the state at t = 0 s holds a number that is not finite");
 }
 
 TEST(CartesianSolver, ClosesAShakenStateAndLeavesItsTurnsAlone) {

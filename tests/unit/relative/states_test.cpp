@@ -156,23 +156,23 @@ TEST(States, CountTheTurnsOfAThread) {
   equations.move(0.0, start.q, start.u);
   States states(equations);
   const State state = states.write(0.0, {});
-  const auto turn_from = [&](std::vector<VecX> hints, int& strayed) {
+  const auto turn_from = [&](std::vector<VecX> hints, int& off_branch) {
     State given = state;
     given.q = std::move(hints);
     StateMisfit misfit;
     const double left = states.read(given, misfit).q(0);
     const double found = left + 2.0 * std::numbers::pi * states.turns()(0);
     EXPECT_LT(misfit.largest, 1e-13);
-    strayed = misfit.joint_off_branch;
+    off_branch = misfit.joint_off_branch;
     return found;
   };
-  int strayed = 0;
-  EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, -1);
-  EXPECT_NEAR(turn_from({}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, -1);
-  EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, 0);
+  int off_branch = 0;
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, -1);
+  EXPECT_NEAR(turn_from({}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, -1);
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, 0);
 }
 
 /// Far from closed, as a guess is, the turn of the thread is that of the coordinates.

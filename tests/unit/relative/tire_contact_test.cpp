@@ -178,7 +178,7 @@ class Bounce {
 
 class BouncingWheel : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-TEST_P(BouncingWheel, FollowsTheClosedFormsThroughItsKinks) {
+TEST_P(BouncingWheel, FollowsTheClosedFormsThroughItsEvents) {
   const auto [integrator, allowed] = GetParam();
   RunOptions options;
   options.until = 0.9;
