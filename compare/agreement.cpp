@@ -173,7 +173,7 @@ class Scales {
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
     }
-    // A body that nothing but its modes moves still has the loads of the machine to be held against.
+    // A body that nothing but its modes moves still has the loads of the machine to be compared with.
     const double by_loads = wrench_floor_.linear / total_mass(model);
     acceleration_floor_ = {std::max(kScaleFloor * acceleration_floor_.linear, by_loads),
                            std::max(kScaleFloor * acceleration_floor_.angular, by_loads / length_)};

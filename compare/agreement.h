@@ -32,7 +32,7 @@ const char* name_of(ScaleSource source);
 /// For each quantity (rows) and sample (columns) whether it is judged there.
 using Mask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// What a difference is held against besides the need: the resolution of each quantity in each sample, NaN where it is
+/// What a difference is compared with besides the need: the resolution of each quantity in each sample, NaN where it is
 /// unknown, and the samples in which it is unique. Null: unknown everywhere; unique everywhere.
 struct Budget {
   const MatX* resolution = nullptr;

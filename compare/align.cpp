@@ -85,7 +85,7 @@ double angle_between(const Mat3& A1, const Mat3& A2) {
 
 namespace {
 
-/// Least part of the machine's length, and of the speed that gravity gives it, that motion is held against.
+/// Least part of the machine's length, and of the speed that gravity gives it, that motion is compared with.
 constexpr double kAtRest = 1e-3;
 
 /// Largest speeds and modal coordinates of a run: the scales of motion.
@@ -140,7 +140,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   const double length = model.length_scale();
   const double until = trajectory.samples.empty() ? 0.0 : trajectory.samples.back().state.t;
   scales.speed = std::max(scales.speed, scales.turning * length);
-  // A machine at rest is held against what gravity, or the time of the run, would make of it.
+  // A machine at rest is compared with what gravity, or the time of the run, would make of it.
   scales.speed = std::max(scales.speed, kAtRest * std::sqrt(model.gravity.norm() * length));
   if (until > 0.0) scales.speed = std::max(scales.speed, kAtRest * length / until);
   scales.turning = scales.speed / length;

@@ -44,7 +44,7 @@ double angle_between(const Mat3& A1, const Mat3& A2);
 
 /// Agreement of motions over two aligned trajectories: the worst of body origins (relative to the machine's length),
 /// orientations (rad), velocities and angular velocities (relative to the largest of the run), and modal coordinates
-/// (relative to the body's largest). What hardly moves is held against a thousandth of what the machine's length,
+/// (relative to the body's largest). What hardly moves is compared with a thousandth of what the machine's length,
 /// gravity and the time of the run give.
 struct MotionAgreement {
   double digits = 16.0;

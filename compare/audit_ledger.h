@@ -84,7 +84,7 @@ struct AuditRow {
 struct AuditEntity {
   std::string name;
   std::vector<AuditRow> rows;
-  /// A joint that can carry nothing has no scale of its own: it is held against the machine's largest.
+  /// A joint that can carry nothing has no scale of its own: it is compared with the machine's largest.
   bool is_idle = false;
 
   /// Residuals of all rows in their order, at a time, with the scales of each unit there.

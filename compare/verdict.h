@@ -26,7 +26,7 @@ int exit_code(Outcome outcome);
 
 /// What stands behind the digits of one row on one rung.
 struct RungDetail {
-  /// Digits of what exceeds round-off: these are held against the need.
+  /// Digits of what exceeds round-off: these are compared with the need.
   double unexplained = 16.0;
   /// Digits that double precision resolves, -log10(resolution / scale); missing where that is unknown.
   std::optional<double> resolvable;

@@ -7,7 +7,7 @@
 #include "compare/resolution.h"
 #include "compare/uniqueness.h"
 
-/// States that both solvers evaluated, with all that a difference there is held against.
+/// States that both solvers evaluated, with all that a difference there is compared with.
 namespace concord::compare {
 
 struct WeighedStates {

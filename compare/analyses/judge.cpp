@@ -34,7 +34,7 @@ Solvers make_solvers(const Model& model, const SolverMakers& makers) {
   return {makers.cartesian(model), makers.relative(model)};
 }
 
-/// A body that deflects less, of the machine's length, is held against this: it may be straight but for round-off.
+/// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
 constexpr double kLeastDeflection = 1e-6;
 
 double own_need(const Model& model) { return model.is_flexible() ? kOwnFlexible : kOwnRigid; }

@@ -16,7 +16,7 @@ struct FuzzCommand {
   std::uint64_t seed = 1;
   std::uint64_t first = 0;          // number of the first machine
   int jobs = 0;                     // worker processes; 0: one for each processor
-  std::filesystem::path keep = {};  // folder for machines that end wrongly, shrunk; empty: none
+  std::filesystem::path keep = {};  // folder for failing machines, reduced; empty: none
   std::string style = "mixed";
   bool print = false;     // print the machine `first` instead of trying any
   double seconds = 60.0;  // limits of one machine

@@ -96,7 +96,7 @@ Opinions ask_all(Rig& rig, const std::vector<int>& poses) {
 
 // Wrenches -----------------------------------------------------------------------------------------------------------
 
-/// Agreement of two opinions on all of the joint under test and on all accelerations. A wrench is held against the
+/// Agreement of two opinions on all of the joint under test and on all accelerations. A wrench is compared with the
 /// joint's peak, and at least against the weight of the rig.
 void compare_opinions(const Rig& rig, const Opinions& opinions, Opinion one, Opinion other, const std::string& context,
                       Property& property) {

@@ -44,7 +44,7 @@ std::vector<Change> changes_between(const Result& then, const Result& now, const
 /// Component by component the median of the numbers; ending and words are the latest's. At least one result.
 Result median_of(const std::vector<Entry>& nights);
 
-/// A case tonight, held against its baseline (may be null) and the nights before, the latest first. `today`:
+/// A case tonight, compared with its baseline (may be null) and the nights before, the latest first. `today`:
 /// "2026-11-22".
 std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,

@@ -9,7 +9,7 @@
 
 namespace concord::compare::nightly {
 
-/// What is held against the past, and what counts as worse. Wall time is never judged.
+/// What is compared with the past, and what counts as worse. Wall time is never judged.
 struct Judging {
   double margin = 1.0;  // digits of agreement
   double cost = 0.15;   // share of evaluations and steps

@@ -76,7 +76,7 @@ void move_start(const Case& one, Model& model) {
   if (!moves) throw refusal(one, "the suite draws starts, but the model keeps no coordinate or speed that they move");
 }
 
-/// What is written down of each component; of other kinds only the worst of a kind.
+/// What is recorded of each component; of other kinds only the worst of a kind.
 bool is_told(const QuantityRow& row) {
   return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::driver ||
          row.quantity.kind == Kind::coupling || row.quantity.kind == Kind::element;

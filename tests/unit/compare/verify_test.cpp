@@ -152,7 +152,7 @@ TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNee
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("same run: repeated at rtol ")));
 }
 
-/// Both solvers' own runs move by as much as they differ: neither can be held against the other.
+/// Both solvers' own runs move by as much as they differ: neither can be compared with the other.
 TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   cartesian_.drift = -4e8;
   relative_.drift = 1e9;

@@ -174,7 +174,7 @@ TEST(Reactions, SelfStressIsInEquilibriumWithoutLoad) {
   }
 }
 
-/// In free fall nothing is left of gravity and inertia in the modal rows, and round-off is not held against itself.
+/// In free fall nothing is left of gravity and inertia in the modal rows, and round-off is not compared with itself.
 TEST(Reactions, AuditOfABodyInFreeFallIsNotNoiseAgainstNoise) {
   test::Numbers numbers(33);
   Model model;
