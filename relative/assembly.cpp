@@ -633,7 +633,7 @@ void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, con
 
 /// Requires that the start holds the kept values to round-off.
 void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) const {
-  constexpr double kRoundOff = 1e-11;
+  constexpr double kRoundOffOfKept = 1e-11;
   const Model& model = equations_->model();
   const double rate = std::max(rate_, size_of_u(closed.u));
   const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
@@ -661,13 +661,13 @@ void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) 
           if (found.dot(kept) < 0.0) kept = -kept;
         }
         const double unit = coordinate_units_(iq);
-        require(joint, "coordinates", found, kept, kRoundOff * std::max(unit, kept.cwiseAbs().maxCoeff()),
+        require(joint, "coordinates", found, kept, kRoundOffOfKept * std::max(unit, kept.cwiseAbs().maxCoeff()),
                 angles.segment(iq, n));
       }
       if (start.role_u == StartRole::keep && start.u.size() > 0) {
         const auto n = start.u.size();
         require(joint, "speeds", closed.u.segment(iu, n), said.u.segment(iu, n),
-                kRoundOff * rate * scales_.speeds()(iu), VecX::Zero(n));
+                kRoundOffOfKept * rate * scales_.speeds()(iu), VecX::Zero(n));
       }
     }
   }
