@@ -10,7 +10,7 @@
 #include "common/joints/catalogue.h"
 #include "machines.h"
 
-/// Tires: the statement in common/tire.h against the definitions of its words, and runs over kinks.
+/// Tires: the statement in common/tire.h against the definitions of its words, and runs over events.
 namespace concord::cartesian {
 namespace {
 
