@@ -171,7 +171,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
     if (acts && fault.rung == "reference") {
       return draw(subject.seed, subject.number, subject.file.parent_path()) ? kAgree : "refused";
     }
-    // A slip in rank shows in what is called unique, not in any number.
+    // A fault in the rank shows in what is called unique, not in any number.
     const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
     return fault.rung == "rank" && found == kAgree ? kIdle : found;
   } catch (const InputError&) {

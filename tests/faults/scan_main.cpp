@@ -98,6 +98,6 @@ int main(int argc, char** argv) {
     }
     std::fflush(stdout);
   }
-  if (against) fmt::print("{} of {} slips are not seen at their frozen size\n", unseen, frozen.size());
+  if (against) fmt::print("{} of {} faults are not seen at their frozen size\n", unseen, frozen.size());
   return unseen == 0 ? 0 : 1;
 }
