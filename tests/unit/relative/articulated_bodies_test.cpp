@@ -33,7 +33,7 @@ DenseSystem dense_system(const Equations& equations) {
     M.block(row, row + 6, 6, m) = flexible->M_ra();
     M.block(row + 6, row, m, 6) = flexible->M_ra().transpose();
     M.block(row + 6, row + 6, m, m) = flexible->M_aa();
-    p.segment(row + 6, m) = flexible->bias_force_a();
+    p.segment(row + 6, m) = flexible->p_a();
   }
   return {B.transpose() * M * B, -(B.transpose() * (p + M * kinematics.Bdot_u()))};
 }
