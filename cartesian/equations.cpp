@@ -245,6 +245,32 @@ void Equations::solve(bool fresh_pivots) {
   lambda_ = unknowns_.tail(constraints_.n_rows());
 }
 
+int Equations::contradicted_row() {
+  constexpr double kContradiction = 1e-7;
+  if (std::all_of(active_.begin(), active_.end(), [](bool is_active) { return is_active; })) return -1;
+  unknowns_.head(layout_.n_Y()) = forces_;
+  VecX solution(unknowns_.size());
+  solution.head(layout_.n_Y()) = Ydot_;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    unknowns_(place_of(row)) = gamma_(row);
+    solution(place_of(row)) = lambda_(row);
+  }
+  matrix_->subtract_product(solution, unknowns_);
+  const double rate = natural_rate();
+  const double acceleration = std::max({rate * rate, Y_.cwiseQuotient(units_).cwiseAbs2().maxCoeff(),
+                                        Ydot_.cwiseQuotient(units_).cwiseAbs().maxCoeff()});
+  double worst = kContradiction * acceleration;
+  int found = -1;
+  for (int row = 0; row < constraints_.n_rows(); ++row) {
+    if (active_[row] || !(row_sizes()(row) > 0.0)) continue;
+    const double misfit = std::abs(unknowns_(place_of(row))) / row_sizes()(row);
+    if (misfit <= worst) continue;
+    worst = misfit;
+    found = row;
+  }
+  return found;
+}
+
 /// Adds to the inertia of each mode what its stiffness resists: it takes no part in closing the joints, unless nothing
 /// else can (C48).
 void Equations::stiffen_modes() {

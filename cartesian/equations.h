@@ -44,6 +44,9 @@ class Equations {  // (C40)
   /// and the solution is refined to round-off. Throws SolverError where the matrix is singular (C40).
   void solve(bool fresh_pivots);
   [[nodiscard]] const VecX& Ydot() const { return Ydot_; }
+  /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
+  /// the worst of those that miss by more than kContradiction of the machine's accelerations. -1: none. After solve().
+  [[nodiscard]] int contradicted_row();
   /// One multiplier for each constraint row; zero for rows that take no part.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 

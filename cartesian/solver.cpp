@@ -129,6 +129,7 @@ class CartesianSolver : public Solver {
     refuse_other_turn(state);
     use_independent_rows(state.t);
     equations_.solve(true);
+    refuse_contradiction(state.t);
     return evaluation();
   }
 
@@ -146,11 +147,13 @@ class CartesianSolver : public Solver {
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
     const auto began = std::chrono::steady_clock::now();
-    const State start = assemble();
+    State start = assemble();
+    if (options.start) start = *options.start;
     equations_.layout().unpack(start, motion_.q, motion_.Y);
     equations_.count_turns_from(start.q);
     motion_.work = 0.0;
     equations_.update(0.0, motion_.q, motion_.Y);
+    if (options.start) refuse_open(start);
     use_independent_rows(0.0);
     const FrozenRegimes held(equations_.applied());
     equations_.solve(true);
@@ -340,6 +343,16 @@ class CartesianSolver : public Solver {
                     "{} elsewhere; "
                     "those of {} depend on each other; the motion may branch, and reactions may be unbounded",
                     t, rank, generic_rank_, fmt::join(names, ", ")));
+  }
+
+  /// Rows that depend on each other in this pose alone need not agree in what they ask of accelerations.
+  void refuse_contradiction(double t) {
+    const int row = equations_.contradicted_row();
+    if (row < 0) return;
+    throw SingularPose(
+        fmt::format("cartesian: at t = {:.6g} s no accelerations obey all constraints: those of {} depend on others in "
+                    "this pose and contradict them: the pose is singular, or a driver moves what the joints hold",
+                    t, equations_.name_of(row)));
   }
 
   void require_rows() {

@@ -17,6 +17,8 @@ struct RunOptions {
   double rtol = 1e-11;  // relative tolerance of the integrator; absolute ones follow from it and the machine's scales
   int samples = 300;    // equal intervals of the output grid; samples + 1 rows, t = 0 and t = until among them
   std::string integrator;  // empty: the solver's default for this model
+  /// A closed state at t = 0 to start from instead of the model's start.
+  std::optional<State> start = std::nullopt;
 };
 
 /// Called now and then with the time reached [s].
@@ -86,8 +88,9 @@ class Solver {
   /// are [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length [rad/s]).
   virtual MatX tangent(const State& state) = 0;
 
-  /// Integrates from the start state. Throws SolverError with time, place and reason if it cannot reach the tolerance,
-  /// and SingularPose if the motion reaches or passes a singular pose, between steps too.
+  /// Integrates from the start state, the model's or that of the options. Throws SolverError with time, place and
+  /// reason if it cannot reach the tolerance, and SingularPose if the motion reaches or passes a singular pose, between
+  /// steps too.
   virtual Trajectory integrate(const RunOptions& options, const Progress& progress) = 0;
 
   /// Names of the joints that this solver cuts, in the order of the model; empty if it cuts none.

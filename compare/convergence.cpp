@@ -61,6 +61,17 @@ std::string tell(std::string_view what, double digits, const std::array<double, 
 
 }  // namespace
 
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples) {
+  RunPair first{pair.run, {}, {}, {}, {}};
+  for (std::size_t who = 0; who < 2; ++who) {
+    Trajectory& run = first.trajectories[who].emplace();
+    const std::vector<Sample>& all = pair.trajectories[who]->samples;
+    run.samples.assign(all.begin(), all.begin() + samples);
+  }
+  first.series = align(layout, {&*first.trajectories[0], &*first.trajectories[1]}, samples);
+  return first;
+}
+
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
   if (pair.motion.digits < motion_need) return false;
   const auto misses = [rung](const QuantityRow& row) {

@@ -27,6 +27,9 @@ struct RunPair {
   [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
 };
 
+/// The same runs up to a sample, `samples` of them; not measured.
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples);
+
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
 

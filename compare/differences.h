@@ -13,30 +13,49 @@ struct SlopeMisfit {
   VecX slope;
   /// The largest entry of slope minus the expected one, over its scale.
   double size = std::numeric_limits<double>::infinity();
+  /// What the quotients themselves leave open in each entry: by how much the two quotients across 0 of neighbouring
+  /// steps that agree best differ. Zero where the first step was good enough.
+  VecX doubt;
 };
 
 /// Compares the slope of f at 0 with `expected` (entries over `scales`, positive; NaN: anything is right). Quotients of
-/// fourth order are taken across 0 and on either side of it, with `step` and with steps that shrink by ten down to a
-/// hundred thousandth: a jump of a higher derivative spoils those that reach over it, a short wave those with long
+/// sixth order across 0, and of fourth order on either side of it, are taken with `step` and with steps that shrink to
+/// a hundred thousandth: a jump of a higher derivative spoils those that reach over it, a short wave those with long
 /// steps, and round-off those with short ones. The best of them counts; the search ends at one as good as `enough`.
 template <class Function>
 SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& scales, double step, double enough) {
-  constexpr int kSteps = 6;
-  constexpr double kShrink = 0.1;
+  constexpr int kSteps = 11;
+  constexpr double kShrink = 0.31622776601683794;  // the root of a tenth
   SlopeMisfit best;
   const auto take = [&](const VecX& slope) {
     const auto misfit = (slope - expected).cwiseQuotient(scales).cwiseAbs().eval();
     const double size = expected.array().isNaN().select(0.0, misfit.array()).maxCoeff();
-    if (size < best.size || best.slope.size() == 0) best = {slope, size};
+    if (size < best.size || best.slope.size() == 0) {
+      best.slope = slope;
+      best.size = size;
+    }
   };
+  VecX before;
+  best.doubt = VecX::Zero(expected.size());
+  double least_doubt = std::numeric_limits<double>::infinity();
   double h = step;
   for (int k = 0; k < kSteps && !(best.size <= enough); ++k, h *= kShrink) {
-    const VecX f1 = f(h), f2 = f(2.0 * h), b1 = f(-h), b2 = f(-2.0 * h);
-    take((8.0 * (f1 - b1) - (f2 - b2)) / (12.0 * h));
+    const VecX f1 = f(h), f2 = f(2.0 * h), f3 = f(3.0 * h), b1 = f(-h), b2 = f(-2.0 * h), b3 = f(-3.0 * h);
+    const VecX across = (45.0 * (f1 - b1) - 9.0 * (f2 - b2) + (f3 - b3)) / (60.0 * h);
+    take(across);
     if (best.size <= enough) break;
+    if (before.size() > 0) {
+      const VecX doubt = (across - before).cwiseAbs();
+      const double size = doubt.cwiseQuotient(scales).maxCoeff();
+      if (size < least_doubt) {
+        least_doubt = size;
+        best.doubt = doubt;
+      }
+    }
+    before = across;
     const VecX here = f(0.0);
-    take((-25.0 * here + 48.0 * f1 - 36.0 * f2 + 16.0 * f(3.0 * h) - 3.0 * f(4.0 * h)) / (12.0 * h));
-    take((25.0 * here - 48.0 * b1 + 36.0 * b2 - 16.0 * f(-3.0 * h) + 3.0 * f(-4.0 * h)) / (12.0 * h));
+    take((-25.0 * here + 48.0 * f1 - 36.0 * f2 + 16.0 * f3 - 3.0 * f(4.0 * h)) / (12.0 * h));
+    take((25.0 * here - 48.0 * b1 + 36.0 * b2 - 16.0 * b3 + 3.0 * f(-4.0 * h)) / (12.0 * h));
   }
   return best;
 }

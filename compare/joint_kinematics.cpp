@@ -135,6 +135,8 @@ void difference(const JointAlongMotion& joint, const VecX& expected_udot, double
       slope_misfit([&](double h) { return joint.after(h); }, expected, scales, kLookAhead / rate, kGoodRate);
   found.acceleration = misfit.slope.head(6);
   found.udot = misfit.slope.tail(n_u);
+  found.doubt_of_acceleration = misfit.doubt.head(6);
+  found.doubt_of_udot = misfit.doubt.tail(n_u);
 }
 
 }  // namespace

@@ -32,6 +32,11 @@ double largest_force_in(const Evaluation& evaluation) {
   return largest;
 }
 
+/// What of a residual its own uncertainty does not explain.
+double beyond(double residual, double doubt) {
+  return std::isnan(residual) ? residual : std::max(0.0, std::abs(residual) - doubt);
+}
+
 int driven_speed_of(const Joint& joint, const Driver& driver) {
   return first_u(*joint.type, driver.word) + driver.component;
 }
@@ -125,20 +130,21 @@ void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation&
 
   std::vector<AuditRow>& rows = joints_[k].rows;
   std::size_t next = 0;
-  const auto take = [&](double residual, double at_least) {
+  const auto take = [&](double residual, double at_least, double doubt = 0.0) {
     AuditRow& row = rows[next++];
-    row.take(std::abs(residual), std::max(scales_[k][index(row.unit)], std::abs(at_least)), state.t);
+    row.take(beyond(residual, doubt), std::max(scales_[k][index(row.unit)], std::abs(at_least)), state.t);
   };
-  for (const Vec6* misfit : {&found.place, &found.velocity, &found.acceleration}) {
+  for (const Vec6* misfit : {&found.place, &found.velocity}) {
     for (const double residual : *misfit) take(residual, 0.0);
   }
+  for (int c = 0; c < 6; ++c) take(found.acceleration(c), 0.0, found.doubt_of_acceleration(c));
   for (std::size_t d = 0; d < joint.drivers.size(); ++d) {
     const Driver& driver = joint.drivers[d];
     const Moving law = drivers_[k][d].at(state.t);
     const int u = driven_speed_of(joint, driver);
     take(found.motion.q(first_q(*joint.type, driver.word) + driver.component) - law.value, law.value);
     take(found.motion.u(u) - law.rate, law.rate);
-    take(found.udot(u) - law.rate_of_rate, law.rate_of_rate);
+    take(found.udot(u) - law.rate_of_rate, law.rate_of_rate, found.doubt_of_udot(u));
   }
   if (next == rows.size()) return;
   for (const StatedDerivative& derivative :
@@ -153,6 +159,7 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
   double place = -coupling.offset;
   double speed = 0.0;
   double acceleration = 0.0;
+  double doubt = 0.0;
   std::array<double, 3> sizes{std::abs(coupling.offset), 0.0, 0.0};
   for (const CouplingTerm& term : coupling.terms) {
     const joints::JointType& type = *model_.joints[term.joint].type;
@@ -164,6 +171,7 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
     place += term.factor * q;
     speed += term.factor * found.motion.u(u);
     acceleration += term.factor * found.udot(u);
+    doubt += std::abs(term.factor) * found.doubt_of_udot(u);
     const double size = std::abs(term.factor);
     sizes[0] += size * std::max(std::abs(q), scales[index(unit_of_position(turns))]);
     sizes[1] += size * scales[index(unit_of_speed(turns))];
@@ -172,7 +180,7 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
   std::vector<AuditRow>& rows = couplings_[c].rows;
   rows[0].take(std::abs(place), sizes[0], t);
   rows[1].take(std::abs(speed), sizes[1], t);
-  rows[2].take(std::abs(acceleration), sizes[2], t);
+  rows[2].take(beyond(acceleration, doubt), sizes[2], t);
 }
 
 }  // namespace concord::compare

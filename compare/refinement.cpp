@@ -135,6 +135,7 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
     RungSummary& summary = summary_of(verdict, rung);
     summary.carries = summary.carries || (row.unique && found.scale > 0.0 && is_force(row.quantity.kind));
     if (!judges(rung, row.quantity.kind)) return;
+    (row.*digits_at(rung)).reset();
     row.detail[static_cast<std::size_t>(rung)] = detail_from(found);
     if (found.samples == 0) return;
     row.*digits_at(rung) = found.digits;

@@ -19,7 +19,11 @@ Json digits(const std::optional<double>& value) {
   return std::floor(*value * 100.0) / 100.0;
 }
 
-Json rung(const RungSummary& summary) { return {{"digits", digits(summary.digits)}}; }
+Json rung(const RungSummary& summary) {
+  Json found{{"digits", digits(summary.digits)}};
+  if (summary.horizon) found["horizon_s"] = *summary.horizon;
+  return found;
+}
 
 /// A row of a joint's reaction or of a force element's wrench; `owner` says which.
 Json wrench_row(const char* owner, const std::string& name, const QuantityRow& row) {

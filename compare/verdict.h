@@ -63,6 +63,8 @@ struct RungSummary {
   int samples = 0;
   bool carries = false;  // whether any force that is judged is not exactly zero
   bool climbed = false;
+  /// The last time that is judged, where the motion is too sensitive beyond it [s].
+  std::optional<double> horizon;
 };
 
 /// A failing quantity in words: "joint D on slider, T_z, t = ...", and what it looks like.

@@ -13,6 +13,7 @@
 #include "compare/digits.h"
 #include "compare/findings.h"
 #include "compare/geometric_stiffness.h"
+#include "compare/horizon.h"
 #include "compare/refinement.h"
 #include "compare/states.h"
 #include "compare/sums.h"
@@ -37,6 +38,10 @@ std::string chosen_integrator(const Model& model, const Solver& solver, const st
 }
 
 namespace {
+
+/// How far a displaced start has gone from the run where the horizon is: little, so that its growth is that of a small
+/// displacement [of the machine's length, or rad].
+constexpr double kLargestParted = 1e-2;
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
 
@@ -290,10 +295,53 @@ class Verification {
   bool set_side_by_side(RunPair& pair, Rung rung) {
     if (!pair.is_complete()) return false;
     pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
-    pair.measured = measure(layout_, pair.series, weighed_run_.budget());
+    measure_pair(pair, weighed_run_.budget(), rung);
+    return true;
+  }
+
+  void measure_pair(RunPair& pair, const Budget& budget, Rung rung) {
+    pair.measured = measure(layout_, pair.series, budget);
     pair.motion = compare_motions(model_, view(pair.trajectories));
     record(layout_, pair.measured, rung, verdict_);
+  }
+
+  /// How fast nearby motions part, by each solver alone; asked once, on the first rung that needs to know.
+  bool know_growth(const RunPair& pair, double need) {
+    if (growths_) return true;
+    report("sensitivity");
+    std::array<Growth, 2> found;
+    for (const Who who : kWho) {
+      RunOptions own = pair.run;
+      own.integrator = verdict_.solvers[index(who)].integrator;
+      const double size = kLargestParted / allowed_growth(pair.run.rtol, need);
+      auto growth = measure_growth(model_, *solvers_[index(who)], own, *pair.trajectories[index(who)], size, kSeed);
+      if (!growth) return false;
+      found[index(who)] = std::move(*growth);
+    }
+    growths_ = std::move(found);
     return true;
+  }
+
+  /// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.
+  std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung) {
+    const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+    if (!verdict_.findings.empty() || !know_growth(pair, need)) return std::nullopt;
+    const std::optional<Horizon> horizon = find_horizon(*growths_, allowed_growth(pair.run.rtol, need));
+    if (!horizon) return std::nullopt;
+    if (!horizon->agree) {
+      verdict_.failures.push_back(fmt::format(
+          "{}: nearby motions part too far to be compared from t = {:.4g} s on by the cartesian solver alone, from "
+          "{:.4g} s by the relative: the solvers do not agree on the horizon",
+          name_of(rung), horizon->times[0], horizon->times[1]));
+      return std::nullopt;
+    }
+    verdict_.notes.push_back(fmt::format(
+        "{}: judged up to t = {:.4g} s of {:g} s: by then motions from nearby starts have parted by a factor of {:.0e} "
+        "(by the cartesian solver alone at {:.4g} s, the relative {:.4g} s), and beyond no integration at rtol {:g} "
+        "keeps {:g} digits; states are judged over the whole run",
+        name_of(rung), std::min(horizon->times[0], horizon->times[1]), pair.run.until,
+        allowed_growth(pair.run.rtol, need), horizon->times[0], horizon->times[1], pair.run.rtol, need));
+    return horizon;
   }
 
   /// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish.
@@ -327,7 +375,22 @@ class Verification {
                                            name_of(rung), pair.run.rtol, first));
     }
     if (reaches()) return true;
-    const RunPair* compared = looser ? &*looser : before;
+    if (const auto horizon = seek_horizon(pair, rung)) {
+      RunPair up_to = first_samples(layout_, pair, horizon->samples);
+      measure_pair(up_to, weigh_run(weighed_, horizon->samples).budget(), rung);
+      pair.motion = up_to.motion;
+      RungSummary& summary = rung == Rung::same_run ? verdict_.same_run : verdict_.refined;
+      summary.horizon = up_to.series.times.back();
+      summary.samples = horizon->samples;
+      if (reaches_needs(verdict_, rung, up_to, motion_need)) return true;
+      return tell_why(up_to, looser ? &*looser : before, rung, motion_need);
+    }
+    return tell_why(pair, looser ? &*looser : before, rung, motion_need);
+  }
+
+  /// What to make of runs that miss their needs at the tightest tolerance.
+  bool tell_why(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
+    std::optional<RunPair> looser;
     // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor.
     const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
     if (!is_far && verdict_.findings.empty()) {
@@ -336,7 +399,8 @@ class Verification {
       compared = &*looser;
     }
     if (verdict_.findings.empty()) {
-      if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
+      looser = first_samples(layout_, *compared, static_cast<int>(pair.series.times.size()));
+      if (auto why = find_unconverged(layout_, *looser, pair, rung, motion_need, verdict_)) {
         verdict_.failures.push_back(std::move(*why));
         return true;
       }
@@ -356,7 +420,7 @@ class Verification {
     verdict_.run = pair.run;
     if (!finished) return;
     verdict_.motion = pair.motion;
-    verdict_.same_run.samples = pair.run.samples + 1;
+    if (!verdict_.same_run.horizon) verdict_.same_run.samples = pair.run.samples + 1;
   }
 
   /// Motions that part, where no reaction differs.
@@ -376,7 +440,7 @@ class Verification {
     const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
     if (!climb_by_runs(pair, &of_same_run, Rung::refined, motion_need)) return;
     verdict_.refined_motion = pair.motion;
-    verdict_.refined.samples = pair.run.samples + 1;
+    if (!verdict_.refined.horizon) verdict_.refined.samples = pair.run.samples + 1;
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.
@@ -471,6 +535,7 @@ class Verification {
   std::array<State, 2> starts_;
   WeighedStates weighed_;  // of the same state rung: of the run, then perturbed ones
   WeighedRun weighed_run_;
+  std::optional<std::array<Growth, 2>> growths_;
   std::vector<Quantity> known_;
   std::array<Auditor, 2> auditors_;
   Verdict verdict_;

@@ -372,6 +372,23 @@ void Assembly::require_general_rank(const Coordinates& coordinates) {
   if (closure_rank(coordinates, Rows::of_velocities, Modes::moving) < rank()) throw_singular(coordinates, "");
 }
 
+void Assembly::require_agreeing_rows(const Coordinates& coordinates) const {
+  constexpr double kContradiction = 1e-7;  // of the machine's accelerations
+  const Loops& loops = equations_->loops();
+  if (loops.rank() == equations_->closure().n_rows()) return;
+  const auto speeds = coordinates.u.cwiseQuotient(scales_.speeds()).cwiseAbs();
+  const auto rates = equations_->udot().cwiseQuotient(scales_.speeds()).cwiseAbs();
+  double largest = rate_ * rate_;
+  if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
+  const int row = loops.contradicted_row(kContradiction * largest);
+  if (row < 0) return;
+  const Closure& closure = equations_->closure();
+  throw SingularPose(fmt::format(
+      "relative: at t = {:.6g} s no accelerations close everything: rows at {} depend on others in this pose "
+      "and contradict them: the pose is singular, or a driver moves what the loops hold",
+      coordinates.t, closure.worst_place(VecX::Unit(closure.n_rows(), row))));
+}
+
 void Assembly::throw_singular(const Coordinates& coordinates, const std::string& passing) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   const Closure& closure = equations_->closure();

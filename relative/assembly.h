@@ -21,6 +21,10 @@ class Assembly {
 
   [[nodiscard]] const Scales& scales() const { return scales_; }
 
+  /// After the accelerations have been computed: throws SingularPose if closure rows that depend on others in this pose
+  /// ask for other accelerations than those.
+  void require_agreeing_rows(const Coordinates& coordinates) const;
+
   /// The start: kept and driven values exactly, modal values as given, everything else by Newton's method from the
   /// model's guesses; whole turns are counted apart from then on. Throws InputError, naming the joints, if the kept
   /// values are too many, too few, dependent or contradictory, and naming body and axis if the opened tree lacks

@@ -408,11 +408,10 @@ struct RowsOfSteps {
 
 }  // namespace
 
-Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const RunOptions& options,
-                     const Progress& progress) {
+Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const Coordinates& start,
+                     const RunOptions& options, const Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   const std::string integrator = chosen_integrator(equations.model(), options.integrator);
-  const Coordinates start = assembly.start();
   Run run{equations,
           assembly,
           Variables(equations),

@@ -15,9 +15,10 @@ std::vector<std::string> integrator_names(const Model& model);
 /// explains (R58).
 void require_modal_balance(const Equations& equations, double t);
 
-/// Integrates from the start state to options.until. The integrator stops exactly at the output times; there the state
-/// is projected and accelerations and wrenches are computed anew. Throws SolverError with time, place and reason.
-Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const RunOptions& options,
-                     const Progress& progress);
+/// Integrates from `start`, a closed state at t = 0, to options.until. The integrator stops exactly at the output
+/// times; there the state is projected and accelerations and wrenches are computed anew. Throws SolverError with time,
+/// place and reason.
+Trajectory integrate(Equations& equations, Assembly& assembly, States& states, const Coordinates& start,
+                     const RunOptions& options, const Progress& progress);
 
 }  // namespace concord::relative

@@ -372,4 +372,18 @@ void Loops::close(VecX& udot) {  // (R53)
   }
 }
 
+int Loops::contradicted_row(double allowed) const {
+  int found = -1;
+  if (rank_ == static_cast<int>(lambda_.size())) return found;
+  double worst = allowed;
+  for (int row = 0; row < static_cast<int>(lambda_.size()); ++row) {
+    if (scale_(row) == 0.0 || std::binary_search(used_.begin(), used_.end(), row)) continue;
+    const double misfit = std::abs(residual_(row)) / closure_->row_units()(row);
+    if (misfit <= worst) continue;
+    worst = misfit;
+    found = row;
+  }
+  return found;
+}
+
 }  // namespace concord::relative

@@ -31,6 +31,11 @@ class Loops {
   /// The rows used last.
   [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
 
+  /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
+  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's. -1:
+  /// none.
+  [[nodiscard]] int contradicted_row(double allowed) const;
+
   /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
   /// independent: between rows that agree in a closed pose the stages of a step would else jump.
   void keep_rows() {

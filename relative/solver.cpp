@@ -72,6 +72,7 @@ class RelativeSolver final : public Solver {
       assembly_.throw_singular(coordinates, "");
     }
     assembly_.require_general_rank(coordinates);
+    assembly_.require_agreeing_rows(coordinates);
     equations_.compute_reactions();
     require_modal_balance(equations_, state.t);
     return states_.write_evaluation();
@@ -86,7 +87,9 @@ class RelativeSolver final : public Solver {
   }
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
-    return relative::integrate(equations_, assembly_, states_, options, progress);
+    Coordinates start = assembly_.start();
+    if (options.start) start = read_closed(*options.start);
+    return relative::integrate(equations_, assembly_, states_, start, options, progress);
   }
 
   [[nodiscard]] std::vector<std::string> cut_joints() const override {

@@ -124,7 +124,7 @@ class FakePendulum : public Solver {
       const double t = options.until * k / options.samples;
       const State state = state_at(t, y(0) + drift * options.rtol * t, y(1));
       run.samples.push_back({state, evaluate(state), y(2)});
-      progress(t);
+      if (progress) progress(t);
       for (int step = 0; step < kSteps; ++step) advance(t + step * h, y, h);
     }
     run.statistics = {0.01, options.samples * kSteps, 4L * options.samples * kSteps, 0.0};
