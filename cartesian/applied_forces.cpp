@@ -90,7 +90,7 @@ TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, con
 const joints::Read kSpringAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
 
 /// Writes the wrenches of one element on its ends; placed and moved before.
-struct Push {
+struct WrenchWriter {
   Actor& actor;
   const std::string& name;
   double t;
@@ -127,7 +127,7 @@ struct Push {
                       "parent's z: turn the frames of its ends",
                       t, name));
     }
-    const Row angle = evaluate_read(kSpringAngle, 0, actor.motion);
+    const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
     if (!(std::abs(angle.value) <= kLargestAngle)) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
@@ -183,7 +183,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
       constraints_(constraints),
       shortest_line_(kShortestLine * model.length_scale()),
       springs_of_joint_(model.joints.size(), -1) {
-  const auto give_room = [&](Actor& actor) {
+  const auto allocate = [&](Actor& actor) {
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
       actor.forces[index(side)].setZero(layout.size_Y(actor.ends[index(side)]->body));
@@ -201,7 +201,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
       place(*end, Vec3::Zero(), Mat3::Identity(), none.head(0), actor.markers[index(side)]);
     }
     actor.stop_regimes.resize(1);
-    give_room(actor);
+    allocate(actor);
     actors_.push_back(std::move(actor));
   }
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -222,7 +222,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
     for (const JointSpring& spring : joint.springs) {
       actor.spring_turns.push_back(reads_turn(*read_of(*joint.type, spring.word), spring.component));
     }
-    give_room(actor);
+    allocate(actor);
     actors_.push_back(std::move(actor));
   }
 }
@@ -237,9 +237,9 @@ void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>&
     place_ends(actor, q, Y);
     const ForceElement& element = model_.elements[actor.element];
     const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
-    std::visit(Push{actor, element.name, t, A_body, !holds_regimes_, shortest_line_}, element.what);
+    std::visit(WrenchWriter{actor, element.name, t, A_body, !regimes_are_frozen_, shortest_line_}, element.what);
   } else {
-    push_by_springs(actor, t);
+    apply_springs(actor, t);
   }
   for (const Side side : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(side)) continue;
@@ -271,18 +271,18 @@ void AppliedForces::place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, co
 }
 
 /// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own (C38).
-void AppliedForces::push_by_springs(Actor& actor, double t) const {
+void AppliedForces::apply_springs(Actor& actor, double t) const {
   const Joint& stated = model_.joints[actor.joint];
   const JointEquations& joint = constraints_.joint(actor.joint);
   actor.tau.setZero();
   for (std::size_t k = 0; k < stated.springs.size(); ++k) {
     const JointSpring& spring = stated.springs[k];
     const joints::Read& read = *read_of(*stated.type, spring.word);
-    const Row row = evaluate_read(read, spring.component, joint.motion);
+    const ConstraintRow row = evaluate_read(read, spring.component, joint.motion);
     const double known = actor.known_q(first_q(*stated.type, spring.word) + spring.component);
     const double x = value_near(actor.spring_turns[k], row, known);
     const double rate = rate_of(row, joint.motion);
-    if (!holds_regimes_) actor.stop_regimes[k] = regime_at(spring.law, x, rate);
+    if (!regimes_are_frozen_) actor.stop_regimes[k] = regime_at(spring.law, x, rate);
     actor.tau(first_u(*stated.type, spring.word) + spring.component) +=
         evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, actor.stop_regimes[k], x, rate).force;
   }
@@ -328,17 +328,18 @@ std::string AppliedForces::name_of_regime(int actor) const {
   return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
 }
 
-double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
+double AppliedForces::event_function_of_actor(const Actor& actor, double t) const {
   if (actor.element < 0) {
     const Joint& joint = model_.joints[actor.joint];
     double smallest = HUGE_VAL;
     for (std::size_t k = 0; k < joint.springs.size(); ++k) {
       const JointSpring& spring = joint.springs[k];
       const joints::Read& read = *read_of(*joint.type, spring.word);
-      const Row row = evaluate_read(read, spring.component, actor.motion);
+      const ConstraintRow row = evaluate_read(read, spring.component, actor.motion);
       const double known = actor.known_q(first_q(*joint.type, spring.word) + spring.component);
       const double x = value_near(actor.spring_turns[k], row, known);
-      smallest = std::min(smallest, margin_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
+      smallest =
+          std::min(smallest, event_function_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
     }
     return smallest;
   }
@@ -347,22 +348,22 @@ double AppliedForces::margin_of_actor(const Actor& actor, double t) const {
   const Marker& child = actor.markers[index(Side::child)];
   if (const auto* tire = std::get_if<Tire>(&element.what)) {
     const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, child, element.name, t);
-    return margin_of(*tire, actor.regime, at.contact);
+    return event_function_of(*tire, actor.regime, at.contact);
   }
   const ForceLaw& law = *law_of(element);
   if (std::holds_alternative<TurnSpring>(element.what)) {
-    const Row angle = evaluate_read(kSpringAngle, 0, actor.motion);
-    return margin_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
+    const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
+    return event_function_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
   }
   const Vec3 line = child.point - parent.point;
   const double length = line.norm();
   const double rate = length > shortest_line_ ? line.dot(child.velocity - parent.velocity) / length : 0.0;
-  return margin_of(law, actor.stop_regimes.front(), length, rate);
+  return event_function_of(law, actor.stop_regimes.front(), length, rate);
 }
 
-AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const VecX>& q,
-                                            const Eigen::Ref<const VecX>& Y) {
-  Margin smallest{HUGE_VAL, -1};
+AppliedForces::EventValue AppliedForces::event_function(double t, const Eigen::Ref<const VecX>& q,
+                                                        const Eigen::Ref<const VecX>& Y) {
+  EventValue smallest{HUGE_VAL, -1};
   for (std::size_t k = 0; k < actors_.size(); ++k) {
     Actor& actor = actors_[k];
     const bool has_any = actor.element >= 0 ? cartesian::has_regimes(model_.elements[actor.element])
@@ -375,7 +376,7 @@ AppliedForces::Margin AppliedForces::margin(double t, const Eigen::Ref<const Vec
     }
     place_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
     move_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
-    const double own = margin_of_actor(actor, t);
+    const double own = event_function_of_actor(actor, t);
     if (!(own >= smallest.size)) smallest = {own, static_cast<int>(k)};
   }
   return smallest;

@@ -51,15 +51,15 @@ class AppliedForces {
 
   /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
   /// update() takes the regime that each is in by itself.
-  void hold_regimes(bool hold) { holds_regimes_ = hold; }
+  void freeze_regimes(bool hold) { regimes_are_frozen_ = hold; }
   [[nodiscard]] bool has_regimes() const;
-  /// How far tires and stops are inside their regimes (margin_of) at time t, positions q and velocities Y: the
+  /// How far tires and stops are inside their regimes (event_function_of) at time t, positions q and velocities Y: the
   /// smallest, and the actor that has it.
-  struct Margin {
+  struct EventValue {
     double size;
     int actor;
   };
-  Margin margin(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  EventValue event_function(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -84,9 +84,9 @@ class AppliedForces {
   void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                  const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
-  void push_by_springs(Actor& actor, double t) const;
-  /// The smallest margin of an actor whose ends are placed; infinite if it has no regimes.
-  [[nodiscard]] double margin_of_actor(const Actor& actor, double t) const;
+  void apply_springs(Actor& actor, double t) const;
+  /// The smallest event function of an actor whose ends are placed; infinite if it has no regimes.
+  [[nodiscard]] double event_function_of_actor(const Actor& actor, double t) const;
 
   const Model& model_;
   const Layout& layout_;
@@ -94,7 +94,7 @@ class AppliedForces {
   double shortest_line_;
   std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
   std::vector<int> springs_of_joint_;
-  bool holds_regimes_ = false;
+  bool regimes_are_frozen_ = false;
 };
 
 }  // namespace concord::cartesian

@@ -16,9 +16,9 @@ constexpr int kMaxSteps = 80;
 /// A row that is no constraint of the machine: a coordinate or speed that the start keeps.
 struct KeptRow {
   int joint;
-  Row row;        // gradient and, for coordinates, value less the kept value
-  double target;  // of a speed
-  double size;    // of the kept value, which the round-off of `row` is relative to
+  ConstraintRow row;  // gradient and, for coordinates, value less the kept value
+  double target;      // of a speed
+  double size;        // of the kept value, which the round-off of `row` is relative to
 };
 
 /// The turn Q as axis times angle, angle in [0, pi]. Its rate is the angular velocity at Q = 1 and, for any Q, along
@@ -43,7 +43,7 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
       const joints::Read* read = read_of(*stated.type, static_cast<int>(word));
       if (read == nullptr) continue;
       const int n = n_speeds(*read);
-      Row rows[kMaxRows];
+      ConstraintRow rows[kMaxRows];
       if (std::holds_alternative<joints::OrientationOf>(*read)) {
         const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
         for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
@@ -69,7 +69,7 @@ std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
   return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
 }
 
-/// Calls visit(joint, place among its q, reading, component) for each reading that counts turns by itself.
+/// Calls visit(joint, index among its q, reading, component) for each reading that counts turns by itself.
 template <class Visit>
 void each_counting_reading(const Model& model, const Visit& visit) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -87,7 +87,7 @@ void each_counting_reading(const Model& model, const Visit& visit) {
 std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
   std::vector<KeptRow> rows;
   each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
-    Row row = evaluate_read(read, component, equations.constraints().joint(k).motion);
+    ConstraintRow row = evaluate_read(read, component, equations.constraints().joint(k).motion);
     row.value -= known[k](place);
     rows.push_back({k, row, 0.0, std::abs(known[k](place))});
   });
@@ -174,7 +174,7 @@ struct ClosingSystem {
   VecX terms;  // how often a residual holds its round-off
 
   [[nodiscard]] VecX shortest_step() const { return solve_shortest(jacobian, -residual); }  // (C47)
-  [[nodiscard]] double gap() const {
+  [[nodiscard]] double largest_residual() const {
     return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
   }
   [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
@@ -247,10 +247,10 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
   };
   ClosingSystem system = system_at();
   VecX best_q = q;
-  double best = system.gap();
+  double best = system.largest_residual();
   double last = HUGE_VAL;
-  for (int step = 0; step < kMaxSteps && goes_on(system.gap(), last, kClosed); ++step) {
-    last = system.gap();
+  for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
+    last = system.largest_residual();
     VecX move = system.shortest_step();
     if (!move.allFinite()) break;
     if (size_of(move) > kLargestTurn) move *= kLargestTurn / size_of(move);
@@ -258,14 +258,14 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
     equations.update(t, q, Y);
     equations.constraints().follow_turns();
     system = system_at();
-    if (system.gap() <= best) {
-      best = system.gap();
+    if (system.largest_residual() <= best) {
+      best = system.largest_residual();
       best_q = q;
     }
   }
   q = best_q;
   system = system_at();
-  closing.position_residual = system.gap();
+  closing.position_residual = system.largest_residual();
   closing.closed = closing.position_residual <= kClosed;
   if (!closing.closed) name_open(equations, system.kept, system.residual, closing);
 }
@@ -304,7 +304,7 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
 
 }  // namespace
 
-bool restrict_modes(const Equations& equations) {
+bool modes_are_restricted(const Equations& equations) {
   const auto rank = [&](Modes modes) {
     return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units_of_steps(equations, modes)));
   };
@@ -356,8 +356,8 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);
   const int constrained = rank_with(Kept::coordinates, {});
-  const bool has_slip_rows = equations.constraints().has_slip_rows();
-  const int speeds_constrained = has_slip_rows ? rank_with(Kept::speeds, {}) : constrained;
+  const bool has_nonholonomic_rows = equations.constraints().has_nonholonomic_rows();
+  const int speeds_constrained = has_nonholonomic_rows ? rank_with(Kept::speeds, {}) : constrained;
   KeptCount count;
   count.coordinates = static_cast<int>(coordinates.size());
   count.speeds = static_cast<int>(speeds.size());

@@ -34,17 +34,17 @@ struct TurnError {
 TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
 
 /// Moves q by shortest steps towards these coordinates of such readings with all other constraints held, so that a
-/// shaken machine closes on the turns that it is said to be on. Leaves q as it is where that leads nowhere.
+/// perturbed machine closes on the turns that it is said to be on. Leaves q as it is where that fails.
 void seek_turns(Equations& equations, double t, Modes modes, const std::vector<VecX>& known, VecX& q, const VecX& Y);
 
 /// Whether the constraints at the last update of `equations` restrict the modes, as where a flexible body is held at
 /// both ends: rigid coordinates alone cannot close such a machine.
-bool restrict_modes(const Equations& equations);
+bool modes_are_restricted(const Equations& equations);
 
 /// Moves q and Y by the shortest steps until all constraints hold as far as round-off lets, at time t: at most 1e-13 in
 /// the machine's units, of the distance from the origin beyond one length, of the largest speed. Rows that hold for
-/// velocities alone restrict no place. Turns of coupled coordinates are counted on the way, from those that `equations`
-/// count from.
+/// velocities alone restrict no position. Turns of coupled coordinates are counted on the way, from those that
+/// `equations` count from.
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y);
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints

@@ -12,7 +12,7 @@ namespace {
 /// A row's gradient over (d, rho) as force and torque at the side's point: on the child as it is, on the parent
 /// opposite and moved from P_i to P_j (C26).
 template <class Column>
-void write_row(const JointEquations& joint, Side side, const Row& row, Column&& column) {
+void write_row(const JointEquations& joint, Side side, const ConstraintRow& row, Column&& column) {
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
   const Vec3 force = A_joint * row.over_d;
   const Vec3 torque = A_joint * row.over_rho;
@@ -42,7 +42,7 @@ double value_of(const JointEquations& joint, int row) {
 }
 
 /// Sum of factor q - offset, whose whole turns and offset are summed apart: the rest has the round-off of one turn.
-double gap_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+double residual_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
   long double turned = -static_cast<long double>(coupling.offset);
   double sum = 0.0;
   for (const CouplingEquations::Term& term : coupling.terms) {
@@ -55,7 +55,7 @@ double gap_of(const CouplingEquations& coupling, const std::vector<JointEquation
 }
 
 /// What gradient . a_rel + bias is without the accelerations Ydot.
-double bias_of(const JointEquations& joint, const Row& row) {
+double bias_of(const JointEquations& joint, const ConstraintRow& row) {
   return row.over_d.dot(joint.linear_bias) + row.over_rho.dot(joint.angular_bias) + row.bias;
 }
 
@@ -87,7 +87,7 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     JointEquations equations;
     equations.first_row = n_rows_;
     equations.n_forbids = joint.type->rows();
-    equations.first_driver = equations.n_forbids + joint.type->slip_rows();
+    equations.first_driver = equations.n_forbids + joint.type->nonholonomic_rows();
     equations.n_rows = equations.first_driver + static_cast<int>(joint.drivers.size());
     for (int row = 0; row < equations.n_rows; ++row) {
       holds_positions_.push_back(row < equations.n_forbids || equations.is_driver(row));
@@ -112,7 +112,7 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     joints_.push_back(std::move(equations));
   }
   add_couplings();
-  give_room();
+  allocate();
 }
 
 void Constraints::add_couplings() {
@@ -123,7 +123,7 @@ void Constraints::add_couplings() {
     is_driver_.push_back(false);
     coupling.offset = stated.offset;
     for (const CouplingTerm& term : stated.terms) {
-      coupling.terms.push_back({term.joint, find_coupled(term), term.factor});
+      coupling.terms.push_back({term.joint, find_or_add_coupled(term), term.factor});
       joints_[term.joint].shares.push_back({coupling.terms.back().row, coupling.row, term.factor});
       for (const Attachment& side : model_.joints[term.joint].sides) {
         const bool is_new = std::count(coupling.bodies.begin(), coupling.bodies.end(), side.body) == 0;
@@ -136,7 +136,7 @@ void Constraints::add_couplings() {
 }
 
 /// Row of a coupled coordinate among its joint's, a new one if no coupling relates it yet.
-int Constraints::find_coupled(const CouplingTerm& term) {
+int Constraints::find_or_add_coupled(const CouplingTerm& term) {
   JointEquations& joint = joints_[term.joint];
   const joints::JointType& type = *model_.joints[term.joint].type;
   const auto found = std::find_if(joint.coupled.begin(), joint.coupled.end(), [&](const CoupledCoordinate& other) {
@@ -151,7 +151,7 @@ int Constraints::find_coupled(const CouplingTerm& term) {
   return row;
 }
 
-void Constraints::give_room() {
+void Constraints::allocate() {
   for (int k = 0; k < n_joints(); ++k) {
     JointEquations& joint = joints_[k];
     joint.rows.resize(joint.n_rows + joint.coupled.size());
@@ -170,7 +170,7 @@ void Constraints::give_room() {
   }
 }
 
-bool Constraints::has_slip_rows() const {
+bool Constraints::has_nonholonomic_rows() const {
   return std::find(holds_positions_.begin(), holds_positions_.end(), false) != holds_positions_.end();
 }
 
@@ -322,7 +322,7 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
           joint.driver_turns[row - joint.first_driver] ? turn_from(asked, value) : value - asked;
     }
   }
-  for (const CouplingEquations& coupling : couplings_) residual(coupling.row) = gap_of(coupling, joints_);
+  for (const CouplingEquations& coupling : couplings_) residual(coupling.row) = residual_of(coupling, joints_);
 }
 
 void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) const {
@@ -377,7 +377,7 @@ void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
   }
 }
 
-void Constraints::write_transposed(int joint, Side side, const Row& row, Eigen::Ref<VecX> column) const {
+void Constraints::write_transposed(int joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column) const {
   write_row(joints_[joint], side, row, column);
 }
 

@@ -44,11 +44,11 @@ struct JointEquations {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
-  int elevation = -1;              // place of an arm's elevation among the joint's q; -1: it has none
+  int elevation = -1;              // index of an arm's elevation among the joint's q; -1: it has none
   std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;
-  std::vector<Row> rows;  // n_rows and one for each coupled coordinate
+  std::vector<ConstraintRow> rows;  // n_rows and one for each coupled coordinate
   /// Column k: transposed Jacobian of row k over Y of the side's body, (6 + m) numbers: the generalized force of the
   /// row taken as a wrench at the side's point.
   std::array<MatX, 2> Phi_Y_transposed;
@@ -90,7 +90,7 @@ class Constraints {
   /// Whether a row holds for positions too, and not for velocities alone.
   [[nodiscard]] bool holds_positions(int row) const { return holds_positions_[row]; }
   [[nodiscard]] bool is_driver(int row) const { return is_driver_[row]; }
-  [[nodiscard]] bool has_slip_rows() const;
+  [[nodiscard]] bool has_nonholonomic_rows() const;
   [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
   [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
   [[nodiscard]] const CouplingEquations& coupling(int g) const { return couplings_[g]; }
@@ -138,15 +138,15 @@ class Constraints {
   [[nodiscard]] VecX joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const;  // (C42)
 
   /// Transposed Jacobian over Y of the side's body of any row of a joint, for rows that are no constraints: (6 + m).
-  void write_transposed(int joint, Side side, const Row& row, Eigen::Ref<VecX> column) const;
+  void write_transposed(int joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column) const;
 
   /// Whether every joint is on the branch that its type means; otherwise the index of the first that is not.
   [[nodiscard]] int first_joint_off_branch() const;
 
  private:
   void add_couplings();
-  int find_coupled(const CouplingTerm& term);
-  void give_room();
+  int find_or_add_coupled(const CouplingTerm& term);
+  void allocate();
 
   const Model& model_;
   const Layout& layout_;

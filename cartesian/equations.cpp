@@ -46,7 +46,7 @@ double modal_unit(const Model& model, int body, int mode, double length) {
     }
   }
   if (largest > 0.0) return length / largest;
-  // No joint feels it: by its size at a typical mass point.
+  // It moves no joint: by its size at a typical mass point.
   const BodyInertia inertia(model.bodies[body]);
   const double shape = std::sqrt(inertia.modal_mass()(mode, mode) / inertia.mass());
   return shape > 0.0 && std::isfinite(shape) ? length / shape : 1.0;
@@ -95,12 +95,12 @@ void Equations::use_rows(const std::vector<bool>& active) {
   if (active == active_) return;
   active_ = active;
   std::vector<bool> idle(unknowns_.size(), false);
-  for (int row = 0; row < constraints_.n_rows(); ++row) idle[place_of(row)] = !active[row];
+  for (int row = 0; row < constraints_.n_rows(); ++row) idle[index_of(row)] = !active[row];
   matrix_->set_idle(idle);
   has_new_rows_ = true;
   if (!position_matrix_) return;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    idle[place_of(row)] = !active[row] || !constraints_.holds_positions(row);
+    idle[index_of(row)] = !active[row] || !constraints_.holds_positions(row);
   }
   position_matrix_->set_idle(idle);
   has_new_position_rows_ = true;
@@ -120,12 +120,12 @@ void Equations::lay_out() {
   for (const RowBlock& block : constraints_.blocks()) {
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
       for (int c = 0; c < layout_.size_Y(block.body); ++c) {
-        columns[layout_.first_Y(block.body) + c].push_back(place_of(row));
-        columns[place_of(row)].push_back(layout_.first_Y(block.body) + c);
+        columns[layout_.first_Y(block.body) + c].push_back(index_of(row));
+        columns[index_of(row)].push_back(layout_.first_Y(block.body) + c);
       }
     }
   }
-  for (int row = 0; row < constraints_.n_rows(); ++row) columns[place_of(row)].push_back(place_of(row));
+  for (int row = 0; row < constraints_.n_rows(); ++row) columns[index_of(row)].push_back(index_of(row));
   std::vector<int> starts{0};
   std::vector<int> rows;
   for (auto& column : columns) {
@@ -142,7 +142,7 @@ void Equations::lay_out() {
     return matrix;
   };
   matrix_ = make();
-  if (constraints_.has_slip_rows() || model_.is_flexible()) position_matrix_ = make();
+  if (constraints_.has_nonholonomic_rows() || model_.is_flexible()) position_matrix_ = make();
   find_entries();
 }
 
@@ -159,10 +159,10 @@ void Equations::find_entries() {
     const RowBlock& block = constraints_.blocks()[b];
     const int first_Y = layout_.first_Y(block.body);
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {
-      transposed_entries_[b].push_back(matrix_->find(first_Y, place_of(row)));
+      transposed_entries_[b].push_back(matrix_->find(first_Y, index_of(row)));
     }
     for (int c = 0; c < layout_.size_Y(block.body); ++c) {
-      Phi_Y_entries_[b].push_back(matrix_->find(place_of(block.first_row), first_Y + c));
+      Phi_Y_entries_[b].push_back(matrix_->find(index_of(block.first_row), first_Y + c));
     }
   }
 }
@@ -222,7 +222,7 @@ void Equations::solve(bool fresh_pivots) {
   fill_matrix();
   const auto fill_right_side = [&] {
     unknowns_.head(layout_.n_Y()) = forces_;
-    for (int row = 0; row < constraints_.n_rows(); ++row) unknowns_(place_of(row)) = active_[row] ? gamma_(row) : 0.0;
+    for (int row = 0; row < constraints_.n_rows(); ++row) unknowns_(index_of(row)) = active_[row] ? gamma_(row) : 0.0;
   };
   fill_right_side();
   bool good = false;
@@ -297,7 +297,7 @@ void Equations::factor_position_matrix() {
 void Equations::solve_constraint_step(SparseLu& matrix, const VecX& residual) {  // (C48)
   unknowns_.head(layout_.n_Y()).setZero();
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    unknowns_(place_of(row)) = active_[row] ? -residual(row) : 0.0;
+    unknowns_(index_of(row)) = active_[row] ? -residual(row) : 0.0;
   }
   matrix.solve(unknowns_);
   step_ = unknowns_.head(layout_.n_Y());
@@ -353,7 +353,7 @@ double Equations::compliance(int body, int mode) const {
   return std::max(kLeast, 1.0 / std::sqrt(1.0 + std::max(0.0, stiffer)));
 }
 
-double Equations::gap(const VecX& residual) const {
+double Equations::largest_residual(const VecX& residual) const {
   double largest = 0.0;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
@@ -364,7 +364,7 @@ double Equations::gap(const VecX& residual) const {
   return largest;
 }
 
-double Equations::rate_error(const VecX& velocity_residual) const {
+double Equations::largest_velocity_residual(const VecX& velocity_residual) const {
   double largest = 0.0;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     const double size = row_sizes()(row) > 0.0 ? row_sizes()(row) : 1.0;
@@ -440,16 +440,16 @@ void Equations::project_positions(double t, Eigen::Ref<VecX> q) {
     constraints_.place(q);
     constraints_.write_residual(t, residual_);
     const double last = size;
-    size = gap(residual_);
+    size = largest_residual(residual_);
     if (size <= kProjected || (size < kProjectionLimit && size > 0.5 * last)) return;
     solve_constraint_step(matrix, residual_);
     layout_.displace(step_, q);
   }
   if (size <= kProjectionLimit) return;
-  throw SolverError(fmt::format(
-      "cartesian: at t = {:.6g} s {} will not close: gap {:.3g} (of the machine's length, or rad), allowed {:.3g}; it "
-      "was closed at the start: tighten the tolerance",
-      t, name_of_largest(residual_), size, kProjectionLimit));
+  throw SolverError(
+      fmt::format("cartesian: at t = {:.6g} s {} will not close: residual {:.3g} (of the machine's length, or rad), "
+                  "allowed {:.3g}; it was closed at the start: tighten the tolerance",
+                  t, name_of_largest(residual_), size, kProjectionLimit));
 }
 
 void Equations::project_velocities(double t, Eigen::Ref<VecX> Y) {
@@ -459,7 +459,7 @@ void Equations::project_velocities(double t, Eigen::Ref<VecX> Y) {
     constraints_.move(Y);
     constraints_.write_velocity_residual(t, velocity_residual_);
     const double last = size;
-    size = rate_error(velocity_residual_);
+    size = largest_velocity_residual(velocity_residual_);
     if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;
     solve_constraint_step(*matrix_, velocity_residual_);
     Y += step_;

@@ -74,8 +74,8 @@ class Equations {  // (C40)
   /// How much less a step of positions moves a mode than a coordinate without stiffness, at most 1.
   [[nodiscard]] double compliance(int body, int mode) const;
   /// The largest residual by row sizes and terms, a number without a unit; for velocities [1/s] (C45).
-  [[nodiscard]] double gap(const VecX& residual) const;
-  [[nodiscard]] double rate_error(const VecX& velocity_residual) const;
+  [[nodiscard]] double largest_residual(const VecX& residual) const;
+  [[nodiscard]] double largest_velocity_residual(const VecX& velocity_residual) const;
   /// The largest speed in the machine's units at the updated state [1/s], that of laws of drivers included; at least a
   /// millionth of the rate that the forces would bring about over the machine's length.
   [[nodiscard]] double largest_rate(double t, const Eigen::Ref<const VecX>& Y) const;
@@ -102,7 +102,7 @@ class Equations {  // (C40)
   /// Its numbers at the updated state.
   void fill_matrix();
   /// Column of a constraint row in the matrix.
-  [[nodiscard]] int place_of(int row) const { return layout_.n_Y() + row; }
+  [[nodiscard]] int index_of(int row) const { return layout_.n_Y() + row; }
   /// Unit of inertia that the matrix is scaled with, a power of two near the mass of all bodies [kg].
   [[nodiscard]] double mass_unit() const { return mass_unit_; }
 

@@ -65,12 +65,12 @@ Table make_table(const std::vector<int>& substeps) {
 
 class ExtrapolationStepper : public Stepper {
  public:
-  ExtrapolationStepper(Equations& equations, const Motion& start, Tolerance tolerance)
+  ExtrapolationStepper(Equations& equations, const MotionState& start, Tolerance tolerance)
       : Stepper(equations, start),
         n_q_(equations.layout().n_q()),
         n_Y_(equations.layout().n_Y()),
         before_(start),
-        glanced_(start),
+        interpolated_(start),
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
@@ -85,7 +85,7 @@ class ExtrapolationStepper : public Stepper {
     check(ERKStepSetUserData(erk, this), "ERKStepSetUserData", messages_);
     check(ERKStepSetPostprocessStepFn(erk, &project), "ERKStepSetPostprocessStepFn", messages_);
     check(ERKStepSetMaxHnilWarns(erk, -1), "ERKStepSetMaxHnilWarns", messages_);
-    // For glances into a step: of degree 3, which needs no evaluation inside it.
+    // For interpolation within a step: of degree 3, which needs no evaluation inside it.
     check(ERKStepSetInterpolantDegree(erk, 3), "ERKStepSetInterpolantDegree", messages_);
   }
 
@@ -96,15 +96,15 @@ class ExtrapolationStepper : public Stepper {
     evolve(stop);
   }
 
-  const Motion& glance(double t) override {
+  const MotionState& interpolate(double t) override {
     if (t == reached_) return motion_;
     check(ERKStepGetDky(memory_.get(), t, 0, dense_.get()), "ERKStepGetDky", messages_);
-    read(view(dense_.get()), glanced_);
-    return glanced_;
+    read(view(dense_.get()), interpolated_);
+    return interpolated_;
   }
 
   /// Repeats the step, shortened: what lies inside a step is known to a lower order only.
-  void look_back(double t) override {
+  void set_motion_at(double t) override {
     if (t == reached_) return;
     motion_ = before_;
     restart(started_);
@@ -137,13 +137,13 @@ class ExtrapolationStepper : public Stepper {
   }
 
   template <class Numbers>
-  void read(const Numbers& y, Motion& motion) const {
+  void read(const Numbers& y, MotionState& motion) const {
     motion.q = y.head(n_q_);
     motion.Y = y.segment(n_q_, n_Y_);
     motion.work = y(n_q_ + n_Y_);
   }
   template <class Numbers>
-  void write(const Motion& motion, Numbers&& y) const {
+  void write(const MotionState& motion, Numbers&& y) const {
     y.head(n_q_) = motion.q;
     y.segment(n_q_, n_Y_) = motion.Y;
     y(n_q_ + n_Y_) = motion.work;
@@ -191,8 +191,8 @@ class ExtrapolationStepper : public Stepper {
   Eigen::Index n_q_;
   Eigen::Index n_Y_;
   double started_ = 0.0;  // the last step, at
-  Motion before_;
-  Motion glanced_;
+  MotionState before_;
+  MotionState interpolated_;
   std::string why_;
   sundials::MessageRecord messages_;
   sundials::Context context_;
@@ -204,7 +204,8 @@ class ExtrapolationStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, Tolerance tolerance) {
+std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const MotionState& start,
+                                                    Tolerance tolerance) {
   return std::make_unique<ExtrapolationStepper>(equations, start, tolerance);
 }
 

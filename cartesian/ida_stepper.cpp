@@ -58,8 +58,8 @@ struct RefinedLu {
   }
 };
 
-/// Slopes of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and pushed
-/// side.
+/// Derivatives of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and
+/// pushed side.
 struct ForceSlopes {
   std::array<std::array<MatX, 2>, 2> over_q;
   std::array<std::array<MatX, 2>, 2> over_Y;
@@ -81,8 +81,8 @@ ForceSlopes make_slopes(const Actor& actor, const Layout& layout) {
 
 class IdaStepper : public Stepper {
  public:
-  IdaStepper(Equations& equations, const Motion& start, Tolerance tolerance)
-      : Stepper(equations, start), layout_(equations.layout()), glanced_(start) {
+  IdaStepper(Equations& equations, const MotionState& start, Tolerance tolerance)
+      : Stepper(equations, start), layout_(equations.layout()), interpolated_(start) {
     n_rows_ = equations.constraints().n_rows();
     for (int row = 0; row < n_rows_; ++row) {
       place_of_mu_.push_back(equations.constraints().holds_positions(row) ? n_mu_++ : -1);
@@ -105,7 +105,8 @@ class IdaStepper : public Stepper {
   }
 
  protected:
-  /// IDA steps past `stop` and looks back: its formulas interpolate to their own order, and a stop would cost them it.
+  /// IDA steps past `stop` and interpolates: its formulas interpolate to their own order, and a stop would cost them
+  /// it.
   void advance(double stop) override {
     // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
     const double toward = std::max(stop, reached_ + last_step_);
@@ -114,12 +115,12 @@ class IdaStepper : public Stepper {
     ++steps_;
   }
 
-  const Motion& glance(double t) override {
-    read(t, glanced_);
-    return glanced_;
+  const MotionState& interpolate(double t) override {
+    read(t, interpolated_);
+    return interpolated_;
   }
 
-  void look_back(double t) override { read(t, motion_); }
+  void set_motion_at(double t) override { read(t, motion_); }
 
   [[nodiscard]] bool remembers_multipliers() const override { return true; }
 
@@ -130,7 +131,7 @@ class IdaStepper : public Stepper {
   }
 
  private:
-  void read(double t, Motion& motion) {
+  void read(double t, MotionState& motion) {
     check(IDAGetDky(memory_.get(), t, 0, dense_.get()), "IDAGetDky", messages_);
     const auto x = view(dense_.get());
     motion.q = x.head(first_Y_);
@@ -138,7 +139,7 @@ class IdaStepper : public Stepper {
     motion.work = x(at_work_);
   }
 
-  void set_up(const Motion& start, Tolerance tolerance) {
+  void set_up(const MotionState& start, Tolerance tolerance) {
     for (sundials::Vector* vector : {&x_, &xdot_, &dense_, &tolerances_, &id_}) {
       *vector = sundials::make_vector(size_, context_);
     }
@@ -172,7 +173,7 @@ class IdaStepper : public Stepper {
     linear_solver_->ops->free = &RefinedLu::free;
   }
 
-  void write_start(double t, const Motion& start) {
+  void write_start(double t, const MotionState& start) {
     equations_.update(t, start.q, start.Y);
     equations_.solve(true);
     auto x = view(x_.get());
@@ -191,7 +192,7 @@ class IdaStepper : public Stepper {
   /// Multipliers are not controlled (the reactions are computed anew from q and Y): they get the size of forces and
   /// speeds themselves, so that only Newton's convergence on the motion counts. mu in particular carries round-off over
   /// the step.
-  void write_tolerances(const Motion& start, Tolerance tolerance) {
+  void write_tolerances(const MotionState& start, Tolerance tolerance) {
     const VecX motion = absolute_tolerances(equations_, start, tolerance);
     auto tolerances = view(tolerances_.get());
     tolerances.head(first_lambda_) = motion.head(first_lambda_);
@@ -468,7 +469,7 @@ class IdaStepper : public Stepper {
   }
 
   /// Freezes the pattern: every entry that each_entry() ever visits, in compressed columns.
-  void lay_out_jacobian(const Motion& start) {
+  void lay_out_jacobian(const MotionState& start) {
     equations_.update(0.0, start.q, start.Y);
     equations_.fill_mass_matrices();
     VecX x = VecX::Zero(size_);
@@ -545,7 +546,7 @@ class IdaStepper : public Stepper {
   std::vector<sunindextype> starts_;
   std::vector<sunindextype> rows_;
   sunrealtype last_step_ = 0.0;  // before the last restart
-  Motion glanced_;
+  MotionState interpolated_;
   std::string why_;
   sundials::MessageRecord messages_;
   sundials::Context context_;
@@ -558,7 +559,7 @@ class IdaStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, Tolerance tolerance) {
+std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const MotionState& start, Tolerance tolerance) {
   return std::make_unique<IdaStepper>(equations, start, tolerance);
 }
 

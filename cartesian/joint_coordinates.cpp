@@ -49,7 +49,7 @@ void read_joint_coordinates(const Model& model, const Constraints& constraints, 
         continue;
       }
       for (int component = 0; component < n_speeds(read); ++component) {
-        const Row row = evaluate_read(read, component, motion);
+        const ConstraintRow row = evaluate_read(read, component, motion);
         double& known = q[k](at_q++);
         known = value_near(reads_turn(read, component), row, known);
         u[k](at_u++) = rate_of(row, motion);

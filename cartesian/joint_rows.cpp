@@ -27,18 +27,18 @@ Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
 Axis next(Axis axis) { return static_cast<Axis>((index(axis) + 1) % 3); }
 
 /// d . e: gap along an axis of the parent (C16).
-Row gap_row(const Vec3& e, const RelativeMotion& motion) {
-  Row row;
+ConstraintRow gap_row(const Vec3& e, const RelativeMotion& motion) {
+  ConstraintRow row;
   row.value = e.dot(motion.d);
   row.over_d = e;
   return row;
 }
 
 /// m . (R n) for a vector m fixed on the parent and n fixed on the child (C17).
-Row dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
+ConstraintRow dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
   const Vec3 R_n = motion.R * n;
   const Vec3 swing = motion.omega.cross(R_n);
-  Row row;
+  ConstraintRow row;
   row.value = m.dot(R_n);
   row.over_rho = R_n.cross(m);
   row.bias = motion.omega.dot(swing.cross(m));
@@ -46,12 +46,12 @@ Row dot_row(const Vec3& m, const Vec3& n, const RelativeMotion& motion) {
 }
 
 /// atan2(y, x) of two rows (C18).
-Row angle_row(const Row& y, const Row& x, const RelativeMotion& motion) {
+ConstraintRow angle_row(const ConstraintRow& y, const ConstraintRow& x, const RelativeMotion& motion) {
   const double square = x.value * x.value + y.value * y.value;
   const double xdot = rate_of(x, motion);
   const double ydot = rate_of(y, motion);
   const double turning = x.value * ydot - y.value * xdot;
-  Row row;
+  ConstraintRow row;
   row.value = std::atan2(y.value, x.value);
   row.over_d = (x.value * y.over_d - y.value * x.over_d) / square;
   row.over_rho = (x.value * y.over_rho - y.value * x.over_rho) / square;
@@ -61,10 +61,10 @@ Row angle_row(const Row& y, const Row& x, const RelativeMotion& motion) {
 }
 
 /// |d - (d . e) e|: distance of the child's point from the parent's axis e (C19).
-Row distance_from_axis_row(const Vec3& e, const RelativeMotion& motion) {
+ConstraintRow distance_from_axis_row(const Vec3& e, const RelativeMotion& motion) {
   const Vec3 across = motion.d - motion.d.dot(e) * e;
   const Vec3 across_dot = motion.ddot - motion.ddot.dot(e) * e;
-  Row row;
+  ConstraintRow row;
   row.value = across.norm();
   row.over_d = across / row.value;
   const double rate = row.over_d.dot(across_dot);
@@ -72,7 +72,7 @@ Row distance_from_axis_row(const Vec3& e, const RelativeMotion& motion) {
   return row;
 }
 
-Row row_of(const joints::FunctionOfPlacement::Rows& rows, int k) {
+ConstraintRow row_of(const joints::FunctionOfPlacement::Rows& rows, int k) {
   return {rows.value(k), rows.gradient.col(k).head<3>(), rows.gradient.col(k).tail<3>(), rows.bias(k)};
 }
 
@@ -85,34 +85,34 @@ joints::FunctionOfPlacement::Rows evaluate_function(const joints::FunctionOfPlac
   return rows;
 }
 
-int write(const Coincide&, const RelativeMotion& motion, Row* rows) {
+int write(const Coincide&, const RelativeMotion& motion, ConstraintRow* rows) {
   for (int k = 0; k < 3; ++k) rows[k] = gap_row(Vec3::Unit(k), motion);
   return 3;
 }
 
-int write(const NoGapAlong& word, const RelativeMotion& motion, Row* rows) {
+int write(const NoGapAlong& word, const RelativeMotion& motion, ConstraintRow* rows) {
   rows[0] = gap_row(unit(word.axis), motion);
   return 1;
 }
 
-int write(const Perpendicular& word, const RelativeMotion& motion, Row* rows) {
+int write(const Perpendicular& word, const RelativeMotion& motion, ConstraintRow* rows) {
   rows[0] = dot_row(unit(word.on_parent), unit(word.on_child), motion);
   return 1;
 }
 
-int write(const SameDirection& word, const RelativeMotion& motion, Row* rows) {
+int write(const SameDirection& word, const RelativeMotion& motion, ConstraintRow* rows) {
   const Vec3 axis = unit(word.axis);
   rows[0] = dot_row(unit(next(word.axis)), axis, motion);
   rows[1] = dot_row(unit(next(next(word.axis))), axis, motion);
   return 2;
 }
 
-int write(const SameOrientation&, const RelativeMotion& motion, Row* rows) {
+int write(const SameOrientation&, const RelativeMotion& motion, ConstraintRow* rows) {
   evaluate_orientation(Mat3::Identity(), motion, rows);
   return 3;
 }
 
-int write(const KeepDistance& word, const RelativeMotion& motion, Row* rows) {  // (C20)
+int write(const KeepDistance& word, const RelativeMotion& motion, ConstraintRow* rows) {  // (C20)
   rows[0].value = (motion.d.squaredNorm() - word.length * word.length) / (2.0 * word.length);
   rows[0].over_d = motion.d / word.length;
   rows[0].over_rho.setZero();
@@ -120,19 +120,19 @@ int write(const KeepDistance& word, const RelativeMotion& motion, Row* rows) {  
   return 1;
 }
 
-int write(const ByResidual& word, const RelativeMotion& motion, Row* rows) {
+int write(const ByResidual& word, const RelativeMotion& motion, ConstraintRow* rows) {
   const joints::FunctionOfPlacement::Rows found = evaluate_function(*word.residual, motion);
   for (int k = 0; k < found.n; ++k) rows[k] = row_of(found, k);
   return found.n;
 }
 
 /// e . (ddot + omega x c), c = -below e_z fixed on the parent; e fixed there or carried by the child (C22).
-Row write(const NoSlip& word, const RelativeMotion& motion) {
+ConstraintRow write(const NoSlip& word, const RelativeMotion& motion) {
   const Vec3 contact = -word.below * Vec3::UnitZ();
   const bool turns = word.axis_of == Side::child;
   const Vec3 e = turns ? Vec3(motion.R * unit(word.axis)) : unit(word.axis);
   const Vec3 edot = turns ? Vec3(motion.omega.cross(e)) : Vec3(Vec3::Zero());
-  Row row;
+  ConstraintRow row;
   row.over_d = e;
   row.over_rho = contact.cross(e);
   row.bias = edot.dot(motion.ddot + motion.omega.cross(contact));
@@ -151,38 +151,40 @@ bool branch(const ByResidual& word, const RelativeMotion& at) {
   return word.on_branch == nullptr || word.on_branch({at.d, at.R});
 }
 
-Row read(const SlideAlong& word, int, const RelativeMotion& motion) { return gap_row(unit(word.axis), motion); }
+ConstraintRow read(const SlideAlong& word, int, const RelativeMotion& motion) {
+  return gap_row(unit(word.axis), motion);
+}
 
 /// The child's axis e seen from the parent: from e towards about x e.
-Row read(const TurnOfChildAxis& word, int, const RelativeMotion& motion) {
+ConstraintRow read(const TurnOfChildAxis& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.of_child_axis);
   return angle_row(dot_row(unit(word.about).cross(e), e, motion), dot_row(e, e, motion), motion);
 }
 
 /// The parent's axis e seen from the child turns the other way.
-Row read(const TurnOfParentAxis& word, int, const RelativeMotion& motion) {
+ConstraintRow read(const TurnOfParentAxis& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.of_parent_axis);
   return angle_row(dot_row(e, e.cross(unit(word.about)), motion), dot_row(e, e, motion), motion);
 }
 
 /// An orientation is no single number: callers use evaluate_orientation().
-Row read(const OrientationOf&, int, const RelativeMotion&) { return {}; }
+ConstraintRow read(const OrientationOf&, int, const RelativeMotion&) { return {}; }
 
-Row read(const BearingOfGap& word, int, const RelativeMotion& motion) {
+ConstraintRow read(const BearingOfGap& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.from);
-  Row row = angle_row(gap_row(unit(word.about).cross(e), motion), gap_row(e, motion), motion);
+  ConstraintRow row = angle_row(gap_row(unit(word.about).cross(e), motion), gap_row(e, motion), motion);
   if (motion.is_beyond_upright) row.value += row.value > 0.0 ? -EIGEN_PI : EIGEN_PI;
   return row;
 }
 
-Row read(const ElevationOfGap& word, int, const RelativeMotion& motion) {
+ConstraintRow read(const ElevationOfGap& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.towards);
-  const Row row = angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
+  const ConstraintRow row = angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
   if (!motion.is_beyond_upright) return row;
   return {static_cast<double>(EIGEN_PI) - row.value, -row.over_d, -row.over_rho, -row.bias};
 }
 
-Row read(const ByReading& word, int component, const RelativeMotion& motion) {
+ConstraintRow read(const ByReading& word, int component, const RelativeMotion& motion) {
   return row_of(evaluate_function(*word.reading, motion), component);
 }
 
@@ -222,7 +224,7 @@ bool goes_beyond_turns(const joints::Read& word, int component) {
   constexpr double kTurn = 2.0 * EIGEN_PI;
   RelativeMotion at;
   at.d = Vec3(0.37, 0.21, 0.53);
-  const Row here = evaluate_read(word, component, at);
+  const ConstraintRow here = evaluate_read(word, component, at);
   const double steepness = here.over_d.squaredNorm();
   if (!(steepness > 0.0)) return false;
   at.d += 2.0 * kTurn / steepness * here.over_d;
@@ -235,7 +237,7 @@ bool is_by_functions(const joints::JointType& type) {
 
 /// S of a type whose coordinates read by functions: what no row forbids and moves one reading at unit speed (C25).
 Columns permitted_columns(const joints::JointType& type, const RelativeMotion& motion) {
-  Row rows[kMaxRows];
+  ConstraintRow rows[kMaxRows];
   const int n_forbids = evaluate_forbids(type, motion, rows);
   for (int k = n_forbids; k < 6; ++k) rows[k] = evaluate_read(type.reads.front(), k - n_forbids, motion);
   Mat6 gradients;
@@ -245,7 +247,7 @@ Columns permitted_columns(const joints::JointType& type, const RelativeMotion& m
 
 }  // namespace
 
-int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows) {
+int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, ConstraintRow* rows) {
   int count = 0;
   for (const joints::Forbid& word : type.forbids) {
     count += std::visit([&](const auto& forbidden) { return write(forbidden, motion, rows + count); }, word);
@@ -253,7 +255,7 @@ int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion
   return count;
 }
 
-int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, Row* rows) {
+int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, ConstraintRow* rows) {
   int count = 0;
   for (const joints::ForbidSpeed& word : type.forbids_speeds) {
     rows[count++] = std::visit([&](const auto& forbidden) { return write(forbidden, motion); }, word);
@@ -277,7 +279,7 @@ const joints::Read* read_of(const joints::JointType& type, int word) {
   return &type.reads[place];
 }
 
-Row evaluate_read(const joints::Read& word, int component, const RelativeMotion& motion) {
+ConstraintRow evaluate_read(const joints::Read& word, int component, const RelativeMotion& motion) {
   return std::visit([&](const auto& reading) { return read(reading, component, motion); }, word);
 }
 
@@ -303,16 +305,16 @@ double turn_from(double asked, double value) {
   return std::remainder(value - within_a_turn, static_cast<double>(kFullTurn));
 }
 
-double value_near(bool is_known_but_for_turns, const Row& row, double known) {
+double value_near(bool is_known_but_for_turns, const ConstraintRow& row, double known) {
   if (!is_known_but_for_turns) return row.value;
   return static_cast<double>(row.value + whole_turns_between(row.value, known));
 }
 
-double rate_of(const Row& row, const RelativeMotion& motion) {
+double rate_of(const ConstraintRow& row, const RelativeMotion& motion) {
   return row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
 }
 
-void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Row* rows) {
+void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, ConstraintRow* rows) {
   // c = 1/2 sum of e_k x (Q e_k), Q = R target^T, turns with R: Qdot = omega~ Q. Gradient (tr Q 1 - Q) / 2.
   const Mat3 Q = motion.R * target.transpose();
   const Mat3 gradient = 0.5 * (Q.trace() * Mat3::Identity() - Q);

@@ -8,7 +8,7 @@
 /// of cddot = gradient . a_rel + bias, exact along the motion.
 namespace concord::cartesian {
 
-/// The child's place and orientation seen in the parent's joint frame, and their motion.
+/// The child's position and orientation seen in the parent's joint frame, and their motion.
 struct RelativeMotion {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
@@ -18,7 +18,7 @@ struct RelativeMotion {
   bool is_beyond_upright = false;
 };
 
-struct Row {  // (C15)
+struct ConstraintRow {  // (C15)
   double value = 0.0;
   Vec3 over_d = Vec3::Zero();
   Vec3 over_rho = Vec3::Zero();
@@ -29,11 +29,11 @@ struct Row {  // (C15)
 inline constexpr int kMaxRows = 6;
 
 /// Rows of all words of `type.forbids`, written to `rows`; returns their number (S12).
-int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
+int evaluate_forbids(const joints::JointType& type, const RelativeMotion& motion, ConstraintRow* rows);
 
 /// Rows of all words of `type.forbids_speeds`, written to `rows`; returns their number. They have no value: only their
 /// rate vanishes (S13).
-int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, Row* rows);
+int evaluate_forbidden_speeds(const joints::JointType& type, const RelativeMotion& motion, ConstraintRow* rows);
 
 /// Whether the placement is on the branch that the words mean (a hinge's axes point the same way).
 bool on_branch(const joints::JointType& type, const RelativeMotion& motion);
@@ -43,7 +43,7 @@ const joints::Read* read_of(const joints::JointType& type, int word);
 
 /// The row of one coordinate of a reading: its value (an angle in (-pi, pi]), gradient and bias. The reading must be of
 /// numbers (not of an orientation) (S16).
-Row evaluate_read(const joints::Read& read, int component, const RelativeMotion& motion);
+ConstraintRow evaluate_read(const joints::Read& read, int component, const RelativeMotion& motion);
 
 /// Whether this coordinate is an angle known but for full turns; a reading by functions that goes on beyond a full turn
 /// (a thread's height) is not. Evaluates the functions: not for hot paths.
@@ -51,7 +51,7 @@ bool reads_turn(const joints::Read& read, int component);
 
 /// The value of a reading's row with its turns counted: an angle known but for full turns is moved by these to within
 /// half a turn of `known` (C23).
-double value_near(bool is_known_but_for_turns, const Row& row, double known);
+double value_near(bool is_known_but_for_turns, const ConstraintRow& row, double known);
 
 /// The whole turns [rad] that bring an angle, known but for these, nearest to `known`; in more digits than a coordinate
 /// has, so that they cancel against others without loss.
@@ -62,10 +62,10 @@ long double whole_turns_between(double value, double known);
 double turn_from(double asked, double value);
 
 /// Rate of a row along the motion, gradient . [ddot; omega] (C15).
-double rate_of(const Row& row, const RelativeMotion& motion);
+double rate_of(const ConstraintRow& row, const RelativeMotion& motion);
 
 /// Three rows that vanish where the orientation is `target`: half the axial vector of R target^T (C21).
-void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Row* rows);
+void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, ConstraintRow* rows);
 
 /// Coordinate wrench of the coordinate forces tau (n_u numbers): on the child at P_i in the parent's joint frame,
 /// [force; torque], in the span of the slides' forces and of the turns' torques (of an arm's turns: of the forces that

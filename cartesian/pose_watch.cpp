@@ -140,29 +140,29 @@ bool may_lose_rank(const Model& model) {
   return false;
 }
 
-PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const Motion& start)
+PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const MotionState& start)
     : equations_(equations), generic_rank_(generic_rank), may_lose_rank_(may_lose_rank(equations.model())) {
   if (!may_lose_rank_) return;
   overlap_ = std::make_unique<Overlap>(equations);
   equations_.update(t, start.q, start.Y);
-  last_ = look(t, start);
+  last_ = sample_pose(t, start);
   chosen_pivots_ = largest_pivots_ = last_.pivots;
 }
 
 PoseWatch::~PoseWatch() = default;
 
 /// At the last update of the equations, with the rows in use.
-PoseWatch::Look PoseWatch::look(double t, const Motion& motion) {
+PoseWatch::PoseSample PoseWatch::sample_pose(double t, const MotionState& motion) {
   equations_.fill_matrix();
   const SparseLu& matrix = equations_.matrix();
-  Look at{t, motion.q, motion.Y, {matrix.values(), matrix.values() + matrix.row_indices().size()}, {}, {}};
+  PoseSample at{t, motion.q, motion.Y, {matrix.values(), matrix.values() + matrix.row_indices().size()}, {}, {}};
   at.rows = equations_.active_rows();
   at.pivots = overlap_->pivots(at.values, at.values, at.rows);
   return at;
 }
 
 /// Rows chosen anew at a pose, which the equations use from then on.
-void PoseWatch::choose(Look& at) {
+void PoseWatch::choose(PoseSample& at) {
   const RowChoice choice = choose_rows(equations_, generic_rank_);
   if (choice.rank < generic_rank_) refuse(at.t, weakest_row_);
   equations_.use_rows(choice.independent);
@@ -170,23 +170,23 @@ void PoseWatch::choose(Look& at) {
   at.pivots = overlap_->pivots(at.values, at.values, at.rows);
 }
 
-bool PoseWatch::follow(double t, const Motion& motion) {
-  constexpr double kWorn = 1e-2;  // a row's pivot of that where the rows were chosen
+bool PoseWatch::follow(double t, const MotionState& motion) {
+  constexpr double kWeakened = 1e-2;  // a row's pivot of that where the rows were chosen
   constexpr int kDepth = 16;
   constexpr double kLittle = 0.1;  // pivots that change so little from step to step cannot vanish in between
   if (!may_lose_rank_ || t <= last_.t) return false;
   const std::vector<bool> rows = equations_.active_rows();
   equations_.update(t, motion.q, motion.Y);
-  Look now = look(t, motion);
+  PoseSample now = sample_pose(t, motion);
   const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
-  if (has_dependent_rows && !(now.pivots.array() >= kWorn * chosen_pivots_.array()).all()) {
+  if (has_dependent_rows && !(now.pivots.array() >= kWeakened * chosen_pivots_.array()).all()) {
     choose(now);
     chosen_pivots_ = now.pivots;
   }
   refuse_vanished(now);
   const double rate = rate_of_change(last_, now);
   const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
-  trace(last_, now, changes_little, kDepth);
+  bisect(last_, now, changes_little, kDepth);
   rate_ = rate;
   equations_.use_rows(now.rows);
   last_ = std::move(now);
@@ -194,7 +194,7 @@ bool PoseWatch::follow(double t, const Motion& motion) {
 }
 
 /// Closed poses this near to a singular one are known to the root of round-off only: on which side they stand is open.
-void PoseWatch::refuse_vanished(const Look& now) {
+void PoseWatch::refuse_vanished(const PoseSample& now) {
   constexpr double kVanished = 1e-13;  // of the largest that a pivot has been; the root of that is the distance
   largest_pivots_ = largest_pivots_.cwiseMax(now.pivots);
   for (Eigen::Index row = 0; row < now.pivots.size(); ++row) {
@@ -202,12 +202,12 @@ void PoseWatch::refuse_vanished(const Look& now) {
   }
 }
 
-VecX PoseWatch::own_pivots(const Look& at, const std::vector<bool>& rows) {
+VecX PoseWatch::own_pivots(const PoseSample& at, const std::vector<bool>& rows) {
   return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
 }
 
-/// Whether the rows at one pose go over into those at the other without a doubt (C53).
-bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vector<bool>& rows) {
+/// Whether the rows at one pose certainly change into those at the other without losing rank in between (C53).
+bool PoseWatch::is_continuous(const PoseSample& before, const PoseSample& after, const std::vector<bool>& rows) {
   // What the rows permit turns by less than about 25 degrees; where a motion changes to another branch it turns at
   // once, however near the poses are.
   constexpr double kOverlap = 0.9;
@@ -224,8 +224,8 @@ bool PoseWatch::leads_on(const Look& before, const Look& after, const std::vecto
   return true;
 }
 
-/// The largest relative rate of the roots of pivots between two looks [1/s].
-double PoseWatch::rate_of_change(const Look& before, const Look& after) {
+/// The largest relative rate of the roots of pivots between two samples [1/s].
+double PoseWatch::rate_of_change(const PoseSample& before, const PoseSample& after) {
   if (before.rows != after.rows) return HUGE_VAL;
   double largest = 0.0;
   for (Eigen::Index row = 0; row < before.pivots.size(); ++row) {
@@ -237,11 +237,11 @@ double PoseWatch::rate_of_change(const Look& before, const Look& after) {
   return largest / (after.t - before.t);
 }
 
-/// Whether no pivot falls to zero and rises again between the looks. Its root is straight over a short time: from the
-/// middle and either end the other end is foreseen, with the other sign where the root has passed zero.
-bool PoseWatch::stays_independent(const Look& before, const Look& middle, const Look& after,
+/// Whether no pivot falls to zero and rises again between the samples. Its root is straight over a short time: from the
+/// middle and either end the other end is predicted, with the other sign where the root has passed zero.
+bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
                                   const std::vector<bool>& rows) {
-  constexpr double kForeseen = 0.5;  // of the root at an end
+  constexpr double kPredicted = 0.5;  // of the root at an end
   const VecX between = own_pivots(middle, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_before = own_pivots(before, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_after = own_pivots(after, rows).cwiseMax(0.0).cwiseSqrt();
@@ -249,31 +249,31 @@ bool PoseWatch::stays_independent(const Look& before, const Look& middle, const 
     if (!rows[row]) continue;
     const double from_before = 2.0 * between(row) - at_before(row);
     const double from_after = 2.0 * between(row) - at_after(row);
-    if (from_before > kForeseen * at_after(row) && from_after > kForeseen * at_before(row)) continue;
+    if (from_before > kPredicted * at_after(row) && from_after > kPredicted * at_before(row)) continue;
     weakest_row_ = static_cast<int>(row);
     return false;
   }
   return true;
 }
 
-/// Looks closer and closer where a singular pose may be, by the rows of either look.
-void PoseWatch::trace(const Look& before, const Look& after, bool changes_little, int depth) {
-  std::optional<Look> middle;
-  for (const Look* own : {&before, &after}) {
+/// Looks closer and closer where a singular pose may be, by the rows of either sample.
+void PoseWatch::bisect(const PoseSample& before, const PoseSample& after, bool changes_little, int depth) {
+  std::optional<PoseSample> middle;
+  for (const PoseSample* own : {&before, &after}) {
     if (own == &after && after.rows == before.rows) break;
-    if (!leads_on(before, after, own->rows)) continue;
+    if (!is_continuous(before, after, own->rows)) continue;
     if (changes_little) return;
-    if (!middle) middle = look_between(before, after);
+    if (!middle) middle = sample_between(before, after);
     if (stays_independent(before, *middle, after, own->rows)) return;
   }
   if (depth == 0) refuse(after.t, weakest_row_);
-  if (!middle) middle = look_between(before, after);
-  trace(before, *middle, false, depth - 1);
-  trace(*middle, after, false, depth - 1);
+  if (!middle) middle = sample_between(before, after);
+  bisect(before, *middle, false, depth - 1);
+  bisect(*middle, after, false, depth - 1);
 }
 
 /// Halfway in time: the cubic through both, brought onto the constraints (C54).
-PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
+PoseWatch::PoseSample PoseWatch::sample_between(const PoseSample& before, const PoseSample& after) {
   const Layout& layout = equations_.layout();
   const double h = after.t - before.t;
   const double t = before.t + 0.5 * h;
@@ -281,7 +281,7 @@ PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
   VecX rate_after(layout.n_q());
   layout.write_qdot(before.q, before.Y, rate_before);
   layout.write_qdot(after.q, after.Y, rate_after);
-  Motion middle;
+  MotionState middle;
   middle.q = 0.5 * (before.q + after.q) + h / 8.0 * (rate_before - rate_after);
   middle.Y = 0.5 * (before.Y + after.Y);
   layout.normalize(middle.q);
@@ -298,7 +298,7 @@ PoseWatch::Look PoseWatch::look_between(const Look& before, const Look& after) {
   } catch (const SolverError&) {
     refuse(t, weakest_row_);
   }
-  return look(t, middle);
+  return sample_pose(t, middle);
 }
 
 void PoseWatch::explain_stop(const std::string& reason) const {

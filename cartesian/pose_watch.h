@@ -20,26 +20,26 @@ namespace concord::cartesian {
 ///
 /// Where a motion goes over into a branch that is near, or permits nothing as drivers hold it, neither changes its sign
 /// or turns. But the roots of the pivots of J M^-1 J^T fall to zero and rise again, as steeply as they fell: what
-/// either end and the middle foresee of the other end is then wrong, however near both are, and nowhere else.
+/// either end and the middle predict of the other end is then wrong, however near both are, and nowhere else.
 class PoseWatch {
  public:
   /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is
   /// not singular.
-  PoseWatch(Equations& equations, int generic_rank, double t, const Motion& start);
+  PoseWatch(Equations& equations, int generic_rank, double t, const MotionState& start);
   ~PoseWatch();
   PoseWatch(const PoseWatch&) = delete;
   PoseWatch& operator=(const PoseWatch&) = delete;
 
   /// The motion has come to t. True if the equations use other rows from now on. Throws SingularPose where the motion
   /// has passed or reached a singular pose.
-  bool follow(double t, const Motion& motion);
+  bool follow(double t, const MotionState& motion);
 
   /// An integrator has stopped for this reason. Throws SingularPose if the constraints were about to lose rank.
   void explain_stop(const std::string& reason) const;
 
  private:
   /// A pose of the motion and the pivots of J M^-1 J^T over the rows chosen there.
-  struct Look {
+  struct PoseSample {
     double t = 0.0;
     VecX q;
     VecX Y;
@@ -49,22 +49,23 @@ class PoseWatch {
   };
   class Overlap;
 
-  Look look(double t, const Motion& motion);
-  Look look_between(const Look& before, const Look& after);
-  void choose(Look& at);
-  void refuse_vanished(const Look& now);
-  VecX own_pivots(const Look& at, const std::vector<bool>& rows);
-  bool leads_on(const Look& before, const Look& after, const std::vector<bool>& rows);
-  static double rate_of_change(const Look& before, const Look& after);
-  bool stays_independent(const Look& before, const Look& middle, const Look& after, const std::vector<bool>& rows);
-  void trace(const Look& before, const Look& after, bool changes_little, int depth);
+  PoseSample sample_pose(double t, const MotionState& motion);
+  PoseSample sample_between(const PoseSample& before, const PoseSample& after);
+  void choose(PoseSample& at);
+  void refuse_vanished(const PoseSample& now);
+  VecX own_pivots(const PoseSample& at, const std::vector<bool>& rows);
+  bool is_continuous(const PoseSample& before, const PoseSample& after, const std::vector<bool>& rows);
+  static double rate_of_change(const PoseSample& before, const PoseSample& after);
+  bool stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
+                         const std::vector<bool>& rows);
+  void bisect(const PoseSample& before, const PoseSample& after, bool changes_little, int depth);
   [[noreturn]] void refuse(double t, int row) const;
 
   Equations& equations_;
   int generic_rank_;
   bool may_lose_rank_;
   std::unique_ptr<Overlap> overlap_;
-  Look last_;
+  PoseSample last_;
   VecX chosen_pivots_;      // where the rows in use were chosen
   VecX largest_pivots_;     // so far
   double rate_ = HUGE_VAL;  // of the change of pivots over the last step, relative [1/s]

@@ -21,14 +21,14 @@ constexpr double kUndecidedAbove = 1e-12;
 /// Rows that others leave less than this of are candidates of the null space: far above every threshold, far below
 /// what independent rows leave.
 constexpr double kCandidate = 1e-6;
-/// What moves a threshold half of the way that no answer may depend on.
+/// The factor by which a threshold is moved, up and down, to see whether a flag depends on it.
 constexpr double kEitherWay = 31.622776601683793;
 constexpr Eigen::Index kDenseRows = 60;
 constexpr Eigen::Index kShortestDenseRows = 500;
 
 /// Rows in the order in which a QR factorization of the transposed matrix takes them: `live` ones first, then those
 /// that are left over. R11 over the live rows, and how the others depend on them: row = dependence^T live rows + rest.
-struct Sifting {
+struct RowSelection {
   Eigen::Index live = 0;
   std::vector<Eigen::Index> order;
   MatX dependence;             // live x left over
@@ -54,14 +54,14 @@ double estimate_smallest(Eigen::Index size, const Solve& solve, const SolveTrans
 }
 
 template <class Triangle>
-void sift_from(const Triangle& R, Sifting& sifting) {
-  const Eigen::Index live = sifting.live;
+void select_from(const Triangle& R, RowSelection& selection) {
+  const Eigen::Index live = selection.live;
   const MatX R11 = R.topLeftCorner(live, live);
   const auto triangle = R11.template triangularView<Eigen::Upper>();
-  sifting.dependence = R.topRightCorner(live, R.cols() - live);
-  // Eigen's solver of triangles reads the first entry of what is empty.
-  if (sifting.dependence.size() > 0) triangle.solveInPlace(sifting.dependence);
-  sifting.smallest_live = estimate_smallest(
+  selection.dependence = R.topRightCorner(live, R.cols() - live);
+  // Eigen's triangular solver reads the first entry of an empty matrix too.
+  if (selection.dependence.size() > 0) triangle.solveInPlace(selection.dependence);
+  selection.smallest_live = estimate_smallest(
       live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
 }
 
@@ -79,64 +79,66 @@ Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Ei
   return count_live(qr.matrixQR().diagonal(), tolerance);
 }
 
-Sifting sift_dense(const MatX& transposed, double tolerance) {
-  Sifting sifting;
+RowSelection select_dense(const MatX& transposed, double tolerance) {
+  RowSelection selection;
   const Eigen::ColPivHouseholderQR<MatX> qr(transposed);
   const auto indices = qr.colsPermutation().indices();
-  sifting.order.assign(indices.begin(), indices.end());
-  sifting.live = count_live(qr.matrixQR().diagonal(), tolerance);
-  sift_from(qr.matrixQR(), sifting);
-  return sifting;
+  selection.order.assign(indices.begin(), indices.end());
+  selection.live = count_live(qr.matrixQR().diagonal(), tolerance);
+  select_from(qr.matrixQR(), selection);
+  return selection;
 }
 
-/// The rows that go first are sifted among themselves, the others by what these leave of them.
-Sifting sift_dense_in_turn(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
+/// The rows that go first are selected among themselves, the others by their parts independent of these.
+RowSelection select_dense_in_order(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
   std::vector<Eigen::Index> first;
   std::vector<Eigen::Index> then;
   for (Eigen::Index row = 0; row < transposed.cols(); ++row) (goes_first[row] ? first : then).push_back(row);
   std::vector<Eigen::Index> order;
   const Eigen::Index live_first = pivot_columns(transposed(Eigen::all, first), tolerance, order);
-  Sifting sifting;
+  RowSelection selection;
   std::vector<Eigen::Index> left_over;
   for (std::size_t k = 0; k < order.size(); ++k) {
-    (static_cast<Eigen::Index>(k) < live_first ? sifting.order : left_over).push_back(first[order[k]]);
+    (static_cast<Eigen::Index>(k) < live_first ? selection.order : left_over).push_back(first[order[k]]);
   }
-  const Eigen::HouseholderQR<MatX> qr_first(transposed(Eigen::all, sifting.order));
+  const Eigen::HouseholderQR<MatX> qr_first(transposed(Eigen::all, selection.order));
   const MatX turned = qr_first.householderQ().transpose() * MatX(transposed(Eigen::all, then));
   const Eigen::Index live_then = pivot_columns(turned.bottomRows(turned.rows() - live_first), tolerance, order);
   for (std::size_t k = 0; k < order.size(); ++k) {
-    (static_cast<Eigen::Index>(k) < live_then ? sifting.order : left_over).push_back(then[order[k]]);
+    (static_cast<Eigen::Index>(k) < live_then ? selection.order : left_over).push_back(then[order[k]]);
   }
-  sifting.live = live_first + live_then;
-  sifting.order.insert(sifting.order.end(), left_over.begin(), left_over.end());
-  const Eigen::HouseholderQR<MatX> qr(transposed(Eigen::all, sifting.order));
-  sift_from(qr.matrixQR(), sifting);
-  return sifting;
+  selection.live = live_first + live_then;
+  selection.order.insert(selection.order.end(), left_over.begin(), left_over.end());
+  const Eigen::HouseholderQR<MatX> qr(transposed(Eigen::all, selection.order));
+  select_from(qr.matrixQR(), selection);
+  return selection;
 }
 
-/// SuiteSparseQR leaves over a row that its predecessors leave less than the tolerance of.
-Sifting sift_sparse(const SparseMatrix& transposed, double tolerance) {
+/// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
+RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   Eigen::SPQR<SparseMatrix> qr;
   qr.setPivotThreshold(tolerance);
   qr.compute(transposed);
-  Sifting sifting;
-  sifting.live = static_cast<Eigen::Index>(qr.rank());
+  RowSelection selection;
+  selection.live = static_cast<Eigen::Index>(qr.rank());
   const auto indices = qr.colsPermutation().indices();
-  sifting.order.assign(indices.begin(), indices.end());
+  selection.order.assign(indices.begin(), indices.end());
   const SparseMatrix R = qr.matrixR();
-  const SparseMatrix R11 = R.topLeftCorner(sifting.live, sifting.live);
+  const SparseMatrix R11 = R.topLeftCorner(selection.live, selection.live);
   const auto triangle = R11.triangularView<Eigen::Upper>();
-  sifting.dependence = triangle.solve(MatX(R.topRightCorner(sifting.live, transposed.cols() - sifting.live)));
+  selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
   const SparseMatrix R11_transposed = R11.transpose();
   const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
-  sifting.smallest_live = estimate_smallest(
-      sifting.live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
-  return sifting;
+  selection.smallest_live = estimate_smallest(
+      selection.live, [&](VecX& x) { triangle.solveInPlace(x); },
+      [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+  return selection;
 }
 
-Sifting sift(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
-  if (goes_first != nullptr) return sift_dense_in_turn(MatX(transposed), *goes_first, tolerance);
-  return transposed.cols() > kDenseRows ? sift_sparse(transposed, tolerance) : sift_dense(MatX(transposed), tolerance);
+RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
+  if (goes_first != nullptr) return select_dense_in_order(MatX(transposed), *goes_first, tolerance);
+  return transposed.cols() > kDenseRows ? select_sparse(transposed, tolerance)
+                                        : select_dense(MatX(transposed), tolerance);
 }
 
 /// Largest singular value, by rounds of power iteration on the transposed matrix; a few per cent off.
@@ -157,14 +159,15 @@ double estimate_largest(const SparseMatrix& transposed) {
   return largest > 0.0 ? largest : 1.0;
 }
 
-/// What the left-over rows leave behind all others, and the singular values of that (C50).
-void decide_left_over(const SparseMatrix& transposed, const Sifting& sifting, double largest, RankDecision& decision) {
+/// The parts of the left-over rows that are independent of all others, and their singular values (C50).
+void decide_left_over(const SparseMatrix& transposed, const RowSelection& selection, double largest,
+                      RankDecision& decision) {
   const Eigen::Index n = transposed.cols();
-  const Eigen::Index left_over = n - sifting.live;
+  const Eigen::Index left_over = n - selection.live;
   MatX Z = MatX::Zero(n, left_over);
   for (Eigen::Index column = 0; column < left_over; ++column) {
-    for (Eigen::Index k = 0; k < sifting.live; ++k) Z(sifting.order[k], column) = -sifting.dependence(k, column);
-    Z(sifting.order[sifting.live + column], column) = 1.0;
+    for (Eigen::Index k = 0; k < selection.live; ++k) Z(selection.order[k], column) = -selection.dependence(k, column);
+    Z(selection.order[selection.live + column], column) = 1.0;
   }
   const MatX rest = transposed * Z;
   const Eigen::HouseholderQR<MatX> qr(Z);
@@ -194,7 +197,7 @@ void decide_left_over(const SparseMatrix& transposed, const Sifting& sifting, do
   std::vector<Eigen::Index> order(left_over);
   std::iota(order.begin(), order.end(), 0);
   if (added > 0) (void)pivot_columns(rest, 0.0, order);
-  for (Eigen::Index k = 0; k < added; ++k) decision.independent[sifting.order[sifting.live + order[k]]] = true;
+  for (Eigen::Index k = 0; k < added; ++k) decision.independent[selection.order[selection.live + order[k]]] = true;
   decision.rank += static_cast<int>(added);
   decision.left_null_space = decision.near_null_space.leftCols(left_over - added);
 }
@@ -255,21 +258,21 @@ class Movement {
   VecX scales_;
 };
 
-/// Sizes of the null space at the threshold and half the way of doubt to either side.
+/// Sizes of the null space at the threshold and at the thresholds moved to either side.
 struct NullSpaceSizes {
   Eigen::Index surely;
   Eigen::Index decided;
   Eigen::Index perhaps;
 };
 
-struct Answer {
+struct UniquenessAnswer {
   bool is_unique;
   bool stays;
 };
 
 /// (C51) Of a component that each column of the near null space moves by as much as `moves` says, and with which
 /// singular values.
-Answer answer(const NullSpaceSizes& sizes, const VecX& moves, const VecX& values) {
+UniquenessAnswer decide_unique(const NullSpaceSizes& sizes, const VecX& moves, const VecX& values) {
   constexpr double kZero = 1e-9;
   // Rows that are nearly dependent by s leave about that much of themselves along rows that they do not concern.
   constexpr double kLeft = 10.0;
@@ -285,17 +288,17 @@ Answer answer(const NullSpaceSizes& sizes, const VecX& moves, const VecX& values
 
 void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, const VecX& values, JointUniqueness& unique,
                 JointUniqueness& decided) {
-  const auto at = [&](int c) { return answer(sizes, movement.of(c), values); };
+  const auto at = [&](int c) { return decide_unique(sizes, movement.of(c), values); };
   for (int c = 0; c < 12; ++c) {
-    const Answer reaction = at(c);
+    const UniquenessAnswer reaction = at(c);
     unique.unique[c / 6][c % 6] = reaction.is_unique;
     decided.unique[c / 6][c % 6] = reaction.stays;
-    const Answer total = at(12 + c);
+    const UniquenessAnswer total = at(12 + c);
     unique.unique_total[c / 6][c % 6] = total.is_unique;
     decided.unique_total[c / 6][c % 6] = total.stays;
   }
   for (int c = 0; c < movement.n_u(); ++c) {
-    const Answer tau = at(24 + c);
+    const UniquenessAnswer tau = at(24 + c);
     unique.unique_tau[c] = tau.is_unique;
     decided.unique_tau[c] = tau.stays;
   }
@@ -303,7 +306,7 @@ void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, const Vec
 
 /// Rows that hold for positions, where there are others; nullptr else.
 const std::vector<bool>* rows_that_go_first(const Constraints& constraints, std::vector<bool>& rows) {
-  if (!constraints.has_slip_rows()) return nullptr;
+  if (!constraints.has_nonholonomic_rows()) return nullptr;
   for (int row = 0; row < constraints.n_rows(); ++row) rows.push_back(constraints.holds_positions(row));
   return &rows;
 }
@@ -314,17 +317,18 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
   RankDecision decision;
   if (matrix.rows() == 0) return decision;
   if (!Eigen::Map<const VecX>(matrix.valuePtr(), matrix.nonZeros()).allFinite()) {
-    throw SolverError("cartesian: the Jacobian of the constraints holds what is no number: its rank cannot be decided");
+    throw SolverError(
+        "cartesian: the Jacobian of the constraints holds an entry that is not a number: its rank cannot be decided");
   }
   const SparseMatrix transposed = matrix.transpose();
-  const Sifting sifting = sift(transposed, goes_first, kCandidate);
+  const RowSelection selection = select_rows(transposed, goes_first, kCandidate);
   const double largest = estimate_largest(transposed);
-  decision.rank = static_cast<int>(sifting.live);
-  decision.smallest_kept = sifting.smallest_live / largest;
+  decision.rank = static_cast<int>(selection.live);
+  decision.smallest_kept = selection.smallest_live / largest;
   decision.independent.assign(matrix.rows(), false);
-  for (Eigen::Index k = 0; k < sifting.live; ++k) decision.independent[sifting.order[k]] = true;
+  for (Eigen::Index k = 0; k < selection.live; ++k) decision.independent[selection.order[k]] = true;
   decision.left_null_space = decision.near_null_space = MatX::Zero(matrix.rows(), 0);
-  if (sifting.live < matrix.rows()) decide_left_over(transposed, sifting, largest, decision);
+  if (selection.live < matrix.rows()) decide_left_over(transposed, selection, largest, decision);
   return decision;
 }
 
@@ -381,10 +385,10 @@ RowChoice choose_rows(const Equations& equations, int expected) {
   std::vector<bool> rows;
   const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);
   if (matrix.rows() > kDenseRows) {
-    const Sifting sifting = sift(matrix.transpose(), goes_first, kWell);
-    if (sifting.live == expected) {
+    const RowSelection selection = select_rows(matrix.transpose(), goes_first, kWell);
+    if (selection.live == expected) {
       RowChoice choice{expected, std::vector<bool>(matrix.rows(), false)};
-      for (int k = 0; k < expected; ++k) choice.independent[sifting.order[k]] = true;
+      for (int k = 0; k < expected; ++k) choice.independent[selection.order[k]] = true;
       return choice;
     }
   }
@@ -440,7 +444,7 @@ RankReport report_rank(const Equations& equations) {
   }
   for (int g = 0; g < constraints.n_couplings(); ++g) {
     const VecX own = null_space.row(constraints.coupling(g).row);
-    const Answer force = answer(sizes, own, decision.near_values);
+    const UniquenessAnswer force = decide_unique(sizes, own, decision.near_values);
     report.unique_coupling[g] = force.is_unique;
     report.decided_coupling[g] = force.stays;
   }

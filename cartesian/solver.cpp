@@ -30,13 +30,13 @@ constexpr double kHalfTurn = EIGEN_PI;
 constexpr double kQuarterTurn = 0.5 * EIGEN_PI;
 
 /// Holds the regimes that tires and stops are in for the time of a run.
-struct HeldRegimes {
+struct FrozenRegimes {
   AppliedForces& applied;
 
-  explicit HeldRegimes(AppliedForces& forces) : applied(forces) { applied.hold_regimes(true); }
-  ~HeldRegimes() { applied.hold_regimes(false); }
-  HeldRegimes(const HeldRegimes&) = delete;
-  HeldRegimes& operator=(const HeldRegimes&) = delete;
+  explicit FrozenRegimes(AppliedForces& forces) : applied(forces) { applied.freeze_regimes(true); }
+  ~FrozenRegimes() { applied.freeze_regimes(false); }
+  FrozenRegimes(const FrozenRegimes&) = delete;
+  FrozenRegimes& operator=(const FrozenRegimes&) = delete;
 };
 
 /// Refuses a run that would never end: an explicit method on a stiff machine, or a motion into a pose that locks.
@@ -155,9 +155,9 @@ class CartesianSolver : public Solver {
     equations_.update(0.0, motion_.q, motion_.Y);
     if (options.start) refuse_open(start);
     use_independent_rows(0.0);
-    const HeldRegimes held(equations_.applied());
+    const FrozenRegimes held(equations_.applied());
     equations_.solve(true);
-    const Motion first = motion_;
+    const MotionState first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
     PoseWatch watch(equations_, generic_rank_, 0.0, first);
     const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
@@ -290,7 +290,7 @@ class CartesianSolver : public Solver {
     constexpr int kPoses = 4;
     equations_.layout().unpack(start, motion_.q, motion_.Y);
     equations_.update(start.t, motion_.q, motion_.Y);
-    closing_modes_ = restrict_modes(equations_) ? Modes::moving : Modes::kept;
+    closing_modes_ = modes_are_restricted(equations_) ? Modes::moving : Modes::kept;
     const int n_rows = equations_.constraints().n_rows();
     generic_rank_ = may_lose_rank(model_) ? choose_rows(equations_, n_rows).rank : n_rows;
     if (generic_rank_ == n_rows) return;
@@ -363,21 +363,21 @@ class CartesianSolver : public Solver {
   /// relative to the distance, whose round-off they carry; velocities relative to the largest.
   void refuse_open(const State& state) {
     if (!motion_.q.allFinite() || !motion_.Y.allFinite()) {
-      throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds what is no finite number", state.t));
+      throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds a number that is not finite", state.t));
     }
     equations_.measure_terms(state.t, motion_.q);
-    const double gap = equations_.gap(equations_.residual());
-    const double rate = equations_.rate_error(equations_.velocity_residual());
+    const double position_residual = equations_.largest_residual(equations_.residual());
+    const double rate = equations_.largest_velocity_residual(equations_.velocity_residual());
     const double allowed_rate = kClosureAllowed * equations_.largest_rate(state.t, motion_.Y);
     double stretch = 0.0;
     for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
-    if (gap <= kClosureAllowed && rate <= allowed_rate && stretch <= kClosureAllowed) return;
-    const bool moves = gap <= kClosureAllowed;
+    if (position_residual <= kClosureAllowed && rate <= allowed_rate && stretch <= kClosureAllowed) return;
+    const bool moves = position_residual <= kClosureAllowed;
     throw SolverError(fmt::format(
-        "cartesian: the state at t = {:.6g} s is not closed: {} gap {:.2g} (of the machine's length, or rad), "
+        "cartesian: the state at t = {:.6g} s is not closed: {} residual {:.2g} (of the machine's length, or rad), "
         "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
-        state.t, equations_.name_of_largest(moves ? equations_.velocity_residual() : equations_.residual()), gap,
-        rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
+        state.t, equations_.name_of_largest(moves ? equations_.velocity_residual() : equations_.residual()),
+        position_residual, rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
   }
 
   /// Refuses a state that stands on another turn of a thread than its coordinates say.
@@ -433,8 +433,8 @@ class CartesianSolver : public Solver {
 
   /// At the last update: rows by their sizes, velocities by the largest speed.
   void note_residuals(SolverStatistics& statistics) const {
-    double largest = equations_.gap(equations_.residual());
-    const double rate = equations_.rate_error(equations_.velocity_residual());
+    double largest = equations_.largest_residual(equations_.residual());
+    const double rate = equations_.largest_velocity_residual(equations_.velocity_residual());
     if (rate > 0.0) largest = std::max(largest, rate / equations_.largest_rate(equations_.time(), motion_.Y));
     statistics.max_constraint = std::max(statistics.max_constraint, largest);
   }
@@ -446,7 +446,7 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(turns);
   }
 
-  std::unique_ptr<Stepper> make_stepper(const RunOptions& options, const Motion& first) {
+  std::unique_ptr<Stepper> make_stepper(const RunOptions& options, const MotionState& first) {
     const std::string chosen = options.integrator.empty() ? integrators().front() : options.integrator;
     // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
     // many.
@@ -460,7 +460,7 @@ class CartesianSolver : public Solver {
 
   const Model& model_;
   Equations equations_;
-  Motion motion_;
+  MotionState motion_;
   std::optional<State> start_;
   int generic_rank_ = 0;
   Modes closing_modes_ = Modes::kept;

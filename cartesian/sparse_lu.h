@@ -64,7 +64,7 @@ class SparseLu {
 
   std::vector<int> column_starts_;
   std::vector<int> row_indices_;
-  std::vector<int> diagonal_;  // by column: place of the diagonal entry, -1: none
+  std::vector<int> diagonal_;  // by column: index of the diagonal entry, -1: none
   std::vector<double> values_;
   std::vector<double> scaled_;
   std::vector<bool> idle_;

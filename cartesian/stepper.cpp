@@ -27,8 +27,8 @@ constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-Stepper::Stepper(Equations& equations, const Motion& start)
-    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_regimes()), kink_(HUGE_VAL) {
+Stepper::Stepper(Equations& equations, const MotionState& start)
+    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_regimes()), event_(HUGE_VAL) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
   const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
   chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
@@ -37,15 +37,15 @@ Stepper::Stepper(Equations& equations, const Motion& start)
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
     const double from = time_;
-    const double margin_before = margin(from, motion_);
+    const double value_before = event_function(from, motion_);
     advance(stop);
-    kink_ = has_regimes_ ? find_kink(from, margin_before, stop) : HUGE_VAL;
+    event_ = has_regimes_ ? locate_event(from, value_before, stop) : HUGE_VAL;
   }
-  if (kink_ <= stop) {
-    pass_kink();
+  if (event_ <= stop) {
+    pass_event();
   } else {
     time_ = std::min(reached_, stop);
-    look_back(time_);
+    set_motion_at(time_);
   }
   return time_;
 }
@@ -60,43 +60,43 @@ void Stepper::begin_anew() {
 }
 
 /// How far tires and stops are inside their regimes.
-double Stepper::margin(double t, const Motion& motion) {
+double Stepper::event_function(double t, const MotionState& motion) {
   if (!has_regimes_) return HUGE_VAL;
-  const AppliedForces::Margin smallest = equations_.applied().margin(t, motion.q, motion.Y);
-  at_margin_ = smallest.actor;
+  const AppliedForces::EventValue smallest = equations_.applied().event_function(t, motion.q, motion.Y);
+  nearest_event_ = smallest.actor;
   return smallest.size;
 }
 
-double Stepper::margin_at(double t) {
-  look_back(t);
-  return margin(t, motion_);
+double Stepper::event_function_at(double t) {
+  set_motion_at(t);
+  return event_function(t, motion_);
 }
 
 /// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
 /// at several times, so that no regime that comes and goes within the step is missed; Illinois' rule between them.
-double Stepper::find_kink(double from, double margin_before, double stop) {  // (C59)
-  constexpr int kLooks = 16;
+double Stepper::locate_event(double from, double value_before, double stop) {  // (C59)
+  constexpr int kSamples = 16;
   constexpr double kSharp = 1e-13;  // of the time of the run
-  if (!(margin_before >= 0.0)) return from;
+  if (!(value_before >= 0.0)) return from;
   const double step = reached_ - from;
   if (step <= kSharp * stop) return HUGE_VAL;
   double inside = from;
   double outside = HUGE_VAL;
-  for (int k = 1; k <= kLooks && outside == HUGE_VAL; ++k) {
-    const double t = k == kLooks ? reached_ : from + step * k / kLooks;
-    if (margin(t, glance(t)) < 0.0) outside = t;
+  for (int k = 1; k <= kSamples && outside == HUGE_VAL; ++k) {
+    const double t = k == kSamples ? reached_ : from + step * k / kSamples;
+    if (event_function(t, interpolate(t)) < 0.0) outside = t;
   }
   if (outside == HUGE_VAL) return HUGE_VAL;
-  double past = margin_at(outside);
+  double past = event_function_at(outside);
   if (!(past < 0.0)) return HUGE_VAL;
-  double before = margin_before;
+  double before = value_before;
   int same_side = 0;  // how often in a row the root was found on the same side: positive inside, negative outside
   const double sharp = std::max(kSharp * stop, 64.0 * kRoundOff * outside);
   while (outside - inside > sharp) {
     const bool halve = !(before > 0.0) || std::abs(same_side) > 2;
     const double part = halve ? 0.5 : before / (before - past);
     const double t = std::clamp(inside + part * (outside - inside), inside + 0.5 * sharp, outside - 0.5 * sharp);
-    const double found = margin_at(t);
+    const double found = event_function_at(t);
     if (found < 0.0) {
       outside = t;
       past = found;
@@ -112,35 +112,35 @@ double Stepper::find_kink(double from, double margin_before, double stop) {  // 
   return outside;
 }
 
-void Stepper::pass_kink() {
-  look_back(kink_);
-  (void)margin(kink_, motion_);  // names the tire or the stop
-  equations_.update(kink_, motion_.q, motion_.Y);
+void Stepper::pass_event() {
+  set_motion_at(event_);
+  (void)event_function(event_, motion_);  // names the tire or the stop
+  equations_.update(event_, motion_.q, motion_.Y);
   equations_.solve(true);
-  equations_.project(kink_, motion_.q, motion_.Y);
-  equations_.applied().hold_regimes(false);
-  equations_.update(kink_, motion_.q, motion_.Y);
-  equations_.applied().hold_regimes(true);
-  restart(kink_);
-  time_ = reached_ = kink_;
-  kink_ = HUGE_VAL;
+  equations_.project(event_, motion_.q, motion_.Y);
+  equations_.applied().freeze_regimes(false);
+  equations_.update(event_, motion_.q, motion_.Y);
+  equations_.applied().freeze_regimes(true);
+  restart(event_);
+  time_ = reached_ = event_;
+  event_ = HUGE_VAL;
   refuse_chatter();
 }
 
 void Stepper::refuse_chatter() {
-  constexpr int kMaxKinks = 200;
-  if (time_ - kinks_since_ > chatter_window_) {
-    kinks_since_ = time_;
-    kinks_ = 0;
+  constexpr int kMaxEvents = 200;
+  if (time_ - events_since_ > chatter_window_) {
+    events_since_ = time_;
+    events_ = 0;
   }
-  if (++kinks_ <= kMaxKinks) return;
+  if (++events_ <= kMaxEvents) return;
   throw SolverError(
       fmt::format("cartesian: at t = {:.6g} s {} changes its regime without end: {} times within {:.2g} s; its "
                   "laws leave no motion there: look at its friction, its road's edges and its damping",
-                  time_, equations_.applied().name_of_regime(at_margin_), kinks_, time_ - kinks_since_));
+                  time_, equations_.applied().name_of_regime(nearest_event_), events_, time_ - events_since_));
 }
 
-VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance) {
+VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance) {
   const Model& model = equations.model();
   const Layout& layout = equations.layout();
   const double length = model.length_scale();

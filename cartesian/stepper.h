@@ -8,8 +8,8 @@
 
 namespace concord::cartesian {
 
-/// A motion between steps: what a Stepper integrates.
-struct Motion {
+/// The state of a motion between steps: what a Stepper integrates.
+struct MotionState {
   VecX q;
   VecX Y;
   double work = 0.0;  // of drivers, springs, force elements and modal damping since the start, J
@@ -28,7 +28,7 @@ class Stepper {
   /// SolverError where no step succeeds, or where regimes change without end.
   double step(double stop);
   /// The motion at the time reached; to be projected by whoever needs it closed to round-off.
-  [[nodiscard]] const Motion& motion() const { return motion_; }
+  [[nodiscard]] const MotionState& motion() const { return motion_; }
   [[nodiscard]] long steps() const { return steps_; }
   /// The equations change here, and the motion goes on as it was reached: other rows are in use from now on, or a law
   /// of time goes on as another formula.
@@ -37,40 +37,40 @@ class Stepper {
   [[nodiscard]] long evaluations() const { return evaluations_; }
 
  protected:
-  Stepper(Equations& equations, const Motion& start);
+  Stepper(Equations& equations, const MotionState& start);
 
-  /// One step of the method from reached_ on, which it moves; it may pass `stop` if look_back() then finds the way.
+  /// One step of the method from reached_ on, which it moves; it may pass `stop` if set_motion_at() then finds the way.
   virtual void advance(double stop) = 0;
   /// The motion at a time within the last step, good enough to see what happens there.
-  virtual const Motion& glance(double t) = 0;
+  virtual const MotionState& interpolate(double t) = 0;
   /// Sets motion_ to that at a time within the last step, as exact as the step. A method that must repeat the step for
   /// it moves reached_ there.
-  virtual void look_back(double t) = 0;
+  virtual void set_motion_at(double t) = 0;
   /// Starts the method again at time t from motion_.
   virtual void restart(double t) = 0;
   /// Whether the method remembers multipliers, which belong to the rows in use.
   [[nodiscard]] virtual bool remembers_multipliers() const = 0;
 
   Equations& equations_;
-  Motion motion_;
+  MotionState motion_;
   double reached_ = 0.0;  // by the method; time_ may lag behind
   long steps_ = 0;
   long evaluations_ = 0;
 
  private:
-  double margin(double t, const Motion& motion);
-  double margin_at(double t);
-  double find_kink(double from, double margin_before, double stop);
-  void pass_kink();
+  double event_function(double t, const MotionState& motion);
+  double event_function_at(double t);
+  double locate_event(double from, double value_before, double stop);
+  void pass_event();
   void refuse_chatter();
 
   bool has_regimes_;
   double time_ = 0.0;
   double chatter_window_;  // s
-  double kink_;            // in the last step, not yet passed; HUGE_VAL: none
-  int at_margin_ = -1;
-  double kinks_since_ = 0.0;
-  int kinks_ = 0;
+  double event_;           // in the last step, not yet passed; HUGE_VAL: none
+  int nearest_event_ = -1;
+  double events_since_ = 0.0;
+  int events_ = 0;
 };
 
 /// Relative tolerance of each step, and the time of the run [s].
@@ -83,15 +83,16 @@ struct Tolerance {
 /// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed. A machine
 /// that starts at rest without gravity has the speed that its forces bring about over its length, or at least its
 /// length in the time of the run. At the last update of `equations` (C58).
-VecX absolute_tolerances(const Equations& equations, const Motion& start, Tolerance tolerance);
+VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance);
 
 /// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of
 /// ARKODE; every step is projected onto the constraints. For machines that are not stiff. Each step holds `tolerance`.
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const Motion& start, Tolerance tolerance);
+std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const MotionState& start,
+                                                    Tolerance tolerance);
 
 /// IDA (BDF, orders 1 to 5) on the stabilized index-2 equations with KLU: positions and velocities are both
 /// constrained, the position rows' extra multipliers mu stay at round-off. For stiff machines. Each step holds
 /// `tolerance`.
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const Motion& start, Tolerance tolerance);
+std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const MotionState& start, Tolerance tolerance);
 
 }  // namespace concord::cartesian

@@ -16,7 +16,7 @@ namespace concord {
 namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
-using Row = Eigen::RowVectorXd;
+using ShapeRow = Eigen::RowVectorXd;
 
 constexpr std::array kFamilies{BeamFamily::bending_xy, BeamFamily::bending_xz, BeamFamily::torsion, BeamFamily::axial};
 
@@ -69,26 +69,27 @@ struct Line {
 };
 
 /// Displacement (or twist) at xi in [0, 1] of an element, from the numbers at its two nodes.
-Row interpolation(const Line& line, double xi) {
-  if (!line.bends) return Row{{1.0 - xi, xi}};
+ShapeRow interpolation(const Line& line, double xi) {
+  if (!line.bends) return ShapeRow{{1.0 - xi, xi}};
   const double back = 1.0 - xi;
-  return Row{{back * back * (1.0 + 2.0 * xi), line.width * xi * back * back, xi * xi * (3.0 - 2.0 * xi),
-              -line.width * xi * xi * back}};
+  return ShapeRow{{back * back * (1.0 + 2.0 * xi), line.width * xi * back * back, xi * xi * (3.0 - 2.0 * xi),
+                   -line.width * xi * xi * back}};
 }
 
 /// Strain at xi: curvature, twist per length or stretch.
-Row strain(const Line& line, double xi) {
+ShapeRow strain(const Line& line, double xi) {
   const double h = line.width;
-  if (!line.bends) return Row{{-1.0 / h, 1.0 / h}};
-  return Row{{(12.0 * xi - 6.0) / (h * h), (6.0 * xi - 4.0) / h, (6.0 - 12.0 * xi) / (h * h), (6.0 * xi - 2.0) / h}};
+  if (!line.bends) return ShapeRow{{-1.0 / h, 1.0 / h}};
+  return ShapeRow{
+      {(12.0 * xi - 6.0) / (h * h), (6.0 * xi - 4.0) / h, (6.0 - 12.0 * xi) / (h * h), (6.0 * xi - 2.0) / h}};
 }
 
 /// integral of factor * rows(x)^T rows(x) over the line, for `rows` one of the two functions above (S6).
-SparseMatrix assemble(const Line& line, Row (*rows)(const Line&, double), double factor) {
+SparseMatrix assemble(const Line& line, ShapeRow (*rows)(const Line&, double), double factor) {
   const int n = 2 * line.per_node();
   MatX element = MatX::Zero(n, n);
   for (const GaussPoint& point : gauss_points()) {
-    const Row row = rows(line, point.xi);
+    const ShapeRow row = rows(line, point.xi);
     element += factor * line.width * point.weight * row.transpose() * row;
   }
   std::vector<Eigen::Triplet<double>> entries;
@@ -104,12 +105,12 @@ SparseMatrix assemble(const Line& line, Row (*rows)(const Line&, double), double
 }
 
 /// The same integral for the columns of `shapes`. Strains are formed first: far less round-off than shapes^T K shapes.
-MatX reduce(const Line& line, Row (*rows)(const Line&, double), double factor, const MatX& shapes) {
+MatX reduce(const Line& line, ShapeRow (*rows)(const Line&, double), double factor, const MatX& shapes) {
   MatX reduced = MatX::Zero(shapes.cols(), shapes.cols());
   const int n = 2 * line.per_node();
   for (int e = 0; e < line.elements; ++e) {
     for (const GaussPoint& point : gauss_points()) {
-      const Row row = rows(line, point.xi) * shapes.middleRows(e * line.per_node(), n);
+      const ShapeRow row = rows(line, point.xi) * shapes.middleRows(e * line.per_node(), n);
       reduced += factor * line.width * point.weight * row.transpose() * row;
     }
   }
@@ -444,7 +445,7 @@ SectionMotion in_element(const BeamModes& modes, int element, double xi) {
     const FamilyModes& family = modes.families[f];
     if (family.columns.empty()) continue;
     const int per_node = family.line.per_node();
-    const Row values = interpolation(family.line, xi) * family.shapes.middleRows(element * per_node, 2 * per_node);
+    const ShapeRow values = interpolation(family.line, xi) * family.shapes.middleRows(element * per_node, 2 * per_node);
     for (std::size_t k = 0; k < family.columns.size(); ++k) {
       add_value(kFamilies[f], values(static_cast<Eigen::Index>(k)), family.columns[k], motion);
     }

@@ -14,7 +14,7 @@
 namespace concord {
 
 /// An expression that cannot be evaluated. The text is empty if it only uses a parameter that is itself at fault, so
-/// that one fault is told once.
+/// that one fault is reported once.
 class ExpressionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,7 +23,7 @@ class ExpressionError : public std::runtime_error {
 /// One line of `[parameters]`.
 struct ParameterDefinition {
   std::string name;
-  /// A number, an expression, or nothing: at fault already, and told.
+  /// A number, an expression, or nothing: at fault already, and reported.
   std::variant<std::monostate, double, std::string> value;
   SourceLocation where;
 };

@@ -37,7 +37,7 @@ StopRegime regime_of(const SmoothStop& stop, double p, double pdot) {
   return p < stop.width ? StopRegime::soft : StopRegime::full;
 }
 
-double margin_of(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
+double event_function_of(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
   const double z = p / stop.width;
   const double push = push_of(stop, p, pdot);
   switch (regime) {
@@ -79,7 +79,7 @@ double ForceTable::slope(int piece, double x) const {
   return is_tangent ? spline_.evaluate(nearest_end(piece)).fdot : spline_.evaluate(piece, x).fdot;
 }
 
-double ForceTable::margin(int piece, double x) const {
+double ForceTable::event_function(int piece, double x) const {
   double inside = 0.0;
   if (piece == kBelow) {
     inside = first_ - x;
@@ -124,15 +124,16 @@ LawRegime regime_at(const ForceLaw& law, double x, double xdot) {
   return regime;
 }
 
-double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
-  double margin = std::numeric_limits<double>::infinity();
-  if (law.upper) margin = margin_of(*law.upper, regime.upper, x - law.upper->at, xdot);
-  if (law.lower) margin = std::min(margin, margin_of(*law.lower, regime.lower, law.lower->at - x, -xdot));
+double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
+  double value = std::numeric_limits<double>::infinity();
+  if (law.upper) value = event_function_of(*law.upper, regime.upper, x - law.upper->at, xdot);
+  if (law.lower) value = std::min(value, event_function_of(*law.lower, regime.lower, law.lower->at - x, -xdot));
   if (law.spring_table) {
-    margin = std::min(margin, kBeyondBorder + law.spring_table->margin(regime.spring_piece, x - law.free));
+    value = std::min(value, kBeyondBorder + law.spring_table->event_function(regime.spring_piece, x - law.free));
   }
-  if (law.damper_table) margin = std::min(margin, kBeyondBorder + law.damper_table->margin(regime.damper_piece, xdot));
-  return margin;
+  if (law.damper_table)
+    value = std::min(value, kBeyondBorder + law.damper_table->event_function(regime.damper_piece, xdot));
+  return value;
 }
 
 double evaluate_actuator(const ForceLaw& law, double t) {

@@ -27,7 +27,7 @@ class ForceTable {
   [[nodiscard]] double evaluate(int piece, double x) const;
   [[nodiscard]] double slope(int piece, double x) const;
   /// How far x is inside the piece, in parts of the table's length; negative outside.
-  [[nodiscard]] double margin(int piece, double x) const;
+  [[nodiscard]] double event_function(int piece, double x) const;
 
  private:
   static constexpr int kBelow = -1;
@@ -42,8 +42,8 @@ class ForceTable {
 /// A soft stop that begins to resist at `at`. Pressed by p = x - at (a lower stop: at - x), with z = p / width up to 1
 /// and the share s = z^2 (3 - 2 z), it pushes with stiffness times the integral of s over p, plus damping s pdot, if
 /// this is positive, else not at all: a stop never pulls. The spring's part is twice continuously differentiable, the
-/// damper's once; where a damped stop lets go, in the middle of the rebound, the force goes through zero with a kink.
-/// Resists growth beyond `at` (an upper stop) or fall below it (a lower one).
+/// damper's once; where a damped stop lets go, in the middle of the rebound, the force passes zero with a jump of its
+/// rate. Resists growth beyond `at` (an upper stop) or fall below it (a lower one).
 struct SmoothStop {
   double at = 0.0;         // m or rad
   double stiffness = 0.0;  // N/m or N m/rad
@@ -76,7 +76,7 @@ struct Resistance {
 Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot);  // (S29)
 
 /// How a stop acts: not at all (it is not pressed, or has let go), with the share of a stop that is not pressed by its
-/// width, or in full. Between two of them lies a kink of some derivative of the force.
+/// width, or in full. Between two of them some derivative of the force jumps.
 enum class StopRegime { off, soft, full };
 
 /// Of both stops of a law, and the pieces of its tables: between two pieces the third derivative jumps. An integrator
@@ -99,7 +99,7 @@ LawRegime regime_at(const ForceLaw& law, double x, double xdot);
 /// forces over stiffness times width, or in lengths of the table. The smallest; infinite without stops and tables. A
 /// regime ends 1e-11 beyond its border, where its formulas still hold to round-off, so that a spring that rests on a
 /// border does not chatter.
-double margin_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
 /// Whether the law has more than one regime.
 [[nodiscard]] inline bool has_regimes(const ForceLaw& law) {

@@ -168,13 +168,13 @@ class MachineSizes {
   double until_;
 };
 
-/// Products of one owner, told at its place.
+/// Products of one owner, reported at its location.
 class ProductChecks {
  public:
   ProductChecks(std::string owner, const SourceLocation& where, std::vector<Diagnostic>& complaints)
       : owner_(std::move(owner)), where_(where), complaints_(complaints) {}
 
-  /// Exponents of the factors are summed; a product with a factor of zero is zero. Tells the first complaint only.
+  /// Exponents of the factors are summed; a product with a factor of zero is zero. Reports the first complaint only.
   void check(std::string_view what, double exponent) {
     static const double kMost = exponent_of(kLargestSize);
     if (told_ || exponent <= kMost) return;

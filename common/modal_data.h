@@ -7,15 +7,15 @@
 
 namespace concord {
 
-/// A mass point of a flexible body: mass [kg], undeformed place in the body frame [m], translation rows of the m mode
-/// shapes there (3 x m): its deformed place is s0_L + Psi_t_L a.
+/// A mass point of a flexible body: mass [kg], undeformed position in the body frame [m], translation rows of the m
+/// mode shapes there (3 x m): its deformed position is s0_L + Psi_t_L a.
 struct MassPoint {
   double mass = 0.0;
   Vec3 s0_L = Vec3::Zero();
   Mat3X Psi_t_L;
 };
 
-/// A named place on a flexible body where joints can attach: undeformed place, translation and rotation rows of the
+/// A named place on a flexible body where joints can attach: undeformed position, translation and rotation rows of the
 /// mode shapes (3 x m each), all in body axes.
 struct ModalNode {
   std::string name;

@@ -32,7 +32,7 @@ bool Model::is_flexible() const {
 
 bool Model::carries_nothing(int k) const {
   const Joint& joint = joints[k];
-  if (joint.type->rows() + joint.type->slip_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
+  if (joint.type->rows() + joint.type->nonholonomic_rows() > 0 || !joint.drivers.empty() || !joint.springs.empty())
     return false;
   return !is_coupled(k);
 }
@@ -66,7 +66,7 @@ double Model::length_scale() const {
 
 namespace {
 
-/// Place and orientation of the child's joint frame in the parent's for the start coordinates.
+/// Position and orientation of the child's joint frame in the parent's for the start coordinates.
 Pose start_motion(const Joint& joint) {
   Pose reached;
   for (std::size_t k = 0; k < joint.start.size(); ++k) {
@@ -117,7 +117,7 @@ std::vector<Pose> guess_poses(const Model& model) {
     }
     return true;
   };
-  // A joint whose start says nothing is the last to be believed.
+  // Joints for which the model states no start value come last: theirs are guesses.
   const auto says_something = [](const Joint& joint) {
     return joint.start.empty() || !joint.drivers.empty() ||
            std::any_of(joint.start.begin(), joint.start.end(),

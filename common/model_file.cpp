@@ -181,7 +181,7 @@ std::vector<NeedOverride> read_needs(const TableReader& document, const std::vec
   return needs;
 }
 
-/// Complaints about what stands in a file of the model are told by that file's reading.
+/// Complaints about what stands in a file of the model are reported by that file's reading.
 void tell(Diagnostic complaint, ModelParts& parts) {
   const auto part = std::find_if(parts.begin(), parts.end(),
                                  [&](const ModelPart& one) { return one.reading.file == complaint.where.file; });

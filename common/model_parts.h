@@ -31,7 +31,7 @@ using ModelParts = std::deque<ModelPart>;
 ModelParts read_model_parts(std::string_view text, const std::filesystem::path& file, KnownKeys known);
 
 /// Throws InputError with the complaints of all parts, if there are any: part by part, each in the order of its file.
-/// What is wrong in a file that is included more than once is told once.
+/// What is wrong in a file that is included more than once is reported once.
 void throw_if_any(const ModelParts& parts);
 
 /// The name of a table, as the file has it, and where it stands.

@@ -88,8 +88,9 @@ class Solver {
   /// are [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length [rad/s]).
   virtual MatX tangent(const State& state) = 0;
 
-  /// Integrates from the start state, the model's or that of the options. Throws SolverError with time, place and reason if it cannot reach the tolerance,
-  /// and SingularPose if the motion reaches or passes a singular pose, between steps too.
+  /// Integrates from the start state, the model's or that of the options. Throws SolverError with time, place and
+  /// reason if it cannot reach the tolerance, and SingularPose if the motion reaches or passes a singular pose, between
+  /// steps too.
   virtual Trajectory integrate(const RunOptions& options, const Progress& progress) = 0;
 
   /// Names of the joints that this solver cuts, in the order of the model; empty if it cuts none.

@@ -38,23 +38,23 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact) {
   return regime;
 }
 
-double margin_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
-  double margin = std::numeric_limits<double>::infinity();
-  const auto end = [&margin](double distance) { margin = std::min(margin, distance); };
+double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  double smallest = std::numeric_limits<double>::infinity();
+  const auto end = [&smallest](double distance) { smallest = std::min(smallest, distance); };
   const auto holds = [](bool inside, double value) { return inside ? value : -value; };
   if (const auto edges = edges_of(*tire.road)) {
     if (regime.stretch > 0) end((contact.x - (*edges)[regime.stretch - 1]) / tire.radius);
     if (regime.stretch < 2) end(((*edges)[regime.stretch] - contact.x) / tire.radius);
   }
   end(holds(regime.touches, contact.delta / tire.radius));
-  if (!regime.touches) return margin;
+  if (!regime.touches) return smallest;
   const double force_scale = tire.stiffness * tire.radius;
   const TireForces forces = evaluate_linear(tire, contact);
   end(holds(regime.pushes, forces.N / force_scale));
-  if (!regime.pushes) return margin;
+  if (!regime.pushes) return smallest;
   const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
   end(holds(regime.slides, beyond / force_scale));
-  return margin;
+  return smallest;
 }
 
 }  // namespace concord

@@ -31,9 +31,9 @@ struct Tire {
   double speed_scale = 0.1;          // m/s: V = sqrt(V_x^2 + speed_scale^2), regular at standstill
 };
 
-/// In which way the laws of a tire hold; between two regimes lies a kink, or a jump where a damped tire lands. An
-/// integrator keeps the regime during a step, as if the laws of the regime went on for ever, and ends the step where
-/// the regime ends.
+/// In which way the laws of a tire hold; between two regimes a derivative jumps, or the force where a damped tire
+/// lands. An integrator keeps the regime during a step, as if the laws of the regime went on for ever, and ends the
+/// step where the regime ends.
 struct TireRegime {
   int stretch = 0;       // of the road
   bool touches = false;  // delta > 0
@@ -69,6 +69,6 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact);
 
 /// How far the contact is inside a regime: positive inside, through zero where the regime ends; in units of its own (a
 /// length over the radius, a force over stiffness radius). The smallest over all its ends.
-double margin_of(const Tire& tire, const TireRegime& regime, const TireContact& contact);
+double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact);
 
 }  // namespace concord

@@ -34,7 +34,7 @@ std::string quoted(const KnownKeys& keys, std::string_view last_separator) {
   return text;
 }
 
-/// More complaints than this are not told.
+/// More complaints than this are not reported.
 constexpr std::size_t kMostComplaints = 200;
 
 /// Looks through a document before it is parsed: the parser builds and takes down nested values by recursion.

@@ -16,7 +16,7 @@
 #include "common/types.h"
 
 /// A typed reader over toml++: every reading that fails leaves a complaint and goes on, so that all errors of a file
-/// are told in one go.
+/// are reported together.
 namespace concord {
 
 /// What all readers of one file share.
@@ -55,7 +55,7 @@ toml::table parse_toml(std::string_view text, const std::string& file);
 using KnownKeys = std::vector<std::string_view>;
 
 /// One table of a file. Each reading returns nothing if the key is missing, or if its value is wrong: then it has
-/// complained at the value's place. Numbers may be expressions of the parameters, and are zero or of a usable size
+/// reported at the value's location. Numbers may be expressions of the parameters, and are zero or of a usable size
 /// (common/magnitude.h).
 class TableReader {
  public:

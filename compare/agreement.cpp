@@ -38,7 +38,7 @@ double total_mass(const Model& model) {
 
 class Scales {
  public:
-  Scales(const Layout& layout, const Series& series)
+  Scales(const QuantityLayout& layout, const Series& series)
       : layout_(layout), series_(series), length_(layout.model().length_scale()) {
     collect_wrenches();
     collect_accelerations();
@@ -173,7 +173,7 @@ class Scales {
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
     }
-    // A body that nothing but its modes moves still has the loads of the machine to be held against.
+    // A body that nothing but its modes moves still has the loads of the machine to be compared with.
     const double by_loads = wrench_floor_.linear / total_mass(model);
     acceleration_floor_ = {std::max(kScaleFloor * acceleration_floor_.linear, by_loads),
                            std::max(kScaleFloor * acceleration_floor_.angular, by_loads / length_)};
@@ -196,7 +196,7 @@ class Scales {
     }
   }
 
-  const Layout& layout_;
+  const QuantityLayout& layout_;
   const Series& series_;
   double length_;
   std::vector<BlockScale> reactions_;  // joint-major, parent then child
@@ -263,7 +263,7 @@ void measure_row(const Series& series, const Budget& budget, Eigen::Index row, M
 
 }  // namespace
 
-std::vector<Measured> measure(const Layout& layout, const Series& series, const Budget& budget) {
+std::vector<Measured> measure(const QuantityLayout& layout, const Series& series, const Budget& budget) {
   const Scales scales(layout, series);
   std::vector<Measured> all(layout.quantities().size());
   for (std::size_t row = 0; row < all.size(); ++row) {

@@ -32,7 +32,7 @@ const char* name_of(ScaleSource source);
 /// For each quantity (rows) and sample (columns) whether it is judged there.
 using Mask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// What a difference is held against besides the need: the resolution of each quantity in each sample, NaN where it is
+/// What a difference is compared with besides the need: the resolution of each quantity in each sample, NaN where it is
 /// unknown, and the samples in which it is unique. Null: unknown everywhere; unique everywhere.
 struct Budget {
   const MatX* resolution = nullptr;
@@ -69,6 +69,6 @@ struct Measured {
 /// their factors; a force element's wrench its own; a body's sum that of the
 /// largest wrench in it; an acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l, g), g because the forces on
 /// a body at rest are those that keep it from falling; angular the same over l; modal accelerations the body's largest.
-std::vector<Measured> measure(const Layout& layout, const Series& series, const Budget& budget = {});
+std::vector<Measured> measure(const QuantityLayout& layout, const Series& series, const Budget& budget = {});
 
 }  // namespace concord::compare

@@ -12,7 +12,7 @@ namespace concord::compare {
 
 namespace {
 
-void check_finite(const Layout& layout, const VecX& values, double t, const char* solver) {
+void check_finite(const QuantityLayout& layout, const VecX& values, double t, const char* solver) {
   for (Eigen::Index row = 0; row < values.size(); ++row) {
     if (std::isfinite(values(row))) continue;
     const Quantity& quantity = layout.quantities()[row];
@@ -21,7 +21,7 @@ void check_finite(const Layout& layout, const VecX& values, double t, const char
   }
 }
 
-Series make_series(const Layout& layout, std::size_t samples) {
+Series make_series(const QuantityLayout& layout, std::size_t samples) {
   Series series;
   series.times.resize(samples);
   series.spin.assign(layout.model().bodies.size(), 0.0);
@@ -31,7 +31,7 @@ Series make_series(const Layout& layout, std::size_t samples) {
   return series;
 }
 
-void put(const Layout& layout, Series& series, std::size_t column, int who, const State& state,
+void put(const QuantityLayout& layout, Series& series, std::size_t column, int who, const State& state,
          const Evaluation& evaluation) {
   const VecX values = layout.observe(state, evaluation);
   check_finite(layout, values, state.t, kSolverNames[who]);
@@ -43,7 +43,7 @@ void put(const Layout& layout, Series& series, std::size_t column, int who, cons
 
 }  // namespace
 
-Series align(const Layout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples) {
+Series align(const QuantityLayout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples) {
   for (int who = 0; who < 2; ++who) {
     const auto found = static_cast<int>(trajectories[who]->samples.size());
     if (found == samples) continue;
@@ -68,7 +68,7 @@ Series align(const Layout& layout, const std::array<const Trajectory*, 2>& traje
   return series;
 }
 
-Series align(const Layout& layout, const std::vector<SharedState>& states) {
+Series align(const QuantityLayout& layout, const std::vector<SharedState>& states) {
   Series series = make_series(layout, states.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
     series.times[k] = states[k].state.t;
@@ -85,7 +85,7 @@ double angle_between(const Mat3& A1, const Mat3& A2) {
 
 namespace {
 
-/// Least part of the machine's length, and of the speed that gravity gives it, that motion is held against.
+/// Least part of the machine's length, and of the speed that gravity gives it, that motion is compared with.
 constexpr double kAtRest = 1e-3;
 
 /// Largest speeds and modal coordinates of a run: the scales of motion.
@@ -140,7 +140,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   const double length = model.length_scale();
   const double until = trajectory.samples.empty() ? 0.0 : trajectory.samples.back().state.t;
   scales.speed = std::max(scales.speed, scales.turning * length);
-  // A machine at rest is held against what gravity, or the time of the run, would make of it.
+  // A machine at rest is compared with what gravity, or the time of the run, would make of it.
   scales.speed = std::max(scales.speed, kAtRest * std::sqrt(model.gravity.norm() * length));
   if (until > 0.0) scales.speed = std::max(scales.speed, kAtRest * length / until);
   scales.turning = scales.speed / length;

@@ -27,7 +27,7 @@ struct Series {
 
 /// Puts two trajectories on their common grid. Throws IncompleteResult if either has other than `samples` samples, if
 /// the times differ, or if a number is missing or not finite.
-Series align(const Layout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
+Series align(const QuantityLayout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
 
 /// One state, evaluated by both solvers. `row`: the sample of the run that it is taken from, or -1.
 struct SharedState {
@@ -37,14 +37,14 @@ struct SharedState {
 };
 
 /// Evaluations of the same states side by side. Throws IncompleteResult like the other one.
-Series align(const Layout& layout, const std::vector<SharedState>& states);
+Series align(const QuantityLayout& layout, const std::vector<SharedState>& states);
 
 /// Angle between two orientations, of A1^T A2 [rad], accurate near zero.
 double angle_between(const Mat3& A1, const Mat3& A2);
 
 /// Agreement of motions over two aligned trajectories: the worst of body origins (relative to the machine's length),
 /// orientations (rad), velocities and angular velocities (relative to the largest of the run), and modal coordinates
-/// (relative to the body's largest). What hardly moves is held against a thousandth of what the machine's length,
+/// (relative to the body's largest). What hardly moves is compared with a thousandth of what the machine's length,
 /// gravity and the time of the run give.
 struct MotionAgreement {
   double digits = 16.0;

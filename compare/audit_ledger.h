@@ -19,7 +19,7 @@ enum class AuditRule {
   drivers,     // S^T [F; T] of the total wrench on the child is tau; total minus reaction is its coordinate wrench
   force_law,   // each element's wrench is what its law says of the state, and tau what springs, actuators and couplings
                // add
-  kinematics,  // places, velocities and accelerations of the bodies are such as the joints permit
+  kinematics,  // positions, velocities and accelerations of the bodies are such as the joints permit
   driver_law,  // a driven coordinate follows its law, q = f, u = f', udot = f''; coupled ones keep their relation
   derivatives  // the derivatives of a joint type that is given by functions are those of the functions' values
 };
@@ -62,7 +62,7 @@ inline constexpr std::size_t kAuditUnits = 9;
 using AuditScales = std::array<double, kAuditUnits>;
 
 constexpr std::size_t index(AuditUnit unit) { return static_cast<std::size_t>(unit); }
-constexpr AuditUnit unit_of_place(bool turns) { return turns ? AuditUnit::angle : AuditUnit::length; }
+constexpr AuditUnit unit_of_position(bool turns) { return turns ? AuditUnit::angle : AuditUnit::length; }
 constexpr AuditUnit unit_of_speed(bool turns) { return turns ? AuditUnit::turning_speed : AuditUnit::speed; }
 constexpr AuditUnit unit_of_acceleration(bool turns) {
   return turns ? AuditUnit::turning_acceleration : AuditUnit::acceleration;
@@ -84,7 +84,7 @@ struct AuditRow {
 struct AuditEntity {
   std::string name;
   std::vector<AuditRow> rows;
-  /// A joint that can carry nothing has no scale of its own: it is held against the machine's largest.
+  /// A joint that can carry nothing has no scale of its own: it is compared with the machine's largest.
   bool is_idle = false;
 
   /// Residuals of all rows in their order, at a time, with the scales of each unit there.

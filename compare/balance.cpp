@@ -157,7 +157,7 @@ class JointPower {
         total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
         reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
         tau_(wrenches.tau),
-        lawful_tau_(lawful_tau(joint, springs, motion_, t) + coupled),
+        tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
   /// S^T [F; T] of the reaction, along the speeds that are possible.
@@ -178,7 +178,7 @@ class JointPower {
 
   /// tau minus what springs and actuators exert by their laws and couplings by their forces; zero where a driver acts.
   [[nodiscard]] VecX beyond_law() const {
-    return lawful_tau_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - lawful_tau_);
+    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - tau_by_laws_);
   }
 
  private:
@@ -192,16 +192,16 @@ class JointPower {
   Vec6 total_;
   Vec6 reaction_;
   const VecX& tau_;
-  VecX lawful_tau_;
+  VecX tau_by_laws_;
   Mat6X directions_;
 };
 
 /// Both sides' wrenches, global axes, minus what the element's law says.
 VecX law_residuals(const ElementLaw& law, const State& state, const ElementWrenches& wrenches) {
-  const std::array<Wrench, 2> lawful = law.wrenches(state);
+  const std::array<Wrench, 2> by_law = law.wrenches(state);
   VecX residuals(12);
   for (const Side side : kSides) {
-    residuals.segment<6>(6 * index(side)) = wrenches.on_side(side).in_global.vector() - lawful[index(side)].vector();
+    residuals.segment<6>(6 * index(side)) = wrenches.on_side(side).in_global.vector() - by_law[index(side)].vector();
   }
   return residuals;
 }

@@ -75,7 +75,7 @@ double mechanical_energy(const Model& model, const State& state);
 
 /// How well a run keeps its energy: largest |E(t) - E(0) - work(t)|, relative to the largest of kinetic energy, range
 /// of potential and strain energy, and work; at least a millionth of what the largest force would do along the
-/// machine's length, which is what a machine at rest is held against.
+/// machine's length, which is what a machine at rest is compared with.
 struct EnergyReport {
   double error = 0.0;  // J
   double scale = 0.0;  // J

@@ -54,7 +54,7 @@ std::vector<Column> element_columns(const Model& model);
 /// "strut.child.global.F_x", and forces of couplings, "gear.force".
 std::vector<Column> further_columns(const Model& model);
 
-/// The quantity that is compared between the solvers and whose row tells a column's scale and whether it is unique;
+/// The quantity that is compared between the solvers and whose row gives a column's scale and whether it is unique;
 /// nothing for places and speeds.
 std::optional<Quantity> quantity_of(const Column& column);
 

@@ -26,7 +26,7 @@ namespace concord::compare {
 
 namespace {
 
-/// One line on a terminal that tells how far a run is; wiped when it goes.
+/// One line on a terminal that shows how far a run is; wiped when it goes.
 class ProgressLine {
  public:
   explicit ProgressLine(const Console& console) : console_(console) {}
@@ -332,7 +332,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     if (!note.empty()) console.out << fmt::format("note: {}\n", note);
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     const RunCheck check = check_run(layout, *solver, trajectory, run);
     console.out << format_run_check(layout, solver->name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);

@@ -65,7 +65,7 @@ struct NamedRun {
 
 /// Writes solvers' runs: NetCDF and CSV files `folder`/`model`.`solver`.nc, .motion.csv, .reactions.csv, and
 /// .elements.csv if the model has force elements. They replace those of an earlier run together. Throws InputError if
-/// the place cannot be written.
+/// the path cannot be written.
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
 
 /// Throws InputError unless a file can be written at `target` (an empty one is none) that is none of the `inputs`.

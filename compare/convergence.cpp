@@ -18,14 +18,14 @@ constexpr double kOfOneDraw = 10.0;
 constexpr double kOneAlone = 1e4;
 
 /// Rows that are judged on a rung and miss their need, those with the fewest digits first.
-std::vector<Row*> rows_that_miss(Verdict& verdict, Rung rung) {
-  std::vector<Row*> missing;
+std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Rung rung) {
+  std::vector<QuantityRow*> missing;
   for (auto* rows : {&verdict.rows, &verdict.others}) {
-    for (Row& row : *rows) {
-      if (row.unique && digits_of(row, rung) && !climbs(row, rung)) missing.push_back(&row);
+    for (QuantityRow& row : *rows) {
+      if (row.unique && digits_of(row, rung) && !meets_need(row, rung)) missing.push_back(&row);
     }
   }
-  std::stable_sort(missing.begin(), missing.end(), [rung](const Row* a, const Row* b) {
+  std::stable_sort(missing.begin(), missing.end(), [rung](const QuantityRow* a, const QuantityRow* b) {
     return detail_of(*a, rung).unexplained < detail_of(*b, rung).unexplained;
   });
   return missing;
@@ -61,7 +61,7 @@ std::string tell(std::string_view what, double digits, const std::array<double, 
 
 }  // namespace
 
-RunPair first_samples(const Layout& layout, const RunPair& pair, int samples) {
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples) {
   RunPair first{pair.run, {}, {}, {}, {}};
   for (std::size_t who = 0; who < 2; ++who) {
     Trajectory& run = first.trajectories[who].emplace();
@@ -74,18 +74,20 @@ RunPair first_samples(const Layout& layout, const RunPair& pair, int samples) {
 
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
   if (pair.motion.digits < motion_need) return false;
-  const auto misses = [rung](const Row& row) { return row.unique && digits_of(row, rung) && !climbs(row, rung); };
+  const auto misses = [rung](const QuantityRow& row) {
+    return row.unique && digits_of(row, rung) && !meets_need(row, rung);
+  };
   return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
-std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
+std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict) {
-  const std::vector<Row*> missing = rows_that_miss(verdict, rung);
+  const std::vector<QuantityRow*> missing = rows_that_miss(verdict, rung);
   // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
   double apart = 0.0;
   std::array<double, 2> moved{};
-  for (const Row* row : missing) {
+  for (const QuantityRow* row : missing) {
     const int place = layout.row_of(row->quantity);
     const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
     const std::array<double, 2> own = own_changes(looser, tighter, place);
@@ -100,7 +102,7 @@ std::optional<std::string> find_unconverged(const Layout& layout, const RunPair&
     return std::nullopt;
   }
   if (std::abs(of_motions[0] - of_motions[1]) > std::log10(kOneAlone)) return std::nullopt;
-  for (Row* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
+  for (QuantityRow* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
   if (missing.empty()) {
     return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);
   }

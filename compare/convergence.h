@@ -13,7 +13,7 @@
 /// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.
 namespace concord::compare {
 
-/// A rung by runs is climbed again at tighter tolerances while its needs are missed, but not below this.
+/// A rung by runs is repeated at tighter tolerances while its needs are missed, but not below this.
 inline constexpr double kTightestRepeat = 1e-13;
 
 /// Both solvers' runs at one tolerance, side by side.
@@ -28,7 +28,7 @@ struct RunPair {
 };
 
 /// The same runs up to a sample, `samples` of them; not measured.
-RunPair first_samples(const Layout& layout, const RunPair& pair, int samples);
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples);
 
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
@@ -39,7 +39,7 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
 /// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
 /// worst. Returns nothing, and marks nothing, if the difference is larger, or if one solver alone moves: then its
 /// integration is at fault.
-std::optional<std::string> find_unconverged(const Layout& layout, const RunPair& looser, const RunPair& tighter,
+std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict);
 
 }  // namespace concord::compare

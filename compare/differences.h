@@ -20,7 +20,7 @@ struct SlopeMisfit {
 
 /// Compares the slope of f at 0 with `expected` (entries over `scales`, positive; NaN: anything is right). Quotients of
 /// sixth order across 0, and of fourth order on either side of it, are taken with `step` and with steps that shrink to
-/// a hundred thousandth: a kink of a higher derivative spoils those that reach over it, a short wave those with long
+/// a hundred thousandth: a jump of a higher derivative spoils those that reach over it, a short wave those with long
 /// steps, and round-off those with short ones. The best of them counts; the search ends at one as good as `enough`.
 template <class Function>
 SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& scales, double step, double enough) {

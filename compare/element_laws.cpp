@@ -126,7 +126,7 @@ ElementLaw::BothSides ElementLaw::exerted(const Tire& tire, const State& state) 
   return wrenches;
 }
 
-std::array<Wrench, 2> lawful_wrenches(const ForceElement& element, const State& state) {
+std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state) {
   return ElementLaw(element).wrenches(state);
 }
 

@@ -39,6 +39,6 @@ class ElementLaw {
 };
 
 /// The same of one element in one state.
-std::array<Wrench, 2> lawful_wrenches(const ForceElement& element, const State& state);
+std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state);
 
 }  // namespace concord::compare

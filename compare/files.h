@@ -17,7 +17,7 @@ void check_target(const std::filesystem::path& path);
 /// Throws InputError unless `folder` is a folder in which files can be made, or can be made itself. Creates nothing.
 void check_target_folder(const std::filesystem::path& folder);
 
-/// Writes all of `text` or nothing. Creates the folder. Throws InputError if the place cannot be written,
+/// Writes all of `text` or nothing. Creates the folder. Throws InputError if the path cannot be written,
 /// std::runtime_error if the disk is full.
 void write_file(const std::filesystem::path& path, const std::string& text);
 
@@ -27,7 +27,7 @@ void make_folder(const std::filesystem::path& folder);
 /// A file under a temporary name until it is finished.
 class UnfinishedFile {
  public:
-  /// Creates the folder and an empty file. Throws InputError if the place cannot be written.
+  /// Creates the folder and an empty file. Throws InputError if the path cannot be written.
   explicit UnfinishedFile(std::filesystem::path place);
   /// Removes the file unless it is finished.
   ~UnfinishedFile();
@@ -49,7 +49,7 @@ class UnfinishedFile {
 /// same and no interruption sees some of the new and some of the old.
 class StagedFolder {
  public:
-  /// Creates the folder and an empty one within it. Throws InputError if the place cannot be written.
+  /// Creates the folder and an empty one within it. Throws InputError if the path cannot be written.
   explicit StagedFolder(std::filesystem::path place);
   /// Removes what is not finished.
   ~StagedFolder();

@@ -19,7 +19,7 @@ std::string with_enough_digits(double value, double digits) {
 }
 
 struct Shortfall {
-  const Row* row;
+  const QuantityRow* row;
   double missing;
 };
 
@@ -35,8 +35,8 @@ bool is_same_owner(const Quantity& a, const Quantity& b) {
   return owner_kind(a) == owner_kind(b) && a.owner == b.owner;
 }
 
-/// What is told first: on the same state a force element, whose wrench follows from the state alone while everything
-/// else follows from it; then reactions; then what follows from them.
+/// What is reported first: on the same state a force element, whose wrench follows from the state alone while
+/// everything else follows from it; then reactions; then what follows from them.
 int order_of(const Quantity& quantity, Rung rung) {
   if (rung == Rung::same_state && quantity.kind == Kind::element) return 0;
   return quantity.kind == Kind::reaction ? 1 : 2;
@@ -46,9 +46,9 @@ int order_of(const Quantity& quantity, Rung rung) {
 std::vector<Shortfall> shortfalls(const Verdict& verdict, Rung rung) {
   std::vector<Shortfall> found;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       const auto digits = digits_of(row, rung);
-      if (row.unique && digits && !climbs(row, rung)) {
+      if (row.unique && digits && !meets_need(row, rung)) {
         found.push_back({&row, need_of(row, rung) - detail_of(row, rung).unexplained});
       }
     }
@@ -75,8 +75,9 @@ std::string describe(const Model& model, const Quantity& quantity, const Measure
                      measured.digits < 0.05 ? "0" : format_digits(measured.digits), of, need);
 }
 
-std::vector<Finding> find_differences(const Layout& layout, const Series& series, const std::vector<Measured>& measured,
-                                      const Verdict& verdict, Rung rung, std::vector<Quantity>& known) {
+std::vector<Finding> find_differences(const QuantityLayout& layout, const Series& series,
+                                      const std::vector<Measured>& measured, const Verdict& verdict, Rung rung,
+                                      std::vector<Quantity>& known) {
   std::vector<Finding> findings;
   for (const Shortfall& shortfall : shortfalls(verdict, rung)) {
     const Quantity& quantity = shortfall.row->quantity;
@@ -86,7 +87,7 @@ std::vector<Finding> find_differences(const Layout& layout, const Series& series
     if (quantity.kind == Kind::body_sum && !findings.empty()) continue;  // follows from the joints named already
     known.push_back(quantity);
     const int row = layout.row_of(quantity);
-    const bool is_integration = rung != Rung::same_state && climbs(*shortfall.row, Rung::same_state);
+    const bool is_integration = rung != Rung::same_state && meets_need(*shortfall.row, Rung::same_state);
     findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)),
                         fmt::format("{}: {}{}", name_of(rung), diagnose(layout, series, row),
                                     is_integration ? "; the same state agrees: the motions part" : "")});

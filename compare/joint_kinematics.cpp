@@ -17,11 +17,11 @@ constexpr double kGoodRate = 1e-11;
 
 /// A body `h` seconds on, with velocities that change at constant rates, seen from a frame that moves like the origin
 /// of `parent`: exact to first order, which is all that a derivative needs.
-struct BodyOnItsWay {
+struct BodyAlongMotion {
   const BodyState& body;
   const BodyAcceleration& rates;
 
-  [[nodiscard]] BodyState after(double h, const BodyOnItsWay& parent) const {
+  [[nodiscard]] BodyState after(double h, const BodyAlongMotion& parent) const {
     BodyState moved;
     const Vec3 v = body.v - parent.body.v;
     moved.r = body.r - parent.body.r + h * v;
@@ -40,10 +40,11 @@ struct BodyOnItsWay {
   }
 };
 
-/// The two bodies of a joint on their way.
-class JointOnItsWay {
+/// The two bodies of a joint, moved along their motion.
+class JointAlongMotion {
  public:
-  JointOnItsWay(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint, double length)
+  JointAlongMotion(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                   double length)
       : joint_(joint),
         hint_(hint),
         weights_((Vec6() << Vec3::Constant(1.0 / length), Vec3::Ones()).finished()),
@@ -75,7 +76,7 @@ class JointOnItsWay {
   }
 
  private:
-  [[nodiscard]] BodyOnItsWay of(Side side, const State& state, const Evaluation& evaluation) const {
+  [[nodiscard]] BodyAlongMotion of(Side side, const State& state, const Evaluation& evaluation) const {
     const int body = joint_.on(side).body;
     return {state.bodies[body], evaluation.bodies[body]};
   }
@@ -83,7 +84,7 @@ class JointOnItsWay {
   const Joint& joint_;
   const VecX& hint_;
   Vec6 weights_;
-  std::array<BodyOnItsWay, 2> bodies_;
+  std::array<BodyAlongMotion, 2> bodies_;
 };
 
 /// Sizes of what makes up the velocity and the acceleration of a place on a body.
@@ -111,7 +112,7 @@ void raise(LineAndTurn& sizes, const LineAndTurn& others) {
 }
 
 /// What of a_rel is neither permitted nor Sdot u, and the joint accelerations.
-void difference(const JointOnItsWay& joint, const VecX& expected_udot, double length, JointKinematics& found) {
+void difference(const JointAlongMotion& joint, const VecX& expected_udot, double length, JointKinematics& found) {
   // The time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in which the
   // accelerations do so. That both bodies travel together matters to nothing here.
   double rate =
@@ -142,7 +143,7 @@ void difference(const JointOnItsWay& joint, const VecX& expected_udot, double le
 
 JointKinematics read_kinematics(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
                                 const VecX& expected_udot, double length) {
-  const JointOnItsWay on_its_way(joint, state, evaluation, hint, length);
+  const JointAlongMotion on_its_way(joint, state, evaluation, hint, length);
   JointKinematics found;
   found.relative = on_its_way.relative_after(0.0);
   found.motion = read_motion(*joint.type, found.relative, hint);

@@ -29,7 +29,8 @@ struct JointKinematics {
   Vec6 acceleration = Vec6::Zero();
   /// Accelerations of the joint's speeds, udot, by differences.
   VecX udot;
-  /// How uncertain these differences are, by entry: near a pose where a coordinate has no meaning round-off is magnified.
+  /// How uncertain these differences are, by entry: near a pose where a coordinate has no meaning round-off is
+  /// magnified.
   Vec6 doubt_of_acceleration = Vec6::Zero();
   VecX doubt_of_udot;
   /// Coordinates, speeds and permitted directions of the joint, and where its child is.

@@ -73,7 +73,7 @@ class Reading {
   Eigen::Index next_ = 0;
 };
 
-/// Walks along the words of a motion and keeps the axis and the place of each turn: the child's velocity for a unit
+/// Goes through the words of a motion and keeps the axis and the position of each turn: the child's velocity for a unit
 /// speed follows when the end is reached.
 class Walk {
  public:
@@ -196,7 +196,7 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
   return S;
 }
 
-VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
+VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
   for (std::size_t k = 0; k < springs.size(); ++k) {
     const JointSpring& spring = joint.springs[k];

@@ -19,7 +19,7 @@ struct JointMotion {
   Mat6X S;
   /// The speeds that are possible, u = free w: identity but where the type forbids velocities alone (n_u rows).
   MatX free;
-  /// Where the motion leads with the coordinates q: place and orientation in the parent's joint frame.
+  /// Where the motion leads with the coordinates q: position and orientation in the parent's joint frame.
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
 };
@@ -37,9 +37,9 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
 Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S);
 
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
-/// where a driver acts, whose force no law tells [n_u numbers]. Couplings are left out. `springs`: the laws of
+/// where a driver acts, whose force no law gives [n_u numbers]. Couplings are left out. `springs`: the laws of
 /// Joint::springs, in their order.
-VecX lawful_tau(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
+VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
 
 /// tau that the couplings of a model exert on the speeds of joint k, given their forces (one for each coupling).
 VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces);

@@ -47,13 +47,13 @@ struct TestCase {
   std::string message;
 };
 
-TestCase of_row(const Model& model, const Row& row) {
+TestCase of_row(const Model& model, const QuantityRow& row) {
   TestCase test{fmt::format("{}, {}", describe_owner(model, row.quantity), describe_component(row.quantity)),
                 TestCase::Result::passed, ""};
   if (row.judgement == Judgement::agree) return test;
   test.result = row.judgement == Judgement::differ ? TestCase::Result::failed : TestCase::Result::error;
   for (const Rung rung : kRungs) {
-    if (!judges(rung, row.quantity.kind) || climbs(row, rung)) continue;
+    if (!judges(rung, row.quantity.kind) || meets_need(row, rung)) continue;
     const auto digits = digits_of(row, rung);
     test.message += fmt::format("{}{}: {} digits (need {:g})", test.message.empty() ? "" : ", ", name_of(rung),
                                 digits ? format_digits(*digits) : "no", need_of(row, rung));
@@ -75,7 +75,7 @@ TestCase yes_or_no(std::string name, bool passed, std::string message) {
           passed ? "" : std::move(message)};
 }
 
-/// A difference that no other test case tells, such as a state that one solver refuses.
+/// A difference that no other test case reports, such as a state that one solver refuses.
 void add_other_differences(const Verdict& verdict, std::vector<TestCase>& tests) {
   const auto has_failed = [](const TestCase& test) { return test.result == TestCase::Result::failed; };
   if (verdict.findings.empty() || std::any_of(tests.begin(), tests.end(), has_failed)) return;
@@ -92,7 +92,7 @@ std::vector<TestCase> tests_of(const JunitCase& one) {
   if (verdict.rows.empty() && verdict.others.empty()) return tests;
   tests.push_back(yes_or_no("rank", verdict.rank_agrees, "the solvers do not see the same constraints"));
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (row.unique) tests.push_back(of_row(*one.model, row));
     }
   }

@@ -45,17 +45,17 @@ constexpr const char* kEpilogue = R"(Examples:
   concord linearize my.toml --at equilibrium
       frequencies, damping ratios and mode shapes
   concord kinematics my.toml
-      motion and reactions of a machine that drivers move fully
+      motion and reactions of a machine whose motion is fully driven
   concord inverse my.toml --acceleration hinge.turn_z=2.5
       forces that give the kept coordinates these accelerations, and the way back
   concord joint --all
       a sheet for each joint type that proves or refutes it, and a summary
   concord fuzz --count 1000 --keep found
-      random machines compared; those that end wrongly stand in found/, made small
+      compares random machines; failing ones are kept in found/, reduced
   concord nightly data/nightly.toml --history ~/nights.sqlite --out tonight
-      a suite of cases, each in a process of its own, held against what is accepted
+      runs a suite of cases, each in its own process, and compares the results with the accepted ones
   concord accept data/nightly.toml --reason "first baselines"
-      what this program finds becomes what is accepted
+      accepts the results of this program as the baselines
   concord history slider_crank_flexible --history ~/nights.sqlite
       the trend of a case, its steps, and the commits before and after
 
@@ -68,7 +68,7 @@ const CLI::Validator kNumber(
     [](std::string& text) {
       double value = 0.0;
       const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      if (!is_number) return fmt::format("{} is no finite number", text);
+      if (!is_number) return fmt::format("{} is not a finite number", text);
       return has_usable_size(value) ? std::string() : fmt::format("the number {}", complaint_about_size(value));
     },
     "");
@@ -117,7 +117,7 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
   command->add_option("--junit", line.compare.junit,
                       "File for the verdict as JUnit XML, a test case for each judged row");
   command->add_option("--reference", line.compare.reference,
-                      "CSV file of reactions from outside, with their stated error: a third column (compare/README)");
+                      "CSV file of reference values from another source, with their stated error (compare/README)");
   return command;
 }
 
@@ -157,7 +157,7 @@ CLI::App* add_analysis(CLI::App& program, CommandLine& line, const char* name, c
   CLI::App* command = program.add_subcommand(name, about);
   command->add_option("MODEL", line.analysis.model, "Model file (TOML)")->required();
   command->add_flag("--all", line.analysis.all_rows, "Print every component, not only the worst of each side");
-  command->add_option("--json", line.analysis.json, "File for what was found as JSON");
+  command->add_option("--json", line.analysis.json, "File for the results as JSON");
   command->add_option("--out", line.analysis.out, "Folder for results: NetCDF and CSV of each solver");
   return command;
 }
@@ -173,7 +173,7 @@ class AnalysisCommands {
     linearize->add_option("--at", line.linearize_at, "State to linearize about; default: start")
         ->check(CLI::IsMember({"start", "equilibrium"}));
     CLI::App* kinematics = add(program, Analysis::kinematics, "kinematics",
-                               "Motion and reactions of a machine that drivers move fully, by both solvers");
+                               "Motion and reactions of a machine whose motion is fully driven, by both solvers");
     add_run_options(*kinematics, line.analysis.options);
     CLI::App* inverse =
         add(program, Analysis::inverse, "inverse",
@@ -260,7 +260,7 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   occupy_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is told
+  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
   try {
     const compare::InterruptWatch watch;
     return code_if_told(run_program(argc, argv));

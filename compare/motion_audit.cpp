@@ -81,7 +81,7 @@ void MotionAudit::lay_out(const Joint& joint) {
       entity.rows.push_back({AuditRule::kinematics, fmt::format("{} {}", what, kDirections[k]), unit(k >= 3)});
     }
   };
-  add("place", unit_of_place);
+  add("place", unit_of_position);
   add("velocity", unit_of_speed);
   add("acceleration", unit_of_acceleration);
   const std::vector<bool> turning = turning_speeds(*joint.type);
@@ -90,7 +90,7 @@ void MotionAudit::lay_out(const Joint& joint) {
   for (const Driver& driver : joint.drivers) {
     laws.emplace_back(driver.law);
     const auto u = static_cast<std::size_t>(driven_speed_of(joint, driver));
-    entity.rows.push_back({AuditRule::driver_law, names[u], unit_of_place(turning[u])});
+    entity.rows.push_back({AuditRule::driver_law, names[u], unit_of_position(turning[u])});
     entity.rows.push_back({AuditRule::driver_law, "speed of " + names[u], unit_of_speed(turning[u])});
     entity.rows.push_back({AuditRule::driver_law, "acceleration of " + names[u], unit_of_acceleration(turning[u])});
   }
@@ -173,7 +173,7 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
     acceleration += term.factor * found.udot(u);
     doubt += std::abs(term.factor) * found.doubt_of_udot(u);
     const double size = std::abs(term.factor);
-    sizes[0] += size * std::max(std::abs(q), scales[index(unit_of_place(turns))]);
+    sizes[0] += size * std::max(std::abs(q), scales[index(unit_of_position(turns))]);
     sizes[1] += size * scales[index(unit_of_speed(turns))];
     sizes[2] += size * scales[index(unit_of_acceleration(turns))];
   }

@@ -10,7 +10,7 @@
 
 namespace concord::compare {
 
-/// The third opinion on motions: do places, velocities and accelerations obey joints, drivers and couplings, and are
+/// The third opinion on motions: do positions, velocities and accelerations obey joints, drivers and couplings, and are
 /// the derivatives of joints by functions right? Scales are the speeds and accelerations of a joint's two places, at
 /// least what gravity and the largest force give to the machine's mass along its length. The model must outlive it.
 class MotionAudit {

@@ -68,7 +68,7 @@ const std::array<std::string, 6>& component_names() {
   return names;
 }
 
-Layout::Layout(const Model& model) : model_(&model) {
+QuantityLayout::QuantityLayout(const Model& model) : model_(&model) {
   const int joints = static_cast<int>(model.joints.size());
   const int bodies = static_cast<int>(model.bodies.size());
   for (const Kind kind : {Kind::reaction, Kind::reaction_global, Kind::total}) {
@@ -89,19 +89,19 @@ Layout::Layout(const Model& model) : model_(&model) {
   for (int i = 1; i < bodies; ++i) add_block(Kind::body_sum, i, Side::child, 6);
 }
 
-void Layout::add_block(Kind kind, int owner, Side side, int components) {
+void QuantityLayout::add_block(Kind kind, int owner, Side side, int components) {
   for (int c = 0; c < components; ++c) quantities_.push_back({kind, owner, side, c});
 }
 
-int Layout::row_of(const Quantity& quantity) const {
+int QuantityLayout::row_of(const Quantity& quantity) const {
   const auto found = std::find(quantities_.begin(), quantities_.end(), quantity);
   if (found == quantities_.end()) throw IncompleteResult("the layout has no such quantity");
   return static_cast<int>(found - quantities_.begin());
 }
 
-int Layout::first_row(Kind kind, int owner, Side side) const { return row_of({kind, owner, side, 0}); }
+int QuantityLayout::first_row(Kind kind, int owner, Side side) const { return row_of({kind, owner, side, 0}); }
 
-VecX Layout::observe(const State& state, const Evaluation& evaluation) const {
+VecX QuantityLayout::observe(const State& state, const Evaluation& evaluation) const {
   check_complete(*model_, state, evaluation);
   VecX values(static_cast<Eigen::Index>(quantities_.size()));
   Eigen::Index row = 0;

@@ -43,9 +43,9 @@ struct Quantity {
 };
 
 /// The list of quantities of a model, always in the same order: the rows of every series.
-class Layout {
+class QuantityLayout {
  public:
-  explicit Layout(const Model& model);
+  explicit QuantityLayout(const Model& model);
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const std::vector<Quantity>& quantities() const { return quantities_; }

@@ -217,7 +217,7 @@ std::vector<std::size_t> samples_at(const Reference& reference, double until, st
 double scale_of(const Verdict& verdict, const Quantity& quantity) {
   double scale = 0.0;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (row.quantity == quantity) return row.scale;
       const bool same_side = row.quantity.kind == quantity.kind && row.quantity.owner == quantity.owner &&
                              row.quantity.side == quantity.side;
@@ -246,7 +246,7 @@ double peak_of(const Column& column, const Trajectory& run) {
 
 bool is_unique(const Verdict& verdict, const Quantity& quantity) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (row.quantity == quantity) return row.unique;
     }
   }

@@ -21,14 +21,14 @@ const char* name_of(Rung rung) {
 
 namespace {
 
-constexpr std::optional<double> Row::*digits_at(Rung rung) {
+constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
   switch (rung) {
     case Rung::same_state:
-      return &Row::same_state;
+      return &QuantityRow::same_state;
     case Rung::same_run:
-      return &Row::same_run;
+      return &QuantityRow::same_run;
     default:
-      return &Row::refined;
+      return &QuantityRow::refined;
   }
 }
 
@@ -53,9 +53,9 @@ bool is_force(Kind kind) { return gives_digits(kind) || is_force_on_speed(kind);
 
 }  // namespace
 
-std::optional<double> digits_of(const Row& row, Rung rung) { return row.*digits_at(rung); }
+std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
 
-double need_of(const Row& row, Rung rung) {
+double need_of(const QuantityRow& row, Rung rung) {
   switch (rung) {
     case Rung::same_state:
       return row.need.same_state;
@@ -66,26 +66,26 @@ double need_of(const Row& row, Rung rung) {
   }
 }
 
-bool climbs(const Row& row, Rung rung) {
+bool meets_need(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   if (!digits) return false;
   if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
   return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
 }
 
-const RungDetail& detail_of(const Row& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
+const RungDetail& detail_of(const QuantityRow& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
 
-bool is_judged_by_resolution(const Row& row, Rung rung) {
+bool is_judged_by_resolution(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
 }
 
 bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
 
-void make_rows(const Layout& layout, Verdict& verdict) {
+void make_rows(const QuantityLayout& layout, Verdict& verdict) {
   const Model& model = layout.model();
   for (const Quantity& quantity : layout.quantities()) {
-    Row row;
+    QuantityRow row;
     row.quantity = quantity;
     row.need = needs_of(model, quantity);
     if (quantity.kind != Kind::reaction) {
@@ -101,7 +101,7 @@ void make_rows(const Layout& layout, Verdict& verdict) {
 namespace {
 
 /// Whether the rung ran for the row, and double precision or redundancy kept it from being judged there.
-bool is_left_out(const Row& row, Rung rung) {
+bool is_left_out(const QuantityRow& row, Rung rung) {
   const RungDetail& detail = detail_of(row, rung);
   return detail.samples == 0 && detail.not_unique + detail.too_coarse > 0;
 }
@@ -120,10 +120,10 @@ RungDetail detail_from(const Measured& found) {
 
 }  // namespace
 
-void record(const Layout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
   const auto& quantities = layout.quantities();
   std::size_t place = 0;
-  const auto fill = [&](Row& row) {
+  const auto fill = [&](QuantityRow& row) {
     while (quantities[place] != row.quantity) ++place;  // rows keep the layout's order
     const Measured& found = measured[place];
     if (row.scale == 0.0) {
@@ -141,20 +141,22 @@ void record(const Layout& layout, const std::vector<Measured>& measured, Rung ru
     row.*digits_at(rung) = found.digits;
     row.worst_t[static_cast<std::size_t>(rung)] = found.t;
   };
-  for (Row& row : verdict.rows) fill(row);
+  for (QuantityRow& row : verdict.rows) fill(row);
   place = 0;
-  for (Row& row : verdict.others) fill(row);
+  for (QuantityRow& row : verdict.others) fill(row);
 }
 
-bool is_judged(const Row& row) { return row.unique && !is_left_out(row, Rung::same_state); }
+bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
 bool has_judged(const Verdict& verdict) {
-  const auto is_judged_force = [](const Row& row) { return is_force(row.quantity.kind) && is_judged(row); };
+  const auto is_judged_force = [](const QuantityRow& row) { return is_force(row.quantity.kind) && is_judged(row); };
   return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force);
 }
 
 bool carries_something(const Verdict& verdict) {
-  const auto carries = [](const Row& row) { return row.unique && row.scale > 0.0 && is_force(row.quantity.kind); };
+  const auto carries = [](const QuantityRow& row) {
+    return row.unique && row.scale > 0.0 && is_force(row.quantity.kind);
+  };
   return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
          std::any_of(verdict.others.begin(), verdict.others.end(), carries);
 }
@@ -165,37 +167,37 @@ void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.climbed = has_judged(verdict);
   std::optional<double> on_speeds;
-  const auto take = [&](const Row& row) {
+  const auto take = [&](const QuantityRow& row) {
     if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
-    summary.climbed = summary.climbed && climbs(row, rung);
+    summary.climbed = summary.climbed && meets_need(row, rung);
     const auto digits = digits_of(row, rung);
     if (!digits || !is_force(row.quantity.kind)) return;
     std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
     worst = std::min(worst.value_or(kMostDigits), *digits);
   };
-  for (const Row& row : verdict.rows) take(row);
-  for (const Row& row : verdict.others) take(row);
+  for (const QuantityRow& row : verdict.rows) take(row);
+  for (const QuantityRow& row : verdict.others) take(row);
   if (!summary.digits) summary.digits = on_speeds;
 }
 
 }  // namespace
 
 void judge(Verdict& verdict) {
-  const auto judge_row = [](Row& row) {
+  const auto judge_row = [](QuantityRow& row) {
     if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
     for (const Rung rung : kRungs) {
-      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || climbs(row, rung)) continue;
+      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
       if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
-      // A rung that did not run, or did not converge, condemns nobody and acquits nobody.
+      // A rung that did not run, or did not converge, decides about no solver.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
     }
   };
-  for (Row& row : verdict.rows) judge_row(row);
-  for (Row& row : verdict.others) judge_row(row);
+  for (QuantityRow& row : verdict.rows) judge_row(row);
+  for (QuantityRow& row : verdict.others) judge_row(row);
   verdict.total = static_cast<int>(verdict.rows.size());
   verdict.judged = static_cast<int>(
-      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) { return is_judged(row); }));
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) { return is_judged(row); }));
   for (const Rung rung : kRungs) sum_up(rung, verdict);
 }
 

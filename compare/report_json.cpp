@@ -26,7 +26,7 @@ Json rung(const RungSummary& summary) {
 }
 
 /// A row of a joint's reaction or of a force element's wrench; `owner` says which.
-Json wrench_row(const char* owner, const std::string& name, const Row& row) {
+Json wrench_row(const char* owner, const std::string& name, const QuantityRow& row) {
   const bool is_shown = is_judged(row);
   const auto judged = [&](const std::optional<double>& value) { return is_shown ? digits(value) : Json(nullptr); };
   const RungDetail& detail = detail_of(row, Rung::same_state);
@@ -93,11 +93,11 @@ Json geometric_stiffness_of(const Model& model, const Verdict& verdict) {
 
 Json document(const Model& model, const Verdict& verdict) {
   Json joints = Json::array();
-  for (const Row& row : verdict.rows) {
+  for (const QuantityRow& row : verdict.rows) {
     joints.push_back(wrench_row("joint", model.joints[row.quantity.owner].name, row));
   }
   Json elements = Json::array();
-  for (const Row& row : verdict.others) {
+  for (const QuantityRow& row : verdict.others) {
     if (row.quantity.kind != Kind::element) continue;
     elements.push_back(wrench_row("element", model.elements[row.quantity.owner].name, row));
   }

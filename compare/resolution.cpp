@@ -42,7 +42,7 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
   return largest;
 }
 
-std::optional<VecX> answer(const Layout& layout, Solver& solver, const State& state) {
+std::optional<VecX> answer(const QuantityLayout& layout, Solver& solver, const State& state) {
   try {
     VecX values = layout.observe(state, solver.evaluate(state));
     if (values.allFinite()) return values;
@@ -53,7 +53,7 @@ std::optional<VecX> answer(const Layout& layout, Solver& solver, const State& st
 
 /// The largest over the components that belong together: three of a force, of a torque and of an acceleration, all
 /// modes.
-void take_largest_of_blocks(const Layout& layout, VecX& values) {
+void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
   const auto& quantities = layout.quantities();
   const auto block_of = [&](std::size_t row) {
     const Quantity& one = quantities[row];
@@ -204,7 +204,7 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
   return drawn;
 }
 
-VecX term_sizes(const Layout& layout, const SharedState& shared) {
+VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
   const Model& model = layout.model();
   const Loads loads(model, shared);
   const double length = model.length_scale();
@@ -286,7 +286,7 @@ namespace {
 /// Of one state, by one solver: the largest change of each quantity; nothing if too few draws were valid.
 class OneState {
  public:
-  OneState(const Layout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
+  OneState(const QuantityLayout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
       : layout_(layout), shared_(shared), sizes_(sizes_of(layout.model(), shared.state)), result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
       drawn_.push_back(draw_within_roundoff(shared.state, sizes_, seed + static_cast<std::uint64_t>(draw)));
@@ -315,7 +315,7 @@ class OneState {
   }
 
  private:
-  const Layout& layout_;
+  const QuantityLayout& layout_;
   const SharedState& shared_;
   StateSizes sizes_;
   Resolution& result_;
@@ -324,7 +324,7 @@ class OneState {
 
 }  // namespace
 
-Resolution measure_resolution(const Layout& layout, const std::array<Solver*, 2>& solvers,
+Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const std::vector<Measured>& measured,
                               std::uint64_t seed) {
   const auto rows = static_cast<Eigen::Index>(layout.quantities().size());

@@ -29,8 +29,8 @@ struct Resolution {
   int unknown_states = 0;
 };
 
-/// Sizes of the numbers in a state, which round-off is relative to: of places, velocities, angular velocities [m, m/s,
-/// rad/s] and of each body's modal coordinates and rates.
+/// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
+/// m/s, rad/s] and of each body's modal coordinates and rates.
 struct StateSizes {
   double place = 0.0;
   double velocity = 0.0;
@@ -45,12 +45,12 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
 
 /// Size of the terms that a solver adds up to each quantity in a state [the quantity's unit]: loads of the bodies, and
 /// what passes through their joints.
-VecX term_sizes(const Layout& layout, const SharedState& shared);
+VecX term_sizes(const QuantityLayout& layout, const SharedState& shared);
 
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
 /// closing by each; over the three components of a force, torque or acceleration the largest; plus the floor, a unit of
 /// round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
-Resolution measure_resolution(const Layout& layout, const std::array<Solver*, 2>& solvers,
+Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const std::vector<Measured>& measured,
                               std::uint64_t seed);
 

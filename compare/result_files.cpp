@@ -221,7 +221,7 @@ class TrajectoryWriter {
     const int variable = file_.variable("unique", NC_BYTE, {time_, joint_, side_, component_});
     file_.attribute(variable, "long_name", "1 where the component of the reaction is unique, 0 where it is not");
     std::vector<double> flags;
-    const Layout layout(model_);
+    const QuantityLayout layout(model_);
     for (Eigen::Index sample = 0; sample < unique_->cols(); ++sample) {
       for (int k = 0; k < static_cast<int>(model_.joints.size()); ++k) {
         for (const Side side : kSides) {
@@ -363,7 +363,7 @@ std::string csv_field(const std::string& field) {
 
 /// Comment lines that name the columns which are not unique in some sample.
 std::string not_unique_comments(const Model& model, const std::vector<Column>& columns, const Mask& unique) {
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   std::map<Eigen::Index, std::string> names;  // by the number of samples
   for (const Column& column : columns) {
     const std::optional<Quantity> quantity = quantity_of(column);

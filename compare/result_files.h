@@ -8,8 +8,8 @@
 #include "compare/agreement.h"
 
 /// A solver's trajectory as files that other programs read. Nothing in them depends on when or how fast they were made;
-/// each is written under a temporary name and then renamed, so that nobody sees half of one. All throw InputError if
-/// the place cannot be written, std::runtime_error if the disk is full.
+/// each is written under a temporary name and then renamed, so that no reader meets half of one. All throw InputError
+/// if the path cannot be written, std::runtime_error if the disk is full.
 namespace concord::compare {
 
 /// NetCDF-4, for xarray: dimensions time, body (ground left out), joint, side, component (F_x ... T_z), axis, euler

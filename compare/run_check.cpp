@@ -12,7 +12,7 @@ namespace concord::compare {
 
 namespace {
 
-/// Refusals of the same kind are told once, with their number and the first one's words.
+/// Refusals of the same kind are reported once, with their number and the first one's words.
 class Refusals {
  public:
   void take(const std::string& words) {
@@ -29,7 +29,7 @@ class Refusals {
   std::string first_;
 };
 
-void check_samples(const Layout& layout, Solver& solver, const Trajectory& trajectory, RunCheck& check) {
+void check_samples(const QuantityLayout& layout, Solver& solver, const Trajectory& trajectory, RunCheck& check) {
   const auto columns = static_cast<Eigen::Index>(trajectory.samples.size());
   check.unique = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()), columns, false);
   Refusals open;
@@ -54,7 +54,8 @@ void check_samples(const Layout& layout, Solver& solver, const Trajectory& traje
 
 }  // namespace
 
-RunCheck check_run(const Layout& layout, Solver& solver, const Trajectory& trajectory, const RunOptions& options) {
+RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajectory& trajectory,
+                   const RunOptions& options) {
   RunCheck check;
   Auditor auditor(layout.model());
   for (const Sample& sample : trajectory.samples) {
@@ -76,7 +77,7 @@ RunCheck check_run(const Layout& layout, Solver& solver, const Trajectory& traje
   return check;
 }
 
-std::string format_run_check(const Layout& layout, std::string_view solver, const RunCheck& check) {
+std::string format_run_check(const QuantityLayout& layout, std::string_view solver, const RunCheck& check) {
   const Model& model = layout.model();
   std::map<std::pair<std::string, Eigen::Index>, std::string> components;  // by owner and number of samples
   for (std::size_t row = 0; row < layout.quantities().size(); ++row) {

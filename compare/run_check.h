@@ -26,9 +26,10 @@ struct RunCheck {
 
 /// Asks the solver for the closure and the rank of every sample, audits every sample, and holds the energy over the
 /// run. Throws IncompleteResult if the trajectory lacks something.
-RunCheck check_run(const Layout& layout, Solver& solver, const Trajectory& trajectory, const RunOptions& options);
+RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajectory& trajectory,
+                   const RunOptions& options);
 
 /// The checks as lines of text, and the components that are not unique with the share of samples.
-std::string format_run_check(const Layout& layout, std::string_view solver, const RunCheck& check);
+std::string format_run_check(const QuantityLayout& layout, std::string_view solver, const RunCheck& check);
 
 }  // namespace concord::compare

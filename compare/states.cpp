@@ -16,7 +16,7 @@ constexpr int kTries = 30;
 constexpr int kTriesAlong = 12;
 /// Each try starts nearer to the run's state than the one before.
 constexpr double kShrink = 0.8;
-/// At least one of so many shaken states must be found.
+/// At least one of so many perturbed states must be found.
 constexpr int kFewestOf = 5;
 /// Deflection [of the machine's length] to shake a mode with that the run never moves.
 constexpr double kQuietDeflection = 1e-4;
@@ -39,7 +39,7 @@ std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& traje
   return states;
 }
 
-Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
+StatePerturbation::StatePerturbation(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
     : draws_(seed), length_(model.length_scale()) {
   modal_.reserve(model.bodies.size());
   for (const Body& body : model.bodies) {
@@ -74,24 +74,24 @@ Shaker::Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint
   }
 }
 
-Vec3 Shaker::uniform3() {
+Vec3 StatePerturbation::uniform3() {
   Vec3 v;
   for (double& one : v) one = draws_.next();
   return v;
 }
 
-VecX Shaker::within(const VecX& largest) {
+VecX StatePerturbation::within(const VecX& largest) {
   VecX drawn = largest;
   for (double& one : drawn) one *= draws_.next();
   return drawn;
 }
 
-State Shaker::shake(const State& state, double amplitude) {
+State StatePerturbation::perturb(const State& state, double amplitude) {
   constexpr double kMove = 0.05;
   constexpr double kTurn = 0.1;
-  State shaken = state;
-  for (std::size_t i = 1; i < shaken.bodies.size(); ++i) {
-    BodyState& body = shaken.bodies[i];
+  State perturbed = state;
+  for (std::size_t i = 1; i < perturbed.bodies.size(); ++i) {
+    BodyState& body = perturbed.bodies[i];
     body.r += amplitude * kMove * length_ * uniform3();
     const Vec3 turn = amplitude * kTurn * uniform3();
     const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
@@ -102,10 +102,11 @@ State Shaker::shake(const State& state, double amplitude) {
     body.a = within(modal_[i]);
     body.adot = within(modal_rate_[i]);
   }
-  return shaken;
+  return perturbed;
 }
 
-std::optional<State> Shaker::shake_along(const Model& model, Solver& solver, const State& state, double amplitude) {
+std::optional<State> StatePerturbation::perturb_along(const Model& model, Solver& solver, const State& state,
+                                                      double amplitude) {
   constexpr double kMove = 0.01;
   constexpr double kRate = 0.1;
   analyses::Chart chart(model, solver, state);
@@ -162,16 +163,16 @@ bool accepts(Solver& solver, const State& state) {
 }
 
 /// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
-std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shaker, const State& base) {
+std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturbation& perturbation, const State& base) {
   double amplitude = 1.0;
   for (int attempt = 0; attempt < kTries; ++attempt, amplitude *= kShrink) {
-    std::optional<State> closed = solver.close(shaker.shake(base, amplitude));
+    std::optional<State> closed = solver.close(perturbation.perturb(base, amplitude));
     if (closed && accepts(solver, *closed)) return closed;
   }
   amplitude = 1.0;
   for (int attempt = 0; attempt < kTriesAlong; ++attempt, amplitude *= 0.5) {
     try {
-      std::optional<State> closed = shaker.shake_along(model, solver, base, amplitude);
+      std::optional<State> closed = perturbation.perturb_along(model, solver, base, amplitude);
       if (closed && accepts(solver, *closed)) return closed;
     } catch (const SolverError&) {  // a pose on the way that the solver refuses
     }
@@ -181,9 +182,10 @@ std::optional<State> neighbour(const Model& model, Solver& solver, Shaker& shake
 
 /// The same by the solver whose turn it is, or by the other one where it finds none.
 std::optional<OwnedState> neighbour_by_either(const Model& model, const std::array<Solver*, 2>& solvers, Who first,
-                                              Shaker& shaker, const State& base) {
+                                              StatePerturbation& perturbation, const State& base) {
   for (const Who who : {first, first == Who::cartesian ? Who::relative : Who::cartesian}) {
-    if (auto state = neighbour(model, *solvers[index(who)], shaker, base)) return OwnedState{std::move(*state), who};
+    if (auto state = neighbour(model, *solvers[index(who)], perturbation, base))
+      return OwnedState{std::move(*state), who};
   }
   return std::nullopt;
 }
@@ -194,13 +196,13 @@ SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solv
                           std::uint64_t seed, int count) {
   SharedStates shared;
   if (run.empty()) return shared;
-  Shaker shaker(model, run, seed);
+  StatePerturbation perturbation(model, run, seed);
   for (int k = 0; k < count; ++k) {
     const auto owner = static_cast<Who>(k % 2);
     const State& base = run[static_cast<std::size_t>(k) * run.size() / static_cast<std::size_t>(count)].state;
     SharedStates drawn;
     for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {
-      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, shaker, base);
+      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, perturbation, base);
       if (!owned) break;
       share_one(solvers, *owned, drawn);
       if (drawn.states.empty()) ++shared.drawn_anew;

@@ -29,18 +29,18 @@ struct OwnedState {
 std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories, int least = kTrajectoryStates);
 
 /// Makes generic neighbours of the states of a run, the same ones for the same seed.
-class Shaker {
+class StatePerturbation {
  public:
-  Shaker(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed);
+  StatePerturbation(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed);
 
   /// `state` with every body moved, turned and set in motion, and with modal coordinates and rates drawn anew within
   /// the largest of the run; not closed. Amplitude 1: a twentieth of the machine's length, 0.1 rad, and a tenth of the
   /// run's largest speeds.
-  State shake(const State& state, double amplitude);
+  State perturb(const State& state, double amplitude);
 
   /// The same along what a machine permits: for machines whose loops tie modes to each other, so that modes drawn anew
   /// cannot be closed. Nothing if the solver closes none.
-  std::optional<State> shake_along(const Model& model, Solver& solver, const State& state, double amplitude);
+  std::optional<State> perturb_along(const Model& model, Solver& solver, const State& state, double amplitude);
 
  private:
   Vec3 uniform3();
@@ -63,10 +63,10 @@ struct SharedStates {
   std::vector<std::string> failures;
   /// A solver calls the pose singular, in its words.
   std::vector<std::string> singular;
-  /// Shaken states that were drawn anew: singular poses, and states that mean another turn or branch to the other
+  /// Perturbed states that were drawn anew: singular poses, and states that mean another turn or branch to the other
   /// solver.
   int drawn_anew = 0;
-  /// Shaken states that were given up because neither solver closes there.
+  /// Perturbed states that were given up because neither solver closes there.
   int left_open = 0;
 };
 

@@ -56,7 +56,7 @@ struct Resolved {
 /// One pair of bodies, over all states.
 class PairOfBodies {
  public:
-  PairOfBodies(const Layout& layout, std::vector<int> joints, const std::vector<Measured>& measured,
+  PairOfBodies(const QuantityLayout& layout, std::vector<int> joints, const std::vector<Measured>& measured,
                const Budget& budget)
       : layout_(layout), model_(layout.model()), joints_(std::move(joints)), budget_(budget) {
     const Joint& first = model_.joints[joints_.front()];
@@ -142,7 +142,7 @@ class PairOfBodies {
     return {wrench.topRows(3).sum(), wrench.bottomRows(3).sum()};
   }
 
-  const Layout& layout_;
+  const QuantityLayout& layout_;
   const Model& model_;
   std::vector<int> joints_;
   const Budget& budget_;
@@ -154,7 +154,7 @@ class PairOfBodies {
 
 }  // namespace
 
-std::vector<PairSum> compare_pair_sums(const Layout& layout, const std::vector<SharedState>& states,
+std::vector<PairSum> compare_pair_sums(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                        const std::vector<Measured>& measured, const Budget& budget) {
   std::vector<PairSum> sums;
   for (const auto& [bodies, joints] : joints_of_pairs(layout.model())) {

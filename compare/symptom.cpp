@@ -17,7 +17,7 @@ using Vectors = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 /// The three components to which a failing row belongs, of both solvers over all samples.
 struct Suspect {
-  const Layout& layout;
+  const QuantityLayout& layout;
   const Series& series;
   Quantity quantity;
   int first = 0;  // row of the vector's first component
@@ -124,7 +124,7 @@ std::string rotation_pattern(const Suspect& suspect) {
                      samples_of(suspect.series));
 }
 
-/// No pattern: where the difference stands tells at least whether it grows.
+/// No pattern: where the difference stands shows at least whether it grows.
 std::string growth_pattern(const Suspect& suspect) {
   const Eigen::Index samples = suspect.vectors[0].cols();
   const Eigen::Index early = std::max<Eigen::Index>(1, samples / 10);
@@ -137,7 +137,7 @@ std::string growth_pattern(const Suspect& suspect) {
 
 }  // namespace
 
-std::string diagnose(const Layout& layout, const Series& series, int row) {
+std::string diagnose(const QuantityLayout& layout, const Series& series, int row) {
   const Quantity quantity = layout.quantities()[row];
   const auto line = [&](int who) { return series.values[who].row(row); };
   if (quantity.kind == Kind::driver || quantity.kind == Kind::coupling ||

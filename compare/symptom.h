@@ -12,6 +12,6 @@ namespace concord::compare {
 /// if it explains 99.9 % of the difference: one solver gives zero; opposite sign; factor two, or another constant
 /// factor; components in global axes or in the other side's joint frame; one frame turned against the other by a
 /// constant rotation; torque about another point; same size, other direction.
-std::string diagnose(const Layout& layout, const Series& series, int row);
+std::string diagnose(const QuantityLayout& layout, const Series& series, int row);
 
 }  // namespace concord::compare

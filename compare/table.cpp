@@ -75,7 +75,7 @@ std::string head(const Verdict& verdict) {
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
 /// How far a row stands above its needs; the least of all rungs.
-double margin(const Row& row, Rung rung) {
+double margin(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
   if (!digits) return kMostDigits;
   const double above = detail_of(row, rung).unexplained - need_of(row, rung);
@@ -83,12 +83,12 @@ double margin(const Row& row, Rung rung) {
   return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
 }
 
-Rung tightest_rung(const Row& row) {
+Rung tightest_rung(const QuantityRow& row) {
   return *std::min_element(kRungs.begin(), kRungs.end(),
                            [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
 }
 
-double margin(const Row& row) { return margin(row, tightest_rung(row)); }
+double margin(const QuantityRow& row) { return margin(row, tightest_rung(row)); }
 
 /// Name of the joint or force element of a wrench, and of the body on which it acts.
 std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
@@ -101,14 +101,14 @@ std::pair<std::string, std::string> owner_names(const Model& model, const Quanti
 }
 
 /// When the rung with the least margin differs most.
-std::string worst_time(const Row& row) {
+std::string worst_time(const QuantityRow& row) {
   const Rung rung = tightest_rung(row);
   if (!row.unique || !digits_of(row, rung)) return "-";
   return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
 }
 
 /// Digits that agree, and of how many that double precision resolves: "13.4 of 15.1".
-std::string same_state_cell(const Row& row) {
+std::string same_state_cell(const QuantityRow& row) {
   if (!is_judged(row) || !row.same_state) return "-";
   const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
   return resolvable ? fmt::format("{} of {}", format_digits(*row.same_state), format_digits(*resolvable))
@@ -122,7 +122,7 @@ std::string share_not_unique(const RungDetail& detail) {
   return fmt::format("not unique in {} of {} states", detail.not_unique, all);
 }
 
-std::string judgement_text(const Row& row) {
+std::string judgement_text(const QuantityRow& row) {
   const RungDetail& detail = detail_of(row, Rung::same_state);
   if (!row.unique) return "not unique, not judged";
   if (!is_judged(row)) return "not judged: double precision resolves too little";
@@ -140,7 +140,7 @@ std::string judgement_text(const Row& row) {
   return said;
 }
 
-std::vector<std::string> cells(const Model& model, const Verdict& verdict, const Row& row) {
+std::vector<std::string> cells(const Model& model, const Verdict& verdict, const QuantityRow& row) {
   const auto [owner, body] = owner_names(model, row.quantity);
   const bool judged = is_judged(row);
   const auto shown = [&](const std::optional<double>& digits) { return judged ? digits_cell(digits) : "-"; };
@@ -161,15 +161,15 @@ std::vector<std::string> cells(const Model& model, const Verdict& verdict, const
 
 /// Of each joint and side: the judged row with the least margin, and each row whose need the model lowered; if none is
 /// judged there, the first row.
-std::vector<const Row*> compact(const std::vector<Row>& rows) {
-  std::vector<const Row*> chosen;
+std::vector<const QuantityRow*> compact(const std::vector<QuantityRow>& rows) {
+  std::vector<const QuantityRow*> chosen;
   for (std::size_t first = 0; first < rows.size();) {
     std::size_t end = first;
-    const auto is_same_side = [&](const Row& row) {
+    const auto is_same_side = [&](const QuantityRow& row) {
       return row.quantity.owner == rows[first].quantity.owner && row.quantity.side == rows[first].quantity.side;
     };
     while (end < rows.size() && is_same_side(rows[end])) ++end;
-    const Row* worst = &rows[first];
+    const QuantityRow* worst = &rows[first];
     for (std::size_t k = first; k < end; ++k) {
       const bool better_known = rows[k].unique && !worst->unique;
       if (better_known || (rows[k].unique && margin(rows[k]) < margin(*worst))) worst = &rows[k];
@@ -182,18 +182,18 @@ std::vector<const Row*> compact(const std::vector<Row>& rows) {
   return chosen;
 }
 
-std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict, const std::vector<Row>& rows,
-                         bool all_rows) {
+std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict,
+                         const std::vector<QuantityRow>& rows, bool all_rows) {
   std::vector<std::vector<std::string>> lines{
       {"case", owner, "on", "component", "scale", "from", "same state", "same run", "refined", "need", "verdict"}};
   std::vector<bool> right{false, false, false, false, true, false, true, true, true, false, false};
   if (!all_rows) {
-    for (const Row* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
+    for (const QuantityRow* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
     return format_table(lines, right);
   }
   lines.front().emplace_back("worst at");
   right.push_back(false);
-  for (const Row& row : rows) {
+  for (const QuantityRow& row : rows) {
     lines.push_back(cells(model, verdict, row));
     lines.back().push_back(worst_time(row));
   }
@@ -206,9 +206,9 @@ std::string reaction_table(const Model& model, const Verdict& verdict, bool all_
 }
 
 std::string element_table(const Model& model, const Verdict& verdict, bool all_rows) {
-  std::vector<Row> rows;
+  std::vector<QuantityRow> rows;
   std::copy_if(verdict.others.begin(), verdict.others.end(), std::back_inserter(rows),
-               [](const Row& row) { return row.quantity.kind == Kind::element; });
+               [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
   if (rows.empty()) return "";
   return wrench_table("force element", model, verdict, rows, all_rows) + '\n';
 }
@@ -223,7 +223,7 @@ std::string also_compared(const Verdict& verdict, Rung rung) {
   std::string text;
   for (const auto& [kind, name] : kKinds) {
     std::optional<double> worst;
-    for (const Row& row : verdict.others) {
+    for (const QuantityRow& row : verdict.others) {
       const auto digits = digits_of(row, rung);
       if (row.quantity.kind == kind && row.unique && digits) worst = std::min(worst.value_or(kMostDigits), *digits);
     }
@@ -235,8 +235,8 @@ std::string also_compared(const Verdict& verdict, Rung rung) {
 /// Components that are unique in some states only: judged there, and named with their share.
 std::string unique_in_part(const Model& model, const Verdict& verdict) {
   std::map<std::string, std::string> components;  // by owner and share
-  for (const std::vector<Row>* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
       const bool is_named =
           rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
       const RungDetail& detail = detail_of(row, Rung::same_state);
@@ -251,14 +251,14 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
 }
 
 std::string not_unique(const Model& model, const Verdict& verdict) {
-  using Place = std::tuple<int, int, Kind>;
-  std::map<Place, std::string> names;
-  for (const std::vector<Row>* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+  using RowKey = std::tuple<int, int, Kind>;
+  std::map<RowKey, std::string> names;
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
       const bool is_named =
           rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
       if (row.unique || !is_named) continue;
-      std::string& line = names[Place(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
+      std::string& line = names[RowKey(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
       if (line.empty()) line = describe_owner(model, row.quantity) + ":";
       line += " " + describe_component(row.quantity);
     }
@@ -341,7 +341,7 @@ std::string reference_table(const Verdict& verdict) {
 }
 
 int count_too_coarse(const Verdict& verdict) {
-  return static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const Row& row) {
+  return static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) {
     return detail_of(row, Rung::same_state).too_coarse > 0 && !is_judged(row) && row.unique;
   }));
 }
@@ -399,7 +399,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   }
   text += motion_text(verdict) + audit_text(verdict);
   if (verdict.same_state.samples > 0) {
-    text += fmt::format("states handed to both: {}, of which {} shaken with seed {}{}\n", verdict.same_state.samples,
+    text += fmt::format("states handed to both: {}, of which {} perturbed with seed {}{}\n", verdict.same_state.samples,
                         kRandomStates, kSeed,
                         verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }

@@ -88,7 +88,7 @@ bool can_be_redundant(Kind kind) {
 
 }  // namespace
 
-std::vector<Uniqueness> uniqueness_of(const Layout& layout, const RankReport& report) {
+std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report) {
   std::vector<Uniqueness> all;
   all.reserve(layout.quantities().size());
   for (const Quantity& quantity : layout.quantities()) {
@@ -114,7 +114,7 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
   return reports;
 }
 
-Mask judged_states(const Layout& layout, const RankReports& reports) {
+Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
   Mask mask = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                              static_cast<Eigen::Index>(reports.size()), true);
   for (std::size_t state = 0; state < reports.size(); ++state) {
@@ -151,7 +151,7 @@ std::string in_states(const Disagreement& found, std::size_t total) {
 
 }  // namespace
 
-std::vector<Finding> compare_uniqueness(const Layout& layout, const std::vector<SharedState>& states,
+std::vector<Finding> compare_uniqueness(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                         const RankReports& reports) {
   const Model& model = layout.model();
   std::array<Disagreement, 2> counts;

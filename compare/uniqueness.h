@@ -15,7 +15,7 @@ enum class Uniqueness { unique, undecided, not_unique };
 
 /// Uniqueness of every quantity of the layout by one solver's report. A reaction in global axes is unique if all three
 /// components of its force, or of its torque, are; accelerations, force elements and sums on bodies always are.
-std::vector<Uniqueness> uniqueness_of(const Layout& layout, const RankReport& report);
+std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report);
 
 /// The reports of both solvers in the same states.
 using RankReports = std::vector<std::array<RankReport, 2>>;
@@ -26,12 +26,12 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
                          std::string& why);
 
 /// Where both find a quantity unique, and nothing is undecided.
-Mask judged_states(const Layout& layout, const RankReports& reports);
+Mask judged_states(const QuantityLayout& layout, const RankReports& reports);
 
 /// What the two solvers say differently of the same state: of redundant constraints, degrees of freedom, uniqueness of
 /// reactions, totals, and forces of drivers and couplings. One finding for each of these and each owner, with the
 /// number of states; what is undecided is no difference.
-std::vector<Finding> compare_uniqueness(const Layout& layout, const std::vector<SharedState>& states,
+std::vector<Finding> compare_uniqueness(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                         const RankReports& reports);
 
 /// The mask in the samples of a run: a quantity is judged in a sample if it is in all states taken from it.

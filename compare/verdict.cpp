@@ -37,7 +37,7 @@ int exit_code(Outcome outcome) {
 
 ComponentCount count_components(const Verdict& verdict) {
   ComponentCount count{verdict.judged, verdict.total};
-  for (const Row& row : verdict.others) {
+  for (const QuantityRow& row : verdict.others) {
     if (row.quantity.kind != Kind::element) continue;
     ++count.total;
     if (is_judged(row)) ++count.judged;

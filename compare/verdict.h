@@ -26,7 +26,7 @@ int exit_code(Outcome outcome);
 
 /// What stands behind the digits of one row on one rung.
 struct RungDetail {
-  /// Digits of what exceeds round-off: these are held against the need.
+  /// Digits of what exceeds round-off: these are compared with the need.
   double unexplained = 16.0;
   /// Digits that double precision resolves, -log10(resolution / scale); missing where that is unknown.
   std::optional<double> resolvable;
@@ -41,7 +41,7 @@ struct RungDetail {
 };
 
 /// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
-struct Row {
+struct QuantityRow {
   Quantity quantity;
   double scale = 0.0;
   ScaleSource source = ScaleSource::own_peak;
@@ -122,13 +122,14 @@ struct Verdict {
   Needs need;
   std::array<SolverSummary, 2> solvers;
 
-  std::vector<Row> rows;    // reaction components that the joints can carry
-  std::vector<Row> others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
+  std::vector<QuantityRow> rows;  // reaction components that the joints can carry
+  std::vector<QuantityRow>
+      others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
   int judged = 0;
   int total = 0;
 
   bool rank_agrees = false;
-  /// States at singular poses, and shaken states that mean different things to the solvers: left out and counted.
+  /// States at singular poses, and perturbed states that mean different things to the solvers: left out and counted.
   int singular_states = 0;
   int drawn_anew = 0;
   RungSummary same_state;

@@ -47,7 +47,7 @@ constexpr std::array kWho{Who::cartesian, Who::relative};
 
 bool has_elements(const Verdict& verdict) {
   return std::any_of(verdict.others.begin(), verdict.others.end(),
-                     [](const Row& row) { return row.quantity.kind == Kind::element; });
+                     [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
 }
 
 /// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
@@ -66,10 +66,10 @@ std::array<const Trajectory*, 2> view(const Trajectories& trajectories) {
   return both;
 }
 
-/// One model on its way through the rungs.
-class Climb {
+/// The verification of one model, rung by rung.
+class Verification {
  public:
-  Climb(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options)
+  Verification(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options)
       : model_(model),
         layout_(model),
         solvers_{&cartesian, &relative},
@@ -200,7 +200,7 @@ class Climb {
     for (SharedStates* part : {&shared, &random}) note_refusals(*part);
     verdict_.drawn_anew = random.drawn_anew;
     if (random.left_open > 0) {
-      verdict_.notes.push_back(fmt::format("{} of {} shaken states were left out: neither solver closes there",
+      verdict_.notes.push_back(fmt::format("{} of {} perturbed states were left out: neither solver closes there",
                                            random.left_open, random_states()));
     }
     const std::size_t of_run = shared.states.size();
@@ -273,7 +273,7 @@ class Climb {
                      shared.refusals.size())});
   }
 
-  /// A rank at the start that is lower than in the shaken states is a singular pose.
+  /// A rank at the start that is lower than in the perturbed states is a singular pose.
   void note_singular_start(const RankReports& reports, Who who, std::size_t of_run) {
     const RankReport& start = verdict_.solvers[index(who)].rank;
     for (std::size_t k = of_run; k < reports.size(); ++k) {
@@ -423,7 +423,7 @@ class Climb {
     if (!verdict_.same_run.horizon) verdict_.same_run.samples = pair.run.samples + 1;
   }
 
-  /// Motions that part, where no reaction has told of it.
+  /// Motions that part, where no reaction differs.
   void judge_motion(const MotionAgreement& motion, Rung rung, double need) {
     if (motion.digits >= need || !verdict_.findings.empty()) return;
     verdict_.findings.push_back(
@@ -525,7 +525,7 @@ class Climb {
   }
 
   const Model& model_;
-  Layout layout_;
+  QuantityLayout layout_;
   std::array<Solver*, 2> solvers_;
   const VerifyOptions& options_;
   std::mutex progress_guard_;
@@ -533,7 +533,7 @@ class Climb {
   int asked_samples_ = 0;
   double asked_rtol_ = 0.0;
   std::array<State, 2> starts_;
-  WeighedStates weighed_;  // of the same state rung: of the run, then shaken ones
+  WeighedStates weighed_;  // of the same state rung: of the run, then perturbed ones
   WeighedRun weighed_run_;
   std::optional<std::array<Growth, 2>> growths_;
   std::vector<Quantity> known_;
@@ -544,7 +544,7 @@ class Climb {
 }  // namespace
 
 Verdict verify(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options) {
-  return Climb(model, cartesian, relative, options).run();
+  return Verification(model, cartesian, relative, options).run();
 }
 
 }  // namespace concord::compare

@@ -24,7 +24,7 @@ struct VerifyOptions {
   /// States of the run that are handed to both solvers, at least, and a quarter as many near them; fewer than the
   /// default kTrajectoryStates blunt the verdict: for many machines in little time.
   std::optional<int> states;
-  /// Whether the third rung is climbed: both runs again at a tighter tolerance, half of a verdict's cost or more.
+  /// Whether the third rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
@@ -40,7 +40,7 @@ RunOptions run_options(const Model& model, const VerifyOptions& options);
 /// does not know it.
 std::string chosen_integrator(const Model& model, const Solver& solver, const std::string& asked);
 
-/// Climbs every rung (compare/README) and returns all that was found. Trouble of a solver is a failure in the verdict;
+/// Takes every rung (compare/README) and returns all findings. An error of a solver is a failure in the verdict;
 /// InputError passes through.
 Verdict verify(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options);
 

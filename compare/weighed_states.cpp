@@ -4,8 +4,8 @@
 
 namespace concord::compare {
 
-WeighedStates weigh(const Layout& layout, const std::array<Solver*, 2>& solvers, std::vector<SharedState> states,
-                    std::uint64_t seed) {
+WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
+                    std::vector<SharedState> states, std::uint64_t seed) {
   WeighedStates weighed;
   int dropped = 0;
   std::string why;

@@ -7,7 +7,7 @@
 #include "compare/resolution.h"
 #include "compare/uniqueness.h"
 
-/// States that both solvers evaluated, with all that a difference there is held against.
+/// States that both solvers evaluated, with all that a difference there is compared with.
 namespace concord::compare {
 
 struct WeighedStates {
@@ -26,8 +26,8 @@ struct WeighedStates {
 };
 
 /// Asks both solvers in every state for rank and resolution. Throws IncompleteResult like align().
-WeighedStates weigh(const Layout& layout, const std::array<Solver*, 2>& solvers, std::vector<SharedState> states,
-                    std::uint64_t seed);
+WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
+                    std::vector<SharedState> states, std::uint64_t seed);
 
 /// Uniqueness and resolution in the samples of a run from which the states were taken.
 struct WeighedRun {

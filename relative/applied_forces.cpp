@@ -89,7 +89,7 @@ void AppliedForces::move_ends(Element& element, const VecX& q, const VecX& u) {
     const int body = element.bodies[e + without];
     const Span& modes = kinematics_->topology().modes[body];
     element.ends[e].deform(q.data() + modes.first_q, u.data() + modes.first_u);
-    element.ends[e].ride(kinematics_->body(body));
+    element.ends[e].compute_point_motion(kinematics_->body(body));
   }
 }
 
@@ -99,12 +99,12 @@ Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) 
 
 Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name,
-                   laws_[element.law].held, regimes_are_frozen_);
+                   laws_[element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name,
-                   laws_[element.law].held, regimes_are_frozen_);
+                   laws_[element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
@@ -123,19 +123,20 @@ Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& eleme
 
 AppliedForces::Least AppliedForces::least() const {
   Least found{std::numeric_limits<double>::infinity(), "", nullptr};
-  const auto take = [&found](double margin, const char* kind, const std::string& owner) {
-    if (found.owner == nullptr || margin < found.margin) found = {margin, kind, &owner};
+  const auto take = [&found](double value, const char* kind, const std::string& owner) {
+    if (found.owner == nullptr || value < found.value) found = {value, kind, &owner};
   };
   for (const TireState& tire : tires_) {
-    take(margin_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire", tire.statement->name);
+    take(event_function_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire",
+         tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
-    if (concord::has_regimes(*law.held.law)) take(law.held.margin(), "law of", *law.owner);
+    if (concord::has_regimes(*law.law_in_regime.law)) take(law.law_in_regime.event_function(), "law of", *law.owner);
   }
   return found;
 }
 
-double AppliedForces::margin() const { return least().margin; }
+double AppliedForces::event_function() const { return least().value; }
 
 std::string AppliedForces::least_contact() const {
   const Least found = least();
@@ -147,21 +148,22 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
   const JointPoint& child = element.ends.back();
   const Vec6 on_child =
       std::visit([&](const auto& what) { return exerted(what, t, element); }, element.statement->what);
-  push(element.bodies[index(Side::child)], child, on_child);
+  apply_wrench(element.bodies[index(Side::child)], child, on_child);
   wrenches.on[index(Side::child)] = in_both_frames(child.A, on_child);
   if (element.ends.size() == 1) return;
   const JointPoint& parent = element.ends.front();
-  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
-  push(element.bodies[index(Side::parent)], parent, on_parent);
+  const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
+  apply_wrench(element.bodies[index(Side::parent)], parent, on_parent);
   wrenches.on[index(Side::parent)] = in_both_frames(parent.A, on_parent);
 }
 
 /// tau = actuator - resistance (R31).
 void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
   for (const Spring& spring : springs_) {
-    HeldLaw& held = laws_[spring.law].held;
+    LawInRegime& law_in_regime = laws_[spring.law].law_in_regime;
     const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
-    const double tau = evaluate_actuator(*held.law, t) - held.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
+    const double tau = evaluate_actuator(*law_in_regime.law, t) -
+                       law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }
@@ -171,17 +173,17 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
     const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
     const JointPoint& child = kinematics_->point(cut.joint, Side::child);
     const JointVector tau = tau_.segment(span.first_u, span.n_u);
-    const Vec6 wrench = kinematics_->motion(cut.joint).coordinate_wrench(cut.measure.motion_at(), tau);
+    const Vec6 wrench = kinematics_->mobilizer(cut.joint).coordinate_wrench(cut.measure.motion_at(), tau);
     on_child_of_cut_[c] << parent.A * wrench.head<3>(), parent.A * wrench.tail<3>();
     const double power_so_far = power_;  // the springs' power has been counted by their coordinates
     const Joint& joint = kinematics_->model().joints[cut.joint];
-    push(joint.on(Side::child).body, child, on_child_of_cut_[c]);
-    push(joint.on(Side::parent).body, parent, answered_at(on_child_of_cut_[c], child.r, parent.r));
+    apply_wrench(joint.on(Side::child).body, child, on_child_of_cut_[c]);
+    apply_wrench(joint.on(Side::parent).body, parent, opposite_wrench_at(on_child_of_cut_[c], child.r, parent.r));
     power_ = power_so_far;
   }
 }
 
-void AppliedForces::push(int body, const JointPoint& point, const Vec6& wrench) {  // (R8)
+void AppliedForces::apply_wrench(int body, const JointPoint& point, const Vec6& wrench) {  // (R8)
   if (body == kGround) return;
   power_ += wrench.head<3>().dot(point.v) + wrench.tail<3>().dot(point.omega);
   const int link = kinematics_->topology().link_of_body[body];

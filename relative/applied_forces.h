@@ -31,9 +31,10 @@ class AppliedForces {
   void free_regimes() { regimes_are_frozen_ = false; }
   void freeze_regimes() { regimes_are_frozen_ = true; }
   [[nodiscard]] bool has_regimes() const { return has_regimes_; }
-  /// How far the last update was inside the regimes, the worst of all tires and stops: see margin_of. Infinite without.
-  [[nodiscard]] double margin() const;
-  /// "tire 'left'", "stop of 'coil'": the contact with the least margin.
+  /// How far the last update was inside the regimes, the worst of all tires and stops: see event_function_of. Infinite
+  /// without.
+  [[nodiscard]] double event_function() const;
+  /// "tire 'left'", "stop of 'coil'": the contact with the smallest event function.
   [[nodiscard]] std::string least_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
@@ -59,22 +60,22 @@ class AppliedForces {
     const ForceElement* statement;
     std::vector<JointPoint> ends;  // by Side, or the child's alone
     std::array<int, 2> bodies{kGround, kGround};
-    int tire = -1;  // its place among the tires
-    int law = -1;   // of a spring, its place among the laws
+    int tire = -1;  // its index among the tires
+    int law = -1;   // of a spring, its index among the laws
   };
   struct TireState {
     const ForceElement* statement;
     TireRegime regime;
     TireContact contact;
   };
-  /// A joint spring and the places of its coordinate and speed.
+  /// A joint spring and the indices of its coordinate and speed.
   struct Spring {
-    int law;  // its place among the laws
+    int law;  // its index among the laws
     int q, u;
   };
   /// The law of a line or turn spring or of a joint spring, and whose it is.
   struct OwnedLaw {
-    HeldLaw held;
+    LawInRegime law_in_regime;
     const std::string* owner;
   };
 
@@ -89,16 +90,16 @@ class AppliedForces {
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
   int add_law(const ForceLaw& law, const std::string& owner);
-  /// The least margin, and whose contact has it.
+  /// The smallest event function, and whose contact has it.
   struct Least {
-    double margin;
+    double value;
     const char* kind;
     const std::string* owner;
   };
   [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
   void apply_springs(double t, const VecX& q, const VecX& u);
-  void push(int body, const JointPoint& point, const Vec6& wrench);
+  void apply_wrench(int body, const JointPoint& point, const Vec6& wrench);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
@@ -109,7 +110,7 @@ class AppliedForces {
   std::vector<OwnedLaw> laws_;
   bool has_regimes_ = false;
   bool regimes_are_frozen_ = false;
-  std::vector<int> sprung_cuts_;  // places in Closure::cuts
+  std::vector<int> sprung_cuts_;  // indices in Closure::cuts
   std::vector<Vec6> on_body_;
   std::vector<VecX> on_modes_;
   std::vector<Vec6> on_child_of_cut_;

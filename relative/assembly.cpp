@@ -13,10 +13,10 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kRankThreshold = 1e-10;    // of the largest singular value, or of 1, the size of a row, if all vanish
-constexpr double kClosed = 1e-13;           // of the largest coordinate or speed, at least of 1
-constexpr double kNearlyClosed = 1e-7;      // a gap over which Phi_u does not change so that speeds would notice
-constexpr double kNoRoundOff = 1e-9;        // of the largest speed: a slip that no dependent row explains
+constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or of 1, the size of a row, if all vanish
+constexpr double kClosed = 1e-13;         // of the largest coordinate or speed, at least of 1
+constexpr double kNearlyClosed = 1e-7;    // a position residual that does not change Phi_u enough to matter for speeds
+constexpr double kNoRoundOff = 1e-9;      // of the largest speed: a velocity residual that no dependent row explains
 constexpr double kRoundOffOfSpeed = 1e-15;  // of the largest speed
 constexpr double kLargestStep = 0.5;        // in machine units: half a radian, half the length
 
@@ -34,11 +34,11 @@ MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
   return selected;
 }
 
-const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_places ? "coordinates" : "speeds"; }
+const char* name_of(Assembly::Rows rows) { return rows == Assembly::Rows::of_positions ? "coordinates" : "speeds"; }
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
-/// What coordinates of the tree move by in search of a general pose: their units, modes a twentieth of it.
+/// By how much coordinates of the tree are moved in search of a general pose: their units, modes a twentieth of it.
 VecX exploring_steps(const Scales& scales, const Topology& topology) {
   VecX steps = scales.speeds();
   for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
@@ -55,9 +55,9 @@ Assembly::Assembly(Equations& equations)
       rate_(machine_rate(equations.model())),
       coordinate_units_(scales_.coordinates(equations.model(), equations.topology())) {}
 
-std::vector<int> Assembly::moving_columns(const Held& held, Modes modes) const {
+std::vector<int> Assembly::moving_columns(const PrescribedMask& prescribed, Modes modes) const {
   std::vector<char> moves(equations_->topology().n_tree_u, 1);
-  for (std::size_t c = 0; c < moves.size(); ++c) moves[c] = held[c] == 0 ? 1 : 0;
+  for (std::size_t c = 0; c < moves.size(); ++c) moves[c] = prescribed[c] == 0 ? 1 : 0;
   if (modes == Modes::kept) {
     for (const Span& span : equations_->topology().modes) {
       std::fill_n(moves.begin() + span.first_u, span.n_u, static_cast<char>(0));
@@ -75,20 +75,21 @@ void Assembly::advance(VecX& q, const VecX& step) const {
   const Topology& topology = equations_->topology();
   for (const Link& link : topology.links) {
     const Span& joint = topology.joints[link.joint];
-    equations_->kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
+    equations_->kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
     const Span& modes = topology.modes[link.body];
     q.segment(modes.first_q, modes.n_q) += step.segment(modes.first_u, modes.n_u);
   }
 }
 
-/// Moves the machine and measures its cut joints with a closure of its own; returns the largest gap in machine units.
+/// Moves the machine and measures its cut joints with a closure of its own; returns the largest position residual in
+/// machine units.
 double Assembly::measure(Coordinates& coordinates, Closure& closure) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
   closure.measure(coordinates.q, coordinates.u);
-  return largest(closure.gap().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
+  return largest(closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
 }
 
-/// The same; infinite where the machine cannot stand.
+/// The same; infinite where the machine has no such pose.
 double Assembly::try_to_measure(Coordinates& coordinates, Closure& closure) {
   try {
     return measure(coordinates, closure);
@@ -119,53 +120,53 @@ VecX Assembly::smallest_step(const Closure& closure, const std::vector<int>& col
 }
 
 /// Newton's method with damping and halved steps, until round-off stops it.
-bool Assembly::close_positions(Coordinates& coordinates, const Held& held, Modes modes) {
-  Closure closure(equations_->kinematics(), held);
+bool Assembly::close_positions(Coordinates& coordinates, const PrescribedMask& prescribed, Modes modes) {
+  Closure closure(equations_->kinematics(), prescribed);
   if (closure.n_position_rows() == 0) return true;
-  const std::vector<int> columns = moving_columns(held, modes);
-  double gap = measure(coordinates, closure);
-  for (int iteration = 0; iteration < kMostIterations && gap > 0.0; ++iteration) {
-    VecX step = smallest_step(closure, columns, closure.gap(), std::min(1e-3, gap));
+  const std::vector<int> columns = moving_columns(prescribed, modes);
+  double residual = measure(coordinates, closure);
+  for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
+    VecX step = smallest_step(closure, columns, closure.position_residual(), std::min(1e-3, residual));
     step *= std::min(1.0, kLargestStep / std::max(largest(step), 1e-300));
     step = step.cwiseProduct(scales_.speeds().head(step.size()));
     bool improved = false;
     for (int halvings = 0; halvings < 12 && !improved; ++halvings) {
       Coordinates trial = coordinates;
       advance(trial.q, step);
-      const double trial_gap = try_to_measure(trial, closure);
-      improved = trial_gap < gap;
+      const double trial_residual = try_to_measure(trial, closure);
+      improved = trial_residual < residual;
       step *= 0.5;
       if (!improved) continue;
       coordinates = std::move(trial);
-      gap = trial_gap;
+      residual = trial_residual;
     }
     if (!improved) break;
   }
   measure(coordinates, closure);
   // Round-off adds up along a loop, which has at most all links.
   const double longest = 0.01 * static_cast<double>(equations_->topology().links.size());
-  return gap < kClosed * std::max({1.0, size_of_q(coordinates.q), longest});
+  return residual < kClosed * std::max({1.0, size_of_q(coordinates.q), longest});
 }
 
-bool Assembly::close_velocities(Coordinates& coordinates, const Held& held, Modes modes) {
-  Closure closure(equations_->kinematics(), held);
+bool Assembly::close_velocities(Coordinates& coordinates, const PrescribedMask& prescribed, Modes modes) {
+  Closure closure(equations_->kinematics(), prescribed);
   if (closure.n_rows() == 0) return true;
-  const std::vector<int> columns = moving_columns(held, modes);
+  const std::vector<int> columns = moving_columns(prescribed, modes);
   const double size = std::max(rate_, size_of_u(coordinates.u));
-  double slip = 0.0;
+  double residual = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     measure(coordinates, closure);
-    slip = largest(closure.slip().cwiseQuotient(closure.row_units()));
-    const VecX step = smallest_step(closure, columns, closure.slip(), 0.0);
+    residual = largest(closure.velocity_residual().cwiseQuotient(closure.row_units()));
+    const VecX step = smallest_step(closure, columns, closure.velocity_residual(), 0.0);
     coordinates.u.head(step.size()) += step.cwiseProduct(scales_.speeds().head(step.size()));
   }
   measure(coordinates, closure);
-  slip = std::min(slip, largest(closure.slip().cwiseQuotient(closure.row_units())));
-  return slip <= kClosed * std::max(size, size_of_u(coordinates.u));
+  residual = std::min(residual, largest(closure.velocity_residual().cwiseQuotient(closure.row_units())));
+  return residual <= kClosed * std::max(size, size_of_u(coordinates.u));
 }
 
-/// Joints alone close a machine as far as its loops leave the modes free; others must move too. Off the closure rows
-/// that depend on each other look independent, so that only a closed pose tells.
+/// Joints alone close a machine as far as its loops leave the modes free; others must move too. In a pose
+/// that is not closed, dependent rows look independent, so that the ranks must be taken in a closed one.
 void Assembly::decide_modes(const Coordinates& closed) {
   const auto rank = [&](Modes modes) { return closure_rank(closed, Rows::of_velocities, modes); };
   const bool restricted = equations_->model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
@@ -175,17 +176,17 @@ void Assembly::decide_modes(const Coordinates& closed) {
 bool Assembly::close(Coordinates& coordinates) {
   if (equations_->model().is_flexible()) decide_rank(coordinates);
   equations_->prescribe(coordinates.t, coordinates.q, coordinates.u);
-  const Held& driven = equations_->driven();
+  const PrescribedMask& driven = equations_->driven();
   return close_positions(coordinates, driven, closing_modes_) && close_velocities(coordinates, driven, closing_modes_);
 }
 
-/// Factors the closure rows here, in the units of the machine: those of places by themselves, and all.
+/// Factors the closure rows here, in the units of the machine: those for positions by themselves, and all.
 void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns());
-  const bool places_are_all = closure.n_position_rows() == closure.n_rows();
+  const bool positions_are_all = closure.n_position_rows() == closure.n_rows();
   row_factors_.compute(Phi);
-  if (!places_are_all) place_factors_.compute(Phi.topRows(closure.n_position_rows()));
+  if (!positions_are_all) position_factors_.compute(Phi.topRows(closure.n_position_rows()));
 }
 
 /// The smallest step of the free columns in the units of the machine that takes away the misfit of the independent rows
@@ -193,7 +194,7 @@ void Assembly::take_projection() {
 VecX Assembly::projection_step(const VecX& misfit) const {
   const Closure& closure = equations_->closure();
   const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const VecX solution = (misfit.size() < closure.n_rows() ? place_factors_ : row_factors_).smallest_step(scaled);
+  const VecX solution = (misfit.size() < closure.n_rows() ? position_factors_ : row_factors_).smallest_step(scaled);
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
   const std::vector<int>& columns = projected_columns();
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c) * scales_.speeds()(columns[c]);
@@ -207,74 +208,77 @@ void Assembly::move(Coordinates& coordinates) {
   coordinates.u = equations_->u();
 }
 
-double Assembly::gap_in_units() const {
+double Assembly::position_residual_in_units() const {
   const Closure& closure = equations_->closure();
-  return largest(closure.gap().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
+  return largest(closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
 }
 
-double Assembly::slip_in_units() const {
-  return largest(equations_->closure().slip().cwiseQuotient(equations_->closure().row_units()));
+double Assembly::velocity_residual_in_units() const {
+  return largest(equations_->closure().velocity_residual().cwiseQuotient(equations_->closure().row_units()));
 }
 
 /// Largest coordinate and speed in the units of the machine.
 double Assembly::size_of_q(const VecX& q) const { return largest(q.cwiseQuotient(coordinate_units_)); }
 double Assembly::size_of_u(const VecX& u) const { return largest(u.cwiseQuotient(scales_.speeds())); }
 
-/// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the gap.
+/// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the residual.
 void Assembly::project_positions(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
   const double allowed = kClosed * std::max(1.0, size_of_q(coordinates.q));
-  double gap = gap_in_units();
+  double residual = position_residual_in_units();
   bool is_fresh = true;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    advance(coordinates.q, projection_step(closure.gap()));
+    advance(coordinates.q, projection_step(closure.position_residual()));
     move(coordinates);
-    if (!closure.gap().allFinite()) break;
-    const double reached = gap_in_units();
-    const bool stands = reached >= 0.5 * gap;
-    const bool is_slow = reached >= 0.1 * gap;
-    gap = std::min(gap, reached);
+    if (!closure.position_residual().allFinite()) break;
+    const double reached = position_residual_in_units();
+    const bool stands = reached >= 0.5 * residual;
+    const bool is_slow = reached >= 0.1 * residual;
+    residual = std::min(residual, reached);
     if (reached < 0.1 * allowed || (stands && is_fresh && reached < allowed)) break;
     if (stands && iteration > 3) break;
     is_fresh = is_slow;
     if (is_slow) take_projection();
   }
-  gap = gap_in_units();
-  if (closure.gap().allFinite() && gap <= allowed) return;
+  residual = position_residual_in_units();
+  if (closure.position_residual().allFinite() && residual <= allowed) return;
   throw SolverError(fmt::format(
-      "{} will not close: gap {:.1e} in parts of the machine's length and rad, allowed {:.0e}; it was "
+      "{} will not close: position residual {:.1e} in parts of the machine's length and rad, allowed {:.0e}; it was "
       "closed at the start: tighten the tolerance",
-      closure.worst_place(closure.gap().cwiseQuotient(closure.row_units().head(closure.gap().size()))), gap, allowed));
+      closure.worst_place(
+          closure.position_residual().cwiseQuotient(closure.row_units().head(closure.position_residual().size()))),
+      residual, allowed));
 }
 
-/// Until round-off stands; Phi_u is taken anew where a step takes away less than nine tenths of the slip.
+/// Until round-off stands; Phi_u is taken anew where a step takes away less than nine tenths of the residual.
 void Assembly::project_velocities(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
-  double slip = slip_in_units();
+  double residual = velocity_residual_in_units();
   bool is_fresh = false;
-  for (int iteration = 0; iteration < 4 && slip > 0.0; ++iteration) {
-    coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.slip());
+  for (int iteration = 0; iteration < 4 && residual > 0.0; ++iteration) {
+    coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.velocity_residual());
     move(coordinates);
-    const double reached = slip_in_units();
-    const bool is_slow = reached >= 0.1 * slip;
-    slip = std::min(slip, reached);
+    const double reached = velocity_residual_in_units();
+    const bool is_slow = reached >= 0.1 * residual;
+    residual = std::min(residual, reached);
     if (reached <= kRoundOffOfSpeed * size_of_u(coordinates.u) || (is_slow && is_fresh)) break;
     if (is_slow) take_projection();
     is_fresh = is_slow;
   }
-  slip = slip_in_units();
+  residual = velocity_residual_in_units();
   const double allowed = kNoRoundOff * std::max(rate_, size_of_u(coordinates.u));
-  if (closure.slip().allFinite() && slip <= allowed) return;
-  throw SolverError(
-      fmt::format("{} will not move together: slip {:.1e} in parts of the machine's length and rad per s, allowed "
-                  "{:.0e}; it did at the start: tighten the tolerance",
-                  closure.worst_place(closure.slip().cwiseQuotient(closure.row_units())), slip, allowed));
+  if (closure.velocity_residual().allFinite() && residual <= allowed) return;
+  throw SolverError(fmt::format(
+      "{} does not obey the velocity constraints: residual {:.1e} in parts of the machine's length and rad per s, "
+      "allowed "
+      "{:.0e}; it obeyed them at the start: tighten the tolerance",
+      closure.worst_place(closure.velocity_residual().cwiseQuotient(closure.row_units())), residual, allowed));
 }
 
 void Assembly::normalize(VecX& q) const {
   const Topology& topology = equations_->topology();
   for (std::size_t k = 0; k < topology.joints.size(); ++k) {
-    equations_->kinematics().motion(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
+    equations_->kinematics().mobilizer(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
   }
 }
 
@@ -297,7 +301,7 @@ void Assembly::project(Coordinates& coordinates, Modes modes) {
   move(coordinates);
   const Closure& closure = equations_->closure();
   if (closure.n_rows() == 0) return;
-  const bool was_near = gap_in_units() < kNearlyClosed;
+  const bool was_near = position_residual_in_units() < kNearlyClosed;
   take_projection();
   project_positions(coordinates);
   if (!was_near) take_projection();
@@ -306,9 +310,9 @@ void Assembly::project(Coordinates& coordinates, Modes modes) {
 
 double Assembly::misfit(const Coordinates& coordinates) {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
-  const double slip = slip_in_units();
-  return std::max(gap_in_units() / std::max(1.0, size_of_q(coordinates.q)),
-                  slip > 0.0 ? slip / std::max(rate_, size_of_u(coordinates.u)) : 0.0);
+  const double residual = velocity_residual_in_units();
+  return std::max(position_residual_in_units() / std::max(1.0, size_of_q(coordinates.q)),
+                  residual > 0.0 ? residual / std::max(rate_, size_of_u(coordinates.u)) : 0.0);
 }
 
 int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes modes) {
@@ -316,18 +320,19 @@ int Assembly::closure_rank(const Coordinates& coordinates, Rows rows, Modes mode
   const Closure& closure = equations_->closure();
   const MatX Phi =
       select_columns(scales_.scaled(closure.Phi_u(), closure), moving_columns(equations_->driven(), modes));
-  return static_cast<int>(rank_of(Phi.topRows(rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows())));
+  return static_cast<int>(
+      rank_of(Phi.topRows(rows == Rows::of_positions ? closure.n_position_rows() : closure.n_rows())));
 }
 
-/// A start or a folded pose may lack rank that the machine has elsewhere, and so may a body that is not deformed: poses
-/// nearby, reached with the drivers let go, decide.
+/// The rank may be lower at the start, in a folded pose or with undeformed bodies than it is in general: poses
+/// nearby, reached with the drivers released, decide.
 void Assembly::decide_rank_near(const Coordinates& coordinates) {
   const int n_rows = equations_->closure().n_rows();
   Coordinates best = coordinates;
   int rank = closure_rank(coordinates, Rows::of_velocities, Modes::moving);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
-  const Held nothing(equations_->topology().n_u, 0);
+  const PrescribedMask nothing(equations_->topology().n_u, 0);
   Closure free(equations_->kinematics(), nothing);
   const std::vector<int> columns = moving_columns(nothing, Modes::moving);
   const VecX steps = exploring_steps(scales_, equations_->topology());
@@ -393,8 +398,9 @@ void Assembly::throw_singular(const Coordinates& coordinates, const std::string&
       "relative: at t = {:.6g} s the {} closure rows{} {}lose rank: {} of {} at {}: the pose is singular and the "
       "motion "
       "may branch",
-      coordinates.t, closure.n_rows(), closure.relations().empty() ? "" : " of loops, couplings and rolling contacts",
-      passing, std::min(factors.rank(), rank() - 1), rank(), closure.worst_place(factors.weakest_combination(rank()))));
+      coordinates.t, closure.n_rows(),
+      closure.speed_constraints().empty() ? "" : " of loops, couplings and rolling contacts", passing,
+      std::min(factors.rank(), rank() - 1), rank(), closure.worst_place(factors.weakest_combination(rank()))));
 }
 
 double Assembly::factor_rows(Coordinates& coordinates, MatX& Phi) {
@@ -406,7 +412,7 @@ double Assembly::factor_rows(Coordinates& coordinates, MatX& Phi) {
   return factors.singular_value(rank());
 }
 
-bool Assembly::settle(Coordinates& coordinates) {
+bool Assembly::close_positions_nearby(Coordinates& coordinates) {
   try {
     normalize(coordinates.q);
     projecting_ = closing_modes_;
@@ -422,18 +428,18 @@ bool Assembly::settle(Coordinates& coordinates) {
 // The start ----------------------------------------------------------------------------------------------------------
 
 /// The driven speeds and those of every word with role `keep`.
-Held Assembly::kept(StartRole WordStart::*role) const {
-  Held held = equations_->driven();
+PrescribedMask Assembly::kept(StartRole WordStart::*role) const {
+  PrescribedMask prescribed = equations_->driven();
   const Model& model = equations_->model();
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       if (joint.start[word].*role != StartRole::keep) continue;
       const int first = equations_->topology().joints[k].first_u + first_u(*joint.type, static_cast<int>(word));
-      std::fill_n(held.begin() + first, n_u(joint.type->permits[word]), static_cast<char>(1));
+      std::fill_n(prescribed.begin() + first, n_u(joint.type->permits[word]), static_cast<char>(1));
     }
   }
-  return held;
+  return prescribed;
 }
 
 /// Coordinates of the joints between the guessed poses of the bodies.
@@ -451,9 +457,9 @@ void Assembly::measure_unsaid(Coordinates& coordinates) const {
   }
   Kinematics kinematics(model);
   kinematics.place(bodies);
-  const Held nothing(equations_->topology().n_u, 0);
+  const PrescribedMask nothing(equations_->topology().n_u, 0);
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
-    JointMeasure measured(kinematics.motion(k), nothing.data());
+    JointMeasure measured(kinematics.mobilizer(k), nothing.data());
     measured.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child),
                     coordinates.q.data() + equations_->topology().joints[k].first_q, JointMeasure::Restart::if_better);
   }
@@ -491,33 +497,33 @@ Coordinates Assembly::guess_start() const {
   return start;
 }
 
-std::string Assembly::names_of_kept(const Held& held) const {
+std::string Assembly::names_of_kept(const PrescribedMask& prescribed) const {
   const Model& model = equations_->model();
   std::vector<std::string> names;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Span& span = equations_->topology().joints[k];
     int count = 0;
     for (int c = span.first_u; c < span.first_u + span.n_u; ++c) {
-      if (held[c] != 0 && equations_->driven()[c] == 0) ++count;
+      if (prescribed[c] != 0 && equations_->driven()[c] == 0) ++count;
     }
     if (count > 0) names.push_back(fmt::format("{} of joint '{}'", count, model.joints[k].name));
   }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-SourceLocation Assembly::where_kept(const Held& held) const {
+SourceLocation Assembly::where_kept(const PrescribedMask& prescribed) const {
   const Model& model = equations_->model();
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Span& span = equations_->topology().joints[k];
     for (int c = span.first_u; c < span.first_u + span.n_u; ++c) {
-      if (held[c] != 0 && equations_->driven()[c] == 0) return model.joints[k].where;
+      if (prescribed[c] != 0 && equations_->driven()[c] == 0) return model.joints[k].where;
     }
   }
   return {model.file, 0, 0};
 }
 
 /// The couplings that relate nothing but kept and driven values, for the end of a message about the former.
-std::string Assembly::couplings_of_kept(const Held& held) const {
+std::string Assembly::couplings_of_kept(const PrescribedMask& prescribed) const {
   const Model& model = equations_->model();
   std::string text;
   for (const Coupling& coupling : model.couplings) {
@@ -525,7 +531,7 @@ std::string Assembly::couplings_of_kept(const Held& held) const {
     for (const CouplingTerm& term : coupling.terms) {
       const Joint& joint = model.joints[term.joint];
       const int place = first_u(*joint.type, term.word) + term.component;
-      if (held[equations_->topology().joints[term.joint].first_u + place] == 0) break;
+      if (prescribed[equations_->topology().joints[term.joint].first_u + place] == 0) break;
       names.push_back(fmt::format("'{}'", joint.name));
     }
     if (names.size() < coupling.terms.size()) continue;
@@ -535,31 +541,33 @@ std::string Assembly::couplings_of_kept(const Held& held) const {
 }
 
 /// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.
-void Assembly::require_number_of_kept(const Coordinates& coordinates, const Held& held, Rows rows) {
+void Assembly::require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows) {
   const auto n_free = static_cast<int>(moving_columns(equations_->driven(), Modes::kept).size());
   const int freedom = n_free - closure_rank(coordinates, rows, Modes::kept);
   int n_kept = 0;
-  for (std::size_t c = 0; c < held.size(); ++c) n_kept += held[c] != 0 && equations_->driven()[c] == 0 ? 1 : 0;
+  for (std::size_t c = 0; c < prescribed.size(); ++c)
+    n_kept += prescribed[c] != 0 && equations_->driven()[c] == 0 ? 1 : 0;
   if (n_kept == freedom) return;
   throw InputError(
-      where_kept(held),
+      where_kept(prescribed),
       fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
                   "{} are ({}){}",
-                  degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(held), couplings_of_kept(held)));
+                  degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(prescribed),
+                  couplings_of_kept(prescribed)));
 }
 
-void Assembly::require_independent_start(const Coordinates& coordinates, const Held& held, Rows rows) {
-  Closure closure(equations_->kinematics(), held);
+void Assembly::require_independent_start(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows) {
+  Closure closure(equations_->kinematics(), prescribed);
   Coordinates copy = coordinates;
   measure(copy, closure);
-  const std::vector<int> columns = moving_columns(held, Modes::kept);
-  const int n_rows = rows == Rows::of_places ? closure.n_position_rows() : closure.n_rows();
+  const std::vector<int> columns = moving_columns(prescribed, Modes::kept);
+  const int n_rows = rows == Rows::of_positions ? closure.n_position_rows() : closure.n_rows();
   const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure).topRows(n_rows), columns);
   if (rank_of(Phi) == static_cast<Eigen::Index>(columns.size())) return;
-  throw InputError(where_kept(held),
+  throw InputError(where_kept(prescribed),
                    fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
                                "of the machine free: keep others{}",
-                               name_of(rows), names_of_kept(held), couplings_of_kept(held)));
+                               name_of(rows), names_of_kept(prescribed), couplings_of_kept(prescribed)));
 }
 
 void Assembly::require_inertia(const Coordinates& coordinates) {
@@ -582,53 +590,56 @@ void Assembly::require_inertia(const Coordinates& coordinates) {
                                shown.y(), shown.z(), joint.name));
 }
 
-void Assembly::throw_not_closing(const Held& held) const {
-  if (held == equations_->driven()) {
-    throw InputError(where_kept(held),
+void Assembly::throw_not_closing(const PrescribedMask& prescribed) const {
+  if (prescribed == equations_->driven()) {
+    throw InputError(where_kept(prescribed),
                      fmt::format("start: the loops of {} cannot be closed near the start values: give "
                                  "better guesses of joint coordinates or body poses{}",
-                                 equations_->model().name, couplings_of_kept(held)));
+                                 equations_->model().name, couplings_of_kept(prescribed)));
   }
-  throw InputError(where_kept(held), fmt::format("start: the kept joint coordinates ({}) contradict each other: the "
-                                                 "loops do not close with them{}",
-                                                 names_of_kept(held), couplings_of_kept(held)));
+  throw InputError(where_kept(prescribed),
+                   fmt::format("start: the kept joint coordinates ({}) contradict each other: the "
+                               "loops do not close with them{}",
+                               names_of_kept(prescribed), couplings_of_kept(prescribed)));
 }
 
 /// Whole turns, which change no pose, for couplings that are off by more: on the turn with the smallest factor among
-/// those that are not held.
-void Assembly::wind(Coordinates& coordinates, const Held& held) const {
+/// those that are not prescribed.
+void Assembly::add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const {
   const Model& model = equations_->model();
   const Topology& topology = equations_->topology();
   for (const Coupling& coupling : model.couplings) {
     const CouplingTerm* least = nullptr;
     for (const CouplingTerm& term : coupling.terms) {
       const int column = first_u(*model.joints[term.joint].type, term.word) + term.component;
-      if (held[topology.joints[term.joint].first_u + column] != 0) continue;
+      if (prescribed[topology.joints[term.joint].first_u + column] != 0) continue;
       if (!std::holds_alternative<joints::Turn>(model.joints[term.joint].type->permits[term.word])) continue;
       if (least == nullptr || std::abs(term.factor) < std::abs(least->factor)) least = &term;
     }
     if (least == nullptr) continue;
     const double turn = 2.0 * std::numbers::pi * least->factor;
-    const double turns = std::round(compute_gap(coupling, equations_->kinematics(), coordinates.q) / turn);
+    const double turns =
+        std::round(compute_position_residual(coupling, equations_->kinematics(), coordinates.q) / turn);
     const int place = first_q(*model.joints[least->joint].type, least->word) + least->component;
     coordinates.q(topology.joints[least->joint].first_q + place) -= 2.0 * std::numbers::pi * turns;
   }
 }
 
-/// Gives links that nothing holds their canonical names, and requires of the others that they stand on the branches
+/// Gives links without prescribed values their canonical names, and requires that the others are on the branches
 /// that the start values choose.
-void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, const Held& held_q,
-                               const Held& held_u) const {
+void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,
+                               const PrescribedMask& prescribed_u) const {
   const Model& model = equations_->model();
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
     const Span& span = equations_->topology().joints[k];
-    const Motion& motion = equations_->kinematics().motion(k);
-    if (!motion.has_elevation()) continue;
-    bool is_held = false;
-    for (int c = span.first_u; c < span.first_u + span.n_u; ++c) is_held = is_held || held_q[c] != 0 || held_u[c] != 0;
-    if (!is_held) {
-      motion.choose_canonical_chart(closed.q.data() + span.first_q);
-    } else if (!motion.is_on_branch_of(closed.q.data() + span.first_q, said.q.data() + span.first_q)) {
+    const Mobilizer& mobilizer = equations_->kinematics().mobilizer(k);
+    if (!mobilizer.has_elevation()) continue;
+    bool is_prescribed = false;
+    for (int c = span.first_u; c < span.first_u + span.n_u; ++c)
+      is_prescribed = is_prescribed || prescribed_q[c] != 0 || prescribed_u[c] != 0;
+    if (!is_prescribed) {
+      mobilizer.choose_canonical_chart(closed.q.data() + span.first_q);
+    } else if (!mobilizer.is_on_branch_of(closed.q.data() + span.first_q, said.q.data() + span.first_q)) {
       throw InputError(model.joints[k].where,
                        fmt::format("start: joint '{}' closes on another branch than its start values say: a link's "
                                    "second turn passes a quarter turn: give other guesses or keep other coordinates",
@@ -637,9 +648,9 @@ void Assembly::choose_branches(Coordinates& closed, const Coordinates& said, con
   }
 }
 
-/// What the model keeps stands in the start to round-off.
+/// Requires that the start holds the kept values to round-off.
 void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) const {
-  constexpr double kRoundOff = 1e-11;
+  constexpr double kRoundOffOfKept = 1e-11;
   const Model& model = equations_->model();
   const double rate = std::max(rate_, size_of_u(closed.u));
   const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
@@ -667,13 +678,13 @@ void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) 
           if (found.dot(kept) < 0.0) kept = -kept;
         }
         const double unit = coordinate_units_(iq);
-        require(joint, "coordinates", found, kept, kRoundOff * std::max(unit, kept.cwiseAbs().maxCoeff()),
+        require(joint, "coordinates", found, kept, kRoundOffOfKept * std::max(unit, kept.cwiseAbs().maxCoeff()),
                 angles.segment(iq, n));
       }
       if (start.role_u == StartRole::keep && start.u.size() > 0) {
         const auto n = start.u.size();
         require(joint, "speeds", closed.u.segment(iu, n), said.u.segment(iu, n),
-                kRoundOff * rate * scales_.speeds()(iu), VecX::Zero(n));
+                kRoundOffOfKept * rate * scales_.speeds()(iu), VecX::Zero(n));
       }
     }
   }
@@ -682,27 +693,28 @@ void Assembly::require_kept(const Coordinates& closed, const Coordinates& said) 
 Coordinates Assembly::start() {
   equations_->count_turns(VecX::Zero(equations_->topology().n_q));
   Coordinates start = guess_start();
-  const Held held_q = kept(&WordStart::role_q);
-  const Held held_u = kept(&WordStart::role_u);
-  wind(start, held_q);
+  const PrescribedMask prescribed_q = kept(&WordStart::role_q);
+  const PrescribedMask prescribed_u = kept(&WordStart::role_u);
+  add_turns_of_couplings(start, prescribed_q);
   equations_->count_turns(equations_->kinematics().whole_turns(start.q));
   start.q = equations_->kinematics().without_turns(start.q);
   Coordinates closed = start;
-  const bool kept_agree = close_positions(closed, held_q, Modes::kept);
+  const bool kept_agree = close_positions(closed, prescribed_q, Modes::kept);
   if (!kept_agree) closed = start;
   if (kept_agree || close_positions(closed, equations_->driven(), Modes::kept)) {
-    require_number_of_kept(closed, held_q, Rows::of_places);
+    require_number_of_kept(closed, prescribed_q, Rows::of_positions);
   }
-  if (!kept_agree) throw_not_closing(held_q);
-  closed.u = start.u;  // closing places has measured the cut joints' speeds, those too that are kept
-  choose_branches(closed, start, held_q, held_u);
-  require_independent_start(closed, held_q, Rows::of_places);
-  require_number_of_kept(closed, held_u, Rows::of_velocities);
-  require_independent_start(closed, held_u, Rows::of_velocities);
+  if (!kept_agree) throw_not_closing(prescribed_q);
+  closed.u = start.u;  // closing the positions has measured the cut joints' speeds, those too that are kept
+  choose_branches(closed, start, prescribed_q, prescribed_u);
+  require_independent_start(closed, prescribed_q, Rows::of_positions);
+  require_number_of_kept(closed, prescribed_u, Rows::of_velocities);
+  require_independent_start(closed, prescribed_u, Rows::of_velocities);
   require_inertia(closed);
-  if (!close_velocities(closed, held_u, Modes::kept)) {
-    throw InputError(where_kept(held_u), fmt::format("start: the kept joint speeds ({}) contradict each other{}",
-                                                     names_of_kept(held_u), couplings_of_kept(held_u)));
+  if (!close_velocities(closed, prescribed_u, Modes::kept)) {
+    throw InputError(where_kept(prescribed_u),
+                     fmt::format("start: the kept joint speeds ({}) contradict each other{}",
+                                 names_of_kept(prescribed_u), couplings_of_kept(prescribed_u)));
   }
   move(closed);
   require_kept(closed, start);

@@ -31,14 +31,14 @@ class Assembly {
   /// inertia.
   [[nodiscard]] Coordinates start();
 
-  /// Closes q and u near their values at time t, couplings and constraints of velocity too. Modal coordinates and rates
-  /// are kept, unless the loops restrict them, as where a flexible body is held at both ends: then they move by the
-  /// shortest steps too. False if Newton's method fails.
+  /// Closes q and u near their values at time t, couplings and nonholonomic constraints too. Modal coordinates and
+  /// rates are kept, unless the loops restrict them, as where a flexible body is held at both ends: then they move by
+  /// the shortest steps too. False if Newton's method fails.
   [[nodiscard]] bool close(Coordinates& coordinates);
 
   /// Projects a state that is closed but for the error of one integration step: the smallest change in the units of the
   /// machine, of joint coordinates where these can close it, else of modes too. Throws SolverError, naming the joint
-  /// and the gap, if the loops will not close.
+  /// and the residual, if the loops will not close.
   void project(Coordinates& coordinates);
 
   /// Decides how many closure rows are independent in a general pose near the start (from `coordinates`, if the machine
@@ -55,25 +55,25 @@ class Assembly {
   /// Closure rows in machine units over the free columns, and the size of the smallest singular value that a general
   /// pose has.
   double factor_rows(Coordinates& coordinates, MatX& Phi);
-  /// Closes places near by; false where Newton's method fails.
-  [[nodiscard]] bool settle(Coordinates& coordinates);
+  /// Closes positions near the given ones; false where Newton's method fails.
+  [[nodiscard]] bool close_positions_nearby(Coordinates& coordinates);
 
-  /// Largest misfit of position and velocity closure in machine units, as the projection measures it: gap / max(1,
-  /// largest coordinate), slip relative to the largest speed.
+  /// Largest misfit of position and velocity closure in machine units, as the projection measures it: position residual
+  /// / max(1, largest coordinate), velocity residual relative to the largest speed.
   [[nodiscard]] double misfit(const Coordinates& coordinates);
 
   enum class Modes { kept, moving };
-  /// The closure rows of places alone, or all, which hold for velocities.
-  enum class Rows { of_places, of_velocities };
+  /// The closure rows that hold for positions, or all rows, which hold for velocities.
+  enum class Rows { of_positions, of_velocities };
 
   /// Rank of the closure rows in scaled units over the free columns of the tree, with or without modal ones.
   [[nodiscard]] int closure_rank(const Coordinates& coordinates, Rows rows, Modes modes);
 
  private:
-  [[nodiscard]] bool close_positions(Coordinates& coordinates, const Held& held, Modes modes);
-  [[nodiscard]] bool close_velocities(Coordinates& coordinates, const Held& held, Modes modes);
+  [[nodiscard]] bool close_positions(Coordinates& coordinates, const PrescribedMask& prescribed, Modes modes);
+  [[nodiscard]] bool close_velocities(Coordinates& coordinates, const PrescribedMask& prescribed, Modes modes);
   void decide_modes(const Coordinates& closed);
-  [[nodiscard]] std::vector<int> moving_columns(const Held& held, Modes modes) const;
+  [[nodiscard]] std::vector<int> moving_columns(const PrescribedMask& prescribed, Modes modes) const;
   void advance(VecX& q, const VecX& step) const;
   double measure(Coordinates& coordinates, Closure& closure);
   double try_to_measure(Coordinates& coordinates, Closure& closure);
@@ -91,24 +91,25 @@ class Assembly {
   void project_velocities(Coordinates& coordinates);
   void normalize(VecX& q) const;
   void decide_rank_near(const Coordinates& coordinates);
-  [[nodiscard]] double gap_in_units() const;
-  [[nodiscard]] double slip_in_units() const;
+  [[nodiscard]] double position_residual_in_units() const;
+  [[nodiscard]] double velocity_residual_in_units() const;
   [[nodiscard]] double size_of_q(const VecX& q) const;
   [[nodiscard]] double size_of_u(const VecX& u) const;
 
   [[nodiscard]] Coordinates guess_start() const;
   void measure_unsaid(Coordinates& coordinates) const;
-  [[nodiscard]] Held kept(StartRole WordStart::*role) const;
-  void wind(Coordinates& coordinates, const Held& held) const;
-  void require_independent_start(const Coordinates& coordinates, const Held& held, Rows rows);
-  void require_number_of_kept(const Coordinates& coordinates, const Held& held, Rows rows);
-  [[noreturn]] void throw_not_closing(const Held& held) const;
-  void choose_branches(Coordinates& closed, const Coordinates& said, const Held& held_q, const Held& held_u) const;
+  [[nodiscard]] PrescribedMask kept(StartRole WordStart::*role) const;
+  void add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const;
+  void require_independent_start(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows);
+  void require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed, Rows rows);
+  [[noreturn]] void throw_not_closing(const PrescribedMask& prescribed) const;
+  void choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,
+                       const PrescribedMask& prescribed_u) const;
   void require_kept(const Coordinates& closed, const Coordinates& said) const;
   void require_inertia(const Coordinates& coordinates);
-  [[nodiscard]] std::string names_of_kept(const Held& held) const;
-  [[nodiscard]] std::string couplings_of_kept(const Held& held) const;
-  [[nodiscard]] SourceLocation where_kept(const Held& held) const;
+  [[nodiscard]] std::string names_of_kept(const PrescribedMask& prescribed) const;
+  [[nodiscard]] std::string couplings_of_kept(const PrescribedMask& prescribed) const;
+  [[nodiscard]] SourceLocation where_kept(const PrescribedMask& prescribed) const;
 
   Equations* equations_;
   Scales scales_;
@@ -117,8 +118,8 @@ class Assembly {
   Modes projecting_ = Modes::moving;
   Coordinates drifted_;
   RowFactors row_factors_;
-  RowFactors place_factors_;  // of the rows of places, where there are others
-  double rate_;               // machine_rate
+  RowFactors position_factors_;  // of the rows for positions, where there are others
+  double rate_;                  // machine_rate
   VecX coordinate_units_;
   bool rank_is_decided_ = false;
   Modes closing_modes_ = Modes::kept;  // decided with the rows

@@ -15,12 +15,12 @@ MatX rows_on_body(const JointPoint& point, const Mat6X& wrenches) {
 
 namespace {
 
-std::vector<CutJoint> lay_out_cuts(const Kinematics& kinematics, const Held& held) {
+std::vector<CutJoint> lay_out_cuts(const Kinematics& kinematics, const PrescribedMask& prescribed) {
   std::vector<CutJoint> cuts;
   int rows = 0;
   for (const int k : kinematics.topology().cuts) {
     cuts.push_back(
-        {k, rows, JointMeasure(kinematics.motion(k), held.data() + kinematics.topology().joints[k].first_u)});
+        {k, rows, JointMeasure(kinematics.mobilizer(k), prescribed.data() + kinematics.topology().joints[k].first_u)});
     rows += cuts.back().measure.n_rows();
   }
   return cuts;
@@ -32,16 +32,17 @@ int count_rows(const std::vector<CutJoint>& cuts) {
 
 }  // namespace
 
-Closure::Closure(const Kinematics& kinematics, const Held& held)
+Closure::Closure(const Kinematics& kinematics, const PrescribedMask& prescribed)
     : kinematics_(&kinematics),
-      held_(held),
-      cuts_(lay_out_cuts(kinematics, held)),
-      relations_(kinematics, held, count_rows(cuts_)),
-      gap_(VecX::Zero(count_rows(cuts_) + relations_.n_position_rows())),
-      slip_(VecX::Zero(count_rows(cuts_) + relations_.n_rows())),
-      row_units_(VecX::Ones(slip_.size())) {
+      prescribed_(prescribed),
+      cuts_(lay_out_cuts(kinematics, prescribed)),
+      speed_constraints_(kinematics, prescribed, count_rows(cuts_)),
+      position_residual_(VecX::Zero(count_rows(cuts_) + speed_constraints_.n_position_rows())),
+      velocity_residual_(VecX::Zero(count_rows(cuts_) + speed_constraints_.n_rows())),
+      row_units_(VecX::Ones(velocity_residual_.size())) {
   for (const Cut& cut : cuts_) {
-    row_units_.segment(cut.first_row, cut.measure.n_linear_rows()).setConstant(kinematics.motion(cut.joint).length());
+    row_units_.segment(cut.first_row, cut.measure.n_linear_rows())
+        .setConstant(kinematics.mobilizer(cut.joint).length());
   }
 }
 
@@ -55,12 +56,14 @@ void Closure::measure(VecX& q, VecX& u) {
     cut.measure.find_u(parent, child, q.data() + span.first_q, u.data() + span.first_u);
     const int rows = cut.measure.n_rows();
     const auto T = cut.measure.T().leftCols(rows);
-    gap_.segment(cut.first_row, rows).noalias() = T.transpose().lazyProduct(cut.measure.error());
-    slip_.segment(cut.first_row, rows).noalias() = T.transpose().lazyProduct(cut.measure.slip());
+    position_residual_.segment(cut.first_row, rows).noalias() =
+        T.transpose().lazyProduct(cut.measure.position_residual());
+    velocity_residual_.segment(cut.first_row, rows).noalias() =
+        T.transpose().lazyProduct(cut.measure.velocity_residual());
     cut.T_global.topRows<3>().noalias() = parent.A.lazyProduct(cut.measure.T().topRows<3>());
     cut.T_global.bottomRows<3>().noalias() = parent.A.lazyProduct(cut.measure.T().bottomRows<3>());
   }
-  if (relations_.any()) relations_.measure(cuts_, q, u, gap_, slip_);
+  if (speed_constraints_.any()) speed_constraints_.measure(cuts_, q, u, position_residual_, velocity_residual_);
 }
 
 /// a_rel: the time derivative of the components of v_rel in the parent's joint frame (R45).
@@ -68,9 +71,9 @@ Vec6 Closure::relative_acceleration(const Cut& cut, const Vec6& of_parent, const
   const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
   const JointPoint& child = kinematics_->point(cut.joint, Side::child);
   const Vec3 d = child.r - parent.r;
-  const Vec3 slip = child.v - parent.v - parent.omega.cross(d);
+  const Vec3 sliding_velocity = child.v - parent.v - parent.omega.cross(d);
   Vec6 a_rel = of_child - shift_motion(of_parent, d);
-  a_rel.head<3>() -= parent.omega.cross(parent.omega.cross(d) + 2.0 * slip);
+  a_rel.head<3>() -= parent.omega.cross(parent.omega.cross(d) + 2.0 * sliding_velocity);
   a_rel.tail<3>() -= parent.omega.cross(child.omega - parent.omega);
   a_rel.head<3>() = (parent.A.transpose() * a_rel.head<3>()).eval();
   a_rel.tail<3>() = (parent.A.transpose() * a_rel.tail<3>()).eval();
@@ -98,9 +101,9 @@ MatX Closure::Phi_u() const {
     add_wrench_rows(cut.joint, cut.T_global.leftCols(rows), block);
     Phi.middleRows(cut.first_row, rows) = block;
   }
-  for (const Relation& relation : relations_.all()) {
-    MatX block = MatX::Zero(relation.n_rows, Phi.cols());
-    for (const RelatedJoint& part : relation.joints) {
+  for (const SpeedConstraint& constraint : speed_constraints_.all()) {
+    MatX block = MatX::Zero(constraint.n_rows, Phi.cols());
+    for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
       if (part.cut >= 0) {
         add_wrench_rows(part.joint, part.T_global, block);
@@ -108,7 +111,7 @@ MatX Closure::Phi_u() const {
         block.middleCols(span.first_u, span.n_u) += part.C.transpose();
       }
     }
-    Phi.middleRows(relation.first_row, relation.n_rows) = block;
+    Phi.middleRows(constraint.first_row, constraint.n_rows) = block;
   }
   return Phi;
 }
@@ -121,11 +124,11 @@ std::string Closure::worst_place(const VecX& rows) const {
   for (const Cut& cut : cuts_) {
     if (cut.first_row <= worst) place = fmt::format("the loop of joint '{}'", model.joints[cut.joint].name);
   }
-  for (const Relation& relation : relations_.all()) {
-    if (relation.first_row > worst) continue;
-    place = relation.is_coupling()
-                ? fmt::format("coupling '{}'", model.couplings[relation.coupling].name)
-                : fmt::format("the velocity of joint '{}'", model.joints[relation.joints.front().joint].name);
+  for (const SpeedConstraint& constraint : speed_constraints_.all()) {
+    if (constraint.first_row > worst) continue;
+    place = constraint.is_coupling()
+                ? fmt::format("coupling '{}'", model.couplings[constraint.coupling].name)
+                : fmt::format("the velocity of joint '{}'", model.joints[constraint.joints.front().joint].name);
   }
   return place;
 }

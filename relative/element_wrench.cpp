@@ -32,7 +32,7 @@ Vec6 rotated(const Mat3& A, const Vec6& w) {
 
 }  // namespace
 
-double HeldLaw::resist(double at_x, double at_xdot, bool keeps) {
+double LawInRegime::resist(double at_x, double at_xdot, bool keeps) {
   x = at_x;
   xdot = at_xdot;
   if (!keeps) regime = regime_at(*law, x, xdot);
@@ -54,7 +54,7 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 }
 
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
-               const std::string& name, HeldLaw& held, bool keeps_regime) {
+               const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
   const Vec3 line = child.r - parent.r;
   const double x = line.norm();
   if (!(x > kNoLength * length)) {
@@ -64,7 +64,7 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
                     name, x));
   }
   const Vec3 n = line / x;
-  const double f = held.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
+  const double f = law_in_regime.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << -f * n, Vec3::Zero();
   return w;
@@ -73,7 +73,7 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
 /// The child's x axis c in the parent's frame moves by rho x c, so that x = atan2(c_y, c_x) changes by
 /// rho_z - c_z (c_x rho_x + c_y rho_y) / (c_x^2 + c_y^2).
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
-               const std::string& name, HeldLaw& held, bool keeps_regime) {
+               const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
   const Vec3 c = parent.A.transpose() * child.A.col(0);
   const double in_plane = std::hypot(c.x(), c.y());
   if (!(in_plane > kNoDirection)) {
@@ -88,7 +88,7 @@ Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, con
   const double lean = c.z() / (in_plane * in_plane);
   const Vec3 g(-lean * c.x(), -lean * c.y(), 1.0);
   const double xdot = g.dot(parent.A.transpose() * (child.omega - parent.omega));
-  const double f = held.resist(x, xdot, keeps_regime) + evaluate_actuator(spring.law, t);
+  const double f = law_in_regime.resist(x, xdot, keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << Vec3::Zero(), parent.A * (-f * g);
   return w;

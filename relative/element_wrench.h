@@ -7,7 +7,7 @@
 namespace concord::relative {
 
 /// A force law whose stops keep their regime while an integrator makes a step, and what it was last asked for.
-struct HeldLaw {
+struct LawInRegime {
   const ForceLaw* law = nullptr;
   LawRegime regime;
   double x = 0.0;
@@ -15,7 +15,7 @@ struct HeldLaw {
 
   /// Resistance at x with rate xdot; takes the regime that the stops are in by themselves unless it `keeps` its own.
   double resist(double at_x, double at_xdot, bool keeps);
-  [[nodiscard]] double margin() const { return margin_of(*law, regime, x, xdot); }
+  [[nodiscard]] double event_function() const { return event_function_of(*law, regime, x, xdot); }
 };
 
 /// What an element between two ends exerts on the child at P_i [F; T], global axes. The parent gets the opposite, moved
@@ -28,12 +28,12 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 /// -f n along the line n from parent to child, f = tension. Throws SolverError if the ends are closer than 1e-9 of
 /// `length`, the machine's.
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
-               const std::string& name, HeldLaw& held, bool keeps_regime);
+               const std::string& name, LawInRegime& law_in_regime, bool keeps_regime);
 
 /// -f dx/drho about the parent's point of view. Throws SolverError beyond 175 deg, or if the child's x axis points
 /// along the parent's z.
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
-               const std::string& name, HeldLaw& held, bool keeps_regime);
+               const std::string& name, LawInRegime& law_in_regime, bool keeps_regime);
 
 /// -L^T (K [d; theta] - preload) - D v_rel. Throws SolverError if |theta| is beyond 175 deg.
 Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoint& child, const std::string& name);

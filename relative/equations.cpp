@@ -8,9 +8,9 @@ Equations::Equations(const Model& model)
       driven_(driven_speeds(model, kinematics_.topology())),
       closure_(kinematics_, driven_),
       applied_(kinematics_, closure_),
-      elimination_(kinematics_, driven_),
-      loops_(kinematics_, closure_, elimination_),
-      reactions_(kinematics_, closure_, elimination_, applied_),
+      articulated_bodies_(kinematics_, driven_),
+      loops_(kinematics_, closure_, articulated_bodies_),
+      reactions_(kinematics_, closure_, articulated_bodies_, applied_),
       q_(VecX::Zero(kinematics_.topology().n_q)),
       u_(VecX::Zero(kinematics_.topology().n_u)),
       udot_(VecX::Zero(kinematics_.topology().n_u)) {
@@ -30,7 +30,7 @@ VecX Equations::home() const {
   VecX q = VecX::Zero(topology().n_q);
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     const Span& span = topology().joints[k];
-    q.segment(span.first_q, span.n_q) = kinematics_.motion(static_cast<int>(k)).home();
+    q.segment(span.first_q, span.n_q) = kinematics_.mobilizer(static_cast<int>(k)).home();
   }
   return q;
 }
@@ -65,8 +65,8 @@ void Equations::compute_accelerations(double t, const VecX& q, const VecX& u) {
   for (const Prescription& driver : drivers_) udot_(driver.u) = evaluate(*driver.law, t).fddot;
   update_inertias();
   applied_.update(t, q_, u_);
-  elimination_.inward(inertias_, applied_, udot_);
-  elimination_.outward(udot_);
+  articulated_bodies_.backward_pass(inertias_, applied_, udot_);
+  articulated_bodies_.forward_pass(udot_);
   loops_.close(udot_);
 }
 
@@ -75,17 +75,17 @@ void Equations::update_forces(double t, const VecX& q, const VecX& u) {
   applied_.update(t, q_, u_);
 }
 
-std::optional<SlackMotion> Equations::find_motion_without_inertia(double t, const VecX& q, const VecX& u) {
+std::optional<MotionWithoutInertia> Equations::find_motion_without_inertia(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
   update_inertias();
   try {
-    elimination_.inward(inertias_, applied_, udot_);
+    articulated_bodies_.backward_pass(inertias_, applied_, udot_);
   } catch (const SolverError&) {
-    const auto found = elimination_.motion_without_inertia();
+    const auto found = articulated_bodies_.motion_without_inertia();
     if (!found) throw;
     return found;
   }
-  return elimination_.motion_without_inertia();
+  return articulated_bodies_.motion_without_inertia();
 }
 
 void Equations::compute_reactions() { reactions_.compute(inertias_, loops_.lambda()); }
@@ -93,7 +93,7 @@ void Equations::compute_reactions() { reactions_.compute(inertias_, loops_.lambd
 void Equations::compute_qdot(VecX& qdot) const {
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     const Span& span = topology().joints[k];
-    kinematics_.motion(static_cast<int>(k))
+    kinematics_.mobilizer(static_cast<int>(k))
         .compute_qdot(q_.data() + span.first_q, u_.data() + span.first_u, qdot.data() + span.first_q);
   }
   for (const Span& modes : topology().modes) {
@@ -102,8 +102,8 @@ void Equations::compute_qdot(VecX& qdot) const {
 }
 
 BodyAcceleration Equations::acceleration(int body) const {
-  const Vec6& Vdot = elimination_.acceleration(body);
-  const VecX* addot = elimination_.modal_acceleration(body);
+  const Vec6& Vdot = articulated_bodies_.acceleration(body);
+  const VecX* addot = articulated_bodies_.modal_acceleration(body);
   return {Vdot.head<3>(), Vdot.tail<3>(), addot == nullptr ? VecX() : *addot};
 }
 

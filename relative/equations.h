@@ -5,9 +5,9 @@
 
 #include "common/results.h"
 #include "relative/applied_forces.h"
+#include "relative/articulated_bodies.h"
 #include "relative/body_inertia.h"
 #include "relative/closure.h"
-#include "relative/elimination.h"
 #include "relative/loops.h"
 #include "relative/reactions.h"
 #include "relative/velocity_transformation.h"
@@ -33,7 +33,7 @@ class Equations {
   [[nodiscard]] const Kinematics& kinematics() const { return kinematics_; }
   [[nodiscard]] const Topology& topology() const { return kinematics_.topology(); }
   [[nodiscard]] const Closure& closure() const { return closure_; }
-  [[nodiscard]] const Held& driven() const { return driven_; }
+  [[nodiscard]] const PrescribedMask& driven() const { return driven_; }
 
   /// Coordinates of the unmoved machine: all joints at home, no deformation.
   [[nodiscard]] VecX home() const;
@@ -59,7 +59,7 @@ class Equations {
 
   /// A motion of one joint of the opened tree that has no inertia in this pose. Throws SolverError if modes are to
   /// blame.
-  [[nodiscard]] std::optional<SlackMotion> find_motion_without_inertia(double t, const VecX& q, const VecX& u);
+  [[nodiscard]] std::optional<MotionWithoutInertia> find_motion_without_inertia(double t, const VecX& q, const VecX& u);
 
   /// Wrenches of all joints for the last accelerations.
   void compute_reactions();
@@ -74,7 +74,7 @@ class Equations {
 
   [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }
   AppliedForces& applied_forces() { return applied_; }
-  [[nodiscard]] const Elimination& elimination() const { return elimination_; }
+  [[nodiscard]] const ArticulatedBodies& articulated_bodies() const { return articulated_bodies_; }
   [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return inertias_; }
   [[nodiscard]] const Reactions& reactions() const { return reactions_; }
   Reactions& reactions() { return reactions_; }
@@ -90,7 +90,7 @@ class Equations {
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
 
  private:
-  /// One driver and the places of its coordinate and speed.
+  /// One driver and the indices of its coordinate and speed.
   struct Prescription {
     const TimeFunction* law;
     int joint, q, u;
@@ -100,10 +100,10 @@ class Equations {
 
   const Model* model_;
   Kinematics kinematics_;
-  Held driven_;
+  PrescribedMask driven_;
   Closure closure_;
   AppliedForces applied_;
-  Elimination elimination_;
+  ArticulatedBodies articulated_bodies_;
   Loops loops_;
   Reactions reactions_;
   std::vector<Prescription> drivers_;

@@ -24,8 +24,8 @@ constexpr double kStepShare = 0.01;
 constexpr double kFinestStep = 2e-15;
 
 /// More evaluations than this within this part of a run get nowhere.
-constexpr long kMostEvaluationsOnNoWay = 300'000;
-constexpr double kNoWay = 1e-3;
+constexpr long kMostEvaluationsWithoutAdvance = 300'000;
+constexpr double kLeastAdvance = 1e-3;
 /// Times closer than this part of a run are one.
 constexpr double kSameTime = 1e-13;
 
@@ -89,9 +89,9 @@ class Sizes {
     q_ = VecX::Ones(topology.n_q);
     u_ = rate * speed_units;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
-      for (int c = 0; c < motion.n_u(); ++c) {
-        if (motion.kind(c).is_length) q_(topology.joints[k].first_q + c) = scales.length();
+      const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        if (mobilizer.kind(c).is_length) q_(topology.joints[k].first_q + c) = scales.length();
       }
     }
     for (const Span& modes : topology.modes) {
@@ -166,12 +166,12 @@ struct Run {
   }
 
   /// Refuses steps that get nowhere, as where a loop is driven into a pose that locks it.
-  void require_pace(double t) {
-    if (t - paced_from > kNoWay * until) {
+  void require_advance(double t) {
+    if (t - paced_from > kLeastAdvance * until) {
       paced_from = t;
       evaluations_before = evaluations;
     }
-    if (evaluations - evaluations_before <= kMostEvaluationsOnNoWay) return;
+    if (evaluations - evaluations_before <= kMostEvaluationsWithoutAdvance) return;
     const std::string place = equations.closure().n_rows() > 0
                                   ? fmt::format("; {} has the largest multiplier there",
                                                 equations.closure().worst_place(equations.loops().lambda()))
@@ -179,7 +179,7 @@ struct Run {
     throw SolverError(
         fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
                     "integrator{}",
-                    kMostEvaluationsOnNoWay, t - paced_from, place));
+                    kMostEvaluationsWithoutAdvance, t - paced_from, place));
   }
 
   /// Counts apart the turns of coordinates that have made many, so that they keep their digits; true if there are any.
@@ -194,7 +194,7 @@ struct Run {
   }
 
   void project(double t, Eigen::Ref<VecX> y) {
-    require_pace(t);
+    require_advance(t);
     coordinates.t = t;
     variables.unpack(y, coordinates);
     assembly.project(coordinates);
@@ -232,35 +232,35 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
   return 0;
 }
 
-/// Takes an integration through the kinks of its tires and stops: during a step their regimes are kept, and a step in
+/// Takes an integration through the events of its tires and stops: during a step their regimes are kept, and a step in
 /// which one ends is made anew up to there.
-class Kinks {
+class RegimeEvents {
  public:
-  Kinks(Run& run, Stepper& stepper, double until) : run_(&run), stepper_(&stepper), until_(until) {}
-  ~Kinks() { run_->equations.applied_forces().free_regimes(); }
-  Kinks(const Kinks&) = delete;
-  Kinks& operator=(const Kinks&) = delete;
+  RegimeEvents(Run& run, Stepper& stepper, double until) : run_(&run), stepper_(&stepper), until_(until) {}
+  ~RegimeEvents() { run_->equations.applied_forces().free_regimes(); }
+  RegimeEvents(const RegimeEvents&) = delete;
+  RegimeEvents& operator=(const RegimeEvents&) = delete;
 
   /// Takes the regimes of a state.
   void set_regimes(double t, const Eigen::Ref<const VecX>& y) {
     run_->equations.applied_forces().free_regimes();
-    margin_ = margin(t, y);
+    event_value_ = event_function(t, y);
     run_->equations.applied_forces().freeze_regimes();
   }
 
-  /// Advances y to t_end exactly. Throws SolverError where kinks follow each other without end.
+  /// Advances y to t_end exactly. Throws SolverError where events follow each other without end.
   int advance(double t_end, N_Vector y, double& t) {
     while (t < t_end) {
       const double t_before = t;
       before_ = sundials::view(y);
-      const double margin_before = std::max(0.0, margin_);
+      const double value_before = std::max(0.0, event_value_);
       const int code = stepper_->step(t_end, y, t);
       if (code < 0) return code;
-      margin_ = margin(t, sundials::view(y));
-      if (margin_ >= 0.0) continue;
+      event_value_ = event_function(t, sundials::view(y));
+      if (event_value_ >= 0.0) continue;
       const double step = t - t_before;
       t = t_before;
-      const int found = approach({0.0, margin_before, step, margin_}, y, t);
+      const int found = approach({0.0, value_before, step, event_value_}, y, t);
       if (found < 0) return found;
       require_progress(t);
       set_regimes(t, sundials::view(y));
@@ -272,30 +272,30 @@ class Kinks {
   }
 
  private:
-  /// Lengths of two steps, and the margins where they end: inside the regimes, and outside.
+  /// Lengths of two steps, and the event function where they end: inside the regimes, and outside.
   struct Bracket {
-    double inside, margin_inside;
-    double outside, margin_outside;
+    double inside, value_inside;
+    double outside, value_outside;
   };
   static constexpr int kMostTrials = 100;
-  static constexpr std::size_t kMostKinks = 200;
+  static constexpr std::size_t kMostEvents = 200;
   static constexpr double kTinyTime = 1e-4;  // of the run's
 
   [[nodiscard]] static double round_off(double t) { return 8.0 * std::numeric_limits<double>::epsilon() * t; }
 
-  double margin(double t, const Eigen::Ref<const VecX>& y) {
+  double event_function(double t, const Eigen::Ref<const VecX>& y) {
     run_->variables.unpack(y, run_->coordinates);
     run_->equations.update_forces(t, run_->coordinates.q, run_->coordinates.u);
-    return run_->equations.applied_forces().margin();
+    return run_->equations.applied_forces().event_function();
   }
 
   /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance (R75).
   [[nodiscard]] static double guess(const Bracket& b, double tolerance) {
-    const double part = b.margin_inside / (b.margin_inside - b.margin_outside);
+    const double part = b.value_inside / (b.value_inside - b.value_outside);
     return std::clamp(b.inside + part * (b.outside - b.inside), b.inside + tolerance, b.outside - tolerance);
   }
 
-  /// Finds the step that ends just outside and leaves its state in y and t: by secants, the margin of an end that stays
+  /// Finds the step that ends just outside and leaves its state in y and t: by secants, the value at an end that stays
   /// halved (the Illinois method).
   int approach(Bracket b, N_Vector y, double& t) {
     const double t_before = t;
@@ -310,16 +310,16 @@ class Kinks {
       const double step = guess(b, tolerance);
       const int code = make(step);
       if (code < 0) return code;
-      const double found = margin(t, sundials::view(y));
+      const double found = event_function(t, sundials::view(y));
       const int side = found < 0.0 ? 1 : -1;
       if (side > 0) {
         b.outside = step;
-        b.margin_outside = found;
-        if (last_side == side) b.margin_inside *= 0.5;
+        b.value_outside = found;
+        if (last_side == side) b.value_inside *= 0.5;
       } else {
         b.inside = step;
-        b.margin_inside = found;
-        if (last_side == side) b.margin_outside *= 0.5;
+        b.value_inside = found;
+        if (last_side == side) b.value_outside *= 0.5;
       }
       last_side = side;
     }
@@ -329,20 +329,20 @@ class Kinks {
   /// Refuses regimes that take turns in no time.
   void require_progress(double t) {
     times_.push_back(t);
-    if (times_.size() <= kMostKinks) return;
-    const double first = times_[times_.size() - 1 - kMostKinks];
+    if (times_.size() <= kMostEvents) return;
+    const double first = times_[times_.size() - 1 - kMostEvents];
     if (t - first > kTinyTime * until_) return;
     throw SolverError(
         fmt::format("the contact of {} changes its regime {} times within {:.1e} s: it chatters; give it damping, "
                     "or the road no step there",
-                    run_->equations.applied_forces().least_contact(), kMostKinks, t - first));
+                    run_->equations.applied_forces().least_contact(), kMostEvents, t - first));
   }
 
   Run* run_;
   Stepper* stepper_;
   double until_;
   VecX before_;
-  double margin_ = 0.0;  // of the state reached
+  double event_value_ = 0.0;  // of the state reached
   std::vector<double> times_;
 };
 
@@ -432,15 +432,15 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.until = options.until;
   run.sizes = Sizes(equations, assembly.scales(), start, options.until).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
-  Kinks kinks(run, stepper, options.until);
-  const bool has_kinks = equations.applied_forces().has_regimes();
-  if (has_kinks) kinks.set_regimes(0.0, sundials::view(y.get()));
+  RegimeEvents events(run, stepper, options.until);
+  const bool has_events = equations.applied_forces().has_regimes();
+  if (has_events) events.set_regimes(0.0, sundials::view(y.get()));
 
   double t = 0.0;
   const auto advance = [&](double t_end) {
-    if (!has_kinks) return stepper.advance(t_end, y.get(), t);
+    if (!has_events) return stepper.advance(t_end, y.get(), t);
     try {
-      return kinks.advance(t_end, y.get(), t);
+      return events.advance(t_end, y.get(), t);
     } catch (const SolverError& error) {
       run.remember(error);
       throw_stopped(t, run, run.last_reason);

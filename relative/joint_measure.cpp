@@ -14,7 +14,7 @@ namespace {
 constexpr double kNewtonIsQuadratic = 1e-7;  // one more step from here ends at round-off
 constexpr int kMostNewtonSteps = 30;
 constexpr int kMostHalvings = 8;
-constexpr double kLongestStep = 1.0;  // rad or Motion::length
+constexpr double kLongestStep = 1.0;  // rad or Mobilizer::length
 constexpr double kMisfitOfAnotherBranch = 1e-6;
 constexpr double kClearlyBetter = 0.1;  // of the misfit on the branch that the guess means
 constexpr double kStillBetter = 0.9;    // of the best misfit so far
@@ -35,27 +35,28 @@ Mat3 three_rows(const Mat6& S, const std::vector<int>& columns, int first_row) {
 
 }  // namespace
 
-Held driven_speeds(const Model& model, const Topology& topology) {
-  Held held(topology.n_u, 0);
+PrescribedMask driven_speeds(const Model& model, const Topology& topology) {
+  PrescribedMask prescribed(topology.n_u, 0);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Driver& driver : model.joints[k].drivers) {
-      held[topology.joints[k].first_u + first_u(*model.joints[k].type, driver.word) + driver.component] = 1;
+      prescribed[topology.joints[k].first_u + first_u(*model.joints[k].type, driver.word) + driver.component] = 1;
     }
   }
-  return held;
+  return prescribed;
 }
 
-JointMeasure::JointMeasure(const Motion& motion, const char* held) : motion_(&motion) {
-  for (int c = 0; c < motion.n_u(); ++c) {
-    (held[c] != 0 ? held_ : free_).push_back(c);
-    if (held[c] == 0 && !motion.couples()) (motion.kind(c).displaces ? displacing_ : rotating_).push_back(c);
+JointMeasure::JointMeasure(const Mobilizer& mobilizer, const char* prescribed) : mobilizer_(&mobilizer) {
+  for (int c = 0; c < mobilizer.n_u(); ++c) {
+    (prescribed[c] != 0 ? prescribed_ : free_).push_back(c);
+    if (prescribed[c] == 0 && !mobilizer.couples())
+      (mobilizer.kind(c).displaces ? displacing_ : rotating_).push_back(c);
   }
 }
 
-/// Displacements as parts of Motion::length where they weigh against rotations.
+/// Displacements as parts of Mobilizer::length where they weigh against rotations.
 Vec6 JointMeasure::weighed(const Vec6& motion) const {
   Vec6 result = motion;
-  if (motion_->couples()) result.head<3>() /= motion_->length();
+  if (mobilizer_->couples()) result.head<3>() /= mobilizer_->length();
   return result;
 }
 
@@ -65,10 +66,10 @@ JointColumns JointMeasure::free_columns() const {
   return S;
 }
 
-/// The free speeds (n_u numbers, zero where held) whose motion S u comes closest to the given one (R40).
+/// The free speeds (n_u numbers, zero where prescribed) whose motion S u comes closest to the given one (R40).
 JointVector JointMeasure::fit(const Vec6& motion) const {
-  JointVector speeds = JointVector::Zero(motion_->n_u());
-  if (motion_->couples()) {
+  JointVector speeds = JointVector::Zero(mobilizer_->n_u());
+  if (mobilizer_->couples()) {
     fit_together(motion, speeds);
   } else {
     fit_separately(motion, speeds);
@@ -94,9 +95,9 @@ void JointMeasure::fit_together(const Vec6& motion, JointVector& speeds) const {
 
 /// Columns that are the same in every pose need this once.
 void JointMeasure::decompose_columns() {
-  if (motion_->couples()) return;
+  if (mobilizer_->couples()) return;
   const auto decompose = [this](SpatialBasis& basis, const std::vector<int>& columns, int first_row) {
-    const auto is_fixed = [this](int c) { return motion_->kind(c).is_fixed; };
+    const auto is_fixed = [this](int c) { return mobilizer_->kind(c).is_fixed; };
     if (is_decomposed_ && std::all_of(columns.begin(), columns.end(), is_fixed)) return;
     basis.decompose(three_rows(at_.S, columns, first_row), static_cast<int>(columns.size()));
   };
@@ -107,26 +108,26 @@ void JointMeasure::decompose_columns() {
 
 /// Takes the motion at q and the error there; returns half the square of its size.
 double JointMeasure::move(const JointPoint& parent, const JointPoint& child, double* q) {
-  const JointVector still = JointVector::Zero(motion_->n_u());
-  motion_->evaluate(q, still.data(), at_);
+  const JointVector still = JointVector::Zero(mobilizer_->n_u());
+  mobilizer_->evaluate(q, still.data(), at_);
   decompose_columns();
-  error_ = position_error(at_, parent, child);
-  return 0.5 * weighed(error_).squaredNorm();
+  position_residual_ = position_error(at_, parent, child);
+  return 0.5 * weighed(position_residual_).squaredNorm();
 }
 
 /// The part of a step at which the squared error, taken as a parabola, is least; halved until it is less than now. Far
-/// from closed, where the error itself bends the way, whole steps may overshoot for ever (R41).
+/// from closed, where the error is strongly nonlinear, full steps may overshoot for ever (R41).
 double JointMeasure::step_length(const JointPoint& parent, const JointPoint& child, const double* q,
                                  const JointVector& step) {
-  const double now = 0.5 * weighed(error_).squaredNorm();
+  const double now = 0.5 * weighed(position_residual_).squaredNorm();
   double slope = 0.0;
-  for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(error_));
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> trial(motion_->n_q());
+  for (const int c : free_) slope -= step(c) * weighed(at_.S.col(c)).dot(weighed(position_residual_));
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1> trial(mobilizer_->n_q());
   double length = 1.0;
   for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
-    trial = Eigen::Map<const VecX>(q, motion_->n_q());
+    trial = Eigen::Map<const VecX>(q, mobilizer_->n_q());
     const JointVector part = length * step;
-    motion_->advance(trial.data(), part.data());
+    mobilizer_->advance(trial.data(), part.data());
     const double then = move(parent, child, trial.data());
     const double bend = then - now - length * slope;
     const double best = bend > 0.0 ? -0.5 * slope * length * length / bend : 2.0 * length;
@@ -136,42 +137,42 @@ double JointMeasure::step_length(const JointPoint& parent, const JointPoint& chi
   return length;
 }
 
-/// The largest of the steps, in radians and in Motion::length.
+/// The largest of the steps, in radians and in Mobilizer::length.
 double JointMeasure::size_of(const JointVector& step) const {
   double size = 0.0;
   for (const int c : free_) {
-    size = std::max(size, std::abs(step(c)) / (motion_->kind(c).is_length ? motion_->length() : 1.0));
+    size = std::max(size, std::abs(step(c)) / (mobilizer_->kind(c).is_length ? mobilizer_->length() : 1.0));
   }
   return size;
 }
 
 /// Size of the error, displacements in parts of the length.
 double JointMeasure::misfit() const {
-  return std::hypot(error_.head<3>().norm() / motion_->length(), error_.tail<3>().norm());
+  return std::hypot(position_residual_.head<3>().norm() / mobilizer_->length(), position_residual_.tail<3>().norm());
 }
 
 /// Returns the size of the misfit; leaves motion, error at the q found.
 double JointMeasure::newton(const JointPoint& parent, const JointPoint& child, double* q) {
   move(parent, child, q);
   for (int step = 0; step < kMostNewtonSteps && !free_.empty(); ++step) {
-    JointVector correction = fit(error_);
+    JointVector correction = fit(position_residual_);
     const double largest = size_of(correction);
-    if (motion_->is_curved() && largest > kNewtonIsQuadratic) {
+    if (mobilizer_->is_curved() && largest > kNewtonIsQuadratic) {
       // A ball finds its own rotation in one whole step, whatever the others do.
       JointVector swing = correction;
-      if (motion_->has_ball()) swing.tail<3>().setZero();
+      if (mobilizer_->has_ball()) swing.tail<3>().setZero();
       correction -= swing;
       swing *= kLongestStep / std::max(kLongestStep, size_of(swing));
       correction += step_length(parent, child, q, swing) * swing;
     }
-    motion_->advance(q, correction.data());
+    mobilizer_->advance(q, correction.data());
     move(parent, child, q);
     if (largest <= kNewtonIsQuadratic) break;
   }
   return misfit();
 }
 
-/// Brings the coordinates of a motion by functions to where the place alone wants them, as far as it does: the place
+/// Moves the coordinates of a motion by functions to fit the position alone, as far as it determines them: the position
 /// counts the turns of a thread, the orientation does not.
 void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& child, double* q) {
   constexpr int kMostSteps = 8;
@@ -179,28 +180,28 @@ void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& chil
   for (int step = 0; step < kMostSteps; ++step) {
     JointColumns S = free_columns();
     S.bottomRows<3>() *= 1e-9;
-    Vec6 error = weighed(error_);
+    Vec6 error = weighed(position_residual_);
     error.tail<3>().setZero();
     const JointVector fitted = S.completeOrthogonalDecomposition().solve(error);
-    JointVector correction = JointVector::Zero(motion_->n_u());
+    JointVector correction = JointVector::Zero(mobilizer_->n_u());
     for (std::size_t c = 0; c < free_.size(); ++c) correction(free_[c]) = fitted(c);
     if (!correction.allFinite()) return;
-    motion_->advance(q, correction.data());
+    mobilizer_->advance(q, correction.data());
     move(parent, child, q);
   }
 }
 
-/// Starts from all combinations of the motion's trial values about `given`, and from where the place leads; leaves in q
-/// the best pose whose misfit is below `least`, else q as it is.
+/// Starts from all combinations of the motion's trial values about `given`, and from the fit of the position; leaves in
+/// q the best pose whose misfit is below `least`, else q as it is.
 void JointMeasure::search(const JointPoint& parent, const JointPoint& child, double least, const VecX& given,
                           double* q) {
   std::vector<int> tried;  // of scalar words: their places in q and u are the same
   for (const int c : free_) {
-    if (motion_->has_trials(c)) tried.push_back(c);
+    if (mobilizer_->has_trials(c)) tried.push_back(c);
   }
-  Eigen::Map<VecX> found(q, motion_->n_q());
+  Eigen::Map<VecX> found(q, mobilizer_->n_q());
   VecX best = found;
-  if (motion_->is_by_functions() && !free_.empty()) {
+  if (mobilizer_->is_by_functions() && !free_.empty()) {
     follow_place(parent, child, q);
     const double misfit = newton(parent, child, q);
     if (misfit < least) {
@@ -212,7 +213,7 @@ void JointMeasure::search(const JointPoint& parent, const JointPoint& child, dou
     found = given;
     int digits = trial;
     for (const int c : tried) {
-      found(c) = motion_->trial(c, digits % 4, given(c));
+      found(c) = mobilizer_->trial(c, digits % 4, given(c));
       digits /= 4;
     }
     const double misfit = newton(parent, child, q);
@@ -226,13 +227,13 @@ void JointMeasure::search(const JointPoint& parent, const JointPoint& child, dou
 
 void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart) {
   if (restart != Restart::never) {
-    const VecX given = Eigen::Map<const VecX>(q, motion_->n_q());
+    const VecX given = Eigen::Map<const VecX>(q, mobilizer_->n_q());
     const double misfit = newton(parent, child, q);
     if (!(misfit <= kMisfitOfAnotherBranch)) {
       const double share = restart == Restart::if_better ? kStillBetter : kClearlyBetter;
       search(parent, child, std::isfinite(misfit) ? share * misfit : HUGE_VAL, given, q);
     }
-    if (held_.empty()) motion_->choose_chart(q, given.data());
+    if (prescribed_.empty()) mobilizer_->choose_chart(q, given.data());
   }
   newton(parent, child, q);
   compute_complement();
@@ -240,9 +241,9 @@ void JointMeasure::find_q(const JointPoint& parent, const JointPoint& child, dou
 
 void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u) {
   Vec6 rest = relative_velocity(parent, child);
-  for (const int c : held_) rest -= at_.S.col(c) * u[c];
+  for (const int c : prescribed_) rest -= at_.S.col(c) * u[c];
   for (const int c : free_) u[c] = 0.0;
-  const int rounds = motion_->couples() ? 2 : 1;  // once more for the round-off of the normal equations
+  const int rounds = mobilizer_->couples() ? 2 : 1;  // once more for the round-off of the normal equations
   for (int round = 0; round < rounds; ++round) {
     const JointVector fitted = fit(rest);
     for (const int c : free_) {
@@ -250,13 +251,13 @@ void JointMeasure::find_u(const JointPoint& parent, const JointPoint& child, con
       rest -= at_.S.col(c) * fitted(c);
     }
   }
-  slip_ = rest;
-  motion_->evaluate(q, u, at_);
+  velocity_residual_ = rest;
+  mobilizer_->evaluate(q, u, at_);
 }
 
 void JointMeasure::compute_complement() {
   T_.setZero();
-  if (motion_->couples()) {
+  if (mobilizer_->couples()) {
     complete_together();
     return;
   }
@@ -271,7 +272,7 @@ void JointMeasure::complete_together() {
   directions.complete();
   const int rows = n_rows();
   T_.leftCols(rows) = directions.directions().rightCols(rows);
-  T_.bottomRows<3>() *= motion_->length();
+  T_.bottomRows<3>() *= mobilizer_->length();
 }
 
 }  // namespace concord::relative

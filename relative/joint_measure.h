@@ -9,44 +9,46 @@
 namespace concord::relative {
 
 /// Which speeds have values of their own: driven ones, and at the start those that the model keeps. One for each entry
-/// of u, nonzero if held.
-using Held = std::vector<char>;
+/// of u, nonzero if prescribed.
+using PrescribedMask = std::vector<char>;
 
 /// The driven speeds of a model.
-Held driven_speeds(const Model& model, const Topology& topology);
+PrescribedMask driven_speeds(const Model& model, const Topology& topology);
 
 /// Coordinates, speeds and misfit of one joint measured between two given joint points.
 class JointMeasure {
  public:
-  /// `held` has n_u entries for the joint's speeds.
-  JointMeasure(const Motion& motion, const char* held);
+  /// `prescribed` has n_u entries for the joint's speeds.
+  JointMeasure(const Mobilizer& mobilizer, const char* prescribed);
 
-  /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Motion::length): nothing;
-  /// or start from Motion::trial values too and take a pose with less than a tenth of that misfit, so that q chooses
-  /// turns and branches wherever it can; or take the best pose.
+  /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Mobilizer::length):
+  /// nothing; or start from Mobilizer::trial values too and take a pose with less than a tenth of that misfit, so that
+  /// q chooses turns and branches wherever it can; or take the best pose.
   enum class Restart { never, if_clearly_better, if_better };
 
-  /// Finds the coordinates that are not held so that the motion comes closest to the points: S^T e = 0 by Newton's
-  /// method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame (R40). Held coordinates are taken from q.
-  /// Unless it never restarts, it gives the pose found the name that q means: see Motion::choose_chart.
+  /// Finds the coordinates that are not prescribed so that the motion comes closest to the points: S^T e = 0 by
+  /// Newton's method from q, e = [d - d(q); log(R R(q)^T)] in the parent's joint frame (R40). Prescribed coordinates
+  /// are taken from q. Unless it never restarts, it gives the pose found the name that q means: see
+  /// Mobilizer::choose_chart.
   void find_q(const JointPoint& parent, const JointPoint& child, double* q, Restart restart);
 
-  /// Finds the speeds that are not held, S^T (v_rel - S u) = 0; held speeds are taken from u. After find_q (R42).
+  /// Finds the speeds that are not prescribed, S^T (v_rel - S u) = 0; prescribed speeds are taken from u. After find_q
+  /// (R42).
   void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
 
   [[nodiscard]] const JointMotion& motion_at() const { return at_; }
   /// e and v_rel - S u [m, rad; m/s, rad/s], components in the parent's joint frame.
-  [[nodiscard]] const Vec6& error() const { return error_; }
-  [[nodiscard]] const Vec6& slip() const { return slip_; }
+  [[nodiscard]] const Vec6& position_residual() const { return position_residual_; }
+  [[nodiscard]] const Vec6& velocity_residual() const { return velocity_residual_; }
 
-  /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not held.
+  /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not prescribed.
   [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
   /// Of these, the ones in metres; they stand first.
   [[nodiscard]] int n_linear_rows() const {
-    return motion_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
+    return mobilizer_->couples() ? n_rows() : 3 - static_cast<int>(displacing_.size());
   }
-  /// T with T^T S_free = 0: the first n_rows columns mean something. Orthonormal; if a speed both displaces and
-  /// rotates, then with torques counted in Motion::length, T^T diag(1, 1 / length^2) T = 1.
+  /// T with T^T S_free = 0: only the first n_rows columns are defined. Orthonormal; if a speed both displaces and
+  /// rotates, then with torques counted in Mobilizer::length, T^T diag(1, 1 / length^2) T = 1.
   [[nodiscard]] const Mat6& T() const { return T_; }
 
  private:
@@ -66,17 +68,17 @@ class JointMeasure {
   void compute_complement();
   void complete_together();
 
-  const Motion* motion_;
+  const Mobilizer* mobilizer_;
   std::vector<int> free_;
-  std::vector<int> held_;
+  std::vector<int> prescribed_;
   std::vector<int> displacing_;  // free speeds that displace, if none both displaces and rotates
   std::vector<int> rotating_;
   JointMotion at_;
   SpatialBasis displacements_;  // of their columns in at_
   SpatialBasis rotations_;
   bool is_decomposed_ = false;
-  Vec6 error_ = Vec6::Zero();
-  Vec6 slip_ = Vec6::Zero();
+  Vec6 position_residual_ = Vec6::Zero();
+  Vec6 velocity_residual_ = Vec6::Zero();
   Mat6 T_ = Mat6::Identity();
 };
 

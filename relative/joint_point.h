@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/model.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 /// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R8).
 namespace concord::relative {
@@ -31,7 +31,7 @@ class JointPoint {
   }
 
   /// Point and joint frame from the body's motion (R5).
-  void ride(const BodyMotion& body) {
+  void compute_point_motion(const BodyMotion& body) {
     A = body.A * C_;
     lever = body.A * s_L_;
     r = body.r + lever;
@@ -42,7 +42,7 @@ class JointPoint {
   }
 
   /// The body's motion from that of the point and joint frame (members r, A, v, omega set by the caller) (R7).
-  void settle(BodyMotion& body) {
+  void compute_body_motion(BodyMotion& body) {
     body.A = A * C_.transpose();
     lever = body.A * s_L_;
     body.r = r - lever;

@@ -14,73 +14,74 @@ namespace {
 /// vanishes.
 constexpr double kVanishing = 1e-22;
 /// Where a pivot of Lambda scaled to unit diagonal is below this, half the digits of its factor are lost; an orthogonal
-/// factor of the steps, of which Lambda is the square, keeps them.
+/// factor of the stacked unit responses, of which Lambda is the square, keeps them.
 constexpr double kIllConditioned = 1e-8;
 /// Pivots of that factor, sines between rows, below this are round-off.
 constexpr double kDependent = 1e-14;
 
-/// What a row must keep beside those taken to be used, in rounds: squares of sines.
+/// The square of the sine that a row must have against the rows chosen before, in rounds.
 constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
-/// Further rounds take off what is left of the residual: until it is this part of the first, or stands.
-constexpr int kMostRounds = 4;
-constexpr double kLeftByRoundOff = 2e-16;
-constexpr double kStands = 0.25;
+/// Iterative refinement goes on until the residual is this part of the first one, or falls no further.
+constexpr int kMostRefinements = 4;
+constexpr double kRoundOffOfFirst = 2e-16;
+constexpr double kStagnates = 0.25;
 
 }  // namespace
 
-Loops::Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination)
-    : kinematics_(&kinematics), closure_(&closure), elimination_(&elimination) {
-  lay_out_ways();
+Loops::Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies)
+    : kinematics_(&kinematics), closure_(&closure), articulated_bodies_(&articulated_bodies) {
+  lay_out_paths();
   lay_out_shared();
   const int n = closure.n_rows();
   Lambda_.setZero(n, n);
   residual_.setZero(n);
   lambda_.setZero(n);
-  step_lambda_.setZero(n);
+  lambda_correction_.setZero(n);
   int most_unknowns = 0;
-  for (const Way& way : ways_) {
-    for (const Step& step : way.steps) most_unknowns = std::max(most_unknowns, elimination.n_unknowns(step.link));
+  for (const LoopPath& path : paths_) {
+    for (const PathLink& path_link : path.links)
+      most_unknowns = std::max(most_unknowns, articulated_bodies.n_unknowns(path_link.link));
   }
   force_.setZero(most_unknowns);
   scale_.setZero(n);
   rest_.setZero(n, n);
-  first_of_step_.assign(kinematics.topology().links.size(), -1);
+  first_of_link_.assign(kinematics.topology().links.size(), -1);
   int n_stacked = 0;
-  for (const Way& way : ways_) {
-    for (const Step& step : way.steps) {
-      if (first_of_step_[step.link] >= 0) continue;
-      first_of_step_[step.link] = n_stacked;
-      n_stacked += elimination.n_unknowns(step.link);
+  for (const LoopPath& path : paths_) {
+    for (const PathLink& path_link : path.links) {
+      if (first_of_link_[path_link.link] >= 0) continue;
+      first_of_link_[path_link.link] = n_stacked;
+      n_stacked += articulated_bodies.n_unknowns(path_link.link);
     }
   }
   stacked_.setZero(n_stacked, n);
   set_rank(n);
 }
 
-void Loops::lay_out_ways() {
+void Loops::lay_out_paths() {
   for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
     const Closure::Cut& cut = closure_->cuts()[c];
-    if (cut.measure.n_rows() == 0) continue;  // permits all six, and pulls with nothing
+    if (cut.measure.n_rows() == 0) continue;  // permits all six, and exerts nothing
     lay_out({static_cast<int>(c), -1, cut.first_row, cut.measure.n_rows(), {{cut.joint, -1, -1, -1, -1}}, {}});
   }
-  for (std::size_t r = 0; r < closure_->relations().size(); ++r) {
-    const Relation& relation = closure_->relations()[r];
-    Way way{-1, static_cast<int>(r), relation.first_row, relation.n_rows, {}, {}};
-    for (std::size_t p = 0; p < relation.joints.size(); ++p) {
-      way.pulls.push_back({relation.joints[p].joint, static_cast<int>(p), -1, -1, -1});
+  for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
+    const SpeedConstraint& constraint = closure_->speed_constraints()[r];
+    LoopPath path{-1, static_cast<int>(r), constraint.first_row, constraint.n_rows, {}, {}};
+    for (std::size_t p = 0; p < constraint.joints.size(); ++p) {
+      path.loads.push_back({constraint.joints[p].joint, static_cast<int>(p), -1, -1, -1});
     }
-    lay_out(std::move(way));
+    lay_out(std::move(path));
   }
 }
 
-/// Pairs of steps of two ways that stand on the same link; ways in the order of their rows.
+/// Pairs of links of two paths that are the same link; paths in the order of their rows.
 void Loops::lay_out_shared() {
-  for (int a = 0; a < static_cast<int>(ways_.size()); ++a) {
-    for (int b = a; b < static_cast<int>(ways_.size()); ++b) {
-      for (int i = 0; i < static_cast<int>(ways_[a].steps.size()); ++i) {
-        for (int j = 0; j < static_cast<int>(ways_[b].steps.size()); ++j) {
-          if (ways_[a].steps[i].link == ways_[b].steps[j].link) shared_.push_back({a, i, b, j});
+  for (int a = 0; a < static_cast<int>(paths_.size()); ++a) {
+    for (int b = a; b < static_cast<int>(paths_.size()); ++b) {
+      for (int i = 0; i < static_cast<int>(paths_[a].links.size()); ++i) {
+        for (int j = 0; j < static_cast<int>(paths_[b].links.size()); ++j) {
+          if (paths_[a].links[i].link == paths_[b].links[j].link) shared_.push_back({a, i, b, j});
         }
       }
     }
@@ -100,13 +101,13 @@ void Loops::set_rank(int rank) {
   permuted_.setZero(rank);
 }
 
-/// The links between the bodies of a way's joints and ground, outermost first.
-void Loops::lay_out(Way way) {
+/// The links between the bodies of a path's joints and ground, outermost first.
+void Loops::lay_out(LoopPath path) {
   const Topology& topology = kinematics_->topology();
   const Model& model = kinematics_->model();
   std::vector<int> links;
-  for (const Pull& pull : way.pulls) {
-    for (const Attachment& side : model.joints[pull.joint].sides) {
+  for (const MultiplierLoad& load : path.loads) {
+    for (const Attachment& side : model.joints[load.joint].sides) {
       for (int l = topology.link_of_body[side.body]; l >= 0; l = topology.link_of_body[topology.links[l].reference]) {
         links.push_back(l);
       }
@@ -114,83 +115,89 @@ void Loops::lay_out(Way way) {
   }
   std::sort(links.begin(), links.end(), std::greater<>());
   links.erase(std::unique(links.begin(), links.end()), links.end());
-  const auto step_of = [&](int link) {
+  const auto path_link_of = [&](int link) {
     const auto found = std::find(links.begin(), links.end(), link);
     return found == links.end() ? -1 : static_cast<int>(found - links.begin());
   };
   for (const int l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
-    way.steps.push_back({l, step_of(topology.link_of_body[topology.links[l].reference]), Mat6X::Zero(6, way.n_rows),
-                         MatX::Zero(m, way.n_rows), MatX::Zero(elimination_->n_unknowns(l), way.n_rows)});
+    path.links.push_back({l, path_link_of(topology.link_of_body[topology.links[l].reference]),
+                          Mat6X::Zero(6, path.n_rows), MatX::Zero(m, path.n_rows),
+                          MatX::Zero(articulated_bodies_->n_unknowns(l), path.n_rows)});
   }
-  for (Pull& pull : way.pulls) {
-    const Joint& joint = model.joints[pull.joint];
-    pull.child_step = step_of(topology.link_of_body[joint.on(Side::child).body]);
-    pull.parent_step = step_of(topology.link_of_body[joint.on(Side::parent).body]);
-    if (pull.part < 0) continue;
-    const RelatedJoint& part = closure_->relations()[way.relation].joints[pull.part];
-    if (part.cut < 0) pull.own_step = step_of(part.link);
+  for (MultiplierLoad& load : path.loads) {
+    const Joint& joint = model.joints[load.joint];
+    load.child_link = path_link_of(topology.link_of_body[joint.on(Side::child).body]);
+    load.parent_link = path_link_of(topology.link_of_body[joint.on(Side::parent).body]);
+    if (load.part < 0) continue;
+    const ConstrainedJoint& part = closure_->speed_constraints()[path.speed_constraint].joints[load.part];
+    if (part.cut < 0) load.own_link = path_link_of(part.link);
   }
-  ways_.push_back(std::move(way));
+  paths_.push_back(std::move(path));
 }
 
-/// Unit multipliers pull with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
-void Loops::load(Way& way, const Pull& pull) {
-  if (pull.own_step >= 0) {
-    Step& step = way.steps[pull.own_step];
-    elimination_->add_coordinate_forces(step.link, closure_->relations()[way.relation].joints[pull.part].C, step.eps);
+/// Unit multipliers act with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
+void Loops::apply_unit_multipliers(LoopPath& path, const MultiplierLoad& load) {
+  if (load.own_link >= 0) {
+    PathLink& path_link = path.links[load.own_link];
+    articulated_bodies_->add_coordinate_forces(path_link.link,
+                                               closure_->speed_constraints()[path.speed_constraint].joints[load.part].C,
+                                               path_link.unit_response);
     return;
   }
   for (const Side side : {Side::child, Side::parent}) {
-    if (pull.part < 0) {
-      load_wrenches(way, pull, side, closure_->cuts()[way.cut].T_global.leftCols(way.n_rows));
+    if (load.part < 0) {
+      apply_unit_wrenches(path, load, side, closure_->cuts()[path.cut].T_global.leftCols(path.n_rows));
     } else {
-      load_wrenches(way, pull, side, closure_->relations()[way.relation].joints[pull.part].T_global);
+      apply_unit_wrenches(path, load, side,
+                          closure_->speed_constraints()[path.speed_constraint].joints[load.part].T_global);
     }
   }
 }
 
 /// Adds W^T T of one side to the generalized forces on its body.
-void Loops::load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Ref<const Mat6X>& on_child) {
-  const int at = side == Side::child ? pull.child_step : pull.parent_step;
+void Loops::apply_unit_wrenches(LoopPath& path, const MultiplierLoad& load, Side side,
+                                const Eigen::Ref<const Mat6X>& on_child) {
+  const int at = side == Side::child ? load.child_link : load.parent_link;
   if (at < 0) return;
-  Step& step = way.steps[at];
-  const JointPoint& point = kinematics_->point(pull.joint, side);
-  const Vec3 d = kinematics_->point(pull.joint, Side::child).r - kinematics_->point(pull.joint, Side::parent).r;
-  for (Eigen::Index c = 0; c < step.z_r.cols(); ++c) {
+  PathLink& path_link = path.links[at];
+  const JointPoint& point = kinematics_->point(load.joint, side);
+  const Vec3 d = kinematics_->point(load.joint, Side::child).r - kinematics_->point(load.joint, Side::parent).r;
+  for (Eigen::Index c = 0; c < path_link.z_r.cols(); ++c) {
     Vec6 w = on_child.col(c);
     if (side == Side::parent) w = -shift_wrench(w, d);
-    step.z_r.col(c) += shift_wrench(w, point.lever);
-    step.z_a.col(c).noalias() += point.Ga().transpose().lazyProduct(w);
+    path_link.z_r.col(c) += shift_wrench(w, point.lever);
+    path_link.z_a.col(c).noalias() += point.Ga().transpose().lazyProduct(w);
   }
 }
 
-/// Carries the unit multipliers of one way inward to ground (R51).
-void Loops::pull(Way& way) {
-  for (Step& step : way.steps) {
-    step.z_r.setZero();
-    step.z_a.setZero();
-    step.eps.setZero();
+/// Carries the unit multipliers of one path to ground (R51).
+void Loops::compute_unit_responses(LoopPath& path) {
+  for (PathLink& path_link : path.links) {
+    path_link.z_r.setZero();
+    path_link.z_a.setZero();
+    path_link.unit_response.setZero();
   }
-  for (const Pull& pull : way.pulls) load(way, pull);
-  for (Step& step : way.steps) {
-    elimination_->project(step.link, step.z_r, step.z_a, step.eps);
-    if (step.next < 0) continue;
-    const LinkBlocks& blocks = kinematics_->blocks(step.link);
-    Step& next = way.steps[step.next];
-    for (Eigen::Index c = 0; c < step.z_r.cols(); ++c) next.z_r.col(c) += shift_wrench(step.z_r.col(c), blocks.rho);
-    next.z_a.noalias() += blocks.Xa.transpose().lazyProduct(step.z_r);
+  for (const MultiplierLoad& load : path.loads) apply_unit_multipliers(path, load);
+  for (PathLink& path_link : path.links) {
+    articulated_bodies_->propagate_force(path_link.link, path_link.z_r, path_link.z_a, path_link.unit_response);
+    if (path_link.next < 0) continue;
+    const LinkBlocks& blocks = kinematics_->blocks(path_link.link);
+    PathLink& next = path.links[path_link.next];
+    for (Eigen::Index c = 0; c < path_link.z_r.cols(); ++c)
+      next.z_r.col(c) += shift_wrench(path_link.z_r.col(c), blocks.rho);
+    next.z_a.noalias() += blocks.Xa.transpose().lazyProduct(path_link.z_r);
   }
 }
 
-/// Lambda = sum over links of eps^T eps (R52).
+/// Lambda = sum over links of unit_response^T unit_response (R52).
 void Loops::sum_Lambda() {
   Lambda_.setZero();
-  for (const Shared& shared : shared_) {
-    const MatX& a = ways_[shared.way].steps[shared.step].eps;
-    const MatX& b = ways_[shared.other_way].steps[shared.other_step].eps;
-    const int row = ways_[shared.way].first_row;
-    const int column = ways_[shared.other_way].first_row;
+  for (const SharedLink& shared : shared_) {
+    const MatX& a = paths_[shared.path].links[shared.link].unit_response;
+    const MatX& b = paths_[shared.other_path].links[shared.other_link].unit_response;
+    const int row = paths_[shared.path].first_row;
+    const int column = paths_[shared.other_path].first_row;
     Lambda_.block(row, column, a.cols(), b.cols()).noalias() += a.transpose().lazyProduct(b);
   }
   Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
@@ -201,8 +208,8 @@ void Loops::throw_singular(int row) const {
   throw SingularPose(fmt::format(
       "relative: the {} closure rows{} have a rank below {}, their rank in a general pose, at {}: the pose is singular "
       "and the motion may branch",
-      closure_->n_rows(), closure_->relations().empty() ? "" : " of loops, couplings and rolling contacts", rank_,
-      closure_->worst_place(place)));
+      closure_->n_rows(), closure_->speed_constraints().empty() ? "" : " of loops, couplings and rolling contacts",
+      rank_, closure_->worst_place(place)));
 }
 
 /// The scale of each row, zero for one that vanishes; and the rows to use, all or as many as are independent in a
@@ -265,7 +272,8 @@ void Loops::use(int pivot) {
   rest_.col(pivot).setZero();
 }
 
-/// Cholesky's factor of the used rows of Lambda, or where that loses digits the orthogonal factor of the steps.
+/// Cholesky's factor of the used rows of Lambda, or where that loses digits the orthogonal factor of the stacked unit
+/// responses.
 void Loops::factorize() {
   for (const int row : used_) {
     if (scale_(row) == 0.0) throw_singular(row);
@@ -276,19 +284,20 @@ void Loops::factorize() {
   if (llt_.compute(selected_).info() == Eigen::Success) {
     least_pivot_ = llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
   }
-  if (!(least_pivot_ > kIllConditioned)) factorize_steps();
+  if (!(least_pivot_ > kIllConditioned)) factorize_stacked();
 }
 
-void Loops::factorize_steps() {
+void Loops::factorize_stacked() {
   is_orthogonal_ = true;
   stacked_.setZero();
-  for (const Way& way : ways_) {
+  for (const LoopPath& path : paths_) {
     for (std::size_t c = 0; c < used_.size(); ++c) {
-      const int column = used_[c] - way.first_row;
-      if (column < 0 || column >= way.n_rows) continue;
-      for (const Step& step : way.steps) {
-        stacked_.col(static_cast<Eigen::Index>(c)).segment(first_of_step_[step.link], step.eps.rows()) =
-            scale_(used_[c]) * step.eps.col(column);
+      const int column = used_[c] - path.first_row;
+      if (column < 0 || column >= path.n_rows) continue;
+      for (const PathLink& path_link : path.links) {
+        stacked_.col(static_cast<Eigen::Index>(c))
+            .segment(first_of_link_[path_link.link], path_link.unit_response.rows()) =
+            scale_(used_[c]) * path_link.unit_response.col(column);
       }
     }
   }
@@ -318,30 +327,32 @@ void Loops::solve(VecX& right) const {
 }
 
 /// Adds -Phi_u^T lambda to the right side of the tree (R53).
-void Loops::push_back(const VecX& lambda) {
-  for (const Way& way : ways_) {
-    const auto of_way = lambda.segment(way.first_row, way.n_rows);
-    for (const Step& step : way.steps) {
-      auto force = force_.head(step.eps.rows());
-      force.noalias() = -step.eps.lazyProduct(of_way);
-      elimination_->add_force(step.link, force);
+void Loops::apply_constraint_forces(const VecX& lambda) {
+  for (const LoopPath& path : paths_) {
+    const auto of_path = lambda.segment(path.first_row, path.n_rows);
+    for (const PathLink& path_link : path.links) {
+      auto force = force_.head(path_link.unit_response.rows());
+      force.noalias() = -path_link.unit_response.lazyProduct(of_path);
+      articulated_bodies_->add_force(path_link.link, force);
     }
   }
 }
 
 void Loops::close(VecX& udot) {  // (R53)
   if (closure_->n_rows() == 0) return;
-  for (Way& way : ways_) pull(way);
+  for (LoopPath& path : paths_) compute_unit_responses(path);
   sum_Lambda();
   lambda_.setZero();
   least_pivot_ = 1.0;
   if (rank_ == 0) return;
   choose_rows();
   factorize();
-  const auto acceleration = [this](int joint, Side side) { return elimination_->acceleration_of_point(joint, side); };
+  const auto acceleration = [this](int joint, Side side) {
+    return articulated_bodies_->acceleration_of_point(joint, side);
+  };
   double first_residual = 0.0;
   double last_residual = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostRefinements; ++round) {
     closure_->compute_acceleration_residual(acceleration, udot, residual_);
     double residual = 0.0;
     for (std::size_t i = 0; i < used_.size(); ++i) {
@@ -350,14 +361,14 @@ void Loops::close(VecX& udot) {  // (R53)
       residual = std::max(residual, std::abs(solution_(i)) * scale_(used_[i]));
     }
     if (round == 0) first_residual = residual;
-    if (round > 0 && (residual <= kLeftByRoundOff * first_residual || residual > kStands * last_residual)) break;
+    if (round > 0 && (residual <= kRoundOffOfFirst * first_residual || residual > kStagnates * last_residual)) break;
     last_residual = residual;
     solve(solution_);
-    step_lambda_.setZero();
-    for (std::size_t i = 0; i < used_.size(); ++i) step_lambda_(used_[i]) = solution_(i);
-    lambda_ += step_lambda_;
-    push_back(step_lambda_);
-    elimination_->outward(udot);
+    lambda_correction_.setZero();
+    for (std::size_t i = 0; i < used_.size(); ++i) lambda_correction_(used_[i]) = solution_(i);
+    lambda_ += lambda_correction_;
+    apply_constraint_forces(lambda_correction_);
+    articulated_bodies_->forward_pass(udot);
   }
 }
 

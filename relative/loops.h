@@ -2,25 +2,25 @@
 
 #include <vector>
 
+#include "relative/articulated_bodies.h"
 #include "relative/closure.h"
-#include "relative/elimination.h"
 
 /// The part of closure in (R32): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
 
-/// Constraint forces of the cut joints, couplings and constraints of velocity. Lambda is summed over the links between
-/// each of their joints and ground; those whose ways share no link do not couple. All memory is laid out at
+/// Constraint forces of the cut joints, couplings and nonholonomic constraints. Lambda is summed over the links between
+/// each of their joints and ground; those whose paths share no link do not couple. All memory is laid out at
 /// construction.
 class Loops {
  public:
   /// Both must outlive this object.
-  Loops(const Kinematics& kinematics, const Closure& closure, Elimination& elimination);
+  Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies);
 
   /// Takes the number of independent closure rows in a general pose (all at first).
   void set_rank(int rank);
   [[nodiscard]] int rank() const { return rank_; }
 
-  /// After the tree has been solved with free loops (Elimination::inward, outward): finds lambda and solves the tree
+  /// After the tree has been solved with free loops (the passes of ArticulatedBodies): finds lambda and solves the tree
   /// again, udot obeying the closure. Where a machine is redundant, the independent rows are chosen anew in each pose,
   /// by the pose alone. Throws SingularPose if there are too few.
   void close(VecX& udot);
@@ -31,8 +31,9 @@ class Loops {
   /// The rows used last.
   [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
 
-  /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by those
-  /// violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's. -1: none.
+  /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
+  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's. -1:
+  /// none.
   [[nodiscard]] int contradicted_row(double allowed) const;
 
   /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
@@ -45,80 +46,82 @@ class Loops {
   void free_rows() { keeps_rows_ = false; }
 
   /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
-  /// the coordinate forces of a relation -C lambda.
+  /// the coordinate forces of a speed constraint -C lambda.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
  private:
-  /// One link on the way to ground, and what unit multipliers of the way's rows do there.
-  struct Step {
+  /// One link on the path to ground: the generalized forces that reach it from unit multipliers of the path's rows, and
+  /// the response of its unknowns to them.
+  struct PathLink {
     int link = 0;
-    int next = -1;  // step of the reference body; -1 at ground
+    int next = -1;  // the path's link of the reference body; -1 at ground
     Mat6X z_r;
     MatX z_a;
-    MatX eps;
+    MatX unit_response;
   };
-  /// Where the multipliers of a way pull: wrenches on the two bodies of a cut joint, its closure's (part -1) or a
+  /// Where the multipliers of a path act: by wrenches on the two bodies of a cut joint, its closure's (part -1) or a
   /// relation's, or coordinate forces on a joint of the tree.
-  struct Pull {
+  struct MultiplierLoad {
     int joint = 0;
-    int part = -1;        // place among the relation's joints
-    int child_step = -1;  // -1: ground
-    int parent_step = -1;
-    int own_step = -1;  // of the link of a joint of the tree
+    int part = -1;        // index among the constraint's joints
+    int child_link = -1;  // -1: ground
+    int parent_link = -1;
+    int own_link = -1;  // of the link of a joint of the tree
   };
-  /// The rows of a cut joint or of a relation.
-  struct Way {
+  /// The rows of a cut joint or of a speed constraint.
+  struct LoopPath {
     int cut = -1;
-    int relation = -1;
+    int speed_constraint = -1;
     int first_row = 0;
     int n_rows = 0;
-    std::vector<Pull> pulls;
-    std::vector<Step> steps;  // inward
+    std::vector<MultiplierLoad> loads;
+    std::vector<PathLink> links;  // outermost first
   };
-  struct Shared {
-    int way, step, other_way, other_step;
+  struct SharedLink {
+    int path, link, other_path, other_link;
   };
 
-  void lay_out_ways();
-  void lay_out(Way way);
+  void lay_out_paths();
+  void lay_out(LoopPath path);
   void lay_out_shared();
-  void pull(Way& way);
-  void load(Way& way, const Pull& pull);
-  void load_wrenches(Way& way, const Pull& pull, Side side, const Eigen::Ref<const Mat6X>& on_child);
+  void compute_unit_responses(LoopPath& path);
+  void apply_unit_multipliers(LoopPath& path, const MultiplierLoad& load);
+  void apply_unit_wrenches(LoopPath& path, const MultiplierLoad& load, Side side,
+                           const Eigen::Ref<const Mat6X>& on_child);
   void sum_Lambda();
   void choose_rows();
   void use(int pivot);
   [[nodiscard]] bool are_kept_rows_sound();
   void select();
   void factorize();
-  void factorize_steps();
+  void factorize_stacked();
   void solve(VecX& right) const;
   [[noreturn]] void throw_singular(int row) const;
-  void push_back(const VecX& lambda);
+  void apply_constraint_forces(const VecX& lambda);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  Elimination* elimination_;
-  std::vector<Way> ways_;
-  std::vector<Shared> shared_;
+  ArticulatedBodies* articulated_bodies_;
+  std::vector<LoopPath> paths_;
+  std::vector<SharedLink> shared_;
   int rank_ = 0;
   std::vector<int> used_;
   bool keeps_rows_ = false;
   bool has_kept_ = false;           // whether used_ are the rows to keep
-  std::vector<int> first_of_step_;  // places of the steps' unknowns among the rows of stacked_, by link
+  std::vector<int> first_of_link_;  // rows of stacked_ where the unknowns of a link begin; -1: on no path
   MatX Lambda_;
   VecX scale_;                                  // of the rows: 1 / sqrt of the diagonal of Lambda
   MatX rest_;                                   // of Lambda scaled to unit diagonal, while rows are chosen
   MatX selected_;                               // used rows of Lambda, scaled
   Eigen::LLT<MatX> llt_{MatX::Identity(1, 1)};  // Eigen copies its outcome: there must be one
-  MatX stacked_;                                // eps of the used rows, scaled: Lambda = stacked^T stacked
+  MatX stacked_;                                // unit_response of the used rows, scaled: Lambda = stacked^T stacked
   Eigen::ColPivHouseholderQR<MatX> qr_;
   bool is_orthogonal_ = false;  // whether qr_ is used instead of llt_
   double least_pivot_ = 1.0;
   VecX residual_;
   VecX solution_;
   VecX lambda_;
-  VecX step_lambda_;
+  VecX lambda_correction_;
   VecX force_;
   mutable VecX permuted_;
 };

@@ -22,7 +22,7 @@ constexpr Eigen::Index kManyRows = 24;
 constexpr double kClearlyIndependent = 1e-5;
 
 /// Phi_u in machine units over the free columns, and the factors that turn multipliers of these rows into lambda. The
-/// rows T^T W have unit norm in these units; to norm Phi_u itself would blow up rows that vanish but for round-off.
+/// rows T^T W have unit norm in these units; normalizing Phi_u would magnify rows that are zero but for round-off.
 struct ScaledRows {
   MatX Phi;
   VecX units;
@@ -64,15 +64,15 @@ class Moved {
         add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
         add_squares(joints[k].total_on(side), length, joints_[k].total[index(side)]);
       }
-      const Motion& motion = equations.kinematics().motion(static_cast<int>(k));
-      for (int c = 0; c < motion.n_u(); ++c) {
-        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (motion.kind(c).is_length ? length : 1.0), 2);
+      const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (mobilizer.kind(c).is_length ? length : 1.0), 2);
       }
     }
-    for (const Relation& relation : equations.closure().relations()) {
-      const double squares = lambda.segment(relation.first_row, relation.n_rows).squaredNorm();
-      of_relations_ = std::max(of_relations_, squares);
-      if (relation.is_coupling()) couplings_[relation.coupling] += squares;
+    for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {
+      const double squares = lambda.segment(constraint.first_row, constraint.n_rows).squaredNorm();
+      of_speed_constraints_ = std::max(of_speed_constraints_, squares);
+      if (constraint.is_coupling()) couplings_[constraint.coupling] += squares;
     }
   }
 
@@ -108,7 +108,7 @@ class Moved {
   }
 
   [[nodiscard]] double size() const {
-    double size = of_relations_;
+    double size = of_speed_constraints_;
     for (const Squares& joint : joints_) {
       for (const Vec6& total : joint.total) size = std::max(size, total.maxCoeff());
     }
@@ -117,7 +117,7 @@ class Moved {
 
   std::vector<Squares> joints_;
   std::vector<double> couplings_;
-  double of_relations_ = 0.0;
+  double of_speed_constraints_ = 0.0;
 };
 
 /// Singular values, largest first, and all left singular vectors.

@@ -22,11 +22,11 @@ double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const V
 
 }  // namespace
 
-Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
+Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const ArticulatedBodies& articulated_bodies,
                      const AppliedForces& applied)
     : kinematics_(&kinematics),
       closure_(&closure),
-      elimination_(&elimination),
+      articulated_bodies_(&articulated_bodies),
       applied_(&applied),
       couplings_(kinematics.model().couplings.size(), 0.0),
       coupling_tau_(VecX::Zero(kinematics.topology().n_u)) {
@@ -42,19 +42,19 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     wrenches.tau.setZero(joint.type->n_u());
     joints_.push_back(wrenches);
     if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
-    Pushed pushed{static_cast<int>(k), -1, -1, {}};
+    ForcedJoint forced{static_cast<int>(k), -1, -1, {}};
     for (const Driver& driver : joint.drivers) {
-      pushed.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
+      forced.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
     }
     for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
-      if (closure.cuts()[c].joint == pushed.joint) pushed.cut = static_cast<int>(c);
+      if (closure.cuts()[c].joint == forced.joint) forced.cut = static_cast<int>(c);
     }
-    for (std::size_t r = 0; r < closure.relations().size(); ++r) {
-      const Relation& relation = closure.relations()[r];
-      if (relation.is_coupling() || relation.joints.front().joint != pushed.joint) continue;
-      pushed.slipping = static_cast<int>(r);
+    for (std::size_t r = 0; r < closure.speed_constraints().size(); ++r) {
+      const SpeedConstraint& constraint = closure.speed_constraints()[r];
+      if (constraint.is_coupling() || constraint.joints.front().joint != forced.joint) continue;
+      forced.nonholonomic = static_cast<int>(r);
     }
-    pushed_.push_back(pushed);
+    forced_joints_.push_back(forced);
   }
 }
 
@@ -65,9 +65,9 @@ void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& la
   set_coupling_forces(lambda);
   add_coupling_forces();
   apply_cut_wrenches(lambda);  // Step 3: (R56)
-  apply_relation_wrenches(lambda);
+  apply_speed_constraint_wrenches(lambda);
   add_spring_wrenches_of_cuts();
-  pass_inward();                          // Steps 4 and 5: (R57), (R58)
+  backward_pass();                        // Steps 4 and 5: (R57), (R58)
   split_off_coordinate_wrenches(lambda);  // reactions: (R60)
 }
 
@@ -76,8 +76,8 @@ void Reactions::compute_self_stress(const VecX& lambda) {
   set_coupling_forces(lambda);
   add_coupling_forces();
   apply_cut_wrenches(lambda);
-  apply_relation_wrenches(lambda);
-  pass_inward();
+  apply_speed_constraint_wrenches(lambda);
+  backward_pass();
   split_off_coordinate_wrenches(lambda);
 }
 
@@ -86,12 +86,12 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
   for (std::size_t l = 0; l < loads_.size(); ++l) {
     const int body = kinematics_->topology().links[l].body;
     const BodyInertia& inertia = inertias[l];
-    const Vec6& Vdot = elimination_->acceleration(body);
+    const Vec6& Vdot = articulated_bodies_->acceleration(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
-    const VecX& addot = *elimination_->modal_acceleration(body);
+    const VecX& addot = *articulated_bodies_->modal_acceleration(body);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
     load.largest_modal_term = std::max(
@@ -115,9 +115,9 @@ void Reactions::subtract_applied() {  // (R55)
 }
 
 void Reactions::set_spring_forces() {
-  for (const Pushed& pushed : pushed_) {
-    const Span& span = kinematics_->topology().joints[pushed.joint];
-    joints_[pushed.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
+  for (const ForcedJoint& forced : forced_joints_) {
+    const Span& span = kinematics_->topology().joints[forced.joint];
+    joints_[forced.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
   }
 }
 
@@ -125,11 +125,11 @@ void Reactions::set_spring_forces() {
 void Reactions::set_coupling_forces(const VecX& lambda) {
   if (couplings_.empty()) return;
   coupling_tau_.setZero();
-  for (const Relation& relation : closure_->relations()) {
-    if (!relation.is_coupling()) continue;
-    const double force = -lambda(relation.first_row);
-    couplings_[relation.coupling] = force / relation.size;
-    for (const RelatedJoint& part : relation.joints) {
+  for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
+    if (!constraint.is_coupling()) continue;
+    const double force = -lambda(constraint.first_row);
+    couplings_[constraint.coupling] = force / constraint.size;
+    for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
       coupling_tau_.segment(span.first_u, span.n_u) += force * part.C.col(0);
     }
@@ -138,14 +138,14 @@ void Reactions::set_coupling_forces(const VecX& lambda) {
 
 void Reactions::add_coupling_forces() {
   if (couplings_.empty()) return;
-  for (const Pushed& pushed : pushed_) {
-    const Span& span = kinematics_->topology().joints[pushed.joint];
-    joints_[pushed.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
+  for (const ForcedJoint& forced : forced_joints_) {
+    const Span& span = kinematics_->topology().joints[forced.joint];
+    joints_[forced.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
   }
 }
 
 void Reactions::clear_loads() {
-  for (const Pushed& pushed : pushed_) joints_[pushed.joint].tau.setZero();
+  for (const ForcedJoint& forced : forced_joints_) joints_[forced.joint].tau.setZero();
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
@@ -163,24 +163,25 @@ void Reactions::apply_cut_wrenches(const VecX& lambda) {
   }
 }
 
-/// Likewise of couplings and constraints of velocity at cut joints; in the tree they are part of the joint's total.
-void Reactions::apply_relation_wrenches(const VecX& lambda) {
-  for (const Relation& relation : closure_->relations()) {
-    for (const RelatedJoint& part : relation.joints) {
+/// Likewise of couplings and nonholonomic constraints at cut joints; in the tree they are part of the joint's total.
+void Reactions::apply_speed_constraint_wrenches(const VecX& lambda) {
+  for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
+    for (const ConstrainedJoint& part : constraint.joints) {
       if (part.cut < 0) continue;
       Vec6 on_child;
-      on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(relation.first_row, relation.n_rows));
+      on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(constraint.first_row, constraint.n_rows));
       add_to_total(part.joint, on_child, exert_at_cut(part.joint, on_child));
     }
   }
 }
 
-/// Both bodies of a cut joint feel the wrench, the parent an answer at its own point: returned.
+/// Applies a wrench to the child of a cut joint and the opposite one, at its own point, to the parent; returns the
+/// latter.
 Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
   const JointPoint& parent = kinematics_->point(k, Side::parent);
   const JointPoint& child = kinematics_->point(k, Side::child);
   const Joint& joint = kinematics_->model().joints[k];
-  const Vec6 on_parent = answered_at(on_child, child.r, parent.r);
+  const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(joint.on(Side::child).body, child, on_child);
   subtract_from(joint.on(Side::parent).body, parent, on_parent);
   return on_parent;
@@ -188,12 +189,12 @@ Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
 
 /// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
 void Reactions::add_spring_wrenches_of_cuts() {
-  for (const Pushed& pushed : pushed_) {
-    if (pushed.cut < 0) continue;
-    const JointPoint& parent = kinematics_->point(pushed.joint, Side::parent);
-    const JointPoint& child = kinematics_->point(pushed.joint, Side::child);
-    const Vec6& spring = applied_->on_child_of_cut(pushed.cut);
-    add_to_total(pushed.joint, spring, answered_at(spring, child.r, parent.r));
+  for (const ForcedJoint& forced : forced_joints_) {
+    if (forced.cut < 0) continue;
+    const JointPoint& parent = kinematics_->point(forced.joint, Side::parent);
+    const JointPoint& child = kinematics_->point(forced.joint, Side::child);
+    const Vec6& spring = applied_->on_child_of_cut(forced.cut);
+    add_to_total(forced.joint, spring, opposite_wrench_at(spring, child.r, parent.r));
   }
 }
 
@@ -205,7 +206,7 @@ void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wre
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
 }
 
-void Reactions::pass_inward() {  // (R57)
+void Reactions::backward_pass() {  // (R57)
   modal_residual_ = 0.0;
   worst_modal_body_ = kGround;
   const std::vector<Link>& links = kinematics_->topology().links;
@@ -216,7 +217,7 @@ void Reactions::pass_inward() {  // (R57)
     Vec6 on_body = loads_[l].rho;
     on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
     audit_modal_rows(l, on_body);
-    const Vec6 on_reference = answered_at(on_body, own.r, reference.r);
+    const Vec6 on_reference = opposite_wrench_at(on_body, own.r, reference.r);
     subtract_from(link.reference, reference, on_reference);
     if (link.along) {
       report(link.joint, on_body, on_reference);
@@ -253,32 +254,32 @@ void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_par
          so_far.total_on(Side::parent).in_global.vector() + on_parent);
 }
 
-/// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the constraint of velocity pushes;
+/// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
-  for (const Pushed& pushed : pushed_) {
-    const int k = pushed.joint;
+  for (const ForcedJoint& forced : forced_joints_) {
+    const int k = forced.joint;
     const JointMotion& motion =
-        pushed.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[pushed.cut].measure.motion_at();
+        forced.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[forced.cut].measure.motion_at();
     const JointPoint& parent = kinematics_->point(k, Side::parent);
     const JointPoint& child = kinematics_->point(k, Side::child);
     JointWrenches& wrenches = joints_[k];
     const Wrench& total = wrenches.total[index(Side::child)].in_global;
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
-    for (const int c : pushed.driven) {
+    for (const int c : forced.driven) {
       wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (pushed.slipping < 0) continue;
-      const Relation& relation = closure_->relations()[pushed.slipping];
-      const JointSquare& C = relation.joints.front().C;
-      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(relation.first_row, relation.n_rows));
+      if (forced.nonholonomic < 0) continue;
+      const SpeedConstraint& constraint = closure_->speed_constraints()[forced.nonholonomic];
+      const JointSquare& C = constraint.joints.front().C;
+      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
     }
-    const Vec6 coordinate_C = kinematics_->motion(k).coordinate_wrench(motion, JointVector(wrenches.tau));
+    const Vec6 coordinate_C = kinematics_->mobilizer(k).coordinate_wrench(motion, JointVector(wrenches.tau));
     Vec6 coordinate;
     coordinate << parent.A * coordinate_C.head<3>(), parent.A * coordinate_C.tail<3>();
     const Vec6 on_child = total.vector() - coordinate;
     const Vec6 on_parent =
-        wrenches.total[index(Side::parent)].in_global.vector() - answered_at(coordinate, child.r, parent.r);
+        wrenches.total[index(Side::parent)].in_global.vector() - opposite_wrench_at(coordinate, child.r, parent.r);
     wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);
     wrenches.reaction[index(Side::parent)] = in_both_frames(parent.A, on_parent);
   }

@@ -4,9 +4,9 @@
 
 #include "common/results.h"
 #include "relative/applied_forces.h"
+#include "relative/articulated_bodies.h"
 #include "relative/body_inertia.h"
 #include "relative/closure.h"
-#include "relative/elimination.h"
 
 /// Joint wrenches by the backward pass of Steps 1 to 5, (R54) to (R60).
 namespace concord::relative {
@@ -15,11 +15,11 @@ namespace concord::relative {
 class Reactions {
  public:
   /// All four must outlive this object.
-  Reactions(const Kinematics& kinematics, const Closure& closure, const Elimination& elimination,
+  Reactions(const Kinematics& kinematics, const Closure& closure, const ArticulatedBodies& articulated_bodies,
             const AppliedForces& applied);
 
-  /// Wrenches for the accelerations that the elimination holds, the applied forces, the inertias (by link) and the
-  /// multipliers.
+  /// Wrenches for the accelerations that the articulated bodies hold, the applied forces, the inertias (by link) and
+  /// the multipliers.
   void compute(const std::vector<BodyInertia>& inertias, const VecX& lambda);
 
   /// Wrenches that hold each other in balance without load, M, S, U, Q = 0: those of the multipliers alone.
@@ -43,10 +43,10 @@ class Reactions {
     double largest_modal_term = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
-  struct Pushed {
+  struct ForcedJoint {
     int joint = 0;
-    int cut = -1;       // its place in Closure::cuts; -1 in the tree
-    int slipping = -1;  // its constraint of velocity in Closure::relations; -1: none
+    int cut = -1;           // its index in Closure::cuts; -1 in the tree
+    int nonholonomic = -1;  // its index in Closure::speed_constraints; -1: none
     std::vector<int> driven;
   };
 
@@ -57,10 +57,10 @@ class Reactions {
   void add_coupling_forces();
   void clear_loads();
   void apply_cut_wrenches(const VecX& lambda);
-  void apply_relation_wrenches(const VecX& lambda);
+  void apply_speed_constraint_wrenches(const VecX& lambda);
   Vec6 exert_at_cut(int joint, const Vec6& on_child);
   void add_spring_wrenches_of_cuts();
-  void pass_inward();
+  void backward_pass();
   void subtract_from(int body, const JointPoint& point, const Vec6& wrench);
   void audit_modal_rows(int l, const Vec6& wrench);
   void add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent);
@@ -69,10 +69,10 @@ class Reactions {
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  const Elimination* elimination_;
+  const ArticulatedBodies* articulated_bodies_;
   const AppliedForces* applied_;
   std::vector<Load> loads_;
-  std::vector<Pushed> pushed_;
+  std::vector<ForcedJoint> forced_joints_;
   std::vector<JointWrenches> joints_;
   std::vector<double> couplings_;
   VecX coupling_tau_;

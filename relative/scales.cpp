@@ -48,12 +48,12 @@ double machine_rate(const Model& model) {
   const double length = machine_length(model);
   double rate = std::sqrt(model.gravity.norm() / length);
   for (const Joint& joint : model.joints) {
-    const Motion motion(*joint.type);
+    const Mobilizer mobilizer(*joint.type);
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       const WordStart& start = joint.start[word];
       if (start.role_u == StartRole::unsaid) continue;
       for (int c = 0; c < static_cast<int>(start.u.size()); ++c) {
-        const bool slides = motion.kind(first_u(*joint.type, static_cast<int>(word)) + c).is_length;
+        const bool slides = mobilizer.kind(first_u(*joint.type, static_cast<int>(word)) + c).is_length;
         rate = std::max(rate, std::abs(start.u(c)) / (slides ? length : 1.0));
       }
     }
@@ -66,9 +66,9 @@ double machine_rate(const Model& model) {
 Scales::Scales(const Model& model, const Topology& topology)
     : length_(machine_length(model)), speeds_(VecX::Ones(topology.n_u)) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Motion motion(*model.joints[k].type);
-    for (int c = 0; c < motion.n_u(); ++c) {
-      if (motion.kind(c).is_length) speeds_(topology.joints[k].first_u + c) = length_;
+    const Mobilizer mobilizer(*model.joints[k].type);
+    for (int c = 0; c < mobilizer.n_u(); ++c) {
+      if (mobilizer.kind(c).is_length) speeds_(topology.joints[k].first_u + c) = length_;
     }
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
@@ -82,10 +82,10 @@ Scales::Scales(const Model& model, const Topology& topology)
 VecX Scales::coordinates(const Model& model, const Topology& topology) const {
   VecX units = VecX::Ones(topology.n_q);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Motion motion(*model.joints[k].type);
+    const Mobilizer mobilizer(*model.joints[k].type);
     // Slides and motions by functions have as many coordinates as speeds and stand before a ball.
-    for (int c = 0; c < motion.n_u(); ++c) {
-      if (motion.kind(c).is_length) units(topology.joints[k].first_q + c) = length_;
+    for (int c = 0; c < mobilizer.n_u(); ++c) {
+      if (mobilizer.kind(c).is_length) units(topology.joints[k].first_q + c) = length_;
     }
   }
   for (const Span& modes : topology.modes) {

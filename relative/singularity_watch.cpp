@@ -28,7 +28,7 @@ bool is_certainly_regular(double sigma_a, double sigma_b, const MatX& Phi_a, con
 SingularityWatch::SingularityWatch(Equations& equations, Assembly& assembly)
     : equations_(&equations), assembly_(&assembly) {
   for (int k = 0; k < static_cast<int>(equations.model().joints.size()); ++k) {
-    if (equations.kinematics().motion(k).has_elevation()) links_.push_back(k);
+    if (equations.kinematics().mobilizer(k).has_elevation()) links_.push_back(k);
   }
 }
 
@@ -75,8 +75,8 @@ bool SingularityWatch::may_pass_zero(const Record& a, const Record& b) const {
 
 SingularityWatch::Record SingularityWatch::probe(const Record& a, const Record& b, double part) const {
   Coordinates coordinates = between(a, b, part);
-  if (assembly_->settle(coordinates)) return record(coordinates);
-  Record lost;  // places that do not close are as good as singular
+  if (assembly_->close_positions_nearby(coordinates)) return record(coordinates);
+  Record lost;  // a pose that does not close counts as singular
   lost.at = coordinates;
   return lost;
 }
@@ -116,9 +116,9 @@ void SingularityWatch::search(const Record& a, const Record& b) const {
 /// A link passes between the two names of its poses only where its motion loses rank.
 void SingularityWatch::require_branches(const VecX& before, const VecX& now, double t) const {
   for (const int k : links_) {
-    const Motion& motion = equations_->kinematics().motion(k);
+    const Mobilizer& mobilizer = equations_->kinematics().mobilizer(k);
     const int first = equations_->topology().joints[k].first_q;
-    if (motion.is_on_branch_of(now.data() + first, before.data() + first)) continue;
+    if (mobilizer.is_on_branch_of(now.data() + first, before.data() + first)) continue;
     throw SingularPose(fmt::format(
         "relative: at t = {:.6g} s joint '{}' passes a pose where two of its motions are one, its link along the axis "
         "of its first turn: turn its frame on the parent, so that the machine stays away from there",

@@ -55,7 +55,7 @@ class RelativeSolver final : public Solver {
       StateMisfit misfit;
       Coordinates coordinates = states_.read(guess, misfit);
       equations_.count_turns(states_.turns());
-      if (!assembly_.close(coordinates) || states_.strayed_joint(guess, coordinates.q) >= 0) return std::nullopt;
+      if (!assembly_.close(coordinates) || states_.joint_off_branch(guess, coordinates.q) >= 0) return std::nullopt;
       equations_.move(coordinates.t, coordinates.q, coordinates.u);
       return states_.write(guess.t, guess);
     } catch (const SolverError&) {
@@ -103,15 +103,15 @@ class RelativeSolver final : public Solver {
     StateMisfit misfit;
     Coordinates coordinates = states_.read(state, misfit);
     equations_.count_turns(states_.turns());
-    if (misfit.largest <= kLargestMisfit && misfit.strayed_joint < 0) return coordinates;
-    if (misfit.largest <= kLargestMisfit) throw_strayed(state, coordinates, misfit.strayed_joint);
+    if (misfit.largest <= kLargestMisfit && misfit.joint_off_branch < 0) return coordinates;
+    if (misfit.largest <= kLargestMisfit) throw_off_branch(state, coordinates, misfit.joint_off_branch);
     throw SolverError(
         fmt::format("relative: the state at t = {:.6g} s is not closed: residual {:.1e} at {}, allowed "
                     "{:.0e}: close it first",
                     state.t, misfit.largest, misfit.where, kLargestMisfit));
   }
 
-  [[noreturn]] void throw_strayed(const State& state, const Coordinates& coordinates, int joint) const {
+  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const {
     const Span& span = equations_.topology().joints[joint];
     const VecX found = equations_.kinematics().with_turns(coordinates.q).segment(span.first_q, span.n_q);
     throw SolverError(fmt::format(

@@ -8,7 +8,7 @@ namespace concord::relative {
 
 namespace {
 
-constexpr double kLeastPivot = 1e-9;  // of a column's length: below any pose that Motion::loses_rank admits
+constexpr double kLeastPivot = 1e-9;  // of a column's length: below any pose that Mobilizer::loses_rank admits
 
 /// A unit vector at right angles to a unit vector.
 Vec3 perpendicular(const Vec3& unit) {

@@ -28,7 +28,7 @@ void require_numbers(const BodyState& body, const std::string& name, double t) {
     return;
   }
   throw SolverError(
-      fmt::format("relative: the state at t = {:.6g} s holds for body '{}' what is no finite number", t, name));
+      fmt::format("relative: the state at t = {:.6g} s holds a number of body '{}' that is not finite", t, name));
 }
 
 }  // namespace
@@ -39,9 +39,9 @@ States::States(const Equations& equations)
       length_(machine_length(equations.model())),
       rate_(machine_rate(equations.model())) {
   for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
-    measures_.emplace_back(kinematics_.motion(static_cast<int>(k)),
+    measures_.emplace_back(kinematics_.mobilizer(static_cast<int>(k)),
                            equations.driven().data() + equations.topology().joints[k].first_u);
-    permitted_.emplace_back(*equations.model().joints[k].type, kinematics_.motion(static_cast<int>(k)));
+    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.mobilizer(static_cast<int>(k)));
   }
 }
 
@@ -101,18 +101,18 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     measure.find_q(parent, child, found.q.data() + span.first_q, restart);
     measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
     kinematics_.require_rank(k, measure.motion_at());
-    judge(largest(measure.error(), size, 1.0), "joint", name);
-    judge(largest(measure.slip(), speed, turning), "joint", name);
-    judge(part_of(slip_of(k, found.u), turning), "joint", name);
+    judge(largest(measure.position_residual(), size, 1.0), "joint", name);
+    judge(largest(measure.velocity_residual(), speed, turning), "joint", name);
+    judge(part_of(nonholonomic_residual(k, found.u), turning), "joint", name);
   }
-  misfit.strayed_joint = strayed_joint(state, found.q);
+  misfit.joint_off_branch = joint_off_branch(state, found.q);
   for (const Coupling& coupling : model.couplings) {
     const double factors = size_of(coupling, model, length_);
     const double terms = size_of_terms(coupling, kinematics_, found.q);
-    const double gap = compute_gap(coupling, kinematics_, found.q);
-    const double slip = compute_slip(coupling, model, topology, found.u) / factors;
-    judge(part_of(gap, std::max(factors, terms)), "coupling", coupling.name);
-    judge(part_of(slip, turning), "coupling", coupling.name);
+    const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
+    const double velocity_residual = compute_velocity_residual(coupling, model, topology, found.u) / factors;
+    judge(part_of(position_residual, std::max(factors, terms)), "coupling", coupling.name);
+    judge(part_of(velocity_residual, turning), "coupling", coupling.name);
   }
   return found;
 }
@@ -129,25 +129,25 @@ bool States::has_q(const State& state, int joint) const {
   return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
 }
 
-int States::strayed_joint(const State& state, const VecX& q) const {
+int States::joint_off_branch(const State& state, const VecX& q) const {
   const VecX values = kinematics_.with_turns(q);
   for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
     if (!has_q(state, k)) continue;
     const double* found = values.data() + equations_->topology().joints[k].first_q;
-    if (!equations_->kinematics().motion(k).is_on_branch_of(found, state.q[k].data())) return k;
+    if (!equations_->kinematics().mobilizer(k).is_on_branch_of(found, state.q[k].data())) return k;
   }
   return -1;
 }
 
 /// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have
 /// been measured.
-double States::slip_of(int joint, const VecX& u) {
-  PermittedSpeeds& permitted = permitted_[joint];
+double States::nonholonomic_residual(int joint, const VecX& u) {
+  NonholonomicConstraint& permitted = nonholonomic_[joint];
   if (permitted.n_rows() == 0) return 0.0;
   permitted.evaluate(measures_[joint].motion_at(), equations_->model().joints[joint].name);
   const Span& span = equations_->topology().joints[joint];
-  const VecX slip = permitted.C().transpose() * u.segment(span.first_u, span.n_u);
-  return slip.cwiseAbs().maxCoeff();
+  const VecX velocity_residual = permitted.C().transpose() * u.segment(span.first_u, span.n_u);
+  return velocity_residual.cwiseAbs().maxCoeff();
 }
 
 State States::write(double t, const State& before) const {

@@ -15,7 +15,7 @@ struct StateMisfit {
   std::string where;
   /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
   /// the state; -1: none.
-  int strayed_joint = -1;
+  int joint_off_branch = -1;
 };
 
 class States {
@@ -30,7 +30,7 @@ class States {
   /// the state's q, which chooses turns and branches (without them, the branch nearest to home); cost proportional to
   /// the number of joints. `misfit` gets what the joints do not permit, and how far driven coordinates are from their
   /// laws. Whole turns beyond the first are counted apart, see turns(). Throws SolverError if the state has the wrong
-  /// size or its bodies hold what is no number.
+  /// size or its bodies hold an entry that is not a number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
   /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.
@@ -42,13 +42,13 @@ class States {
 
   /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
   /// those that the state brings; -1: none.
-  [[nodiscard]] int strayed_joint(const State& state, const VecX& q) const;
+  [[nodiscard]] int joint_off_branch(const State& state, const VecX& q) const;
 
   /// Accelerations and wrenches that the equations hold.
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
-  [[nodiscard]] double slip_of(int joint, const VecX& u);
+  [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
   void count_turns(Coordinates& coordinates);
   [[nodiscard]] bool has_q(const State& state, int joint) const;
 
@@ -57,7 +57,7 @@ class States {
   double length_;
   double rate_;
   std::vector<JointMeasure> measures_;
-  std::vector<PermittedSpeeds> permitted_;
+  std::vector<NonholonomicConstraint> nonholonomic_;
 };
 
 }  // namespace concord::relative

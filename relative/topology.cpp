@@ -35,7 +35,7 @@ std::vector<int> distances_from_ground(const Model& model) {
 
 int closure_rows(const Joint& joint) { return 6 - joint.type->n_u() + static_cast<int>(joint.drivers.size()); }
 
-/// Joints that may be in the tree, the most wanted first: see build_topology for the rule.
+/// Joints that may be in the tree, the preferred ones first: see build_topology for the rule.
 std::vector<int> tree_candidates(const Model& model) {
   const std::vector<int> distance = distances_from_ground(model);
   const auto reach = [&](const Joint& joint) {

@@ -27,10 +27,10 @@ struct Span {
   int n_u = 0;
 };
 
-/// Order of q and u: link by link outward, the joint's numbers and then the body's modal ones, u_i = [joint speeds;
-/// adot_i]; after the tree the cut joints in the order of the model.
+/// Order of q and u: link by link from ground outward, the joint's numbers and then the body's modal ones, u_i = [joint
+/// speeds; adot_i]; after the tree the cut joints in the order of the model.
 struct Topology {
-  std::vector<Link> links;        // outward: a reference body's link stands before
+  std::vector<Link> links;        // from ground outward: a reference body's link stands before
   std::vector<int> link_of_body;  // -1 for ground
   std::vector<int> cuts;          // joints, in the order of the model
   std::vector<Span> joints;       // of every joint of the model

@@ -26,7 +26,7 @@ Kinematics::Kinematics(const Model& model)
       u_(VecX::Zero(topology_.n_u)) {
   const double length = machine_length(model);
   for (const Joint& joint : model.joints) {
-    motions_.emplace_back(*joint.type, length);
+    mobilizers_.emplace_back(*joint.type, length);
     for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
   }
   for (const Link& link : topology_.links) {
@@ -43,7 +43,8 @@ Kinematics::Kinematics(const Model& model)
 
 void Kinematics::count_turns(const VecX& turns) {
   turns_ = turns;
-  for (std::size_t k = 0; k < motions_.size(); ++k) motions_[k].count_turns(turns.data() + topology_.joints[k].first_q);
+  for (std::size_t k = 0; k < mobilizers_.size(); ++k)
+    mobilizers_[k].count_turns(turns.data() + topology_.joints[k].first_q);
 }
 
 VecX Kinematics::with_turns(const VecX& q) const {
@@ -57,9 +58,9 @@ VecX Kinematics::without_turns(const VecX& values) const {
 
 VecX Kinematics::whole_turns(const VecX& q, double least) const {
   VecX turns = VecX::Zero(q.size());
-  for (std::size_t k = 0; k < motions_.size(); ++k) {
-    for (int c = 0; c < motions_[k].n_u(); ++c) {
-      if (!motions_[k].is_turn(c)) continue;
+  for (std::size_t k = 0; k < mobilizers_.size(); ++k) {
+    for (int c = 0; c < mobilizers_[k].n_u(); ++c) {
+      if (!mobilizers_[k].is_turn(c)) continue;
       const int place = topology_.joints[k].first_q + c;
       const double made = q(place) / static_cast<double>(kWholeTurn);
       if (std::abs(made) > least) turns(place) = std::round(made);
@@ -72,11 +73,11 @@ void Kinematics::update(const VecX& q, const VecX& u) {
   q_ = q;
   u_ = u;
   for (std::size_t l = 0; l < topology_.links.size(); ++l) update_link(static_cast<int>(l));
-  ride_cut_joints();
+  place_cut_joint_points();
 }
 
 void Kinematics::require_rank(int joint, const JointMotion& motion) const {
-  if (!motions_[joint].loses_rank(motion)) return;
+  if (!mobilizers_[joint].loses_rank(motion)) return;
   throw SingularPose(
       fmt::format("relative: joint '{}' ({}): its coordinates are singular in this pose, where two of its motions are "
                   "one: turn its frame on the parent, so that the machine stays away from there",
@@ -94,7 +95,7 @@ void Kinematics::place(const std::vector<BodyState>& bodies) {
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
       deform(static_cast<int>(k), side);
-      moving_point(static_cast<int>(k), side).ride(bodies_[model_->joints[k].on(side).body]);
+      moving_point(static_cast<int>(k), side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
 }
@@ -107,17 +108,17 @@ void Kinematics::deform(int joint, Side side) {
 void Kinematics::update_link(int l) {
   const Link& link = topology_.links[l];
   const Span& span = topology_.joints[link.joint];
-  motions_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, joint_motions_[link.joint]);
+  mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, joint_motions_[link.joint]);
   require_rank(link.joint, joint_motions_[link.joint]);
   deform(link.joint, Side::parent);
   deform(link.joint, Side::child);
-  moving_point(link.joint, link.reference_side()).ride(bodies_[link.reference]);
+  moving_point(link.joint, link.reference_side()).compute_point_motion(bodies_[link.reference]);
   if (link.along) {
     place_child_side(link);
   } else {
     place_parent_side(link);
   }
-  moving_point(link.joint, link.own_side()).settle(bodies_[link.body]);
+  moving_point(link.joint, link.own_side()).compute_body_motion(bodies_[link.body]);
   compute_blocks(l);
 }
 
@@ -158,8 +159,8 @@ void Kinematics::compute_blocks(int l) {
 
   blocks.rho = origin - bodies_[link.reference].r;
   const Vec3 from_child = origin - child.r;
-  for (int c = 0; c < motions_[link.joint].n_u(); ++c) {
-    const ColumnKind& kind = motions_[link.joint].kind(c);
+  for (int c = 0; c < mobilizers_[link.joint].n_u(); ++c) {
+    const ColumnKind& kind = mobilizers_[link.joint].kind(c);
     auto column = blocks.H.col(c);
     column.setZero();
     if (kind.rotates) {
@@ -171,28 +172,28 @@ void Kinematics::compute_blocks(int l) {
   }
 
   const Vec3 spin = parent.A * motion.v_rel.tail<3>();
-  const Vec3 slip = parent.A * motion.v_rel.head<3>();
+  const Vec3 sliding_velocity = parent.A * motion.v_rel.head<3>();
   Vec6 joint_bias;
-  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(child.r - parent.r) + 2.0 * slip);
-  if (motions_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
+  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(child.r - parent.r) + 2.0 * sliding_velocity);
+  if (mobilizers_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
   joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
   const Vec3 from_own = -own.lever;
-  const Vec3 from_reference = origin - reference.r;
-  blocks.D = shift_motion(reference.bias, from_reference) + sign * shift_motion(joint_bias, from_child) -
+  const Vec3 acceleration_from_reference = origin - reference.r;
+  blocks.D = shift_motion(reference.bias, acceleration_from_reference) + sign * shift_motion(joint_bias, from_child) -
              shift_motion(own.bias, from_own);
 
   const auto shift_columns = [](const Mat6X& G, const Vec3& e, Mat6X& moved) {
     for (Eigen::Index c = 0; c < G.cols(); ++c) moved.col(c) = shift_motion(G.col(c), e);
   };
-  shift_columns(reference.Ga(), from_reference, blocks.Xa);
+  shift_columns(reference.Ga(), acceleration_from_reference, blocks.Xa);
   shift_columns(own.Ga(), from_own, blocks.Ha);
 }
 
-void Kinematics::ride_cut_joints() {
+void Kinematics::place_cut_joint_points() {
   for (const int k : topology_.cuts) {
     for (const Side side : {Side::parent, Side::child}) {
       deform(k, side);
-      moving_point(k, side).ride(bodies_[model_->joints[k].on(side).body]);
+      moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
 }

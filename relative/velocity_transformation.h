@@ -5,7 +5,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "relative/joint_point.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 #include "relative/topology.h"
 #include "relative/turns.h"
 
@@ -40,7 +40,8 @@ inline Vec6 shift_wrench(const Vec6& w, const Vec3& e) {
 /// Velocity of the child's joint frame relative to the parent's: v_rel_C = [ddot; omega_rel] (R17).
 Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child);
 
-/// Motion of all bodies and joint points for given coordinates and speeds; outward, cost proportional to their number.
+/// Motion of all bodies and joint points for given coordinates and speeds, by a forward pass; its cost is
+/// proportional to their number.
 class Kinematics {
  public:
   /// The model must outlive this object. Throws InputError if the tree cannot be built.
@@ -48,7 +49,7 @@ class Kinematics {
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
-  [[nodiscard]] const Motion& motion(int joint) const { return motions_[joint]; }
+  [[nodiscard]] const Mobilizer& mobilizer(int joint) const { return mobilizers_[joint]; }
 
   /// Counts whole turns apart from the coordinates, which so keep their digits after many of them: from now on a
   /// coordinate q means q + 2 pi turns (n_q whole numbers, zero but for turns).
@@ -80,7 +81,7 @@ class Kinematics {
   /// Throws SolverError, naming the joint, if the columns S of its motion are dependent.
   void require_rank(int joint, const JointMotion& motion) const;
 
-  /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried inward: adds W_b B_b to `rows`
+  /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried to ground: adds W_b B_b to `rows`
   /// (rows x n_tree_u) (R23).
   void add_times_B(int body, MatX rows_on_body, MatX& rows) const;
 
@@ -102,11 +103,11 @@ class Kinematics {
   void place_child_side(const Link& link);
   void place_parent_side(const Link& link);
   void compute_blocks(int l);
-  void ride_cut_joints();
+  void place_cut_joint_points();
 
   const Model* model_;
   Topology topology_;
-  std::vector<Motion> motions_;
+  std::vector<Mobilizer> mobilizers_;
   std::vector<JointPoint> points_;
   std::vector<JointMotion> joint_motions_;
   std::vector<BodyMotion> bodies_;

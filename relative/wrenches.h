@@ -10,8 +10,8 @@ inline SideWrench in_both_frames(const Mat3& A_joint, const Vec6& w) {
   return {{A_joint.transpose() * w.head<3>(), A_joint.transpose() * w.tail<3>()}, {w.head<3>(), w.tail<3>()}};
 }
 
-/// The opposite wrench, moved from the point `from` to the point `to`: what the other side feels (R30).
-inline Vec6 answered_at(const Vec6& wrench, const Vec3& from, const Vec3& to) {
+/// The opposite wrench, moved from the point `from` to the point `to`: the wrench on the other side (R30).
+inline Vec6 opposite_wrench_at(const Vec6& wrench, const Vec3& from, const Vec3& to) {
   return -shift_wrench(wrench, from - to);
 }
 

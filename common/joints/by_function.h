@@ -27,7 +27,7 @@ using Vec3Of = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Mat3Of = Eigen::Matrix<T, 3, 3>;
 
-/// Place and orientation of the child in the parent's joint frame, in numbers of any kind.
+/// Position and orientation of the child in the parent's joint frame, in numbers of any kind.
 template <class T>
 struct PlacementOf {
   Vec3Of<T> d;

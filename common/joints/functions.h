@@ -9,7 +9,7 @@
 /// motion.
 namespace concord::joints {
 
-/// Place and orientation of the child in the parent's joint frame (S10).
+/// Position and orientation of the child in the parent's joint frame (S10).
 struct Placement {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();

@@ -30,10 +30,10 @@ struct JointType {
   std::vector<ForbidSpeed> forbids_speeds = {};
   std::vector<PermitSpeed> permits_speeds = {};
 
-  /// Number of constraint rows of `forbids`, which hold for places and velocities.
+  /// Number of constraint rows of `forbids`, which hold for positions and velocities.
   [[nodiscard]] int rows() const;
   /// Number of constraint rows of `forbids_speeds`, which hold for velocities alone.
-  [[nodiscard]] int slip_rows() const { return static_cast<int>(forbids_speeds.size()); }
+  [[nodiscard]] int nonholonomic_rows() const { return static_cast<int>(forbids_speeds.size()); }
   /// Number of joint coordinates q and of joint speeds u of `permits`.
   [[nodiscard]] int n_q() const;
   [[nodiscard]] int n_u() const;

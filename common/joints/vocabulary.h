@@ -56,8 +56,8 @@ struct ByResidual {
 using Forbid =  // (S12)
     std::variant<Coincide, NoGapAlong, Perpendicular, SameDirection, SameOrientation, KeepDistance, ByResidual>;
 
-// What a joint forbids of the velocity alone, beside what it forbids of places: rates linear in v_rel = [ddot;
-// omega_rel] (both in the parent's joint frame) that vanish, and from which no relation of places follows.
+// What a joint forbids of the velocity alone, beside what it forbids of positions: rates linear in v_rel = [ddot;
+// omega_rel] (both in the parent's joint frame) that vanish, and from which no relation of positions follows.
 
 /// The child's material point at d - below e_z, e_z the parent's z, does not slip over the parent along e, an axis of
 /// the parent or of the child: e . (ddot + omega_rel x (-below e_z)) = 0. 1 row. A wheel or a ball of radius `below`

@@ -262,7 +262,7 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     return slope.allFinite() ? std::optional(std::move(slope)) : std::nullopt;
   };
   constexpr double kGood = 1e-12;
-  constexpr double kFair = 1e-5;  // worse than that, a kink lies within the step
+  constexpr double kFair = 1e-5;  // worse than that, a derivative jumps within the step
   constexpr int kPatience = 2;
   std::optional<VecX> best;
   double least_error = 0.0;

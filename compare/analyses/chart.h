@@ -78,8 +78,8 @@ VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);
 
 /// Derivative at zero of a vector function of one number: central differences with three steps, extrapolated to the
 /// sixth order. The first step shrinks, down to `least`, while the function gives nothing and as long as that brings
-/// the orders nearer to each other: a kink within the step or round-off drives them apart. `scale`: what is large
-/// for the derivative, so that zeros need no digits. Nothing if the function never gives anything.
+/// the orders nearer to each other: a jump of a derivative within the step, or round-off, drives them apart. `scale`:
+/// what is large for the derivative, so that zeros need no digits. Nothing if the function never gives anything.
 std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
                                        double least, double scale);
 

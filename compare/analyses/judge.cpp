@@ -34,7 +34,7 @@ Solvers make_solvers(const Model& model, const SolverMakers& makers) {
   return {makers.cartesian(model), makers.relative(model)};
 }
 
-/// A body that deflects less, of the machine's length, is held against this: it may be straight but for round-off.
+/// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
 constexpr double kLeastDeflection = 1e-6;
 
 double own_need(const Model& model) { return model.is_flexible() ? kOwnFlexible : kOwnRigid; }
@@ -51,10 +51,10 @@ class Judge {
     describe(found);
     make_rows(layout_, verdict_);
     if (at_rest) {
-      std::erase_if(verdict_.others, [](const Row& row) { return row.quantity.kind == Kind::acceleration; });
+      std::erase_if(verdict_.others, [](const QuantityRow& row) { return row.quantity.kind == Kind::acceleration; });
     }
     for (auto* rows : {&verdict_.rows, &verdict_.others}) {
-      for (Row& row : *rows) row.need.same_run = result_.own_need;
+      for (QuantityRow& row : *rows) row.need.same_run = result_.own_need;
     }
     judge_same_states(found);
     const std::array<const Trajectory*, 2> both{&found[0], &found[1]};
@@ -125,28 +125,28 @@ class Judge {
 
   void judge_rows() {
     for (auto* rows : {&verdict_.rows, &verdict_.others}) {
-      for (Row& row : *rows) judge_row(row);
+      for (QuantityRow& row : *rows) judge_row(row);
     }
     verdict_.total = verdict_.judged = 0;
     for (const auto* rows : {&verdict_.rows, &verdict_.others}) {
-      for (const Row& row : *rows) count(row);
+      for (const QuantityRow& row : *rows) count(row);
     }
   }
 
   /// Components that joints can carry and those of force elements.
-  void count(const Row& row) {
+  void count(const QuantityRow& row) {
     if (row.quantity.kind != Kind::reaction && row.quantity.kind != Kind::element) return;
     ++verdict_.total;
     if (is_judged(row)) ++verdict_.judged;
   }
 
-  void judge_row(Row& row) {
+  void judge_row(QuantityRow& row) {
     if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
     for (const Rung rung : {Rung::same_state, Rung::same_run}) {
       if (!judges(rung, row.quantity.kind)) continue;
       const auto digits = digits_of(row, rung);
-      if (!climbs(row, rung)) row.judgement = digits ? Judgement::differ : Judgement::not_judged;
+      if (!meets_need(row, rung)) row.judgement = digits ? Judgement::differ : Judgement::not_judged;
       RungSummary& summary = rung == Rung::same_state ? verdict_.same_state : verdict_.same_run;
       const bool counts = row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element;
       if (digits && counts) summary.digits = std::min(summary.digits.value_or(kMostDigits), *digits);
@@ -154,7 +154,7 @@ class Judge {
   }
 
   const Model& model_;
-  Layout layout_;
+  QuantityLayout layout_;
   const Solvers& solvers_;
   AnalysisVerdict& result_;
   Verdict& verdict_;
@@ -475,7 +475,7 @@ namespace {
 
 /// Accelerations of all bodies by the actuated machine, and the loads on them, against those of the driven one.
 double round_trip_digits(const Model& model, const State& state, const Evaluation& there, const Evaluation& back) {
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const Series series = align(layout, std::vector<SharedState>{{state, {there, back}}});
   const std::vector<Measured> measured = measure(layout, series);
   const VecX asked = scaled_accelerations(model, there);

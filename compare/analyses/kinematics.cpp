@@ -24,7 +24,7 @@ void refuse_freedom(const Model& model, Solver& solver, const State& start) {
   if (rigid > 0) {
     throw InputError(
         {model.file, 0, 0},
-        fmt::format("kinematics needs a machine that drivers move fully, but {} degree{} of freedom {} "
+        fmt::format("kinematics needs a machine whose motion is fully driven, but {} degree{} of freedom {} "
                     "left: drive as many joint coordinates more, or integrate the motion with `concord run`",
                     rigid, rigid == 1 ? "" : "s", rigid == 1 ? "is" : "are"));
   }

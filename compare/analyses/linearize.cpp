@@ -279,7 +279,7 @@ void add_free_modes(const Model& model, const Chart& chart, const MatX& directio
   if (directions.cols() == 0) return;
   MatX motions(chart.basis().rows(), directions.cols());
   for (Eigen::Index k = 0; k < directions.cols(); ++k) motions.col(k) = chart.velocities(directions.col(k));
-  motions = told_apart(model, chart.origin(), std::move(motions));
+  motions = separate_motions(model, chart.origin(), std::move(motions));
   for (const auto& motion : motions.colwise()) {
     Mode mode;
     mode.is_free = true;

@@ -96,7 +96,7 @@ std::string describe_motion(const Model& model, const State& state, const VecX& 
   return words.empty() ? "nothing" : words;
 }
 
-MatX told_apart(const Model& model, const State& state, MatX motions) {
+MatX separate_motions(const Model& model, const State& state, MatX motions) {
   const Eigen::Index n = motions.cols();
   MatX speeds(0, n);
   for (Eigen::Index k = 0; k < n; ++k) {

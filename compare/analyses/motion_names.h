@@ -15,6 +15,6 @@ std::string describe_motion(const Model& model, const State& state, const VecX& 
 
 /// Combines motions (columns of velocities) so that each has one joint speed to itself, as far as joints tell them
 /// apart: slide_x of the chassis, turn_z of a wheel, instead of mixtures.
-MatX told_apart(const Model& model, const State& state, MatX motions);
+MatX separate_motions(const Model& model, const State& state, MatX motions);
 
 }  // namespace concord::compare::analyses

@@ -19,23 +19,25 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
 
-bool is_wrench(const Row& row) { return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element; }
+bool is_wrench(const QuantityRow& row) {
+  return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element;
+}
 
-bool is_same_side(const Row& a, const Row& b) {
+bool is_same_side(const QuantityRow& a, const QuantityRow& b) {
   return a.quantity.kind == b.quantity.kind && a.quantity.owner == b.quantity.owner &&
          a.quantity.side == b.quantity.side;
 }
 
-double margin(const Row& row) {
+double margin(const QuantityRow& row) {
   if (!row.unique) return kMostDigits;
   const auto above = [&](Rung rung) { return digits_of(row, rung).value_or(kMostDigits) - need_of(row, rung); };
   return std::min(above(Rung::same_state), above(Rung::same_run));
 }
 
 /// Reactions and element wrenches: all, or of each side the one with the least margin.
-std::vector<const Row*> chosen_rows(const Verdict& verdict, bool all_rows) {
-  std::vector<const Row*> chosen;
-  const auto take = [&](const Row& row) {
+std::vector<const QuantityRow*> chosen_rows(const Verdict& verdict, bool all_rows) {
+  std::vector<const QuantityRow*> chosen;
+  const auto take = [&](const QuantityRow& row) {
     if (!is_wrench(row)) return;
     if (all_rows || chosen.empty() || !is_same_side(*chosen.back(), row)) {
       chosen.push_back(&row);
@@ -43,12 +45,12 @@ std::vector<const Row*> chosen_rows(const Verdict& verdict, bool all_rows) {
       chosen.back() = &row;
     }
   };
-  for (const Row& row : verdict.rows) take(row);
-  for (const Row& row : verdict.others) take(row);
+  for (const QuantityRow& row : verdict.rows) take(row);
+  for (const QuantityRow& row : verdict.others) take(row);
   return chosen;
 }
 
-std::string digits_cell(const Row& row, Rung rung) {
+std::string digits_cell(const QuantityRow& row, Rung rung) {
   const auto digits = digits_of(row, rung);
   return digits && row.unique ? format_digits(*digits) : "-";
 }
@@ -56,7 +58,7 @@ std::string digits_cell(const Row& row, Rung rung) {
 std::string row_table(const Model& model, const AnalysisVerdict& result, bool all_rows) {
   std::vector<std::vector<std::string>> lines{
       {"wrench", "component", "scale", "same state", "each its own", "need", "verdict"}};
-  for (const Row* row : chosen_rows(result.wrenches, all_rows)) {
+  for (const QuantityRow* row : chosen_rows(result.wrenches, all_rows)) {
     lines.push_back({describe_owner(model, row->quantity), describe_component(row->quantity),
                      fmt::format("{:.4g}{} {}", row->scale, row->source == ScaleSource::floor ? " (floor)" : "",
                                  unit_of(model, row->quantity)),
@@ -102,7 +104,7 @@ Json values_json(const Verdict& verdict, const std::array<std::optional<MatX>, 2
 }
 
 /// All quantities (rows) at all times (columns), as each solver found them.
-std::array<std::optional<MatX>, 2> observe_all(const Layout& layout, const Verdict& verdict) {
+std::array<std::optional<MatX>, 2> observe_all(const QuantityLayout& layout, const Verdict& verdict) {
   std::array<std::optional<MatX>, 2> found;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!verdict.trajectories[who]) continue;
@@ -126,7 +128,7 @@ Json times_json(const Verdict& verdict) {
   return times;
 }
 
-Json row_json(const Model& model, const Row& row) {
+Json row_json(const Model& model, const QuantityRow& row) {
   const bool is_element = row.quantity.kind == Kind::element;
   const std::string& name =
       is_element ? model.elements[row.quantity.owner].name : model.joints[row.quantity.owner].name;
@@ -212,10 +214,10 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                 {"audit", {{"digits", digits(verdict.audit.digits)}}}};
   document["t"] = times_json(verdict);
   document["wrenches"] = Json::array();
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const auto found = observe_all(layout, verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (!is_wrench(row)) continue;
       Json entry = row_json(model, row);
       entry["unit"] = unit_of(model, row.quantity);

@@ -160,10 +160,11 @@ MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double re
 
 namespace {
 
-/// One machine on its way to rest.
-class Settling {
+/// Pseudo-transient continuation of one machine to its equilibrium.
+class PseudoTransientContinuation {
  public:
-  Settling(const Model& model, Solver& solver) : model_(model), solver_(solver), state_(solver.assemble()) {}
+  PseudoTransientContinuation(const Model& model, Solver& solver)
+      : model_(model), solver_(solver), state_(solver.assemble()) {}
 
   Equilibrium run() {
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
@@ -266,7 +267,7 @@ class Settling {
     if (directions.cols() == 0) return;
     MatX motions(chart.basis().rows(), directions.cols());
     for (Eigen::Index k = 0; k < directions.cols(); ++k) motions.col(k) = chart.velocities(directions.col(k));
-    motions = told_apart(model_, state_, std::move(motions));
+    motions = separate_motions(model_, state_, std::move(motions));
     for (const auto& motion : motions.colwise()) free_.push_back({describe_motion(model_, state_, motion)});
   }
 
@@ -290,6 +291,8 @@ class Settling {
 
 }  // namespace
 
-Equilibrium find_equilibrium(const Model& model, Solver& solver) { return Settling(model, solver).run(); }
+Equilibrium find_equilibrium(const Model& model, Solver& solver) {
+  return PseudoTransientContinuation(model, solver).run();
+}
 
 }  // namespace concord::compare::analyses

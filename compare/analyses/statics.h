@@ -28,10 +28,10 @@ struct Equilibrium {
   int unstable = 0;
 };
 
-/// Finds the equilibrium to which the machine settles from the start, as if it sank through honey: implicit Euler steps
-/// along its accelerations, ever longer, then Newton's method on the accelerations. Stiff modes and soft rigid motions
-/// do not disturb each other: the modes are eliminated first. Where stiffness is missing (1e-9 of the largest), the
-/// step of least norm leaves the direction alone. `model` must be held_at_start() and `solver` made for it. Throws
+/// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler
+/// steps along its accelerations, ever longer, then Newton's method on the accelerations. Stiff modes and soft rigid
+/// motions do not disturb each other: the modes are eliminated first. Where stiffness is missing (1e-9 of the largest),
+/// the step of least norm leaves the direction alone. `model` must be held_at_start() and `solver` made for it. Throws
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
 

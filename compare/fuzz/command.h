@@ -16,17 +16,17 @@ struct FuzzCommand {
   std::uint64_t seed = 1;
   std::uint64_t first = 0;          // number of the first machine
   int jobs = 0;                     // worker processes; 0: one for each processor
-  std::filesystem::path keep = {};  // folder for machines that end wrongly, shrunk; empty: none
+  std::filesystem::path keep = {};  // folder for failing machines, reduced; empty: none
   std::string style = "mixed";
   bool print = false;     // print the machine `first` instead of trying any
   double seconds = 60.0;  // limits of one machine
   double megabytes = 1024.0;
 };
 
-/// Compares random machines, each in a worker process, and tells what became of them: on `out` every machine that ended
+/// Compares random machines, each in a worker process, and reports their outcomes: on `out` every machine that ended
 /// wrongly, the outcomes, the coverage; on `err` progress and speed. Returns 0 if none ended wrongly, 1 if solvers
-/// differ or stop without an honest reason, 3 if one crashes, hangs or eats memory, 2 for a style that is not known.
-/// What is told on `out` depends on seed, style, `first` and count alone.
+/// differ or stop without a known reason, 3 if one crashes, hangs or exceeds its memory, 2 for a style that is not
+/// known. What is written to `out` depends on seed, style, `first` and count alone.
 int fuzz_machines(const FuzzCommand& command, const SolverMakers& makers, const Console& console);
 
 }  // namespace concord::compare::fuzz

@@ -15,7 +15,7 @@ Entry number_entry(const std::string& key, double value, bool needed = false) {
   return {key, number_text(value), needed};
 }
 
-Vec3 place_of(const End& end, const std::vector<Pose>& poses) {
+Vec3 position_of(const End& end, const std::vector<Pose>& poses) {
   return poses[end.body].r + poses[end.body].A * end.point;
 }
 
@@ -45,7 +45,7 @@ void draw_line_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pos
   plan.parent = ends.parent;
   plan.child = ends.child;
   plan.has_frame = false;
-  const double length = (place_of(ends.child, poses) - place_of(ends.parent, poses)).norm();
+  const double length = (position_of(ends.child, poses) - position_of(ends.parent, poses)).norm();
   plan.entries = draw_force_law(length, units.length, 2.0 * units.force(), units.time, true, random);
 }
 
@@ -141,7 +141,7 @@ void draw_tire(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& pos
                Random& random) {
   plan.child = ends.alone;
   turn_to(plan.child, wheel_axes(random), poses);
-  const Vec3 centre = place_of(plan.child, poses);
+  const Vec3 centre = position_of(plan.child, poses);
   const double deflection = units.length * random.between(-0.02, 0.05);
   double radius = units.length * random.between(0.2, 0.8);
   plan.road = draw_road(centre.x(), centre.z() - radius + deflection, units, random);

@@ -5,7 +5,7 @@
 namespace concord::compare::fuzz {
 
 CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
-  CLI::App* fuzz = program.add_subcommand("fuzz", "Compare random machines; what ends wrongly is shrunk and kept");
+  CLI::App* fuzz = program.add_subcommand("fuzz", "Compare random machines; failing ones are reduced and kept");
   fuzz->add_option("--count", command.count, "How many machines; default: 1000, or as many as the minutes allow")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}));
   fuzz->add_option("--minutes", command.minutes, "Stop after so many minutes")->check(CLI::Range(1e-3, 1e5));
@@ -13,7 +13,7 @@ CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
   fuzz->add_option("--first", command.first, "Number of the first machine; default: 0");
   fuzz->add_option("--jobs", command.jobs, "Worker processes; default: one for each processor")
       ->check(CLI::Range(1, 1024));
-  fuzz->add_option("--keep", command.keep, "Folder for the machines that end wrongly, shrunk");
+  fuzz->add_option("--keep", command.keep, "Folder for the failing machines, reduced");
   fuzz->add_option("--style", command.style, "Kind of machines; default: mixed")->check(CLI::IsMember(style_names()));
   fuzz->add_option("--seconds", command.seconds, "Processor time that one machine may use; default: 60")
       ->check(CLI::Range(0.1, 1e4));

@@ -25,14 +25,14 @@ struct Outcome {
   [[nodiscard]] bool is_wrong() const { return sort != Sort::agree && sort != Sort::refusal; }
 };
 
-/// All kinds of honest refusals.
+/// All kinds of known refusals.
 std::vector<std::string> refusal_kinds();
 
-/// The kind of honest refusal that a message of the program tells; empty if it is none.
+/// The kind of known refusal that a message of the program states; empty if it is none.
 std::string refusal_kind(std::string_view message);
 
 Outcome outcome_of(const Verdict& verdict);
-/// Of an input error: `is_read` tells whether the model could be read, so that its start was refused.
+/// Of an input error: `is_read` says whether the model could be read, so that its start was refused.
 Outcome outcome_of_input_error(const std::string& message, bool is_read);
 Outcome outcome_of_error(const std::string& message);
 /// Of the process: what the task answered is what format_outcome() wrote.

@@ -10,7 +10,7 @@ namespace concord::compare::fuzz {
 
 namespace {
 
-/// Fewer than for a model that somebody cares about: many machines see more than many states of one.
+/// Fewer than for a model of a user: many machines with few states find more than one machine with many.
 constexpr int kStates = 40;
 
 void tell_rung(std::string_view rung) {
@@ -36,7 +36,8 @@ std::optional<Model> read_text(const ModelText& text, const std::filesystem::pat
 
 }  // namespace
 
-Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers, bool refines) {
+Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers,
+                    bool refines) {
   Outcome outcome;
   tell_rung("reading");
   const std::optional<Model> model = read_text(text, folder, outcome);

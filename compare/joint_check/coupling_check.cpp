@@ -89,7 +89,7 @@ Model with_idle_loop(Model model, std::uint32_t seed) {
 }
 
 /// Place of a term among the coordinates and speeds of its joint (none of these joints has a ball).
-int place_of(const Model& model, const CouplingTerm& term) {
+int index_of(const Model& model, const CouplingTerm& term) {
   return first_u(*model.joints[term.joint].type, term.word) + term.component;
 }
 
@@ -99,9 +99,9 @@ void obey(const Model& model, std::vector<VecX>& values, bool rates) {
     double sum = rates ? 0.0 : -coupling.offset;
     const CouplingTerm& last = coupling.terms.back();
     for (const CouplingTerm& term : coupling.terms) {
-      if (&term != &last) sum += term.factor * values[term.joint](place_of(model, term));
+      if (&term != &last) sum += term.factor * values[term.joint](index_of(model, term));
     }
-    values[last.joint](place_of(model, last)) = -sum / last.factor;
+    values[last.joint](index_of(model, last)) = -sum / last.factor;
   }
 }
 
@@ -115,7 +115,7 @@ CouplingWork work_of(const Model& model, const Coupling& coupling, double force,
   double sum = 0.0;
   double size = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
-    const double rate = term.factor * state.u[term.joint](place_of(model, term));
+    const double rate = term.factor * state.u[term.joint](index_of(model, term));
     sum += rate;
     size += std::abs(rate);
   }
@@ -242,7 +242,7 @@ class CouplingCheck {
       shared.push_back({states[k], {one[k], other[k]}});
       shared.back().evaluations[1].joints.resize(model.joints.size());
     }
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     const std::vector<Measured> measured = measure(layout, align(layout, shared));
     for (std::size_t row = 0; row < measured.size(); ++row) {
       const Quantity& quantity = layout.quantities()[row];

@@ -33,7 +33,7 @@ class Numbers {
 struct Coordinate {
   int word = 0;       // of the type's motion
   int component = 0;  // of the word
-  int q = 0;          // place among the type's q
+  int q = 0;          // index among the type's q
   int u = 0;          // and u
   bool is_turn = false;
   double least = 0.0;  // rad or m

@@ -25,7 +25,7 @@ struct Property {
 
   [[nodiscard]] bool holds() const { return !looked || digits >= need.value_or(kMostDigits); }
 
-  /// Takes note of a relative error (0 where it simply holds); `describe()` tells in words what it is, if it is the
+  /// Takes note of a relative error (0 where it simply holds); `describe()` says what it is, if it is the
   /// worst so far.
   template <class Describe>
   void note(double error, int at_pose, const Describe& describe) {

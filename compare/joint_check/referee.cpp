@@ -11,22 +11,22 @@ using joints::Mat3Of;
 using joints::PlacementOf;
 using joints::Vec3Of;
 
-using Place = PlacementOf<Jet>;
+using JetPlacement = PlacementOf<Jet>;
 using Motion = joints::FunctionOfCoordinates::Motion;
 using Jets = std::vector<Jet>;
 
 Vec3 unit(Axis axis) { return Vec3::Unit(index(axis)); }
 
 /// A direction of the child's joint frame in the parent's, and the component of d along a parent's axis.
-Jet component(const Place& at, Axis on_parent, Axis on_child) { return at.R(index(on_parent), index(on_child)); }
-Jet gap(const Place& at, Axis axis) { return at.d(index(axis)); }
+Jet component(const JetPlacement& at, Axis on_parent, Axis on_child) { return at.R(index(on_parent), index(on_child)); }
+Jet gap(const JetPlacement& at, Axis axis) { return at.d(index(axis)); }
 
 Jet along(const Vec3& direction, const Vec3Of<Jet>& v) {
   return direction.x() * v(0) + direction.y() * v(1) + direction.z() * v(2);
 }
 
 struct Forbidden {
-  const Place& at;
+  const JetPlacement& at;
   Jets& rows;
 
   void operator()(const joints::Coincide&) const {
@@ -57,7 +57,7 @@ struct Forbidden {
 };
 
 struct Reading {
-  const Place& at;
+  const JetPlacement& at;
   Jets& rows;
 
   void operator()(const joints::TurnOfChildAxis& word) const {
@@ -100,11 +100,11 @@ void append_rotation(std::vector<RefereedRow>& rows) {
   for (int k = 0; k < 3; ++k) rows.push_back({0.0, Vec6::Unit(3 + k), 0.0});
 }
 
-/// A motion so far in jets over the speeds, extended word by word; it walks along q and u.
+/// The motion of the words read so far, in jets over the speeds; q and u advance with each word.
 struct Permitted {
   const double* q;
   const double* u;
-  Place& reached;
+  JetPlacement& reached;
   int column = 0;
 
   void operator()(const joints::Turn& turn) { reached.R = (reached.R * joints::rotation_by(turn.axis, next())).eval(); }
@@ -171,7 +171,7 @@ struct WrenchDirections {
 }  // namespace
 
 std::vector<RefereedRow> referee_forbids(const JointType& type, const Placement& at, const Vec6& v_rel) {
-  const Place moving = joints::moving(at, v_rel);
+  const JetPlacement moving = joints::moving(at, v_rel);
   std::vector<RefereedRow> rows;
   for (const joints::Forbid& word : type.forbids) {
     if (const auto* by = std::get_if<joints::ByResidual>(&word)) {
@@ -186,7 +186,7 @@ std::vector<RefereedRow> referee_forbids(const JointType& type, const Placement&
 }
 
 std::vector<RefereedRow> referee_reads(const JointType& type, const Placement& at, const Vec6& v_rel) {
-  const Place moving = joints::moving(at, v_rel);
+  const JetPlacement moving = joints::moving(at, v_rel);
   std::vector<RefereedRow> rows;
   for (const joints::Read& word : type.reads) {
     if (const auto* by = std::get_if<joints::ByReading>(&word)) {
@@ -210,7 +210,7 @@ Motion referee_permits(const JointType& type, const VecX& q, const VecX& u) {
       return motion;
     }
   }
-  Place reached{Vec3Of<Jet>::Zero(), Mat3Of<Jet>::Identity()};
+  JetPlacement reached{Vec3Of<Jet>::Zero(), Mat3Of<Jet>::Identity()};
   Permitted permitted{q.data(), u.data(), reached};
   for (const joints::Permit& word : type.permits) {
     // A ball is the child's orientation itself, whatever turns have carried its arm.

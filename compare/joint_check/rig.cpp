@@ -107,13 +107,13 @@ Joint Rig::build_tested(const Model& model, Numbers& numbers) const {
     const Load how = arrangement_.loads.empty() ? Load::none : arrangement_.loads[k];
     load(tested, coordinates[k], how, numbers);
   }
-  if (type_.slip_rows() > 0) keep_possible_speeds(tested);
+  if (type_.nonholonomic_rows() > 0) keep_possible_speeds(tested);
   return tested;
 }
 
 /// Of the speeds that are left to each other, the start keeps the last ones.
 void Rig::keep_possible_speeds(Joint& tested) const {
-  int possible = type_.n_u() - type_.slip_rows() - static_cast<int>(tested.drivers.size());
+  int possible = type_.n_u() - type_.nonholonomic_rows() - static_cast<int>(tested.drivers.size());
   for (int word = static_cast<int>(tested.start.size()) - 1; word >= 0; --word) {
     WordStart& start = tested.start[word];
     if (start.role_u != StartRole::keep) continue;

@@ -96,7 +96,7 @@ Opinions ask_all(Rig& rig, const std::vector<int>& poses) {
 
 // Wrenches -----------------------------------------------------------------------------------------------------------
 
-/// Agreement of two opinions on all of the joint under test and on all accelerations. A wrench is held against the
+/// Agreement of two opinions on all of the joint under test and on all accelerations. A wrench is compared with the
 /// joint's peak, and at least against the weight of the rig.
 void compare_opinions(const Rig& rig, const Opinions& opinions, Opinion one, Opinion other, const std::string& context,
                       Property& property) {
@@ -108,7 +108,7 @@ void compare_opinions(const Rig& rig, const Opinions& opinions, Opinion one, Opi
     both.evaluations[1].joints.resize(model.joints.size());
     shared.push_back(std::move(both));
   }
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const std::vector<Measured> measured = measure(layout, align(layout, shared));
   for (std::size_t row = 0; row < measured.size(); ++row) {
     const Quantity& quantity = layout.quantities()[row];
@@ -152,9 +152,9 @@ void note_largest(const Rig& rig, const Opinions& opinions, Largest& largest) {
 }
 
 bool says_nothing_of_components(const JointType& type) {
-  return type.slip_rows() > 0 || std::any_of(type.permits.begin(), type.permits.end(), [](const joints::Permit& word) {
-           return std::holds_alternative<joints::ByMotion>(word);
-         });
+  return type.nonholonomic_rows() > 0 ||
+         std::any_of(type.permits.begin(), type.permits.end(),
+                     [](const joints::Permit& word) { return std::holds_alternative<joints::ByMotion>(word); });
 }
 
 /// Of a type by functions, or one that forbids velocities alone, the page does not say which components vanish: every
@@ -276,8 +276,8 @@ void require_rank(Rig& rig, const Arrangement& arrangement, int pose, Property& 
   const State open = rig.state(pose);
   for (std::size_t who = 0; who < kOpinions; ++who) {
     const int ball = in_loop(who) ? 3 : 0;
-    const int rows = joint.type->rows() + joint.type->slip_rows() + drivers + ball;
-    const int freedom = 6 + joint.type->n_u() - joint.type->slip_rows() - drivers - ball + modes;
+    const int rows = joint.type->rows() + joint.type->nonholonomic_rows() + drivers + ball;
+    const int freedom = 6 + joint.type->n_u() - joint.type->nonholonomic_rows() - drivers - ball + modes;
     const RankReport report = solver_of(rig, who)->rank(state_of(rig, who, open));
     bool unique = true;
     for (const auto& side : report.joints[Rig::kTested].unique) {
@@ -302,8 +302,8 @@ bool can_be_driven(const JointType& type, std::size_t driven) {
   const bool has_ball = std::any_of(type.permits.begin(), type.permits.end(), [](const joints::Permit& word) {
     return std::holds_alternative<joints::Ball>(word);
   });
-  if (type.slip_rows() > 0 && has_ball) return false;
-  return static_cast<int>(driven) <= type.n_u() - type.slip_rows();
+  if (type.nonholonomic_rows() > 0 && has_ball) return false;
+  return static_cast<int>(driven) <= type.n_u() - type.nonholonomic_rows();
 }
 
 /// Loads of all coordinates, for one column of the table; several where the driven coordinate is one of many.

@@ -133,7 +133,8 @@ Json json_of(const Property& property) {
 
 /// "5", or "2 + 1" with the rows of velocities alone.
 std::string rows_of(const Sheet& sheet) {
-  return fmt::format("{}", sheet.rows) + (sheet.slip_rows > 0 ? fmt::format(" + {}", sheet.slip_rows) : "");
+  return fmt::format("{}", sheet.rows) +
+         (sheet.nonholonomic_rows > 0 ? fmt::format(" + {}", sheet.nonholonomic_rows) : "");
 }
 
 }  // namespace
@@ -156,7 +157,7 @@ Sheet check_joint(const JointType& type, const SheetOptions& options) {
   Sheet sheet;
   sheet.joint = type.name;
   sheet.rows = type.rows();
-  sheet.slip_rows = type.slip_rows();
+  sheet.nonholonomic_rows = type.nonholonomic_rows();
   sheet.options = options;
   for (const joints::Permit& word : type.permits) std::visit(Namer{sheet.coordinates}, word);
   sheet.properties = check_statement(type);
@@ -172,7 +173,7 @@ Sheet check_joint(const JointType& type, const SheetOptions& options) {
 std::string format_sheet(const Sheet& sheet) {
   std::string text =
       fmt::format("joint {}: forbids {} directions{}, permits {}; seed {}, {}\n\n", sheet.joint, sheet.rows,
-                  sheet.slip_rows > 0 ? fmt::format(" and {} velocities", sheet.slip_rows) : "",
+                  sheet.nonholonomic_rows > 0 ? fmt::format(" and {} velocities", sheet.nonholonomic_rows) : "",
                   sheet.coordinates.empty() ? "nothing" : fmt::format("{}", fmt::join(sheet.coordinates, ", ")),
                   sheet.options.seed, poses_in_words(sheet.options));
   text += property_table(sheet) + '\n';
@@ -199,7 +200,7 @@ std::string format_sheet_json(const Sheet& sheet) {
   json["joint"] = sheet.joint;
   json["verdict"] = sheet.holds() ? "holds" : "fails";
   json["rows"] = sheet.rows;
-  json["slip_rows"] = sheet.slip_rows;
+  json["slip_rows"] = sheet.nonholonomic_rows;
   json["coordinates"] = sheet.coordinates;
   json["seed"] = sheet.options.seed;
   json["poses"] = sheet.options.poses;

@@ -17,7 +17,7 @@ struct SheetOptions {
 struct Sheet {
   std::string joint;
   int rows = 0;
-  int slip_rows = 0;                     // of velocities alone
+  int nonholonomic_rows = 0;             // of velocities alone
   std::vector<std::string> coordinates;  // "turn_x", "slide_z", "ball"
   SheetOptions options;
   Properties properties;

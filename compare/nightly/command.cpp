@@ -168,7 +168,7 @@ class NightlyRun {
     staged.finish({});
   }
 
-  /// A command that fails is told, and changes no verdict.
+  /// A command that fails is reported, and changes no verdict.
   void notify(const NightReport& report) const {
     if (command_.notify.empty()) return;
     FILE* pipe = popen(command_.notify.c_str(), "w");

@@ -31,8 +31,8 @@ struct Entry {
   Result result;
 };
 
-/// One transaction for each case: whoever is killed loses the case in flight, and programs that write the same file do
-/// not harm each other. Functions throw DatabaseError.
+/// One transaction for each case: a program that is killed loses the case that it runs, and programs that write the
+/// same file do not harm each other. Functions throw DatabaseError.
 class History {
  public:
   /// Opens or creates the file; one of an older version is brought up to date. Throws InputError for a file that is no

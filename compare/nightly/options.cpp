@@ -13,7 +13,7 @@ NightlyCommands::NightlyCommands(CLI::App& program) {
 
 void NightlyCommands::add_nightly(CLI::App& program) {
   CLI::App* app = program.add_subcommand(
-      "nightly", "Run a suite of cases, each in a process of its own, and hold it against what is accepted");
+      "nightly", "Run a suite of cases, each in its own process, and compare the results with the accepted ones");
   nightly_app_ = app;
   app->add_option("SUITE", nightly_.suite, "Suite file (TOML; compare/nightly/README.md)")->required();
   app->add_option("--jobs", nightly_.jobs, "Worker processes; default: one for each processor")
@@ -27,8 +27,7 @@ void NightlyCommands::add_nightly(CLI::App& program) {
   app->add_option("--markdown", nightly_.markdown, "File for the table of changes as Markdown");
   app->add_option("--out", nightly_.out, "Folder for table.txt, regressions.md, night.json and junit.xml");
   app->add_option("--notify", nightly_.notify, "Command of the shell that gets the Markdown on its standard input");
-  app->add_option("--commit", nightly_.commit,
-                  "Commit that is written down; default: CONCORD_COMMIT, else the built one");
+  app->add_option("--commit", nightly_.commit, "Commit to record; default: CONCORD_COMMIT, else the built one");
 }
 
 void NightlyCommands::add_accept(CLI::App& program) {
@@ -41,8 +40,7 @@ void NightlyCommands::add_accept(CLI::App& program) {
   app->add_option("--from", accept_.from, "Accept a file that `nightly --json` wrote instead of running the cases");
   app->add_option("--jobs", accept_.jobs, "Worker processes; default: one for each processor")
       ->check(CLI::Range(1, 1024));
-  app->add_option("--commit", accept_.commit,
-                  "Commit that is written down; default: CONCORD_COMMIT, else the built one");
+  app->add_option("--commit", accept_.commit, "Commit to record; default: CONCORD_COMMIT, else the built one");
 }
 
 void NightlyCommands::add_history(CLI::App& program) {

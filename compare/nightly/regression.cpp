@@ -297,7 +297,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   if (own) changes.push_back(*own);
   const auto take = [&](const std::vector<Change>& found) {
     for (const Change& change : found) {
-      // How a case ended is told once.
+      // How a case ended is reported once.
       if (change.measure != "ending" || !own) changes.push_back(change);
     }
   };

@@ -37,20 +37,20 @@ struct Change {
 };
 
 /// All changes from `then` to `now`, of each measure the largest. Digits of the same state count no more than double
-/// precision resolves; what lies within is luck.
+/// precision resolves; smaller ones mean nothing.
 std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
                                     const std::string& against);
 
 /// Component by component the median of the numbers; ending and words are the latest's. At least one result.
 Result median_of(const std::vector<Entry>& nights);
 
-/// A case tonight, held against its baseline (may be null) and the nights before, the latest first. `today`:
+/// A case tonight, compared with its baseline (may be null) and the nights before, the latest first. `today`:
 /// "2026-11-22".
 std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
                                const std::string& today);
 
-/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` tells how a red
+/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` says how a red
 /// case ended.
 int exit_code(const Change& change, Ending ending);
 int worse_code(int one, int other);

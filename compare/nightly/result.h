@@ -36,7 +36,7 @@ struct Component {
   std::optional<double> refined;
   std::array<double, 3> need{};  // of same state, same run, refined
   std::optional<double> peak;    // largest size along the run
-  double scale = 0.0;            // what differences and the peak are held against
+  double scale = 0.0;            // what differences and the peak are compared with
 };
 
 struct Cost {

@@ -209,7 +209,7 @@ Sweep read_sweep(const TableReader& outer) {
   return sweep;
 }
 
-/// Reads a suite file and tells its cases apart.
+/// Reads a suite file and gives its cases different names.
 class SuiteReader {
  public:
   SuiteReader(const fs::path& file, Suite& suite) : suite_(&suite) { reading_.file = file.generic_string(); }

@@ -9,7 +9,7 @@
 
 namespace concord::compare::nightly {
 
-/// What is held against the past, and what counts as worse. Wall time is never judged.
+/// What is compared with the past, and what counts as worse. Wall time is never judged.
 struct Judging {
   double margin = 1.0;  // digits of agreement
   double cost = 0.15;   // share of evaluations and steps
@@ -19,7 +19,7 @@ struct Judging {
   bool against_median = false;
 };
 
-/// A suite file, all its models and variants told apart.
+/// A suite file, with a name of its own for each model and variant.
 struct Suite {
   std::filesystem::path file;
   std::string name;

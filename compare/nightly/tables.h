@@ -28,7 +28,7 @@ struct CaseLine {
 
 CaseLine case_line_of(const Result& result, std::vector<Change> changes);
 
-/// All that is told of a night, or of a difference.
+/// All that is reported of a night, or of a difference.
 struct NightReport {
   std::string title;  // "smoke"
   std::string kind;   // "concord night", "concord difference"

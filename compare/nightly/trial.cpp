@@ -76,8 +76,8 @@ void move_start(const Case& one, Model& model) {
   if (!moves) throw refusal(one, "the suite draws starts, but the model keeps no coordinate or speed that they move");
 }
 
-/// What is written down of each component; of other kinds only the worst of a kind.
-bool is_told(const Row& row) {
+/// What is recorded of each component; of other kinds only the worst of a kind.
+bool is_told(const QuantityRow& row) {
   return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::driver ||
          row.quantity.kind == Kind::coupling || row.quantity.kind == Kind::element;
 }
@@ -99,7 +99,7 @@ void take_worse(std::optional<double>& worst, const std::optional<double>& digit
   if (digits && (!worst || *digits < *worst)) worst = digits;
 }
 
-Component component_of(const Model& model, const Row& row, const VecX& peaks, const Layout& layout) {
+Component component_of(const Model& model, const QuantityRow& row, const VecX& peaks, const QuantityLayout& layout) {
   Component one;
   one.name = fmt::format("{}, {}", describe_owner(model, row.quantity), describe_component(row.quantity));
   one.same_state = row.same_state;
@@ -113,7 +113,7 @@ Component component_of(const Model& model, const Row& row, const VecX& peaks, co
 }
 
 /// Largest sizes along a run, by row of the layout; empty if there is none.
-VecX peaks_of(const Layout& layout, const Verdict& verdict) {
+VecX peaks_of(const QuantityLayout& layout, const Verdict& verdict) {
   const auto& run = verdict.trajectories[1] ? verdict.trajectories[1] : verdict.trajectories[0];
   VecX peaks;
   if (!run) return peaks;
@@ -125,11 +125,11 @@ VecX peaks_of(const Layout& layout, const Verdict& verdict) {
 }
 
 void add_components(const Model& model, const Verdict& verdict, std::vector<Component>& components) {
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const VecX peaks = peaks_of(layout, verdict);
   std::map<Kind, Component> worst;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (!is_judged(row)) continue;
       if (is_told(row)) {
         components.push_back(component_of(model, row, peaks, layout));

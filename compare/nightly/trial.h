@@ -9,7 +9,7 @@
 namespace concord::compare::nightly {
 
 /// Does what the case says, in this process. `scratch` is a folder for files that a share of random machines needs.
-/// Says on stderr how far it is, for whoever reads a crashed worker's last words. What is refused is an ending; what
+/// Says on stderr how far it is, for the reader of a crashed worker's last words. What is refused is an ending; what
 /// has no place in a result is thrown.
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers);
 

@@ -25,7 +25,7 @@ void multiply(std::vector<Case>& cases, std::size_t count, const Change& change)
   cases = std::move(all);
 }
 
-/// FNV-1a of the file's text: tells whether it is still the same.
+/// FNV-1a of the file's text: says whether it is still the same.
 std::uint64_t hash_of(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();

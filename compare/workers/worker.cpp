@@ -204,7 +204,7 @@ void Worker::hear_words() {
   }
 }
 
-/// Whether the process still lives, as far as its socket tells.
+/// Whether the process still lives, as far as its socket shows.
 bool Worker::hear_answers() {
   std::array<char, 65536> chunk{};
   while (true) {

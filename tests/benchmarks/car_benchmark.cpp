@@ -132,11 +132,11 @@ void print_parts(const PartTimes& times) {
   };
   const double moved = times.of("relative: move");
   const double pushed = times.of("relative: move and forces");
-  part("relative: places and velocities, cut joints measured", moved);
+  part("relative: positions and velocities, cut joints measured", moved);
   part("relative: force elements, tires", pushed - moved);
-  part("relative: elimination inward and outward, loops closed", times.of("relative: accelerations") - pushed);
+  part("relative: articulated-body passes, loops closed", times.of("relative: accelerations") - pushed);
   part("relative: reactions of all joints", times.of("relative: reactions"));
-  print_row("cartesian: places, velocities, rows, forces", times.of("cartesian: update"),
+  print_row("cartesian: positions, velocities, rows, forces", times.of("cartesian: update"),
             fmt::format("{:.0f} % of cartesian", 100.0 * times.of("cartesian: update") / cartesian));
   print_row("KLU alone: refactor and solve of the same matrix", klu,
             fmt::format("{:.0f} % of cartesian", 100.0 * klu / cartesian));

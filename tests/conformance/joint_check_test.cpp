@@ -10,7 +10,7 @@
 #include "compare/joint_check/command.h"
 #include "compare/joint_check/sheet.h"
 
-/// The joint check must refute what is wrong: types with one slip each, and what it says of them.
+/// The joint check must refute what is wrong: types with one mistake each, and what it says of them.
 namespace concord::compare::joint_check {
 namespace {
 

@@ -28,7 +28,7 @@ using faults::Planting;
 constexpr const char* kNotCaught = "not caught";
 
 /// What a fault in one solver, or in what both share, comes to.
-struct Outcry {
+struct Detection {
   std::string rung = kNotCaught;
   std::set<std::string> red;  // who differs, or is named by a refusal or the audit
   std::string blamed = "-";   // whom the first finding names
@@ -108,18 +108,18 @@ Verdict judge_machine(const Model& model, const VerifyOptions& options) {
 }
 
 /// With fewer states than a model that somebody cares about has: a fault that a few show, all of them show.
-Outcry look(const std::string& machine) {
+Detection detect(const std::string& machine) {
   constexpr int kStates = 40;
   VerifyOptions options;
   options.states = kStates;
   const Model model = read_machine(machine);
   const Verdict verdict = judge_machine(model, options);
-  Outcry found;
+  Detection found;
   found.rung = first_rung_below_need(verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (!has_joint_or_element(row.quantity.kind) || !row.unique || !row.same_state) continue;
-      if (!climbs(row, Rung::same_state)) found.red.insert(owner_of(model, row.quantity));
+      if (!meets_need(row, Rung::same_state)) found.red.insert(owner_of(model, row.quantity));
     }
   }
   std::vector<std::string> told = verdict.failures;
@@ -139,7 +139,7 @@ Outcry look(const std::string& machine) {
   return found;
 }
 
-bool tells_apart(const Outcry& one, const Outcry& other) {
+bool distinguishes(const Detection& one, const Detection& other) {
   return std::tie(one.rung, one.audited) != std::tie(other.rung, other.audited);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("Every machine for planted faults agrees without one") {
   for (const faults::Standard& standard : faults::standard_faults()) machines.insert(standard.machine);
   for (const std::string& machine : machines) {
     INFO(machine);
-    CHECK(look(machine).rung == kNotCaught);
+    CHECK(detect(machine).rung == kNotCaught);
   }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
       {"fault", "planted in", "caught by", "looked for at", "first blamed", "audit refutes", "by its rule", "red"}};
   for (const Fault& fault : all) {
     const Planting planting(fault.number);
-    const Outcry found = look(fault.machine);
+    const Detection found = detect(fault.machine);
     lines.push_back({fault.name, fault.file, found.rung, fault.where, found.blamed, found.audited, text_of(found.rules),
                      std::to_string(found.red.size())});
     std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.rung, found.first_words);
@@ -201,10 +201,10 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
 
 TEST_CASE("Every planted fault of the comparator misjudges a machine") {
   const std::vector<Fault> catalogue = faults::read_catalogue();
-  std::map<std::string, Outcry> rightly;
+  std::map<std::string, Detection> rightly;
   for (const faults::Standard& standard : faults::standard_faults()) {
     const Planting planting(faults::number_of(catalogue, standard.fault));
-    rightly[standard.fault] = look(standard.machine);
+    rightly[standard.fault] = detect(standard.machine);
     INFO(standard.fault);
     REQUIRE(rightly[standard.fault].rung != kNotCaught);
   }
@@ -212,21 +212,21 @@ TEST_CASE("Every planted fault of the comparator misjudges a machine") {
   for (const Fault& fault : faults_of_comparator()) {
     INFO(fault.name);
     int shows = 0;
-    const auto tell = [&](const std::string& on, const Outcry& found, const Outcry& right) {
-      if (!tells_apart(found, right)) return;
+    const auto tell = [&](const std::string& on, const Detection& found, const Detection& right) {
+      if (!distinguishes(found, right)) return;
       ++shows;
-      const auto text = [](const Outcry& one) {
+      const auto text = [](const Detection& one) {
         return one.audited == "-" ? one.rung : fmt::format("{}, audit refutes {}", one.rung, one.audited);
       };
       lines.push_back({fault.name, fault.file, on, text(found), text(right)});
     };
     {
       const Planting planting(fault.number);
-      tell("the sound " + fault.machine, look(fault.machine), {});
+      tell("the sound " + fault.machine, detect(fault.machine), {});
     }
     for (const faults::Standard& standard : faults::standard_faults()) {
       const Planting planting(fault.number, faults::number_of(catalogue, standard.fault));
-      tell(standard.fault, look(standard.machine), rightly[standard.fault]);
+      tell(standard.fault, detect(standard.machine), rightly[standard.fault]);
     }
     CHECK(shows > 0);
   }

@@ -152,7 +152,7 @@ ParameterScan::ParameterScan(const Model& model) : model_(model), solvers_(make_
 }
 
 std::string ParameterScan::ratios() {
-  const Layout layout(model_);
+  const QuantityLayout layout(model_);
   const std::array<Solver*, 2> both{solvers_[0].get(), solvers_[1].get()};
   const WeighedStates weighed = weigh(layout, both, share(both, states_).states, kSeed);
   const MatX difference = (weighed.series.values[0] - weighed.series.values[1]).cwiseAbs();
@@ -170,7 +170,7 @@ std::string ParameterScan::ratios() {
   record(layout, measured, Rung::same_state, verdict);
   double resolvable = kMostDigits;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
+    for (const QuantityRow& row : *rows) {
       if (row.quantity.kind != Kind::reaction && row.quantity.kind != Kind::element) continue;
       if (is_judged(row)) resolvable = std::min(resolvable, detail_of(row, Rung::same_state).resolvable.value_or(16.0));
     }

@@ -62,8 +62,8 @@ struct Subject {
 
 bool all_climb(const Verdict& verdict) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
-      if (row.unique && row.same_state && !climbs(row, Rung::same_state)) return false;
+    for (const QuantityRow& row : *rows) {
+      if (row.unique && row.same_state && !meets_need(row, Rung::same_state)) return false;
     }
   }
   return true;
@@ -86,7 +86,7 @@ std::string judge(const Model& model, const Solvers& solvers, const std::vector<
     SharedStates shared = share(solvers.both(), states);
     if (!shared.failures.empty() || !shared.singular.empty()) return "refused";
     if (!shared.refusals.empty()) return "closures";
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     const WeighedStates weighed = weigh(layout, solvers.both(), std::move(shared.states), kSeed);
     if (!weighed.dropped.empty()) return "refused";
     if (!weighed.findings.empty()) return "rank";
@@ -122,7 +122,7 @@ std::optional<Subject> draw(std::uint64_t seed, std::uint64_t number, const std:
       subject.states.push_back({std::move(near.states[k].state), static_cast<Who>(k % 2)});
     }
     if (judge(model, solvers, subject.states) != kAgree) return std::nullopt;
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     const Series series = align(layout, share(solvers.both(), subject.states).states);
     subject.values = series.values;
     const std::vector<Measured> measured = measure(layout, series);
@@ -141,7 +141,7 @@ std::optional<Subject> draw(std::uint64_t seed, std::uint64_t number, const std:
 }
 
 /// Whether a solver with the fault says something else in any of the states, or does not accept it.
-bool is_exercised(const Subject& subject, const Layout& layout, Solver& solver, Who who) {
+bool is_exercised(const Subject& subject, const QuantityLayout& layout, Solver& solver, Who who) {
   const MatX& sound = subject.values[index(who)];
   for (std::size_t k = 0; k < subject.states.size(); ++k) {
     try {
@@ -161,7 +161,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
   try {
     const Model model = subject.read();
     const Solvers solvers(model);
-    const Layout layout(model);
+    const QuantityLayout layout(model);
     bool acts = false;
     for (const Who who : {Who::cartesian, Who::relative}) {
       const bool holds_it = fault.is_in("common") || fault.is_in(kSolverNames[index(who)]);
@@ -171,7 +171,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
     if (acts && fault.rung == "reference") {
       return draw(subject.seed, subject.number, subject.file.parent_path()) ? kAgree : "refused";
     }
-    // A slip in rank shows in what is called unique, not in any number.
+    // A fault in the rank shows in what is called unique, not in any number.
     const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
     return fault.rung == "rank" && found == kAgree ? kIdle : found;
   } catch (const InputError&) {

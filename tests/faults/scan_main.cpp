@@ -15,7 +15,7 @@ namespace concord::compare {
 
 bool differs_at_same_state(const Model& model, const std::array<Solver*, 2>& solvers,
                            const std::vector<OwnedState>& states) {
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   SharedStates shared = share(solvers, states);
   if (!shared.refusals.empty() || !shared.failures.empty()) return true;
   const WeighedStates weighed = weigh(layout, solvers, std::move(shared.states), kSeed);
@@ -23,8 +23,8 @@ bool differs_at_same_state(const Model& model, const std::array<Solver*, 2>& sol
   make_rows(layout, verdict);
   record(layout, measure(layout, weighed.series, weighed.budget()), Rung::same_state, verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const Row& row : *rows) {
-      if (row.unique && row.same_state && !climbs(row, Rung::same_state)) return true;
+    for (const QuantityRow& row : *rows) {
+      if (row.unique && row.same_state && !meets_need(row, Rung::same_state)) return true;
     }
   }
   return false;
@@ -98,6 +98,6 @@ int main(int argc, char** argv) {
     }
     std::fflush(stdout);
   }
-  if (against) fmt::print("{} of {} slips are not seen at their frozen size\n", unseen, frozen.size());
+  if (against) fmt::print("{} of {} faults are not seen at their frozen size\n", unseen, frozen.size());
   return unseen == 0 ? 0 : 1;
 }

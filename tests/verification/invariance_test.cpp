@@ -51,10 +51,10 @@ std::vector<State> generic_states(const Model& model, Solver& solver) {
   std::vector<State> states;
   for (const compare::OwnedState& owned : run) states.push_back(owned.state);
 
-  compare::Shaker shaker(model, run, compare::kSeed);
+  compare::StatePerturbation perturbation(model, run, compare::kSeed);
   for (int attempt = 0; attempt < 10 * kShakenStates && states.size() < kRunStates + kShakenStates; ++attempt) {
     const State& base = run[attempt % kRunStates].state;
-    if (const std::optional<State> closed = solver.close(shaker.shake(base, 1.0))) states.push_back(*closed);
+    if (const std::optional<State> closed = solver.close(perturbation.perturb(base, 1.0))) states.push_back(*closed);
   }
   REQUIRE(states.size() == kRunStates + kShakenStates);
   return states;
@@ -98,7 +98,7 @@ struct Worst {
 };
 
 /// The worst agreement over all reactions, total wrenches, sums on bodies and accelerations that are unique.
-Worst worst_of(const compare::Layout& layout, const compare::Series& series, const Uniqueness& flags) {
+Worst worst_of(const compare::QuantityLayout& layout, const compare::Series& series, const Uniqueness& flags) {
   const std::vector<compare::Measured> measured = compare::measure(layout, series);
   Worst worst;
   for (std::size_t row = 0; row < measured.size(); ++row) {
@@ -138,7 +138,7 @@ void expect_same_physics(const Maker& solver, const std::string& name, const Mod
   for (const State& state : states) {
     both.push_back({state, {first->evaluate(state), change.evaluation(state, second->evaluate(change.state(state)))}});
   }
-  const compare::Layout layout(model);
+  const compare::QuantityLayout layout(model);
   const Worst worst = worst_of(layout, compare::align(layout, both), flags);
   tell(title, motion, worst);
   INFO(worst.where);
@@ -272,7 +272,7 @@ TEST_CASE("A whole run is the same, whatever the words", "[invariance][nightly]"
         both.push_back({state, {first.samples[k].evaluation, change.evaluation(state, second.samples[k].evaluation)}});
       }
       const Uniqueness flags = solver.make(model)->rank(first.samples.front().state).joints;
-      const compare::Layout layout(model);
+      const compare::QuantityLayout layout(model);
       const Worst worst = worst_of(layout, compare::align(layout, both), flags);
       tell(fmt::format("run, {}, {}", name, solver.name), compare::kMostDigits, worst);
       INFO(worst.where);

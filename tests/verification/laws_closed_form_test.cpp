@@ -27,7 +27,7 @@ start.slide_z = )toml" +
 
 constexpr double kMass = 1.7;
 
-double place_of(const Sample& sample) { return sample.state.q[0](0); }
+double position_of(const Sample& sample) { return sample.state.q[0](0); }
 double speed_of(const Sample& sample) { return sample.state.u[0](0); }
 
 /// Energy of a stop that is pressed by p, in units of its stiffness: the integral of the integral of the share
@@ -51,7 +51,7 @@ TEST_CASE("An undamped stop returns what it took, along its own energy", "[close
     Agreement kept;
     double deepest = 0.0;
     for (const Sample& sample : run(*solver, 1.0, 1e-12, 400).samples) {
-      const double x = place_of(sample);
+      const double x = position_of(sample);
       const double stored = 4e3 * stop_energy(x - 0.11, 0.03) + 9e3 * stop_energy(-0.2 - x, 0.02);
       kept.add(0.5 * kMass * speed_of(sample) * speed_of(sample) + stored, energy);
       deepest = std::max(deepest, x - 0.11);
@@ -75,7 +75,7 @@ TEST_CASE("A damped stop pushes only, lets go in the middle of the rebound, and 
     for (const Sample& sample : found.samples) {
       const double tau = sample.evaluation.joints[0].tau(0);
       most_pull = std::max(most_pull, tau);
-      if (place_of(sample) > 0.1 && speed_of(sample) < 0.0 && tau == 0.0) rode_free_while_pressed = true;
+      if (position_of(sample) > 0.1 && speed_of(sample) < 0.0 && tau == 0.0) rode_free_while_pressed = true;
     }
     CHECK(most_pull == 0.0);
     CHECK(rode_free_while_pressed);
@@ -97,7 +97,7 @@ TEST_CASE("On a stop rests what weighs, by the depth at which the stop carries i
   for (const auto& solver : both_solvers(model)) {
     INFO(solver->name());
     for (const Sample& sample : run(*solver, 0.5, 1e-11, 20).samples) {
-      CHECK(std::abs(place_of(sample) - 0.07 - depth) < 1e-12);
+      CHECK(std::abs(position_of(sample) - 0.07 - depth) < 1e-12);
       CHECK(std::abs(sample.evaluation.joints[0].tau(0) + kMass * 9.0) < 1e-10);
     }
   }
@@ -122,7 +122,7 @@ TEST_CASE("A table through a cubic is that cubic, and keeps its energy", "[close
     INFO(solver->name());
     Agreement kept;
     for (const Sample& sample : run(*solver, 2.0, 1e-12, 100).samples) {
-      kept.add(energy(place_of(sample), speed_of(sample)), energy(0.35, -0.4));
+      kept.add(energy(position_of(sample), speed_of(sample)), energy(0.35, -0.4));
     }
     tell("table of a cubic: energy", *solver, kept.digits());
     CHECK(kept.digits() >= 11.0);
@@ -141,7 +141,7 @@ TEST_CASE("A preloaded spring swings about where its tension vanishes", "[closed
     for (const Sample& sample : run(*solver, 3.0, 1e-12, 100).samples) {
       const double t = sample.state.t;
       const double exact = 0.12 + 0.18 * std::cos(W * t) + 0.7 / W * std::sin(W * t);
-      path.add(place_of(sample), exact);
+      path.add(position_of(sample), exact);
       force.add(sample.evaluation.joints[0].tau(0), -150.0 * (exact - 0.12));
     }
     tell("preloaded spring: path", *solver, path.digits());
@@ -178,7 +178,7 @@ start.turn = { keep = "500 deg", keep_speed = -4 }
     Agreement torque;
     for (const Sample& sample : run(*solver, 0.8, 1e-12, 80).samples) {
       const double t = sample.state.t;
-      path.add(place_of(sample), q0 - 4.0 * t + 0.5 * alpha * t * t);
+      path.add(position_of(sample), q0 - 4.0 * t + 0.5 * alpha * t * t);
       const Wrench on_nut = sample.evaluation.joints[0].reaction_on(Side::child).in_global;
       const double F_z = 0.8 * (h * alpha + 9.0);
       thrust.add(on_nut.force.z(), F_z);

@@ -6,23 +6,23 @@
 
 /// Machines for what no shipped model has: large rotations in bushings and bent beams, a modes file, free-free bodies
 /// in chains and loops, cut slides and crosses with levers, a wheel over a whole bump, couplings beyond a turn, loops
-/// for more than a second. Each agrees and is sensitive: a slip in one solver is a difference, and a slip that both
+/// for more than a second. Each agrees and is sensitive: a fault in one solver is a difference, and a fault that both
 /// solvers share is refuted by the audit.
 namespace concord::verification {
 namespace {
 
-using Slip = std::function<void(Model&, double size)>;
+using Fault = std::function<void(Model&, double size)>;
 
-/// A machine, the part of its run that the gate runs, and the parameter in which a solver slips.
+/// A machine, the part of its run that the gate runs, and the parameter in which a solver has a fault.
 struct Rare {
   std::string name;
   double part;
   std::string what;
-  Slip slip;
+  Fault fault;
 };
 
 /// Relative to the parameter; lengths: of a metre-sized machine's levers.
-constexpr double kSlip = 1e-6;
+constexpr double kFault = 1e-6;
 
 void grow(double& value, double size) { value *= 1.0 + size; }
 
@@ -41,7 +41,7 @@ Attachment& side_of(Model& model, const std::string& joint, Side side) {
 ModalData& modes_of(Model& model, std::size_t body) { return *model.bodies[body].modal; }
 
 /// A lever of a joint, off every axis.
-Slip lever(const std::string& joint, Side side) {
+Fault lever(const std::string& joint, Side side) {
   return [=](Model& model, double size) { side_of(model, joint, side).point_L += size * Vec3(0.18, -0.21, 0.16); };
 }
 
@@ -124,23 +124,23 @@ TEST_CASE("Machines for what no shipped model has agree over their whole runs", 
   for (const std::string& name : machines_of("rare")) expect_to_agree(machine_of("rare", name), {});
 }
 
-TEST_CASE("A slip of one solver in what no shipped model has is a difference", "[rare]") {
+TEST_CASE("A fault of one solver in what no shipped model has is a difference", "[rare]") {
   for (const Rare& rare : rare_machines()) {
     const Model model = machine_of("rare", rare.name);
-    Model slipped = model;
-    rare.slip(slipped, kSlip);
+    Model faulty = model;
+    rare.fault(faulty, kFault);
     INFO(rare.name << ": " << rare.what);
-    CHECK(judged(model, slipped, model, rare.part).outcome == compare::Outcome::differ);
-    CHECK(judged(model, model, slipped, rare.part).outcome == compare::Outcome::differ);
+    CHECK(judged(model, faulty, model, rare.part).outcome == compare::Outcome::differ);
+    CHECK(judged(model, model, faulty, rare.part).outcome == compare::Outcome::differ);
   }
 }
 
-TEST_CASE("A slip of both solvers in what no shipped model has is refuted by the audit", "[rare]") {
+TEST_CASE("A fault of both solvers in what no shipped model has is refuted by the audit", "[rare]") {
   for (const Rare& rare : rare_machines()) {
     const Model model = machine_of("rare", rare.name);
-    Model slipped = model;
-    rare.slip(slipped, 100.0 * kSlip);
-    const compare::Verdict verdict = judged(model, slipped, slipped, rare.part);
+    Model faulty = model;
+    rare.fault(faulty, 100.0 * kFault);
+    const compare::Verdict verdict = judged(model, faulty, faulty, rare.part);
     INFO(rare.name << ": " << rare.what << '\n' << compare::format_verdict(model, verdict, false));
     CHECK(verdict.outcome == compare::Outcome::differ);
     CHECK(verdict.same_state.climbed);

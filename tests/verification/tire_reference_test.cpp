@@ -39,7 +39,7 @@ TEST_CASE("A tire that slips, is steered and slides does what its table says", "
   }
 }
 
-TEST_CASE("A slip in any number of a tire, in both solvers alike, misses its table", "[tire][reference]") {
+TEST_CASE("A fault in any number of a tire, in both solvers alike, misses its table", "[tire][reference]") {
   const Model model = read_model(kData / "models" / "tire_test_rig.toml");
   for (double Tire::*number : {&Tire::radius, &Tire::stiffness, &Tire::slip_stiffness, &Tire::cornering_stiffness,
                                &Tire::friction, &Tire::speed_scale}) {

@@ -19,7 +19,7 @@ VecX advanced(const relative::Equations& equations, VecX q, const VecX& step) {
   const Topology& topology = equations.topology();
   for (const Link& link : topology.links) {
     const Span& joint = topology.joints[link.joint];
-    equations.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
+    equations.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
     const Span& modes = topology.modes[link.body];
     q.segment(modes.first_q, modes.n_q) += step.segment(modes.first_u, modes.n_u);
   }

@@ -189,7 +189,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       equations.update(0.0, q, Y);
       const RelativeMotion& motion = equations.constraints().joint(0).motion;
       const joints::Read& read = *read_of(*type, static_cast<int>(word));
-      const Row row = evaluate_read(read, 0, motion);
+      const ConstraintRow row = evaluate_read(read, 0, motion);
       const double rate = row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
       const double turns = reads_turn(read, 0) ? 4.0 * EIGEN_PI : 0.0;
       VecX known = VecX::Zero(type->n_q());

@@ -103,7 +103,7 @@ TEST(Constraints, ADriverAddsItsLawToTheRowOfItsCoordinate) {
   EXPECT_EQ(rig.constraints.n_rows(), 6);
   const VecX driven = rig.residual(rig.q);
   const Harmonic turn{0.2, 0.5, 3.0, 0.1};
-  const Row angle = evaluate_read(*read_of(*rig.model.joints[0].type, 1), 0, rig.constraints.joint(0).motion);
+  const ConstraintRow angle = evaluate_read(*read_of(*rig.model.joints[0].type, 1), 0, rig.constraints.joint(0).motion);
   EXPECT_NEAR(std::sin(driven(4)), std::sin(angle.value - evaluate(turn, 0.3).f), 1e-14);
   EXPECT_LE(std::abs(driven(4)), EIGEN_PI);
 }

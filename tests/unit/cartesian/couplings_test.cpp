@@ -270,7 +270,7 @@ TEST(Couplings, AStateOffTheRelationIsRefusedByName) {
   } catch (const SolverError& error) {
     message = error.what();
   }
-  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: coupling 'G' gap"));
+  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: coupling 'G' residual"));
 }
 
 /// Whole turns of a coupling's coordinates cancel and leave its digits alone: the wheel makes twice as many as the

@@ -24,11 +24,12 @@ RelativeMotion generic_motion(Numbers& numbers) {
 }
 
 /// First and second derivative of a row along the motion against differences of its value and its rate.
-void expect_derivatives(const std::function<Row(const RelativeMotion&)>& evaluate, const RelativeMotion& motion) {
+void expect_derivatives(const std::function<ConstraintRow(const RelativeMotion&)>& evaluate,
+                        const RelativeMotion& motion) {
   const double h = 1e-5;
-  const Row row = evaluate(motion);
-  const Row after = evaluate(carried(motion, h));
-  const Row before = evaluate(carried(motion, -h));
+  const ConstraintRow row = evaluate(motion);
+  const ConstraintRow after = evaluate(carried(motion, h));
+  const ConstraintRow before = evaluate(carried(motion, -h));
   EXPECT_NEAR((after.value - before.value) / (2 * h), rate_of(row, motion), 3e-8);
   EXPECT_NEAR((rate_of(after, motion) - rate_of(before, motion)) / (2 * h), row.bias, 3e-7);
 }
@@ -41,7 +42,7 @@ TEST(JointRows, GradientsAndBiasesOfAllThatIsForbidden) {
     for (int k = 0; k < type->rows(); ++k) {
       expect_derivatives(
           [&](const RelativeMotion& at) {
-            Row rows[kMaxRows];
+            ConstraintRow rows[kMaxRows];
             EXPECT_EQ(evaluate_forbids(*type, at, rows), type->rows());
             return rows[k];
           },
@@ -55,17 +56,17 @@ TEST(JointRows, ForbiddenSpeedsAreTheSlipOfTheMaterialPoint) {
   Numbers numbers(18);
   int found = 0;
   for (const joints::JointType* type : joints::catalogue()) {
-    for (int k = 0; k < type->slip_rows(); ++k) {
+    for (int k = 0; k < type->nonholonomic_rows(); ++k) {
       SCOPED_TRACE(type->name);
       ++found;
       const auto& word = std::get<joints::NoSlip>(type->forbids_speeds[k]);
       const auto evaluate = [&](const RelativeMotion& at) {
-        Row rows[kMaxRows];
-        EXPECT_EQ(evaluate_forbidden_speeds(*type, at, rows), type->slip_rows());
+        ConstraintRow rows[kMaxRows];
+        EXPECT_EQ(evaluate_forbidden_speeds(*type, at, rows), type->nonholonomic_rows());
         return rows[k];
       };
       const RelativeMotion motion = generic_motion(numbers);
-      const Row row = evaluate(motion);
+      const ConstraintRow row = evaluate(motion);
       const Vec3 point = motion.d - word.below * Vec3::UnitZ();
       const Vec3 in_child = motion.R.transpose() * (point - motion.d);
       const double h = 1e-5;
@@ -100,7 +101,7 @@ TEST(JointRows, OrientationVanishesAtItsTargetAndLooksLikeARotationVectorThere) 
   const Vec3 small = numbers.vector(1e-5);
   RelativeMotion motion;
   motion.R = rotation_about(small.normalized(), small.norm()) * target;
-  Row rows[3];
+  ConstraintRow rows[3];
   evaluate_orientation(target, motion, rows);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(rows[k].value, small(k), 1e-14);
 }
@@ -136,10 +137,10 @@ TEST(JointRows, AnArmBeyondUprightReadsOnItsOwnSide) {
   motion.d = rotation_about(Axis::x, q1) * rotation_about(Axis::y, q2) * Vec3(0.0, 0.0, 0.4);
   motion.ddot = Vec3(0.3, -0.5, 0.8).cross(motion.d);
   const joints::JointType& distance = *joints::find("distance");
-  const Row near_side = evaluate_read(distance.reads[1], 0, motion);
+  const ConstraintRow near_side = evaluate_read(distance.reads[1], 0, motion);
   motion.is_beyond_upright = true;
   EXPECT_NEAR(evaluate_read(distance.reads[0], 0, motion).value, q1, 1e-15);
-  const Row beyond = evaluate_read(distance.reads[1], 0, motion);
+  const ConstraintRow beyond = evaluate_read(distance.reads[1], 0, motion);
   EXPECT_NEAR(beyond.value, q2, 1e-15);
   EXPECT_EQ(rate_of(beyond, motion), -rate_of(near_side, motion));
   EXPECT_EQ(beyond.bias, -near_side.bias);
@@ -171,7 +172,7 @@ TEST(JointRows, CoordinateWrenchDoesTheWorkOfItsForcesOnly) {
       // What moves this coordinate at unit speed and no other: for slides and turns the wrench's own axis, for links
       // the motion of the link's end.
       if (std::holds_alternative<joints::BearingOfGap>(read) || std::holds_alternative<joints::ElevationOfGap>(read)) {
-        const Row row = evaluate_read(read, 0, motion);
+        const ConstraintRow row = evaluate_read(read, 0, motion);
         const Vec3 along = row.over_d / row.over_d.squaredNorm();
         EXPECT_NEAR(wrench.head<3>().dot(along), tau(at_u), 1e-13);
       }

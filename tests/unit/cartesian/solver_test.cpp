@@ -94,7 +94,7 @@ TEST(CartesianSolver, RefusesAStateThatIsNotClosed) {
   State state = solver->assemble();
   state.bodies[1].r.x() += 1e-9;
   const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
-  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: joint 'revolute' gap"));
+  EXPECT_THAT(message, HasSubstr("the state at t = 0 s is not closed: joint 'revolute' residual"));
 }
 
 TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {
@@ -103,7 +103,7 @@ TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {
   State state = solver->assemble();
   state.bodies[1].omega.y() = std::nan("");
   const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
-  EXPECT_EQ(message, "cartesian: the state at t = 0 s holds what is no finite number");
+  EXPECT_EQ(message, "cartesian: the state at t = 0 s holds a number that is not finite");
 }
 
 TEST(CartesianSolver, ClosesAShakenStateAndLeavesItsTurnsAlone) {

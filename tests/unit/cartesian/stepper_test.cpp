@@ -14,7 +14,7 @@ namespace {
 struct Tumbler {
   Model model;
   Equations equations;
-  Motion start;
+  MotionState start;
 
   Tumbler() : model(make()), equations(model) {
     start.q = VecX::Zero(14);
@@ -31,7 +31,7 @@ struct Tumbler {
   }
 };
 
-Motion run(const Tumbler& tumbler, Equations& equations, double rtol, bool extrapolate, long* steps = nullptr) {
+MotionState run(const Tumbler& tumbler, Equations& equations, double rtol, bool extrapolate, long* steps = nullptr) {
   const Tolerance tolerance{rtol, 2.0};
   const auto stepper = extrapolate ? make_extrapolation_stepper(equations, tumbler.start, tolerance)
                                    : make_ida_stepper(equations, tumbler.start, tolerance);
@@ -45,11 +45,11 @@ Motion run(const Tumbler& tumbler, Equations& equations, double rtol, bool extra
 /// times as often, order 4 ten times.
 TEST(Stepper, ExtrapolationConvergesAtAHighOrder) {
   Tumbler tumbler;
-  const Motion exact = run(tumbler, tumbler.equations, 1e-14, true);
+  const MotionState exact = run(tumbler, tumbler.equations, 1e-14, true);
   long coarse_steps = 0;
   long fine_steps = 0;
-  const Motion coarse = run(tumbler, tumbler.equations, 1e-8, true, &coarse_steps);
-  const Motion fine = run(tumbler, tumbler.equations, 1e-12, true, &fine_steps);
+  const MotionState coarse = run(tumbler, tumbler.equations, 1e-8, true, &coarse_steps);
+  const MotionState fine = run(tumbler, tumbler.equations, 1e-12, true, &fine_steps);
   const double coarse_error = (coarse.q - exact.q).norm();
   const double fine_error = (fine.q - exact.q).norm();
   EXPECT_LT(coarse_error, 1e-7);
@@ -61,8 +61,8 @@ TEST(Stepper, ExtrapolationConvergesAtAHighOrder) {
 
 TEST(Stepper, IdaConvergesToTheSameMotion) {
   Tumbler tumbler;
-  const Motion exact = run(tumbler, tumbler.equations, 1e-14, true);
-  const Motion by_ida = run(tumbler, tumbler.equations, 1e-10, false);
+  const MotionState exact = run(tumbler, tumbler.equations, 1e-14, true);
+  const MotionState by_ida = run(tumbler, tumbler.equations, 1e-10, false);
   EXPECT_LT((by_ida.q - exact.q).norm(), 1e-7);
 }
 

@@ -10,7 +10,7 @@
 #include "common/joints/catalogue.h"
 #include "machines.h"
 
-/// Tires: the statement in common/tire.h against the definitions of its words, and runs over kinks.
+/// Tires: the statement in common/tire.h against the definitions of its words, and runs over events.
 namespace concord::cartesian {
 namespace {
 
@@ -113,17 +113,17 @@ TEST(Tires, WrenchAtTheCentreFollowsFromTheStatement) {
   EXPECT_NEAR(rig.applied.power(rig.Y), power, 1e-11 * std::abs(power));
 }
 
-TEST(Tires, HeldRegimesGoOnBeyondTheirEnd) {
+TEST(Tires, FrozenRegimesGoOnBeyondTheirEnd) {
   WheelRig rig;
   const TireRegime before = rig.act(rig.q).regime;
-  EXPECT_GT(rig.applied.margin(0.0, rig.q, rig.Y).size, 0.0);
+  EXPECT_GT(rig.applied.event_function(0.0, rig.q, rig.Y).size, 0.0);
   VecX lifted = rig.q;
   rig.layout.r(lifted, 2).z() += 5.0;
-  rig.applied.hold_regimes(true);
+  rig.applied.freeze_regimes(true);
   EXPECT_EQ(rig.act(lifted).regime, before);
   EXPECT_GT(rig.act(lifted).wrenches[1].force.norm(), 1.0);
-  EXPECT_LT(rig.applied.margin(0.0, lifted, rig.Y).size, 0.0);
-  rig.applied.hold_regimes(false);
+  EXPECT_LT(rig.applied.event_function(0.0, lifted, rig.Y).size, 0.0);
+  rig.applied.freeze_regimes(false);
   EXPECT_FALSE(rig.act(lifted).regime.touches);
   EXPECT_EQ(rig.act(lifted).wrenches[1].force.norm(), 0.0);
 }
@@ -263,8 +263,8 @@ TEST(Tires, SlidesAtItsLimitAndSticksBelow) {
   const double limit = tire.friction * kStiffness * 0.05;      // N = stiffness times deflection
   const double slow = limit / tire.cornering_stiffness * 0.1;  // V = speed_scale: the wheel does not travel forward
   ASSERT_LT(slow, 2.0);
-  const double at_kink = (2.0 - slow) * kWheelMass / limit;
-  const double until = at_kink + 0.03;
+  const double at_event = (2.0 - slow) * kWheelMass / limit;
+  const double until = at_event + 0.03;
   for (const auto& [integrator, allowed] : {std::pair{"gbs", 1e-11}, std::pair{"ida", 1e-7}}) {
     SCOPED_TRACE(integrator);
     const Trajectory trajectory = run(model, integrator, until, 1e-11);

@@ -143,10 +143,10 @@ TEST(ForceLaw, RegimesOfStopsEndWhereTheirMarginsVanish) {
   LawRegime held = regime_at(law, 0.3 + p_of(-0.05), pdot_of(-0.05));
   std::vector<StopRegime> met{held.upper};
   for (double t = -0.05; t < 0.05; t += 1e-5) {
-    const double margin = margin_of(law, held, 0.3 + p_of(t), pdot_of(t));
+    const double value = event_function_of(law, held, 0.3 + p_of(t), pdot_of(t));
     const LawRegime now = regime_at(law, 0.3 + p_of(t), pdot_of(t));
-    EXPECT_EQ(margin < 0.0, now.upper != held.upper) << t;
-    if (margin < 0.0) met.push_back(now.upper);
+    EXPECT_EQ(value < 0.0, now.upper != held.upper) << t;
+    if (value < 0.0) met.push_back(now.upper);
     held = now;
   }
   EXPECT_EQ(met, (std::vector<StopRegime>{StopRegime::off, StopRegime::soft, StopRegime::full, StopRegime::off}));
@@ -160,11 +160,11 @@ TEST(ForceLaw, RegimesGoOnBeyondTheirEndsAsOneFormula) {
   const double border = law.upper->at + law.upper->width;
   EXPECT_NEAR(evaluate_resistance(law, soft, border, 0.4).force, evaluate_resistance(law, full, border, 0.4).force,
               1e-12);
-  EXPECT_GT(margin_of(law, soft, border, 0.4), 0.0);
-  EXPECT_GT(margin_of(law, full, border, 0.4), 0.0);
-  EXPECT_LT(margin_of(law, soft, border + 1e-9, 0.4), 0.0);
-  EXPECT_LT(margin_of(law, full, border - 1e-9, 0.4), 0.0);
-  EXPECT_EQ(margin_of(ForceLaw{}, LawRegime{}, 0.3, 1.0), std::numeric_limits<double>::infinity());
+  EXPECT_GT(event_function_of(law, soft, border, 0.4), 0.0);
+  EXPECT_GT(event_function_of(law, full, border, 0.4), 0.0);
+  EXPECT_LT(event_function_of(law, soft, border + 1e-9, 0.4), 0.0);
+  EXPECT_LT(event_function_of(law, full, border - 1e-9, 0.4), 0.0);
+  EXPECT_EQ(event_function_of(ForceLaw{}, LawRegime{}, 0.3, 1.0), std::numeric_limits<double>::infinity());
 }
 
 TEST(ForceTable, MeetsItsPointsAndGoesOnStraight) {
@@ -223,9 +223,9 @@ TEST(ForceLaw, TablesGoOnInTheirPieceWhileItIsHeld) {
   EXPECT_NEAR(third_difference(0.42, 0.05, &held), inside, 1e-9 * std::abs(inside)) << "across the knot at 0.5";
   EXPECT_GT(std::abs(third_difference(0.42, 0.05, nullptr) - inside), 1e-2 * std::abs(inside));
   EXPECT_TRUE(has_regimes(law));
-  EXPECT_NEAR(margin_of(law, held, 0.2 + 0.4, 0.0), 0.1 / 2.4, 1e-10);
-  EXPECT_LT(margin_of(law, held, 0.2 + 0.5 + 1e-9, 0.0), 0.0);
-  EXPECT_GT(margin_of(law, held, 0.2 + 0.5, 0.0), 0.0) << "what rests on a knot does not chatter";
+  EXPECT_NEAR(event_function_of(law, held, 0.2 + 0.4, 0.0), 0.1 / 2.4, 1e-10);
+  EXPECT_LT(event_function_of(law, held, 0.2 + 0.5 + 1e-9, 0.0), 0.0);
+  EXPECT_GT(event_function_of(law, held, 0.2 + 0.5, 0.0), 0.0) << "what rests on a knot does not chatter";
 }
 
 /// Outside the table its tangents hold, each a piece of its own.
@@ -234,8 +234,8 @@ TEST(ForceLaw, TangentsOfATableAreRegimes) {
   law.damper_table.emplace(std::vector{-2.0, -0.5, 0.4, 1.5}, std::vector{-4.0, -1.8, 1.5, 3.0});
   for (const double beyond : {-2.7, 1.9}) {
     const LawRegime outside = regime_at(law, 0.0, beyond);
-    EXPECT_GT(margin_of(law, outside, 0.0, beyond), 0.0);
-    EXPECT_LT(margin_of(law, outside, 0.0, 0.3), 0.0);
+    EXPECT_GT(event_function_of(law, outside, 0.0, beyond), 0.0);
+    EXPECT_LT(event_function_of(law, outside, 0.0, 0.3), 0.0);
     EXPECT_EQ(evaluate_resistance(law, outside, 0.0, beyond).force, law.damper_table->evaluate(beyond));
   }
 }

@@ -47,9 +47,9 @@ TEST(JointType, ForbidsWhatItDoesNotPermit) {
   for (const JointType* type : catalogue()) {
     EXPECT_EQ(type->rows() + type->n_u(), 6) << type->name;
     const auto n_speeds = static_cast<int>(type->permits_speeds.size());
-    EXPECT_EQ(n_speeds > 0, type->slip_rows() > 0) << type->name;
+    EXPECT_EQ(n_speeds > 0, type->nonholonomic_rows() > 0) << type->name;
     if (n_speeds > 0) {
-      EXPECT_EQ(type->rows() + type->slip_rows() + n_speeds, 6) << type->name;
+      EXPECT_EQ(type->rows() + type->nonholonomic_rows() + n_speeds, 6) << type->name;
     }
     const auto has_coordinates = [](const Permit& word) { return n_q(word) > 0; };
     EXPECT_EQ(type->reads.size(), std::ranges::count_if(type->permits, has_coordinates)) << type->name;
@@ -57,9 +57,9 @@ TEST(JointType, ForbidsWhatItDoesNotPermit) {
 }
 
 TEST(JointType, ForbidsTheVelocityOfSkatesAndRollingBallsBesideTheirPlace) {
-  EXPECT_EQ(find("knife_edge")->slip_rows(), 1);
-  EXPECT_EQ(find("rolling_ball")->slip_rows(), 2);
-  EXPECT_EQ(find("free")->slip_rows(), 0);
+  EXPECT_EQ(find("knife_edge")->nonholonomic_rows(), 1);
+  EXPECT_EQ(find("rolling_ball")->nonholonomic_rows(), 2);
+  EXPECT_EQ(find("free")->nonholonomic_rows(), 0);
 }
 
 TEST(JointType, RollsOnTheRadiusThatAJointGives) {
@@ -195,7 +195,7 @@ TEST(JointType, CarriesExactlyWhatSomeIdealWrenchHasAtSomePose) {
         double largest = 0.0;
         for (int trial = 0; trial < 20; ++trial) {
           PermittedPose pose = random_pose(*type, generator);
-          if (type->slip_rows() > 0) {
+          if (type->nonholonomic_rows() > 0) {
             pose.S.resize(6, 0);
             for (const PermitSpeed& word : type->permits_speeds) {
               const Vec6 direction = direction_of(word, pose);

@@ -34,7 +34,7 @@ Joint connect(const char* type, const Attachment& parent, const Attachment& chil
   return joint;
 }
 
-/// Place and orientation of the child's joint frame in the parent's, from poses: (S10).
+/// Position and orientation of the child's joint frame in the parent's, from poses: (S10).
 Pose measured(const Joint& joint, const std::vector<Pose>& poses) {
   const Attachment& parent = joint.on(Side::parent);
   const Attachment& child = joint.on(Side::child);

@@ -143,11 +143,11 @@ TEST(Tire, ForcesOfARegimeGoOnSmoothlyBeyondItsEnds) {
 /// outside.
 template <class Contact>
 double end_between(const Tire& tire, const TireRegime& regime, double inside, double outside, const Contact& at) {
-  EXPECT_GT(margin_of(tire, regime, at(inside)), 0.0);
-  EXPECT_LT(margin_of(tire, regime, at(outside)), 0.0);
+  EXPECT_GT(event_function_of(tire, regime, at(inside)), 0.0);
+  EXPECT_LT(event_function_of(tire, regime, at(outside)), 0.0);
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (inside + outside);
-    (margin_of(tire, regime, at(middle)) > 0.0 ? inside : outside) = middle;
+    (event_function_of(tire, regime, at(middle)) > 0.0 ? inside : outside) = middle;
   }
   return inside;
 }
@@ -220,7 +220,7 @@ TEST(Tire, AStretchEndsWhereTheCentreStandsOverAnEdge) {
   regime.stretch = 2;
   EXPECT_NEAR(end_between(tire, regime, 3.6, 3.4, at), 3.5, 1e-14);
   for (const double x : {2.0, 3.2, 4.0}) {
-    EXPECT_GT(margin_of(tire, regime_at(tire, at(x)), at(x)), 0.0) << "each contact is inside its own regime";
+    EXPECT_GT(event_function_of(tire, regime_at(tire, at(x)), at(x)), 0.0) << "each contact is inside its own regime";
   }
 }
 
@@ -228,11 +228,11 @@ TEST(Tire, MarginIsTheSmallestOfAllEndsInUnitsOfTheTire) {
   const Tire tire = make_tire();
   TireContact contact = kRolling;
   contact.x = 2.9997;
-  EXPECT_NEAR(margin_of(tire, kGrips, contact), 0.0003 / 0.3, 1e-14) << "the edge is nearest";
+  EXPECT_NEAR(event_function_of(tire, kGrips, contact), 0.0003 / 0.3, 1e-14) << "the edge is nearest";
   contact.x = 1.0;
   const TireForces forces = evaluate(tire, kGrips, contact);
   const double room = limit(tire, forces.N) - std::hypot(forces.F_x, forces.F_y);
-  EXPECT_NEAR(margin_of(tire, kGrips, contact), room / (2e5 * 0.3), 1e-14) << "the friction limit is nearest";
+  EXPECT_NEAR(event_function_of(tire, kGrips, contact), room / (2e5 * 0.3), 1e-14) << "the friction limit is nearest";
 }
 
 TEST(Tire, HasOneEndOnTheWheel) {

@@ -36,7 +36,7 @@ class AgreementTest : public ::testing::Test {
   Measured of(const Quantity& quantity) { return measure(layout_, series_)[layout_.row_of(quantity)]; }
 
   Model model_ = two_joints();
-  Layout layout_{model_};
+  QuantityLayout layout_{model_};
   Series series_;
   Quantity F_x{Kind::reaction, 0, Side::child, 0};
   Quantity F_y{Kind::reaction, 0, Side::child, 1};

@@ -19,7 +19,7 @@ class AlignTest : public ::testing::Test {
 
   std::string refusal(const Trajectory& one, const Trajectory& other, int samples) {
     try {
-      align(Layout(model_), {&one, &other}, samples);
+      align(QuantityLayout(model_), {&one, &other}, samples);
     } catch (const IncompleteResult& error) {
       return error.what();
     }
@@ -32,7 +32,7 @@ class AlignTest : public ::testing::Test {
 TEST_F(AlignTest, PutsBothOnOneGrid) {
   const Trajectory one = run();
   const Trajectory other = run(1e3);
-  const Layout layout(model_);
+  const QuantityLayout layout(model_);
   const Series series = align(layout, {&one, &other}, 21);
   ASSERT_EQ(series.times.size(), 21U);
   EXPECT_DOUBLE_EQ(series.times[20], 0.2);

@@ -139,7 +139,7 @@ TEST_F(AnalysesTest, KinematicsRefusesFreedomByItsNumber) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
-                HasSubstr("pendulum.toml: error: kinematics needs a machine that drivers move fully, but 1 "
+                HasSubstr("pendulum.toml: error: kinematics needs a machine whose motion is fully driven, but 1 "
                           "degree of freedom is left"));
   }
 }

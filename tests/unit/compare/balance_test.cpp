@@ -95,7 +95,8 @@ Frame frame_on(const Attachment& side, const Vec3& r, const Mat3& A, const VecX&
   return {r + A * (side.point_L + side.Psi_t_L * a), A * R * side.C};
 }
 
-/// Change of joint place and orientation for a unit of each of the body's 6 + m virtual displacements, by differences.
+/// Change of joint position and orientation for a unit of each of the body's 6 + m virtual displacements, by
+/// differences.
 MatX frame_directions(const Attachment& side, const Vec3& r, const Mat3& A, const VecX& a) {
   const double step = 1e-6;
   const auto moved = [&](int k, double by) {

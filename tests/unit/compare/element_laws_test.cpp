@@ -56,7 +56,7 @@ struct LawBench {
 
   /// Power of the wrenches on both ends along the velocities of the state.
   [[nodiscard]] double power(const ForceElement& element) const {
-    const auto wrenches = lawful_wrenches(element, state);
+    const auto wrenches = wrenches_by_laws(element, state);
     double sum = 0.0;
     for (const Side side : {Side::parent, Side::child}) {
       const PlacedFrame end = place(ends[index(side)], state.bodies[ends[index(side)].body]);
@@ -106,7 +106,7 @@ TEST(ElementLaws, ALineSpringPullsByItsTensionAndItsPowerIsThatOfTheLength) {
   const double rate = bench.rate(length);
   const double tension = 30.0 * (length(bench.state) - 0.4) + 2.0 * rate + 1.5;
   EXPECT_NEAR(bench.power({"strut", spring, {}}), -tension * rate, 1e-9);
-  const auto wrenches = lawful_wrenches({"strut", spring, {}}, bench.state);
+  const auto wrenches = wrenches_by_laws({"strut", spring, {}}, bench.state);
   EXPECT_NEAR(wrenches[1].force.norm(), std::abs(tension), 1e-9);
   EXPECT_GT(tension, 0.0);
   const Vec3 from_parent =
@@ -128,7 +128,7 @@ TEST(ElementLaws, ATurnSpringsPowerIsThatOfItsAngleThoughTheAxesDoNotCoincide) {
   const double rate = bench.rate(angle);
   const double resistance = 5.0 * (angle(bench.state) + 0.2) + 0.7 * rate - 0.4;
   EXPECT_NEAR(bench.power({"coil", spring, {}}), -resistance * rate, 1e-9);
-  EXPECT_EQ(lawful_wrenches({"coil", spring, {}}, bench.state)[1].force.norm(), 0.0);
+  EXPECT_EQ(wrenches_by_laws({"coil", spring, {}}, bench.state)[1].force.norm(), 0.0);
 }
 
 TEST(ElementLaws, ABushingsPowerIsWhatItsEnergyLosesAndItsDampersTake) {
@@ -156,7 +156,7 @@ TEST(ElementLaws, ALoadKnowsItsAxes) {
   const Vec3 torque(0.3, 0.1, -0.2);
   const auto on_child = [&](LoadAxes axes) {
     const Load load{bench.ends[1], axes, force, torque, Polynomial{{2.0, 1.0}}};
-    const auto wrenches = lawful_wrenches({"push", load, {}}, bench.state);
+    const auto wrenches = wrenches_by_laws({"push", load, {}}, bench.state);
     EXPECT_EQ(wrenches[0].vector().norm(), 0.0);
     return wrenches[1];
   };

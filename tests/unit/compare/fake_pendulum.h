@@ -176,12 +176,12 @@ class FakePendulum : public Solver {
   [[nodiscard]] std::vector<ElementWrenches> element_wrenches(const State& state) const {
     std::vector<ElementWrenches> all;
     for (const ForceElement& element : model_.elements) {
-      const std::array<Wrench, 2> lawful = lawful_wrenches(element, state);
+      const std::array<Wrench, 2> by_law = wrenches_by_laws(element, state);
       ElementWrenches& wrenches = all.emplace_back();
       for (const Side on : {Side::parent, Side::child}) {
         const Attachment* end = end_of(element, on);
         if (end == nullptr) continue;
-        wrenches.on[index(on)] = side(lawful[index(on)], place(*end, state.bodies[end->body]).A_joint);
+        wrenches.on[index(on)] = side(by_law[index(on)], place(*end, state.bodies[end->body]).A_joint);
       }
     }
     return all;

@@ -47,7 +47,7 @@ class FindDifferencesTest : public ::testing::Test {
   void spoil(const Quantity& quantity, double factor) { series_.values[1].row(layout_.row_of(quantity)) *= factor; }
 
   Model model_ = pendulum_model();
-  Layout layout_{model_};
+  QuantityLayout layout_{model_};
   Verdict verdict_;
   Series series_;
   std::vector<Quantity> known_;

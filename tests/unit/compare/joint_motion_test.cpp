@@ -103,7 +103,7 @@ TEST(JointMotion, LawfulTauIsActuatorMinusResistance) {
   joint.drivers = {{0, ConstantSpeed{0.0, 1.0}}};
   const JointMotion motion{Eigen::Vector2d(0.5, 0.4), Eigen::Vector2d(1.0, -1.5), Mat6X::Zero(6, 2),
                            MatX::Identity(2, 2)};
-  const VecX tau = lawful_tau(joint, {LawOfForce(joint.springs[0].law)}, motion, 0.5);
+  const VecX tau = tau_by_laws(joint, {LawOfForce(joint.springs[0].law)}, motion, 0.5);
   EXPECT_TRUE(std::isnan(tau(0)));
   EXPECT_DOUBLE_EQ(tau(1), 3.5 - 10.0 * 0.3 + 2.0 * 1.5);
 }

@@ -16,7 +16,7 @@ TEST(ObserveTest, ListsEveryNumberInItsRow) {
   const State state = solver.assemble();
   Evaluation evaluation = solver.evaluate(state);
   evaluation.joints[0].tau(0) = 3.25;
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const VecX values = layout.observe(state, evaluation);
   ASSERT_EQ(values.size(), 12 + 12 + 12 + 1 + 6 + 6);
   const JointWrenches& hinge = evaluation.joints[0];
@@ -62,7 +62,7 @@ TEST(ObserveTest, MissingPartsAreNamed) {
   Evaluation evaluation = solver.evaluate(state);
   evaluation.joints[0].tau.resize(0);
   try {
-    (void)Layout(model).observe(state, evaluation);
+    (void)QuantityLayout(model).observe(state, evaluation);
     FAIL();
   } catch (const IncompleteResult& error) {
     EXPECT_STREQ(error.what(), "at t = 0 s: 0 driver forces, expected 1");

@@ -24,14 +24,14 @@ class RefinementTest : public ::testing::Test {
   }
 
   Model model_ = pendulum_model();
-  Layout layout_{model_};
+  QuantityLayout layout_{model_};
   Verdict verdict_;
 };
 
 TEST_F(RefinementTest, RowsAreWhatTheJointCarries) {
   make_rows(layout_, verdict_);
   ASSERT_EQ(verdict_.rows.size(), 10U);
-  for (const Row& row : verdict_.rows) EXPECT_NE(row.quantity.component, 5);
+  for (const QuantityRow& row : verdict_.rows) EXPECT_NE(row.quantity.component, 5);
 }
 
 TEST_F(RefinementTest, AllRungsMustBeClimbed) {
@@ -57,7 +57,7 @@ TEST_F(RefinementTest, TolerancesFallAHundredTimesUntilRoundOff) {
 }
 
 TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {
-  Row row;
+  QuantityRow row;
   row.need = default_needs(model_);
   const auto set = [&](double same_run, double refined) {
     row.same_run = same_run;
@@ -65,11 +65,11 @@ TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {
     row.detail[static_cast<std::size_t>(Rung::refined)].unexplained = refined;
   };
   set(3.0, 4.4);
-  EXPECT_FALSE(climbs(row, Rung::refined));
+  EXPECT_FALSE(meets_need(row, Rung::refined));
   set(3.0, 4.5);
-  EXPECT_TRUE(climbs(row, Rung::refined));
+  EXPECT_TRUE(meets_need(row, Rung::refined));
   set(8.4, 8.5);
-  EXPECT_TRUE(climbs(row, Rung::refined));
+  EXPECT_TRUE(meets_need(row, Rung::refined));
 }
 
 TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
@@ -114,12 +114,12 @@ TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
     one.samples = 3;
   }
   record(layout_, measured, Rung::same_state, verdict_);
-  EXPECT_TRUE(climbs(verdict_.rows[0], Rung::same_state));
+  EXPECT_TRUE(meets_need(verdict_.rows[0], Rung::same_state));
   EXPECT_TRUE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
   EXPECT_DOUBLE_EQ(*detail_of(verdict_.rows[0], Rung::same_state).resolvable, 11.0);
   for (Measured& one : measured) one.unexplained_digits = 9.7;
   record(layout_, measured, Rung::same_state, verdict_);
-  EXPECT_FALSE(climbs(verdict_.rows[0], Rung::same_state));
+  EXPECT_FALSE(meets_need(verdict_.rows[0], Rung::same_state));
   EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
 }
 
@@ -141,7 +141,7 @@ TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
 TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {
   make_rows(layout_, verdict_);
   for (const Rung rung : kRungs) record_all(rung, 13.0);
-  for (const Row& row : verdict_.others) {
+  for (const QuantityRow& row : verdict_.others) {
     EXPECT_EQ(row.same_run.has_value(), row.quantity.kind != Kind::acceleration);
   }
   judge(verdict_);

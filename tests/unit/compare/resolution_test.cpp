@@ -42,7 +42,7 @@ class ResolutionTest : public ::testing::Test {
   [[nodiscard]] int row(int component) const { return layout_.row_of({Kind::reaction, 0, Side::child, component}); }
 
   Model model_ = pendulum_model();
-  Layout layout_{model_};
+  QuantityLayout layout_{model_};
   FakePendulum cartesian_{model_, "cartesian"};
   FakePendulum relative_{model_, "relative"};
   std::vector<SharedState> states_;
@@ -148,7 +148,7 @@ TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledW
       { joint = "A", coordinate = "turn_z", factor = 3 }, { joint = "B", coordinate = "turn_z", factor = -5 }]
   )",
                                   "discs.toml");
-  const Layout layout(model);
+  const QuantityLayout layout(model);
   const VecX terms = term_sizes(layout, state_of_coupled_discs(model));
   constexpr double kOfHeavy = 0.6 * 4.0 * 4.0;  // N m
   EXPECT_NEAR(terms(layout.row_of({Kind::driver, 1, Side::child, 0})), kOfHeavy, 1e-12);

@@ -45,15 +45,15 @@ TEST_F(StatesTest, AMissingTrajectoryLeavesItsTurns) {
 TEST_F(StatesTest, TheSameSeedShakesTheSameWay) {
   const Trajectory one = run(10);
   const std::vector<OwnedState> states = run_states({&one, &one});
-  Shaker shaker(model_, states, kSeed);
-  Shaker again(model_, states, kSeed);
-  Shaker other(model_, states, kSeed + 1);
-  const State shaken = shaker.shake(states[3].state, 1.0);
-  EXPECT_EQ((shaken.bodies[1].r - again.shake(states[3].state, 1.0).bodies[1].r).norm(), 0.0);
-  EXPECT_GT((shaken.bodies[1].r - other.shake(states[3].state, 1.0).bodies[1].r).norm(), 1e-6);
-  EXPECT_NEAR(shaken.bodies[1].p.norm(), 1.0, 1e-15);
-  EXPECT_GT((shaken.bodies[1].omega - states[3].state.bodies[1].omega).norm(), 1e-3);
-  EXPECT_EQ(shaken.t, states[3].state.t);
+  StatePerturbation perturbation(model_, states, kSeed);
+  StatePerturbation again(model_, states, kSeed);
+  StatePerturbation other(model_, states, kSeed + 1);
+  const State perturbed = perturbation.perturb(states[3].state, 1.0);
+  EXPECT_EQ((perturbed.bodies[1].r - again.perturb(states[3].state, 1.0).bodies[1].r).norm(), 0.0);
+  EXPECT_GT((perturbed.bodies[1].r - other.perturb(states[3].state, 1.0).bodies[1].r).norm(), 1e-6);
+  EXPECT_NEAR(perturbed.bodies[1].p.norm(), 1.0, 1e-15);
+  EXPECT_GT((perturbed.bodies[1].omega - states[3].state.bodies[1].omega).norm(), 1e-3);
+  EXPECT_EQ(perturbed.t, states[3].state.t);
 }
 
 TEST_F(StatesTest, ModesAreDrawnWithinTheirRangeEvenIfTheRunNeverMovesThem) {
@@ -67,13 +67,13 @@ TEST_F(StatesTest, ModesAreDrawnWithinTheirRangeEvenIfTheRunNeverMovesThem) {
     sample.state.bodies[1].a(0) = 0.01 * sample.state.t;
   }
   const std::vector<OwnedState> states = run_states({&one, &one});
-  Shaker shaker(model_, states, kSeed);
-  const State shaken = shaker.shake(states[0].state, 1.0);
-  EXPECT_NE(shaken.bodies[1].a(0), 0.0);
-  EXPECT_LE(std::abs(shaken.bodies[1].a(0)), 0.004);
-  EXPECT_NE(shaken.bodies[1].a(1), 0.0);
-  EXPECT_LE(std::abs(shaken.bodies[1].a(1)), 1e-4);
-  EXPECT_NE(shaken.bodies[1].adot(1), 0.0);
+  StatePerturbation perturbation(model_, states, kSeed);
+  const State perturbed = perturbation.perturb(states[0].state, 1.0);
+  EXPECT_NE(perturbed.bodies[1].a(0), 0.0);
+  EXPECT_LE(std::abs(perturbed.bodies[1].a(0)), 0.004);
+  EXPECT_NE(perturbed.bodies[1].a(1), 0.0);
+  EXPECT_LE(std::abs(perturbed.bodies[1].a(1)), 1e-4);
+  EXPECT_NE(perturbed.bodies[1].adot(1), 0.0);
 }
 
 TEST_F(StatesTest, RandomStatesAreClosedInTurnAndEvaluatedByBoth) {

@@ -34,7 +34,7 @@ class SumsTest : public ::testing::Test {
   }
 
   std::vector<PairSum> sums_of(const Evaluation& one, const Evaluation& other, double resolution) {
-    const Layout layout(model_);
+    const QuantityLayout layout(model_);
     std::vector<Measured> measured(layout.quantities().size());
     for (Measured& row : measured) row.machine = 20.0;
     const MatX resolutions = MatX::Constant(static_cast<Eigen::Index>(measured.size()), 1, resolution);
@@ -98,7 +98,7 @@ TEST_F(SumsTest, ASumThatOtherJointsLeaveOpenIsNotJudged) {
   state_.bodies.push_back(state_.bodies[1]);
   Evaluation evaluation;
   evaluation.joints.resize(6);
-  const Layout layout(model_);
+  const QuantityLayout layout(model_);
   const std::vector<Measured> measured(layout.quantities().size());
   Mask judged = Mask::Constant(static_cast<Eigen::Index>(measured.size()), 1, true);
   const auto samples = [&] {
@@ -111,7 +111,7 @@ TEST_F(SumsTest, ASumThatOtherJointsLeaveOpenIsNotJudged) {
 
 TEST_F(SumsTest, SingleJointsHaveNoSum) {
   const Model single = pendulum_model();
-  EXPECT_TRUE(compare_pair_sums(Layout(single), {}, {}).empty());
+  EXPECT_TRUE(compare_pair_sums(QuantityLayout(single), {}, {}).empty());
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class SymptomTest : public ::testing::Test {
                         Who faulty = Who::relative) {
     Trajectory spoiled = run_;
     for (Sample& sample : spoiled.samples) fault(sample.state, sample.evaluation.joints[0]);
-    const Layout layout(model_);
+    const QuantityLayout layout(model_);
     const std::array<const Trajectory*, 2> both = faulty == Who::relative
                                                       ? std::array<const Trajectory*, 2>{&run_, &spoiled}
                                                       : std::array<const Trajectory*, 2>{&spoiled, &run_};

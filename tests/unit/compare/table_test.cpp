@@ -55,7 +55,7 @@ TEST(ComponentCount, HoldsForceElementsToo) {
   Verdict verdict;
   verdict.name = "thrown";
   verdict.others.resize(5);
-  for (Row& row : verdict.others) row.quantity.kind = Kind::element;
+  for (QuantityRow& row : verdict.others) row.quantity.kind = Kind::element;
   verdict.others[1].unique = false;
   verdict.others[4].quantity.kind = Kind::acceleration;
   EXPECT_EQ(count_components(verdict).judged, 3);

@@ -33,7 +33,7 @@ class UniquenessTest : public ::testing::Test {
   }
 
   Model model_ = pendulum_model();
-  Layout layout_{model_};
+  QuantityLayout layout_{model_};
   RankReport report_;
   std::vector<SharedState> states_;
   RankReports reports_;

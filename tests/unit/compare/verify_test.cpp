@@ -152,7 +152,7 @@ TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNee
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("same run: repeated at rtol ")));
 }
 
-/// Both solvers' own runs move by as much as they differ: neither can be held against the other.
+/// Both solvers' own runs move by as much as they differ: neither can be compared with the other.
 TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   cartesian_.drift = -4e8;
   relative_.drift = 1e9;
@@ -161,7 +161,7 @@ TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   EXPECT_TRUE(verdict.same_state.climbed);
   EXPECT_FALSE(verdict.same_run.climbed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
-  for (const Row& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
+  for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
 }
 
 /// Where one solver's run moves and the other's does not, the integration of the one is at fault.
@@ -208,7 +208,7 @@ TEST_F(VerifyTest, FewerSamplesThanAskedIsNoVerdict) {
 TEST_F(VerifyTest, ARunThatCarriesNothingIsNoVerdict) {
   model_.gravity.setZero();
   model_.joints[0].start[0].u(0) = 0.0;
-  const Verdict verdict = judge();  // the shaken states carry something
+  const Verdict verdict = judge();  // the perturbed states carry something
   EXPECT_GT(verdict.rows.front().scale, 0.0);
   EXPECT_EQ(verdict.outcome, Outcome::failed);
   EXPECT_THAT(verdict.failures, ::testing::ElementsAre("during the run no joint and no force element carries anything: "

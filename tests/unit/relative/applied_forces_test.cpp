@@ -70,7 +70,7 @@ class PushedMachine {
     for (const Link& link : topology.links) {
       const Span& joint = topology.joints[link.joint];
       const VecX step = h * u_.segment(joint.first_u, joint.n_u);
-      equations_.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      equations_.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = topology.modes[link.body];
       q.segment(modes.first_q, modes.n_q) += h * u_.segment(modes.first_u, modes.n_u);
     }
@@ -284,9 +284,9 @@ TEST_P(SprungType, PushesTheSameInTheTreeAndCut) {
     // The reaction is workless in every direction; the total works against tau.
     const Pose parent = end_pose(state, joint.on(Side::parent));
     JointMotion motion;
-    Motion(*joint.type).evaluate(state.q[2].data(), state.u[2].data(), motion);
-    const Motion permitted(*joint.type);
-    PermittedSpeeds speeds(*joint.type, permitted);
+    Mobilizer(*joint.type).evaluate(state.q[2].data(), state.u[2].data(), motion);
+    const Mobilizer permitted(*joint.type);
+    NonholonomicConstraint speeds(*joint.type, permitted);
     MatX free = MatX::Identity(joint.type->n_u(), joint.type->n_u());
     if (speeds.n_rows() > 0) {
       speeds.evaluate(motion, joint.name);

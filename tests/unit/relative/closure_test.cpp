@@ -11,11 +11,11 @@ namespace {
 class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> {
  protected:
   MeasuredJoint() : model_(machine()), kinematics_(model_), numbers_(31) {
-    const Motion motion(*GetParam());
-    q_ = motion.home();
-    const VecX away = numbers_.vector(motion.n_u(), 1.1);
-    motion.advance(q_.data(), away.data());
-    u_ = numbers_.vector(motion.n_u(), 1.4);
+    const Mobilizer mobilizer(*GetParam());
+    q_ = mobilizer.home();
+    const VecX away = numbers_.vector(mobilizer.n_u(), 1.1);
+    mobilizer.advance(q_.data(), away.data());
+    u_ = numbers_.vector(mobilizer.n_u(), 1.4);
     kinematics_.update(q_, u_);
   }
 
@@ -37,46 +37,46 @@ class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> 
 };
 
 TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
-  const Held nothing(6, 0);
-  JointMeasure measure(kinematics_.motion(0), nothing.data());
-  VecX q = kinematics_.motion(0).home();
+  const PrescribedMask nothing(6, 0);
+  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
+  VecX q = kinematics_.mobilizer(0).home();
   VecX u = VecX::Zero(u_.size());
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
   measure.find_u(parent(), child(), q.data(), u.data());
-  if (kinematics_.motion(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
+  if (kinematics_.mobilizer(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
   EXPECT_LT((q - q_).norm(), 1e-14);
   EXPECT_LT((u - u_).norm(), 1e-14);
-  EXPECT_LT(measure.error().norm(), 1e-15);
-  EXPECT_LT(measure.slip().norm(), 1e-14);
+  EXPECT_LT(measure.position_residual().norm(), 1e-15);
+  EXPECT_LT(measure.velocity_residual().norm(), 1e-14);
 }
 
 TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
-  const int n_u = kinematics_.motion(0).n_u();
-  for (int held_column = -1; held_column < n_u; ++held_column) {
-    Held held(6, 0);
-    if (held_column >= 0) held[held_column] = 1;
-    JointMeasure measure(kinematics_.motion(0), held.data());
+  const int n_u = kinematics_.mobilizer(0).n_u();
+  for (int prescribed_column = -1; prescribed_column < n_u; ++prescribed_column) {
+    PrescribedMask prescribed(6, 0);
+    if (prescribed_column >= 0) prescribed[prescribed_column] = 1;
+    JointMeasure measure(kinematics_.mobilizer(0), prescribed.data());
     VecX q = q_;
     measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::never);
     const int rows = measure.n_rows();
-    EXPECT_EQ(rows, 6 - n_u + (held_column >= 0 ? 1 : 0));
+    EXPECT_EQ(rows, 6 - n_u + (prescribed_column >= 0 ? 1 : 0));
     const MatX T = measure.T().leftCols(rows);
-    const Motion& motion = kinematics_.motion(0);
+    const Mobilizer& mobilizer = kinematics_.mobilizer(0);
     MatX weighed = T;
-    if (motion.couples()) weighed.bottomRows(3) /= motion.length();
+    if (mobilizer.couples()) weighed.bottomRows(3) /= mobilizer.length();
     EXPECT_LT((weighed.transpose() * weighed - MatX::Identity(rows, rows)).norm(), 1e-15);
     for (int c = 0; c < n_u; ++c) {
       // Where a speed both displaces and rotates, turns count in lengths of the machine.
       VecX column = measure.motion_at().S.col(c);
       const double along = (T.transpose() * column).norm();
-      if (motion.couples()) column.tail<3>() *= motion.length();
-      if (c == held_column) {
+      if (mobilizer.couples()) column.tail<3>() *= mobilizer.length();
+      if (c == prescribed_column) {
         EXPECT_GT(along, 0.5 * column.norm());
       } else {
         EXPECT_LT(along, 1e-15);
       }
     }
-    if (motion.couples()) {
+    if (mobilizer.couples()) {
       EXPECT_EQ(measure.n_linear_rows(), rows);
     } else {
       EXPECT_EQ(T.bottomLeftCorner(3, measure.n_linear_rows()).norm(), 0.0);
@@ -86,8 +86,8 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
 
 TEST_P(MeasuredJoint, KeepsTheNumberOfTurnsOfTheFirstGuess) {
   if (GetParam()->name != "revolute" && GetParam()->name != "universal") return;
-  const Held nothing(6, 0);
-  JointMeasure measure(kinematics_.motion(0), nothing.data());
+  const PrescribedMask nothing(6, 0);
+  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
   VecX q = q_;
   q(0) += 40.0 * M_PI + 0.3;
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
@@ -100,23 +100,23 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, MeasuredJoint, ::testing::ValuesIn(test::all
 /// The ends of a rod at given places, measured from a first guess of its two turns.
 class MeasuredRod : public ::testing::Test {
  protected:
-  MeasuredRod() : motion_(*joints::find("distance")), parent_("parent", {}), child_("child", {}) {}
+  MeasuredRod() : mobilizer_(*joints::find("distance")), parent_("parent", {}), child_("child", {}) {}
 
   VecX measure(const Vec3& gap, double q1, double q2) {
     parent_.A = rotation_about(Vec3(Vec3(1, -2, 3).normalized()), 0.9);
     parent_.r = Vec3(0.2, 0.1, -0.4);
     child_.A = parent_.A * rotation_about(Axis::y, 0.7);
     child_.r = parent_.r + parent_.A * gap;
-    const Held nothing(5, 0);
-    JointMeasure measured(motion_, nothing.data());
-    VecX q = motion_.home();
+    const PrescribedMask nothing(5, 0);
+    JointMeasure measured(mobilizer_, nothing.data());
+    VecX q = mobilizer_.home();
     q.head<2>() << q1, q2;
     measured.find_q(parent_, child_, q.data(), JointMeasure::Restart::if_better);
-    error_ = measured.error();
+    error_ = measured.position_residual();
     return q;
   }
 
-  Motion motion_;
+  Mobilizer mobilizer_;
   JointPoint parent_;
   JointPoint child_;
   Vec6 error_;
@@ -166,7 +166,7 @@ class LoopOfFourJoints : public ::testing::TestWithParam<int> {
     for (const Link& link : equations_.topology().links) {
       const Span& joint = equations_.topology().joints[link.joint];
       const VecX step = h * speeds_.segment(joint.first_u, joint.n_u);
-      equations_.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      equations_.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = equations_.topology().modes[link.body];
       q.segment(modes.first_q, modes.n_q) += h * speeds_.segment(modes.first_u, modes.n_u);
     }
@@ -184,18 +184,18 @@ class LoopOfFourJoints : public ::testing::TestWithParam<int> {
 TEST_P(LoopOfFourJoints, VelocityClosureIsPhiTimesSpeeds) {
   move(0.0);
   const VecX expected = equations_.closure().Phi_u() * speeds_;
-  EXPECT_LT((equations_.closure().slip() - expected).norm(), 1e-13);
+  EXPECT_LT((equations_.closure().velocity_residual() - expected).norm(), 1e-13);
   EXPECT_GT(expected.norm(), 0.1);
 }
 
 TEST_P(LoopOfFourJoints, GapGrowsWithTheVelocityClosure) {
   const double h = 1e-5;
   move(h);
-  const VecX ahead = equations_.closure().gap();
+  const VecX ahead = equations_.closure().position_residual();
   move(-h);
-  const VecX behind = equations_.closure().gap();
+  const VecX behind = equations_.closure().position_residual();
   move(0.0);
-  EXPECT_LT(((ahead - behind) / (2 * h) - equations_.closure().slip()).norm(), 1e-8);
+  EXPECT_LT(((ahead - behind) / (2 * h) - equations_.closure().velocity_residual()).norm(), 1e-8);
 }
 
 TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
@@ -203,7 +203,7 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
   equations_.compute_accelerations(0.0, start_.q, start_.u);
   VecX residual(equations_.closure().n_rows());
   const auto acceleration = [&](int joint, Side side) {
-    return equations_.elimination().acceleration_of_point(joint, side);
+    return equations_.articulated_bodies().acceleration_of_point(joint, side);
   };
   equations_.closure().compute_acceleration_residual(acceleration, equations_.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11);
@@ -217,13 +217,13 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
       const Span& joint = equations_.topology().joints[link.joint];
       const VecX step =
           t * start_.u.segment(joint.first_u, joint.n_u) + 0.5 * t * t * udot.segment(joint.first_u, joint.n_u);
-      equations_.kinematics().motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      equations_.kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = equations_.topology().modes[link.body];
       q.segment(modes.first_q, modes.n_q) += t * start_.u.segment(modes.first_u, modes.n_u);
     }
     const VecX u = start_.u + t * udot;
     equations_.move(0.0, q, u);
-    return VecX(equations_.closure().slip());
+    return VecX(equations_.closure().velocity_residual());
   };
   EXPECT_LT((slip_at(h) - slip_at(-h)).norm() / (2 * h), 1e-5);
 }

@@ -112,7 +112,7 @@ TEST(Equations, CoordinatesFollowSpeedsWithCutJointsAndModes) {
   equations.move(0.0, ahead, start.u);
   // The measured coordinates of the cut joint agree with the integrated ones, and the loop stays closed, to order h^2.
   EXPECT_LT((equations.q() - ahead).norm(), 1e-10);
-  EXPECT_LT(equations.closure().gap().norm(), 1e-10);
+  EXPECT_LT(equations.closure().position_residual().norm(), 1e-10);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ class JointPointOnMovingBody : public ::testing::Test {
     const VecX adot = adot_ + t * addot_;
     JointPoint point("joint 'P'", joint_.on(Side::child));
     point.deform(a.data(), adot.data());
-    point.ride(body);
+    point.compute_point_motion(body);
     return point;
   }
 
@@ -80,7 +80,7 @@ TEST_F(JointPointOnMovingBody, SettleInvertsRide) {
   const JointPoint ridden = at(0.0, body);
   JointPoint settled = ridden;
   BodyMotion found;
-  settled.settle(found);
+  settled.compute_body_motion(found);
   EXPECT_LT((found.r - body.r).norm(), 1e-15);
   EXPECT_LT((found.A - body.A).norm(), 1e-15);
   EXPECT_LT((found.v - body.v).norm(), 1e-15);

@@ -56,15 +56,15 @@ TEST_P(ClosedLoops, MultipliersAndAccelerationsSolveTheBorderedSystem) {
   equations.compute_accelerations(0.0, pose.q, pose.u);
 
   // The open tree: same pose with the loops' multipliers left out.
-  Elimination open(equations.kinematics(), equations.driven());
+  ArticulatedBodies open(equations.kinematics(), equations.driven());
   VecX free_udot = VecX::Zero(equations.topology().n_u);
-  open.inward(equations.inertias(), equations.applied_forces(), free_udot);
-  open.outward(free_udot);
+  open.backward_pass(equations.inertias(), equations.applied_forces(), free_udot);
+  open.forward_pass(free_udot);
   const VecX gbar = Mbar * free_udot.head(udot.size());
   EXPECT_LT((Mbar * udot + Phi.transpose() * lambda - gbar).norm(), 1e-11 * gbar.norm());
   VecX residual(equations.closure().n_rows());
   const auto acceleration = [&](int joint, Side side) {
-    return equations.elimination().acceleration_of_point(joint, side);
+    return equations.articulated_bodies().acceleration_of_point(joint, side);
   };
   equations.closure().compute_acceleration_residual(acceleration, equations.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11 * udot.norm());

@@ -10,7 +10,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "common/rotation.h"
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 /// Machines for the tests of the relative solver, all in generic poses: tilted frames, offsets along no axis, unequal
 /// inertias; and a referee of their motion that uses Newton's and Euler's laws for bodies and mass points, nothing
@@ -220,7 +220,7 @@ inline void fit_child_side(const Model& model, Joint& joint) {
     q.segment(first_q(*joint.type, static_cast<int>(word)), joint.start[word].q.size()) = joint.start[word].q;
   }
   JointMotion motion;
-  Motion(*joint.type).evaluate(q.data(), u.data(), motion);
+  Mobilizer(*joint.type).evaluate(q.data(), u.data(), motion);
   const Mat3 A_parent = from.A * on_parent.A * parent.C;
   const Vec3 r_child = from.r + from.A * (parent.point_L + on_parent.r) + A_parent * motion.d;
   child.C = on_child.A.transpose() * to.A.transpose() * A_parent * motion.R;
@@ -435,7 +435,7 @@ inline Imbalance imbalance(const Model& model, const State& state, const Evaluat
       const Mat3 I = A * body.inertia_L * A.transpose();
       torque -= I * acceleration.omegadot + s.omega.cross(I * s.omega);
     }
-    const auto push = [&](const Attachment& at, const Wrench& w) {
+    const auto apply_wrench = [&](const Attachment& at, const Wrench& w) {
       if (at.body != static_cast<int>(i)) return;
       const Vec3 place = s.r + A * (at.point_L + at.Psi_t_L * s.a);
       force += w.force;
@@ -447,11 +447,11 @@ inline Imbalance imbalance(const Model& model, const State& state, const Evaluat
     };
     for (const Side side : {Side::parent, Side::child}) {
       for (std::size_t k = 0; k < model.joints.size(); ++k) {
-        push(model.joints[k].on(side), evaluation.joints[k].total_on(side).in_global);
+        apply_wrench(model.joints[k].on(side), evaluation.joints[k].total_on(side).in_global);
       }
       for (std::size_t e = 0; e < model.elements.size(); ++e) {
         const Attachment* end = end_of(model.elements[e], side);
-        if (end != nullptr) push(*end, evaluation.elements[e].on_side(side).in_global);
+        if (end != nullptr) apply_wrench(*end, evaluation.elements[e].on_side(side).in_global);
       }
     }
     worst.force = std::max(worst.force, force.norm());

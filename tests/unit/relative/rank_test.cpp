@@ -113,19 +113,19 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
   ASSERT_EQ(V.cols(), solver->rank(state).degrees_of_freedom);
   EXPECT_LT((V.transpose() * V - MatX::Identity(V.cols(), V.cols())).norm(), 1e-13);
   Kinematics kinematics(model);
-  const Held driven = driven_speeds(model, kinematics.topology());
+  const PrescribedMask driven = driven_speeds(model, kinematics.topology());
   for (Eigen::Index c = 0; c < V.cols(); ++c) {
     set_velocities(model, V.col(c), model.length_scale(), state);
     kinematics.place(state.bodies);
     for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
       const Span& span = kinematics.topology().joints[k];
-      JointMeasure measure(kinematics.motion(k), driven.data() + span.first_u);
+      JointMeasure measure(kinematics.mobilizer(k), driven.data() + span.first_u);
       VecX q = state.q[k];
       VecX u = VecX::Zero(span.n_u);
       measure.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(),
                      JointMeasure::Restart::never);
       measure.find_u(kinematics.point(k, Side::parent), kinematics.point(k, Side::child), q.data(), u.data());
-      EXPECT_LT(measure.slip().norm(), 1e-12) << model.joints[k].name;
+      EXPECT_LT(measure.velocity_residual().norm(), 1e-12) << model.joints[k].name;
     }
   }
 }

@@ -43,7 +43,7 @@ void expect_ideal(const Model& model, const State& state, const Evaluation& eval
     const Pose parent = frame(Side::parent);
     const Pose child = frame(Side::child);
     JointMotion motion;
-    Motion(*joint.type).evaluate(state.q[k].data(), state.u[k].data(), motion);
+    Mobilizer(*joint.type).evaluate(state.q[k].data(), state.u[k].data(), motion);
     const SideWrench& on_child = evaluation.joints[k].reaction_on(Side::child);
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * on_child.in_global.force, parent.A.transpose() * on_child.in_global.torque;
@@ -174,7 +174,7 @@ TEST(Reactions, SelfStressIsInEquilibriumWithoutLoad) {
   }
 }
 
-/// In free fall nothing is left of gravity and inertia in the modal rows, and round-off is not held against itself.
+/// In free fall nothing is left of gravity and inertia in the modal rows, and round-off is not compared with itself.
 TEST(Reactions, AuditOfABodyInFreeFallIsNotNoiseAgainstNoise) {
   test::Numbers numbers(33);
   Model model;

@@ -137,7 +137,7 @@ TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
   const Coordinates found = states.read(state, misfit);
   EXPECT_LT((found.q.segment(equations.topology().joints[2].first_q, 2) - q.head<2>()).norm(), 1e-13);
   EXPECT_LT(misfit.largest, 1e-13);
-  EXPECT_EQ(misfit.strayed_joint, -1);
+  EXPECT_EQ(misfit.joint_off_branch, -1);
 }
 
 /// A nut many turns up its thread: from the turn that the state says, from none at all, and from a wrong one.
@@ -156,23 +156,23 @@ TEST(States, CountTheTurnsOfAThread) {
   equations.move(0.0, start.q, start.u);
   States states(equations);
   const State state = states.write(0.0, {});
-  const auto turn_from = [&](std::vector<VecX> hints, int& strayed) {
+  const auto turn_from = [&](std::vector<VecX> hints, int& off_branch) {
     State given = state;
     given.q = std::move(hints);
     StateMisfit misfit;
     const double left = states.read(given, misfit).q(0);
     const double found = left + 2.0 * std::numbers::pi * states.turns()(0);
     EXPECT_LT(misfit.largest, 1e-13);
-    strayed = misfit.strayed_joint;
+    off_branch = misfit.joint_off_branch;
     return found;
   };
-  int strayed = 0;
-  EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, -1);
-  EXPECT_NEAR(turn_from({}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, -1);
-  EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, strayed), 71.3, 1e-11);
-  EXPECT_EQ(strayed, 0);
+  int off_branch = 0;
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, -1);
+  EXPECT_NEAR(turn_from({}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, -1);
+  EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, off_branch), 71.3, 1e-11);
+  EXPECT_EQ(off_branch, 0);
 }
 
 /// Far from closed, as a guess is, the turn of the thread is that of the coordinates.
@@ -209,9 +209,9 @@ TEST(States, SayTheSameOfAMachineAfterManyTurns) {
     State often = once;
     int turned = 0;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const Motion motion(*model.joints[k].type);
-      for (int c = 0; c < motion.n_u(); ++c) {
-        if (!motion.is_turn(c)) continue;
+      const Mobilizer mobilizer(*model.joints[k].type);
+      for (int c = 0; c < mobilizer.n_u(); ++c) {
+        if (!mobilizer.is_turn(c)) continue;
         often.q[k](c) += 2.0 * std::numbers::pi * kTurns;
         ++turned;
       }

@@ -178,7 +178,7 @@ class Bounce {
 
 class BouncingWheel : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-TEST_P(BouncingWheel, FollowsTheClosedFormsThroughItsKinks) {
+TEST_P(BouncingWheel, FollowsTheClosedFormsThroughItsEvents) {
   const auto [integrator, allowed] = GetParam();
   RunOptions options;
   options.until = 0.9;
@@ -222,7 +222,7 @@ TEST(TireContact, WheelOverABumpIsTheSameByBothIntegrators) {
 }
 
 /// A drive that presses a wheel against the foot of a bump, where the road tilts at once, through a strong damper:
-/// pushed forward before the foot and back behind it, the wheel comes to rest by ever more kinks.
+/// pushed forward before the foot and back behind it, the wheel comes to rest by ever more events.
 TEST(TireContact, SaysWhereATireChatters) {
   Model model = flying_wheel({"step", HalfSineBump{1e-6, 1.0, 0.012}}, 0.29, 0.0, 0.0);
   model.elements.push_back({"drive",

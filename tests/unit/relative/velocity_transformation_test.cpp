@@ -24,7 +24,7 @@ class MovingMachine : public ::testing::TestWithParam<bool> {
     for (const Link& link : equations_.topology().links) {
       const Span& joint = equations_.topology().joints[link.joint];
       const VecX step = h * u_.segment(joint.first_u, joint.n_u);
-      kinematics_.motion(link.joint).advance(q.data() + joint.first_q, step.data());
+      kinematics_.mobilizer(link.joint).advance(q.data() + joint.first_q, step.data());
       const Span& modes = equations_.topology().modes[link.body];
       q.segment(modes.first_q, modes.n_q) += h * u_.segment(modes.first_u, modes.n_u);
     }

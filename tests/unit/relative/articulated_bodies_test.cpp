@@ -1,4 +1,4 @@
-#include "relative/elimination.h"
+#include "relative/articulated_bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -81,7 +81,7 @@ TEST_P(EliminatedTree, TakesDrivenSpeedsAsGiven) {
 INSTANTIATE_TEST_SUITE_P(Trees, EliminatedTree, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "flexible" : "rigid"; });
 
-TEST(Elimination, FindsTheMotionWithoutInertia) {
+TEST(ArticulatedBodies, FindsTheMotionWithoutInertia) {
   Model model = test::spatial_slider_crank(false);
   model.joints[2].named_as_cut = true;
   // The coupler now hangs on the ball B alone: as a thin line through B it has no inertia about itself.

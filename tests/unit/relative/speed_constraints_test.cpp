@@ -1,4 +1,4 @@
-#include "relative/relations.h"
+#include "relative/speed_constraints.h"
 
 #include <gtest/gtest.h>
 
@@ -159,7 +159,7 @@ struct Carrier {
     add_hinge(name, 1, static_cast<int>(model.bodies.size()) - 1, at, {Vec3::Zero(), Mat3::Identity()}, q, u);
   }
 
-  void push(int joint, double torque) {
+  void apply_wrench(int joint, double torque) {
     ForceLaw law;
     law.actuator = Polynomial{{torque}};
     model.joints[joint].springs = {{0, law, 0}};
@@ -168,7 +168,7 @@ struct Carrier {
 
 /// Two gears of teeth n on a carrier: (I_0 + I_1 + I_2) W' + I_1 u_1' + I_2 u_2' = T_0, I_k (W' + u_k') = T_k + n_k f,
 /// n_1 u_1' + n_2 u_2' = 0.
-TEST(Relations, GearsOnATurningCarrierObeyNewtonAndEuler) {
+TEST(SpeedConstraints, GearsOnATurningCarrierObeyNewtonAndEuler) {
   const double n_1 = 17.0;
   const double n_2 = 29.0;
   const double I_1 = 0.012;
@@ -182,8 +182,8 @@ TEST(Relations, GearsOnATurningCarrierObeyNewtonAndEuler) {
   // Some turns away, so that the second wheel must be wound, and is then a little off.
   model.couplings = {{"G", {{1, 0, 0, n_1}, {2, 0, 0, n_2}}, 0.8, {}}};
   test::release(model.joints[2]);
-  gears.push(0, 1.9);
-  gears.push(1, -0.6);
+  gears.apply_wrench(0, 1.9);
+  gears.apply_wrench(1, -0.6);
   for (const bool cut : {false, true}) {
     if (cut) {
       // The second gear flies freely beside its hinge: the coupled joint is cut.
@@ -220,7 +220,7 @@ TEST(Relations, GearsOnATurningCarrierObeyNewtonAndEuler) {
 
 /// Half shafts and the cage of a differential in a car that yaws: q_l + q_r - 2 q_c = 0. About the axle
 /// I_k u_k' = T_k + n_k f; the yaw alone turns the shafts' spins, torque I_k u_k W about the vertical.
-TEST(Relations, DifferentialInAYawingCarObeysNewtonAndEuler) {
+TEST(SpeedConstraints, DifferentialInAYawingCarObeysNewtonAndEuler) {
   const Vec3 I(0.011, 0.019, 0.043);
   const Vec3 n(1.0, 1.0, -2.0);
   const Vec3 T(-0.4, -0.9, 2.2);
@@ -230,7 +230,7 @@ TEST(Relations, DifferentialInAYawingCarObeysNewtonAndEuler) {
   const std::array<const char*, 3> names{"left", "right", "cage"};
   for (int k = 0; k < 3; ++k) {
     car.add_disc(names[k], 0.5, I(k), {Vec3(0.3 * (k - 1), 0.0, 0.1), axle}, 0.2 + 0.3 * k, u(k));
-    car.push(k + 1, T(k));
+    car.apply_wrench(k + 1, T(k));
   }
   car.model.couplings = {{"differential", {{1, 0, 0, n(0)}, {2, 0, 0, n(1)}, {3, 0, 0, n(2)}}, 0.0, {}}};
   test::release(car.model.joints[3]);
@@ -257,7 +257,7 @@ TEST(Relations, DifferentialInAYawingCarObeysNewtonAndEuler) {
 
 /// Two couplings that say the same: one row too many, found and left unjudged nowhere, for a coupling's force is no
 /// reaction.
-TEST(Relations, CountsADependentCouplingAsRedundant) {
+TEST(SpeedConstraints, CountsADependentCouplingAsRedundant) {
   Model model = coupled_loop(false);
   model.couplings.push_back(model.couplings[0]);
   model.couplings[1].name = "H";
@@ -284,7 +284,7 @@ std::string closing_complaint(const Model& model) {
   return "no complaint";
 }
 
-TEST(Relations, RefuseKeptValuesThatContradictThem) {
+TEST(SpeedConstraints, RefuseKeptValuesThatContradictThem) {
   Model model = coupled_loop(false);
   for (WordStart& word : model.joints[3].start) word.role_q = word.role_u = StartRole::keep;
   model.joints[3].start[0].q(0) += 0.01;
@@ -295,7 +295,7 @@ TEST(Relations, RefuseKeptValuesThatContradictThem) {
       "of joints 'A', 'D', 'D'");
 }
 
-TEST(Relations, NameTheCouplingThatAStateBreaks) {
+TEST(SpeedConstraints, NameTheCouplingThatAStateBreaks) {
   const Model model = coupled_loop(false);
   Model free = model;
   free.couplings.clear();

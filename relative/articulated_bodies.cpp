@@ -1,4 +1,4 @@
-#include "relative/elimination.h"
+#include "relative/articulated_bodies.h"
 
 #include <fmt/format.h>
 
@@ -40,13 +40,13 @@ bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
 
 }  // namespace
 
-Elimination::Elimination(const Kinematics& kinematics, const Held& driven)
+ArticulatedBodies::ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven)
     : kinematics_(&kinematics),
       links_(kinematics.topology().links.size()),
       flexible_of_link_(kinematics.topology().links.size(), -1) {
   const Topology& topology = kinematics.topology();
   for (std::size_t l = 0; l < links_.size(); ++l) {
-    LinkFactors& link = links_[l];
+    ArticulatedBody& link = links_[l];
     const Span& span = topology.joints[topology.links[l].joint];
     for (int c = 0; c < span.n_u; ++c) {
       if (driven[span.first_u + c] != 0) {
@@ -67,17 +67,17 @@ Elimination::Elimination(const Kinematics& kinematics, const Held& driven)
   }
 }
 
-const Vec6& Elimination::acceleration(int body) const {
+const Vec6& ArticulatedBodies::acceleration(int body) const {
   return body == kGround ? ground_ : links_[kinematics_->topology().link_of_body[body]].Vdot;
 }
 
-const VecX* Elimination::modal_acceleration(int body) const {
+const VecX* ArticulatedBodies::modal_acceleration(int body) const {
   if (body == kGround) return nullptr;
   const int flexible = flexible_of_link_[kinematics_->topology().link_of_body[body]];
   return flexible < 0 ? nullptr : &flexible_[flexible].addot;
 }
 
-Vec6 Elimination::acceleration_of_point(int joint, Side side) const {
+Vec6 ArticulatedBodies::acceleration_of_point(int joint, Side side) const {
   const JointPoint& point = kinematics_->point(joint, side);
   const int body = kinematics_->model().joints[joint].on(side).body;
   Vec6 Vdot = shift_motion(acceleration(body), point.lever) + point.bias;
@@ -85,38 +85,38 @@ Vec6 Elimination::acceleration_of_point(int joint, Side side) const {
   return Vdot;
 }
 
-int Elimination::n_unknowns(int link) const {
+int ArticulatedBodies::n_unknowns(int link) const {
   const int flexible = flexible_of_link_[link];
   return flexible < 0 ? links_[link].n_free : static_cast<int>(flexible_[flexible].uhat.size());
 }
 
-void Elimination::load_bodies(const std::vector<BodyInertia>& inertias) {
+void ArticulatedBodies::load_bodies(const std::vector<BodyInertia>& inertias) {
   for (std::size_t l = 0; l < links_.size(); ++l) {
-    inertias[l].moments().fill(links_[l].I);
-    links_[l].p = inertias[l].p();
+    inertias[l].moments().fill(links_[l].articulated_inertia);
+    links_[l].bias_force = inertias[l].p();
     if (flexible_of_link_[l] >= 0) load_flexible(static_cast<int>(l), inertias[l]);
   }
 }
 
-void Elimination::subtract_applied(const AppliedForces& applied) {
+void ArticulatedBodies::subtract_applied(const AppliedForces& applied) {
   if (!applied.any()) return;
   for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
-    LinkFactors& link = links_[l];
-    link.p -= applied.on_body(l);
+    ArticulatedBody& link = links_[l];
+    link.bias_force -= applied.on_body(l);
     for (int k = 0; k < link.n_free; ++k) link.tau(k) = applied.tau()(link.free[k]);
-    if (flexible_of_link_[l] >= 0) flexible_[flexible_of_link_[l]].p_a -= applied.on_modes(l);
+    if (flexible_of_link_[l] >= 0) flexible_[flexible_of_link_[l]].bias_force_a -= applied.on_modes(l);
   }
 }
 
-void Elimination::load_flexible(int l, const BodyInertia& inertia) {
-  FlexibleFactors& flexible = flexible_[flexible_of_link_[l]];
-  flexible.I_ra = inertia.flexible()->M_ra();
-  flexible.I_aa = inertia.flexible()->M_aa();
-  flexible.p_a = inertia.flexible()->p_a();
+void ArticulatedBodies::load_flexible(int l, const BodyInertia& inertia) {
+  FlexibleArticulatedBody& flexible = flexible_[flexible_of_link_[l]];
+  flexible.inertia_ra = inertia.flexible()->M_ra();
+  flexible.inertia_aa = inertia.flexible()->M_aa();
+  flexible.bias_force_a = inertia.flexible()->p_a();
 }
 
-void Elimination::gather_columns(int l, const VecX& udot) {  // (R33)
-  LinkFactors& link = links_[l];
+void ArticulatedBodies::gather_columns(int l, const VecX& udot) {  // (R33)
+  ArticulatedBody& link = links_[l];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   link.c = blocks.D;
   if (link.n_driven == 0) return;
@@ -124,11 +124,12 @@ void Elimination::gather_columns(int l, const VecX& udot) {  // (R33)
   for (int k = 0; k < link.n_free; ++k) link.H_free.col(k) = blocks.H.col(link.free_column[k]);
 }
 
-const double* Elimination::free_columns(int l) const {
+const double* ArticulatedBodies::free_columns(int l) const {
   return links_[l].n_driven == 0 ? kinematics_->blocks(l).H.data() : links_[l].H_free.data();
 }
 
-void Elimination::inward(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot) {
+void ArticulatedBodies::backward_pass(const std::vector<BodyInertia>& inertias, const AppliedForces& applied,
+                                      const VecX& udot) {
   load_bodies(inertias);
   subtract_applied(applied);
   for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
@@ -141,10 +142,11 @@ void Elimination::inward(const std::vector<BodyInertia>& inertias, const Applied
   }
 }
 
-void Elimination::dispatch_rigid(int l) {
+void ArticulatedBodies::dispatch_rigid(int l) {
   switch (links_[l].n_free) {
     case 0:
-      return transmit(l, links_[l].I, links_[l].p + links_[l].I * links_[l].c);
+      return add_to_reference_body(l, links_[l].articulated_inertia,
+                                   links_[l].bias_force + links_[l].articulated_inertia * links_[l].c);
     case 1:
       return eliminate_rigid<1>(l);
     case 2:
@@ -161,13 +163,13 @@ void Elimination::dispatch_rigid(int l) {
 }
 
 template <int N>
-void Elimination::eliminate_rigid(int l) {  // (R34), (R35)
-  LinkFactors& link = links_[l];
+void ArticulatedBodies::eliminate_rigid(int l) {  // (R34), (R35)
+  ArticulatedBody& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   Eigen::Map<Fixed<6, N>> K(link.K.data());
   Eigen::Map<Fixed<N, N>> stored_L(link.L.data());
-  const Vec6 p = link.p + link.I * link.c;
-  const Fixed<6, N> U = link.I * H;
+  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
+  const Fixed<6, N> U = link.articulated_inertia * H;
   Fixed<N, N> L = H.transpose() * U;
   if (!factorize<N>(L)) throw_indefinite(l);
   Fixed<N, 1> uhat = link.tau.template head<N>() - H.transpose() * p;
@@ -177,48 +179,48 @@ void Elimination::eliminate_rigid(int l) {  // (R34), (R35)
   stored_L = L;
   link.uhat.template head<N>() = uhat;
   if (kinematics_->topology().links[l].reference == kGround) return;
-  transmit(l, link.I - K * K.transpose(), p + K * uhat);
+  add_to_reference_body(l, link.articulated_inertia - K * K.transpose(), p + K * uhat);
 }
 
-void Elimination::eliminate_flexible(int l) {  // (R34), (R35)
-  LinkFactors& link = links_[l];
-  FlexibleFactors& f = flexible_[flexible_of_link_[l]];
-  const Eigen::Index m = f.p_a.size();
+void ArticulatedBodies::eliminate_flexible(int l) {  // (R34), (R35)
+  ArticulatedBody& link = links_[l];
+  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[l]];
+  const Eigen::Index m = f.bias_force_a.size();
   const Eigen::Index n_free = link.n_free;
   f.H.leftCols(n_free) = Eigen::Map<const Mat6X>(free_columns(l), 6, n_free);
   f.H.rightCols(m) = -kinematics_->blocks(l).Ha;
-  f.U.noalias() = link.I * f.H;
-  f.U.rightCols(m) += f.I_ra;
-  f.U_a.noalias() = f.I_ra.transpose() * f.H;
-  f.U_a.rightCols(m) += f.I_aa;
+  f.U.noalias() = link.articulated_inertia * f.H;
+  f.U.rightCols(m) += f.inertia_ra;
+  f.U_a.noalias() = f.inertia_ra.transpose() * f.H;
+  f.U_a.rightCols(m) += f.inertia_aa;
   f.D.noalias() = f.H.transpose() * f.U;
   f.D.bottomRows(m) += f.U_a;
-  const Vec6 p = link.p + link.I * link.c;
+  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
   f.uhat.noalias() = f.H.transpose().lazyProduct(-p);
   f.uhat.head(n_free) += link.tau.head(n_free);
-  f.uhat.tail(m) -= f.p_a;
-  f.uhat.tail(m).noalias() -= f.I_ra.transpose() * link.c;
+  f.uhat.tail(m) -= f.bias_force_a;
+  f.uhat.tail(m).noalias() -= f.inertia_ra.transpose() * link.c;
   if (f.llt.compute(f.D).info() != Eigen::Success || !has_pivots(f.llt, f.D)) throw_indefinite(l);
   f.llt.matrixL().solveInPlace(f.uhat);
   f.Kt = f.U.transpose();
   f.llt.matrixL().solveInPlace(f.Kt);
-  Mat6 I = link.I;
+  Mat6 I = link.articulated_inertia;
   I.noalias() -= f.Kt.transpose().lazyProduct(f.Kt);
   Vec6 p_left = p;
   // What the modal rows still push: their bias force is part of uhat, of which K^T takes the share of the body.
   p_left.noalias() += f.Kt.transpose().lazyProduct(f.uhat);
-  transmit(l, I, p_left);
+  add_to_reference_body(l, I, p_left);
 }
 
 /// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
 /// Xa for the modal speeds of the reference body (R36).
-void Elimination::transmit(int l, const Mat6& I, const Vec6& p) {
+void ArticulatedBodies::add_to_reference_body(int l, const Mat6& I, const Vec6& p) {
   const Link& step = kinematics_->topology().links[l];
   if (step.reference == kGround) return;
   const int reference = kinematics_->topology().link_of_body[step.reference];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   const Vec3& rho = blocks.rho;
-  LinkFactors& to = links_[reference];
+  ArticulatedBody& to = links_[reference];
   // I Sh: the right half is [B; C] - [A; B^T] rho~, where a row x^T times rho~ is (x cross rho)^T.
   const Mat3 A = I.topLeftCorner<3, 3>();
   Mat3 B = I.topRightCorner<3, 3>();
@@ -234,22 +236,22 @@ void Elimination::transmit(int l, const Mat6& I, const Vec6& p) {
   B -= times_rho_tilde(A);
   // rho~ B = -(B^T rho~)^T.
   C -= times_rho_tilde(B.transpose()).transpose();
-  to.I.topLeftCorner<3, 3>() += A;
-  to.I.topRightCorner<3, 3>() += B;
-  to.I.bottomLeftCorner<3, 3>() += B.transpose();
-  to.I.bottomRightCorner<3, 3>() += C;
-  to.p += shift_wrench(p, rho);
+  to.articulated_inertia.topLeftCorner<3, 3>() += A;
+  to.articulated_inertia.topRightCorner<3, 3>() += B;
+  to.articulated_inertia.bottomLeftCorner<3, 3>() += B.transpose();
+  to.articulated_inertia.bottomRightCorner<3, 3>() += C;
+  to.bias_force += shift_wrench(p, rho);
   if (flexible_of_link_[reference] < 0) return;
-  FlexibleFactors& f = flexible_[flexible_of_link_[reference]];
+  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[reference]];
   for (Eigen::Index k = 0; k < blocks.Xa.cols(); ++k) {
     const Vec6 IX = I * blocks.Xa.col(k);
-    f.I_ra.col(k) += shift_wrench(IX, rho);
-    f.I_aa.col(k).noalias() += blocks.Xa.transpose().lazyProduct(IX);
+    f.inertia_ra.col(k) += shift_wrench(IX, rho);
+    f.inertia_aa.col(k).noalias() += blocks.Xa.transpose().lazyProduct(IX);
   }
-  f.p_a.noalias() += blocks.Xa.transpose().lazyProduct(p);
+  f.bias_force_a.noalias() += blocks.Xa.transpose().lazyProduct(p);
 }
 
-Vec6 Elimination::from_reference(int l) const {
+Vec6 ArticulatedBodies::acceleration_from_reference(int l) const {
   const int reference = kinematics_->topology().links[l].reference;
   if (reference == kGround) return Vec6::Zero();
   const LinkBlocks& blocks = kinematics_->blocks(l);
@@ -258,9 +260,9 @@ Vec6 Elimination::from_reference(int l) const {
   return A0;
 }
 
-void Elimination::outward(VecX& udot) {
+void ArticulatedBodies::forward_pass(VecX& udot) {
   for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
-    const Vec6 A0 = from_reference(l);
+    const Vec6 A0 = acceleration_from_reference(l);
     if (flexible_of_link_[l] >= 0) {
       solve_flexible(l, A0, udot);
       continue;
@@ -291,8 +293,8 @@ void Elimination::outward(VecX& udot) {
 }
 
 template <int N>
-void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R37)
-  LinkFactors& link = links_[l];
+void ArticulatedBodies::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R37)
+  ArticulatedBody& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
   const Eigen::Map<const Fixed<N, N>> L(link.L.data());
@@ -302,9 +304,9 @@ void Elimination::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R37)
   for (int k = 0; k < N; ++k) udot(link.free[k]) = solution(k);
 }
 
-void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {  // (R37)
-  LinkFactors& link = links_[l];
-  FlexibleFactors& f = flexible_[flexible_of_link_[l]];
+void ArticulatedBodies::solve_flexible(int l, const Vec6& A0, VecX& udot) {  // (R37)
+  ArticulatedBody& link = links_[l];
+  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[l]];
   f.udot = f.uhat;
   f.udot.noalias() -= f.Kt.lazyProduct(A0);
   f.llt.matrixU().solveInPlace(f.udot);
@@ -316,82 +318,82 @@ void Elimination::solve_flexible(int l, const Vec6& A0, VecX& udot) {  // (R37)
   udot.segment(modes.first_u, modes.n_u) = f.addot;
 }
 
-void Elimination::add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces,
-                                        Eigen::Ref<MatX> on_unknowns) const {
-  const LinkFactors& factors = links_[link];
+void ArticulatedBodies::add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces,
+                                              Eigen::Ref<MatX> on_unknowns) const {
+  const ArticulatedBody& factors = links_[link];
   for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
 }
 
-void Elimination::project(int link, Mat6X& z_r, const MatX& z_a, MatX& eps) const {
+void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
   if (flexible_of_link_[link] >= 0) {
-    const FlexibleFactors& f = flexible_[flexible_of_link_[link]];
-    eps.noalias() += f.H.transpose() * z_r;
-    eps.bottomRows(z_a.rows()) += z_a;
-    f.llt.matrixL().solveInPlace(eps);
-    z_r.noalias() -= f.Kt.transpose() * eps;
+    const FlexibleArticulatedBody& f = flexible_[flexible_of_link_[link]];
+    response.noalias() += f.H.transpose() * z_r;
+    response.bottomRows(z_a.rows()) += z_a;
+    f.llt.matrixL().solveInPlace(response);
+    z_r.noalias() -= f.Kt.transpose() * response;
     return;
   }
   switch (links_[link].n_free) {
     case 0:
       return;
     case 1:
-      return project_rigid<1>(link, z_r, eps);
+      return propagate_force_rigid<1>(link, z_r, response);
     case 2:
-      return project_rigid<2>(link, z_r, eps);
+      return propagate_force_rigid<2>(link, z_r, response);
     case 3:
-      return project_rigid<3>(link, z_r, eps);
+      return propagate_force_rigid<3>(link, z_r, response);
     case 4:
-      return project_rigid<4>(link, z_r, eps);
+      return propagate_force_rigid<4>(link, z_r, response);
     case 5:
-      return project_rigid<5>(link, z_r, eps);
+      return propagate_force_rigid<5>(link, z_r, response);
     default:
-      return project_rigid<6>(link, z_r, eps);
+      return propagate_force_rigid<6>(link, z_r, response);
   }
 }
 
 template <int N>
-void Elimination::project_rigid(int l, Mat6X& z_r, MatX& eps) const {
-  const LinkFactors& link = links_[l];
+void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const {
+  const ArticulatedBody& link = links_[l];
   const Eigen::Map<const Fixed<6, N>> H(free_columns(l));
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
   const Eigen::Map<const Fixed<N, N>> L(link.L.data());
   for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
     Eigen::Map<Vec6> z(z_r.col(c).data());
-    Eigen::Map<Fixed<N, 1>> along(eps.col(c).data());
+    Eigen::Map<Fixed<N, 1>> along(response.col(c).data());
     along.noalias() += H.transpose() * z;
     L.template triangularView<Eigen::Lower>().solveInPlace(along);
     z.noalias() -= K * along;
   }
 }
 
-void Elimination::add_force(int link, const Eigen::Ref<const VecX>& eps) {
+void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& response) {
   if (flexible_of_link_[link] >= 0) {
-    flexible_[flexible_of_link_[link]].uhat += eps;
+    flexible_[flexible_of_link_[link]].uhat += response;
   } else {
-    links_[link].uhat.head(eps.size()) += eps;
+    links_[link].uhat.head(response.size()) += response;
   }
 }
 
 /// The least eigenvalue of H^T I H, its columns scaled by the terms that their inertia is made of.
-std::optional<SlackMotion> Elimination::motion_without_inertia() const {
+std::optional<MotionWithoutInertia> ArticulatedBodies::motion_without_inertia() const {
   constexpr double kLeast = 4.0 * kRoundOff;  // a pivot at round-off must be found here
   for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
-    const LinkFactors& link = links_[l];
+    const ArticulatedBody& link = links_[l];
     if (link.n_free == 0) continue;
     const Eigen::Map<const Mat6X> H(free_columns(l), 6, link.n_free);
-    const MatX terms = H.cwiseAbs().transpose() * link.I.cwiseAbs() * H.cwiseAbs();
+    const MatX terms = H.cwiseAbs().transpose() * link.articulated_inertia.cwiseAbs() * H.cwiseAbs();
     const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
-    const MatX scaled = units.asDiagonal() * H.transpose() * link.I * H * units.asDiagonal();
+    const MatX scaled = units.asDiagonal() * H.transpose() * link.articulated_inertia * H * units.asDiagonal();
     const Eigen::SelfAdjointEigenSolver<MatX> spectrum(scaled);
     if (spectrum.eigenvalues()(0) > kLeast) continue;
-    SlackMotion found{l, JointVector::Zero(link.n_free + link.n_driven)};
+    MotionWithoutInertia found{l, JointVector::Zero(link.n_free + link.n_driven)};
     for (int k = 0; k < link.n_free; ++k) found.u(link.free_column[k]) = units(k) * spectrum.eigenvectors()(k, 0);
     return found;
   }
   return std::nullopt;
 }
 
-void Elimination::throw_indefinite(int l) const {
+void ArticulatedBodies::throw_indefinite(int l) const {
   const Link& link = kinematics_->topology().links[l];
   throw SolverError(
       fmt::format("relative: body '{}' and all that it carries have no inertia against the motion of joint '{}'",

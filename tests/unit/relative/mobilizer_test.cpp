@@ -1,4 +1,4 @@
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 #include <gtest/gtest.h>
 
@@ -12,26 +12,26 @@ namespace {
 
 class MotionOfType : public ::testing::TestWithParam<const joints::JointType*> {
  protected:
-  MotionOfType() : motion_(*GetParam()), numbers_(11) {
-    q_ = motion_.home();
-    const VecX away = numbers_.vector(motion_.n_u(), 1.0);
-    motion_.advance(q_.data(), away.data());
-    u_ = numbers_.vector(motion_.n_u(), 1.5);
+  MotionOfType() : mobilizer_(*GetParam()), numbers_(11) {
+    q_ = mobilizer_.home();
+    const VecX away = numbers_.vector(mobilizer_.n_u(), 1.0);
+    mobilizer_.advance(q_.data(), away.data());
+    u_ = numbers_.vector(mobilizer_.n_u(), 1.5);
   }
 
   JointMotion at(const VecX& q, const VecX& u) const {
     JointMotion motion;
-    motion_.evaluate(q.data(), u.data(), motion);
+    mobilizer_.evaluate(q.data(), u.data(), motion);
     return motion;
   }
   VecX moved(double h) const {
     VecX q = q_;
     const VecX step = h * u_;
-    motion_.advance(q.data(), step.data());
+    mobilizer_.advance(q.data(), step.data());
     return q;
   }
 
-  Motion motion_;
+  Mobilizer mobilizer_;
   test::Numbers numbers_;
   VecX q_;
   VecX u_;
@@ -44,7 +44,7 @@ TEST_P(MotionOfType, ColumnsGiveTheVelocityOfTheMotion) {
   Vec6 expected;
   expected << (ahead.d - behind.d) / (2 * h), rotation_vector(ahead.R * behind.R.transpose()) / (2 * h);
   const JointMotion here = at(q_, u_);
-  EXPECT_LT((here.S.leftCols(motion_.n_u()) * u_ - expected).norm(), 1e-9);
+  EXPECT_LT((here.S.leftCols(mobilizer_.n_u()) * u_ - expected).norm(), 1e-9);
   EXPECT_LT((here.v_rel - expected).norm(), 1e-9);
 }
 
@@ -56,13 +56,13 @@ TEST_P(MotionOfType, RateOfTheColumnsIsTheirDerivative) {
 
 TEST_P(MotionOfType, RatesOfCoordinatesFollowTheSpeeds) {
   const double h = 1e-5;
-  VecX qdot(motion_.n_q());
-  motion_.compute_qdot(q_.data(), u_.data(), qdot.data());
+  VecX qdot(mobilizer_.n_q());
+  mobilizer_.compute_qdot(q_.data(), u_.data(), qdot.data());
   EXPECT_LT((qdot - (moved(h) - moved(-h)) / (2 * h)).norm(), 1e-9);
 }
 
 TEST_P(MotionOfType, StartsAtHomeWithTheFramesTogetherButForItsArms) {
-  const JointMotion home = at(motion_.home(), u_);
+  const JointMotion home = at(mobilizer_.home(), u_);
   Vec3 arms = Vec3::Zero();
   for (const joints::Permit& word : GetParam()->permits) {
     if (const auto* arm = std::get_if<joints::Arm>(&word)) arms += arm->length * Vec3::Unit(index(arm->axis));
@@ -73,48 +73,48 @@ TEST_P(MotionOfType, StartsAtHomeWithTheFramesTogetherButForItsArms) {
 }
 
 TEST_P(MotionOfType, CoordinateWrenchDoesTheWorkOfItsForces) {
-  VecX tau = numbers_.vector(motion_.n_u(), 2.0);
+  VecX tau = numbers_.vector(mobilizer_.n_u(), 2.0);
   const JointMotion here = at(q_, u_);
-  const Vec6 w = motion_.coordinate_wrench(here, tau);
-  EXPECT_LT((here.S.leftCols(motion_.n_u()).transpose() * w - tau).norm(), 1e-14);
+  const Vec6 w = mobilizer_.coordinate_wrench(here, tau);
+  EXPECT_LT((here.S.leftCols(mobilizer_.n_u()).transpose() * w - tau).norm(), 1e-14);
 }
 
-TEST_P(MotionOfType, IsOfFullRankInAGeneralPose) { EXPECT_FALSE(motion_.loses_rank(at(q_, u_))); }
+TEST_P(MotionOfType, IsOfFullRankInAGeneralPose) { EXPECT_FALSE(mobilizer_.loses_rank(at(q_, u_))); }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, MotionOfType, ::testing::ValuesIn(test::all_types()),
                          [](const auto& tested) { return tested.param->name; });
 
-TEST(Motion, RefusesWordsInAnOrderThatTheVocabularyExcludes) {
+TEST(Mobilizer, RefusesWordsInAnOrderThatTheVocabularyExcludes) {
   const joints::JointType slide_after_turn{"odd", {}, {joints::Turn{Axis::x}, joints::Slide{Axis::y}}, {}};
   const joints::JointType word_after_ball{"odd", {}, {joints::Ball{}, joints::Turn{Axis::y}}, {}};
   const joints::JointType turn_lost_in_ball{"odd", {}, {joints::Turn{Axis::x}, joints::Ball{}}, {}};
   const joints::JointType functions_and_more{"odd", {}, {test::type_named("spiral")->permits[0], joints::Ball{}}, {}};
-  EXPECT_THROW(Motion{slide_after_turn}, std::invalid_argument);
-  EXPECT_THROW(Motion{word_after_ball}, std::invalid_argument);
-  EXPECT_THROW(Motion{turn_lost_in_ball}, std::invalid_argument);
-  EXPECT_THROW(Motion{functions_and_more}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{slide_after_turn}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{word_after_ball}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{turn_lost_in_ball}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{functions_and_more}, std::invalid_argument);
 }
 
-TEST(Motion, RefusesAFourthSlideOrTurn) {
+TEST(Mobilizer, RefusesAFourthSlideOrTurn) {
   const joints::Slide x{Axis::x};
   const joints::Turn z{Axis::z};
   const joints::JointType slides{"odd", {}, {x, joints::Slide{Axis::y}, joints::Slide{Axis::z}, x}, {}};
   const joints::JointType turns{"odd", {}, {z, joints::Turn{Axis::x}, joints::Turn{Axis::y}, z}, {}};
-  EXPECT_THROW(Motion{slides}, std::invalid_argument);
-  EXPECT_THROW(Motion{turns}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{slides}, std::invalid_argument);
+  EXPECT_THROW(Mobilizer{turns}, std::invalid_argument);
 }
 
 /// Whether the motion of a type loses rank at its first coordinates, the others at home.
 bool loses_rank_at(const joints::JointType& type, const std::vector<double>& first) {
-  const Motion motion(type);
-  VecX q = motion.home();
+  const Mobilizer mobilizer(type);
+  VecX q = mobilizer.home();
   for (std::size_t c = 0; c < first.size(); ++c) q(static_cast<Eigen::Index>(c)) = first[c];
   JointMotion reached;
-  motion.evaluate(q.data(), VecX::Zero(motion.n_u()).eval().data(), reached);
-  return motion.loses_rank(reached);
+  mobilizer.evaluate(q.data(), VecX::Zero(mobilizer.n_u()).eval().data(), reached);
+  return mobilizer.loses_rank(reached);
 }
 
-TEST(Motion, LosesRankWhereTwoSpeedsDoTheSame) {
+TEST(Mobilizer, LosesRankWhereTwoSpeedsDoTheSame) {
   // A rod along the parent's x; a link along the parent's y; the middle of three turns at a quarter turn.
   EXPECT_TRUE(loses_rank_at(*joints::find("distance"), {0.7, M_PI / 2.0 - 1e-7}));
   EXPECT_FALSE(loses_rank_at(*joints::find("distance"), {0.7, M_PI / 2.0 - 1e-5}));
@@ -126,18 +126,18 @@ TEST(Motion, LosesRankWhereTwoSpeedsDoTheSame) {
   EXPECT_FALSE(loses_rank_at(*joints::find("universal"), {0.2, M_PI / 2.0}));
 }
 
-TEST(Motion, PutsForcesOnSlidesAndTorquesOnTurns) {
+TEST(Mobilizer, PutsForcesOnSlidesAndTorquesOnTurns) {
   test::Numbers numbers(8);
   const auto wrench_of = [&](const char* type, const std::vector<double>& tau) {
-    const Motion motion(*test::type_named(type));
-    VecX q = motion.home();
-    const VecX away = numbers.vector(motion.n_u(), 0.8);
-    motion.advance(q.data(), away.data());
+    const Mobilizer mobilizer(*test::type_named(type));
+    VecX q = mobilizer.home();
+    const VecX away = numbers.vector(mobilizer.n_u(), 0.8);
+    mobilizer.advance(q.data(), away.data());
     JointMotion reached;
-    motion.evaluate(q.data(), VecX::Zero(motion.n_u()).eval().data(), reached);
-    JointVector forces = JointVector::Zero(motion.n_u());
+    mobilizer.evaluate(q.data(), VecX::Zero(mobilizer.n_u()).eval().data(), reached);
+    JointVector forces = JointVector::Zero(mobilizer.n_u());
     for (std::size_t c = 0; c < tau.size(); ++c) forces(static_cast<Eigen::Index>(c)) = tau[c];
-    return motion.coordinate_wrench(reached, forces);
+    return mobilizer.coordinate_wrench(reached, forces);
   };
   // A knee slides along y; its arms put no force anywhere else.
   const Vec6 knee = wrench_of("knee", {0.4, 1.3, -0.7});
@@ -149,36 +149,36 @@ TEST(Motion, PutsForcesOnSlidesAndTorquesOnTurns) {
   EXPECT_GT(rod.head<3>().norm(), 0.1);
 }
 
-TEST(Motion, NamesAPoseOfALinkByItsElevation) {
-  const Motion motion(*joints::find("distance"));
-  VecX q = motion.home();
+TEST(Mobilizer, NamesAPoseOfALinkByItsElevation) {
+  const Mobilizer mobilizer(*joints::find("distance"));
+  VecX q = mobilizer.home();
   q.head<2>() << 0.4, 2.5;
   JointMotion before;
-  const VecX still = VecX::Zero(motion.n_u());
-  motion.evaluate(q.data(), still.data(), before);
-  VecX near = motion.home();
+  const VecX still = VecX::Zero(mobilizer.n_u());
+  mobilizer.evaluate(q.data(), still.data(), before);
+  VecX near = mobilizer.home();
   near(0) = 13.0;
-  motion.choose_chart(q.data(), near.data());
+  mobilizer.choose_chart(q.data(), near.data());
   EXPECT_NEAR(q(1), M_PI - 2.5, 1e-15);
   EXPECT_NEAR(q(0), 0.4 + 5.0 * M_PI, 1e-14);
   JointMotion after;
-  motion.evaluate(q.data(), still.data(), after);
+  mobilizer.evaluate(q.data(), still.data(), after);
   EXPECT_LT((after.d - before.d).norm(), 1e-15);
 }
 
-TEST(Motion, NormalizesEulerParametersOnly) {
-  const Motion motion(*joints::find("free"));
+TEST(Mobilizer, NormalizesEulerParametersOnly) {
+  const Mobilizer mobilizer(*joints::find("free"));
   VecX q(7);
   q << 0.3, 0.4, 0.5, 2.0, -2.0, 4.0, 1.0;
-  motion.normalize(q.data());
+  mobilizer.normalize(q.data());
   VecX expected(7);
   expected << 0.3, 0.4, 0.5, 0.4, -0.4, 0.8, 0.2;
   EXPECT_LT((q - expected).norm(), 1e-15);
 }
 
 /// A thread stands where its turns have brought it, turned by what is left beside them.
-TEST(Motion, LosesNoDigitsOfAThreadAfterManyTurns) {
-  Motion thread(*test::type_named("screw"));
+TEST(Mobilizer, LosesNoDigitsOfAThreadAfterManyTurns) {
+  Mobilizer thread(*test::type_named("screw"));
   const double u = 1.3;
   JointMotion first;
   double q = 0.4;

@@ -1,4 +1,4 @@
-#include "relative/permitted_speeds.h"
+#include "relative/nonholonomic_constraint.h"
 
 #include <fmt/format.h>
 
@@ -47,26 +47,26 @@ Right fitted(const JointColumns& columns,
 
 }  // namespace
 
-PermittedSpeeds::PermittedSpeeds(const joints::JointType& type, const Motion& motion)
-    : motion_(&motion), words_(type.permits_speeds), units_(JointVector::Ones(motion.n_u())) {
+NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Mobilizer& mobilizer)
+    : mobilizer_(&mobilizer), words_(type.permits_speeds), units_(JointVector::Ones(mobilizer.n_u())) {
   if (words_.empty()) return;
-  n_rows_ = motion.n_u() - static_cast<int>(words_.size());
-  for (int c = 0; c < motion.n_u(); ++c) {
-    if (motion.kind(c).is_length) units_(c) = motion.length();
+  n_rows_ = mobilizer.n_u() - static_cast<int>(words_.size());
+  for (int c = 0; c < mobilizer.n_u(); ++c) {
+    if (mobilizer.kind(c).is_length) units_(c) = mobilizer.length();
   }
-  const VecX home = motion.home();
-  const VecX still = VecX::Zero(motion.n_u());
+  const VecX home = mobilizer.home();
+  const VecX still = VecX::Zero(mobilizer.n_u());
   JointMotion at;
-  motion.evaluate(home.data(), still.data(), at);
+  mobilizer.evaluate(home.data(), still.data(), at);
   place_columns(at);
   const double outside =
-      (at.S.leftCols(motion.n_u()) * along_the_motion(at).topRows(motion.n_u()) - S_v_).cwiseAbs().maxCoeff();
+      (at.S.leftCols(mobilizer.n_u()) * in_joint_speeds(at).topRows(mobilizer.n_u()) - S_v_).cwiseAbs().maxCoeff();
   if (n_rows_ > 0 && outside <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
 }
 
-void PermittedSpeeds::place_columns(const JointMotion& at) {  // (S15)
+void NonholonomicConstraint::place_columns(const JointMotion& at) {  // (S15)
   const auto n = static_cast<Eigen::Index>(words_.size());
   S_v_.resize(6, n);
   rates_.resize(6, n);
@@ -87,29 +87,29 @@ void PermittedSpeeds::place_columns(const JointMotion& at) {  // (S15)
 }
 
 /// P with S P = S_v (n_u x words) (R47).
-JointColumns PermittedSpeeds::along_the_motion(const JointMotion& at) const {
-  JointColumns S = at.S.leftCols(motion_->n_u());
+JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) const {
+  JointColumns S = at.S.leftCols(mobilizer_->n_u());
   JointColumns S_v = S_v_;
-  S.topRows<3>() /= motion_->length();
-  S_v.topRows<3>() /= motion_->length();
+  S.topRows<3>() /= mobilizer_->length();
+  S_v.topRows<3>() /= mobilizer_->length();
   const JointColumns scaled = S * units_.asDiagonal();
   JointColumns P = JointColumns::Zero(6, S_v.cols());
-  P.topRows(motion_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
+  P.topRows(mobilizer_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
   return P;
 }
 
 /// w with S_v w = v_rel.
-JointVector PermittedSpeeds::speeds_of(const Vec6& v_rel) const {
+JointVector NonholonomicConstraint::speeds_of(const Vec6& v_rel) const {
   JointColumns S_v = S_v_;
   Vec6 v = v_rel;
-  S_v.topRows<3>() /= motion_->length();
-  v.head<3>() /= motion_->length();
+  S_v.topRows<3>() /= mobilizer_->length();
+  v.head<3>() /= mobilizer_->length();
   return fitted<JointVector>(S_v, v);
 }
 
 /// C: what is orthogonal to P among the joint's speeds. False if two columns of P are one.
-bool PermittedSpeeds::complete(const JointColumns& P) {
-  const int n_u = motion_->n_u();
+bool NonholonomicConstraint::complete(const JointColumns& P) {
+  const int n_u = mobilizer_->n_u();
   OrthonormalColumns directions;
   for (int beyond = n_u; beyond < 6; ++beyond) directions.add(Vec6::Unit(beyond));
   for (Eigen::Index c = 0; c < P.cols(); ++c) {
@@ -125,9 +125,9 @@ bool PermittedSpeeds::complete(const JointColumns& P) {
   return true;
 }
 
-void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) {  // (R48)
+void NonholonomicConstraint::evaluate(const JointMotion& at, const std::string& owner) {  // (R48)
   place_columns(at);
-  if (!complete(along_the_motion(at))) {
+  if (!complete(in_joint_speeds(at))) {
     throw SingularPose(fmt::format(
         "relative: joint '{}': two of the speeds that it permits are one in this pose: its velocity is singular there",
         owner));
@@ -135,7 +135,7 @@ void PermittedSpeeds::evaluate(const JointMotion& at, const std::string& owner) 
   const Vec6 misfit = at.Sdot_u - rates_.lazyProduct(speeds_of(at.v_rel));
   bias_.resize(n_rows_);
   for (int row = 0; row < n_rows_; ++row) {
-    bias_(row) = motion_->coordinate_wrench(at, JointVector(C_.col(row))).dot(misfit);
+    bias_(row) = mobilizer_->coordinate_wrench(at, JointVector(C_.col(row))).dot(misfit);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "relative/permitted_speeds.h"
+#include "relative/nonholonomic_constraint.h"
 
 #include <gtest/gtest.h>
 
@@ -16,42 +16,42 @@ std::vector<const joints::JointType*> slipping_types() {
 
 class RollingType : public ::testing::TestWithParam<const joints::JointType*> {
  protected:
-  RollingType() : motion_(*GetParam(), 1.7), speeds_(*GetParam(), motion_), numbers_(15) {
-    q_ = motion_.home();
-    const VecX away = numbers_.vector(motion_.n_u(), 1.3);
-    motion_.advance(q_.data(), away.data());
+  RollingType() : mobilizer_(*GetParam(), 1.7), speeds_(*GetParam(), mobilizer_), numbers_(15) {
+    q_ = mobilizer_.home();
+    const VecX away = numbers_.vector(mobilizer_.n_u(), 1.3);
+    mobilizer_.advance(q_.data(), away.data());
   }
 
   /// What of u is not permitted at q.
   VecX slip(const VecX& q, const VecX& u) {
     JointMotion at;
-    motion_.evaluate(q.data(), u.data(), at);
+    mobilizer_.evaluate(q.data(), u.data(), at);
     speeds_.evaluate(at, "J");
     const MatX C = speeds_.C();
     return C * (C.transpose() * C).inverse() * C.transpose() * u;
   }
 
-  Motion motion_;
-  PermittedSpeeds speeds_;
+  Mobilizer mobilizer_;
+  NonholonomicConstraint speeds_;
   test::Numbers numbers_;
   VecX q_;
 };
 
 TEST_P(RollingType, StaysPermittedAlongItsMotion) {
-  ASSERT_EQ(speeds_.n_rows(), motion_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
-  VecX u = numbers_.vector(motion_.n_u(), 1.5);
+  ASSERT_EQ(speeds_.n_rows(), mobilizer_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
+  VecX u = numbers_.vector(mobilizer_.n_u(), 1.5);
   u -= slip(q_, u);
   EXPECT_LT(slip(q_, u).norm(), 1e-14);
   JointMotion at;
-  motion_.evaluate(q_.data(), u.data(), at);
+  mobilizer_.evaluate(q_.data(), u.data(), at);
   speeds_.evaluate(at, "J");
   const MatX C = speeds_.C();
-  VecX udot = numbers_.vector(motion_.n_u(), 2.0);
+  VecX udot = numbers_.vector(mobilizer_.n_u(), 2.0);
   udot -= C * (C.transpose() * C).inverse() * (C.transpose() * udot + speeds_.bias());
   const auto slip_at = [&](double h) {
     VecX q = q_;
     const VecX step = h * u + 0.5 * h * h * udot;
-    motion_.advance(q.data(), step.data());
+    mobilizer_.advance(q.data(), step.data());
     return slip(q, u + h * udot);
   };
   const double h = 1e-5;
@@ -61,11 +61,11 @@ TEST_P(RollingType, StaysPermittedAlongItsMotion) {
 INSTANTIATE_TEST_SUITE_P(Catalogue, RollingType, ::testing::ValuesIn(slipping_types()),
                          [](const auto& tested) { return tested.param->name; });
 
-TEST(PermittedSpeeds, RefuseAPageThatContradictsItself) {
+TEST(NonholonomicConstraint, RefuseAPageThatContradictsItself) {
   joints::JointType type = *joints::find("knife_edge");
   type.permits_speeds[0] = joints::SpeedAlong{Side::parent, Axis::z};
-  const Motion motion(type);
-  EXPECT_THROW((PermittedSpeeds{type, motion}), std::invalid_argument);
+  const Mobilizer mobilizer(type);
+  EXPECT_THROW((NonholonomicConstraint{type, mobilizer}), std::invalid_argument);
 }
 
 /// A body on a plane of any tilt, at a joint of the type with the plane as parent.
@@ -87,7 +87,7 @@ Model on_a_plane(const joints::JointType& type, test::Numbers& numbers, double m
 
 /// Chaplygin's sleigh, its centre of mass ahead of the edge by a: v' = a omega^2 + g_x,
 /// (I + m a^2) omega' = -m a (v omega - g_y), and the edge holds it with m (v omega + a omega' - g_y).
-TEST(PermittedSpeeds, ChaplyginsSleighMovesAsInTheBook) {
+TEST(NonholonomicConstraint, ChaplyginsSleighMovesAsInTheBook) {
   test::Numbers numbers(3);
   const double m = 1.7;
   const double a = 0.23;
@@ -130,7 +130,7 @@ Model ball(test::Numbers& numbers, double m, double r) {
   return on_a_plane(*joints::find("rolling_ball"), numbers, m, Vec3::Zero(), 0.4 * m * r * r * Mat3::Identity());
 }
 
-TEST(PermittedSpeeds, BallRollsDownAtFiveSevenths) {
+TEST(NonholonomicConstraint, BallRollsDownAtFiveSevenths) {
   test::Numbers numbers(8);
   const double m = 0.9;
   Model model = ball(numbers, m, 0.25);
@@ -154,7 +154,7 @@ TEST(PermittedSpeeds, BallRollsDownAtFiveSevenths) {
 }
 
 /// On a table that turns at Omega the centre's velocity turns at 2/7 Omega, wherever it is and however the ball spins.
-TEST(PermittedSpeeds, BallOnATurntableCirclesAtTwoSeventhsOfItsRate) {
+TEST(NonholonomicConstraint, BallOnATurntableCirclesAtTwoSeventhsOfItsRate) {
   test::Numbers numbers(4);
   const double Omega = 2.6;
   Model model = ball(numbers, 0.9, 0.25);
@@ -199,7 +199,7 @@ TEST(PermittedSpeeds, BallOnATurntableCirclesAtTwoSeventhsOfItsRate) {
   }
 }
 
-TEST(PermittedSpeeds, AsManySpeedsAreKeptAsVelocitiesAreFree) {
+TEST(NonholonomicConstraint, AsManySpeedsAreKeptAsVelocitiesAreFree) {
   test::Numbers numbers(3);
   const Model model = on_a_plane(*joints::find("knife_edge"), numbers, 1.0, Vec3(0.1, 0.0, 0.2), Mat3::Identity());
   try {

@@ -1,4 +1,4 @@
-#include "relative/motions.h"
+#include "relative/mobilizer.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 /// Columns are dependent if one of them keeps less than this part of the largest beside the others.
 constexpr double kLeastIndependence = 1e-6;
 
-/// A motion so far, extended word by word from the parent's frame; it walks along q and u (R9).
+/// The motion of the words read so far, extended by each word from the parent's frame on; q and u advance with it (R9).
 struct Composition {
   const double* q;
   const double* u;
@@ -157,7 +157,7 @@ bool stand_in_order(const std::vector<joints::Permit>& words) {
 
 }  // namespace
 
-Motion::Motion(const joints::JointType& type, double length)
+Mobilizer::Mobilizer(const joints::JointType& type, double length)
     : words_(type.permits), length_(length), n_q_(type.n_q()), n_u_(type.n_u()) {
   if (!stand_in_order(words_) || n_u_ > 6) {
     throw std::invalid_argument("joint type '" + type.name +
@@ -174,7 +174,7 @@ Motion::Motion(const joints::JointType& type, double length)
   }
 }
 
-void Motion::classify_columns() {
+void Mobilizer::classify_columns() {
   int column = 0;
   int n_turns = 0;
   std::array<bool, 3> slides{};
@@ -219,7 +219,7 @@ void Motion::classify_columns() {
 }
 
 /// Where no speed both displaces and rotates, a fourth of either kind depends on the others in every pose.
-void Motion::require_three_of_a_kind(const std::string& name) const {
+void Mobilizer::require_three_of_a_kind(const std::string& name) const {
   if (couples_) return;
   const auto displacing = std::count_if(kinds_.begin(), kinds_.begin() + n_u_, [](auto k) { return k.displaces; });
   if (displacing <= 3 && n_u_ - displacing <= 3) return;
@@ -229,7 +229,7 @@ void Motion::require_three_of_a_kind(const std::string& name) const {
 }
 
 /// Turn{a}, Turn{b}, Arm{c}, Ball{} with a, b and c at right angles: (q_a, q_b) and (q_a + pi, pi - q_b) are one pose.
-void Motion::find_elevation() {
+void Mobilizer::find_elevation() {
   if (!has_ball_ || words_.size() < 4) return;
   const auto* word = &words_[words_.size() - 4];
   const auto* first = std::get_if<joints::Turn>(word);
@@ -240,11 +240,11 @@ void Motion::find_elevation() {
   if (at_right_angles) elevation_ = n_u_ - 4;
 }
 
-void Motion::count_turns(const double* turns) {
+void Mobilizer::count_turns(const double* turns) {
   if (by_functions_) std::copy_n(turns, n_q_, turns_.begin());
 }
 
-void Motion::evaluate(const double* q, const double* u, JointMotion& motion) const {
+void Mobilizer::evaluate(const double* q, const double* u, JointMotion& motion) const {
   motion.d.setZero();
   motion.R.setIdentity();
   motion.v_rel.setZero();
@@ -253,12 +253,12 @@ void Motion::evaluate(const double* q, const double* u, JointMotion& motion) con
   for (const joints::Permit& word : words_) std::visit(composition, word);
 }
 
-bool Motion::columns_are_dependent(const JointMotion& motion) const {
+bool Mobilizer::columns_are_dependent(const JointMotion& motion) const {
   return couples_ ? depend_together(motion) : depend_separately(motion);
 }
 
 /// A column of S in units that compare: displacements in parts of the length, per unit of its own coordinate.
-Vec6 Motion::comparable(const JointMotion& motion, int column) const {
+Vec6 Mobilizer::comparable(const JointMotion& motion, int column) const {
   Vec6 result = motion.S.col(column);
   result.head<3>() /= length_;
   if (kinds_[column].is_length) result *= length_;
@@ -266,7 +266,7 @@ Vec6 Motion::comparable(const JointMotion& motion, int column) const {
 }
 
 /// Each speed either displaces or rotates.
-bool Motion::depend_separately(const JointMotion& motion) const {
+bool Mobilizer::depend_separately(const JointMotion& motion) const {
   std::array<Mat3, 2> parts{Mat3::Zero(), Mat3::Zero()};
   std::array<int, 2> n{};
   double largest = 0.0;
@@ -279,7 +279,7 @@ bool Motion::depend_separately(const JointMotion& motion) const {
   return !(least > kLeastIndependence * largest);
 }
 
-bool Motion::depend_together(const JointMotion& motion) const {
+bool Mobilizer::depend_together(const JointMotion& motion) const {
   OrthonormalColumns found;
   double largest = 0.0;
   std::array<Vec6, 6> columns;
@@ -301,7 +301,7 @@ bool Motion::depend_together(const JointMotion& motion) const {
 }
 
 /// D with w_d = D (S^T D)^-1 tau.
-JointColumns Motion::wrench_columns(const JointMotion& motion) const {
+JointColumns Mobilizer::wrench_columns(const JointMotion& motion) const {
   if (stated_wrenches_ != nullptr) return stated_wrenches_({motion.d, motion.R});
   JointColumns D = JointColumns::Zero(6, n_u_);
   for (int c = 0; c < n_u_; ++c) {
@@ -312,14 +312,14 @@ JointColumns Motion::wrench_columns(const JointMotion& motion) const {
   return D;
 }
 
-Vec6 Motion::coordinate_wrench(const JointMotion& motion, const JointVector& tau) const {
+Vec6 Mobilizer::coordinate_wrench(const JointMotion& motion, const JointVector& tau) const {
   const JointColumns D = wrench_columns(motion);
   const JointSquare powers = motion.S.leftCols(n_u_).transpose().lazyProduct(D);
   return D.lazyProduct(JointVector(powers.partialPivLu().solve(tau)));
 }
 
 /// Gives the elevation of a link to the wanted side of a quarter turn and all turns to those nearest to `near`.
-void Motion::rename(double* q, const double* near, bool on_far_side) const {
+void Mobilizer::rename(double* q, const double* near, bool on_far_side) const {
   constexpr double kPi = std::numbers::pi;
   if (elevation_ >= 0 && (std::cos(q[elevation_]) < 0.0) != on_far_side) {
     q[elevation_ - 1] += kPi;
@@ -331,12 +331,12 @@ void Motion::rename(double* q, const double* near, bool on_far_side) const {
   }
 }
 
-void Motion::choose_chart(double* q, const double* near) const {
+void Mobilizer::choose_chart(double* q, const double* near) const {
   if (by_functions_) return;
   rename(q, near, elevation_ >= 0 && std::cos(near[elevation_]) < 0.0);
 }
 
-void Motion::choose_canonical_chart(double* q) const {
+void Mobilizer::choose_canonical_chart(double* q) const {
   if (elevation_ < 0 || (std::cos(q[elevation_]) >= 0.0 && std::abs(q[elevation_]) <= 0.5 * std::numbers::pi)) return;
   std::array<double, 6> wanted{};
   std::copy_n(q, n_u_ - 3, wanted.begin());
@@ -344,7 +344,7 @@ void Motion::choose_canonical_chart(double* q) const {
   rename(q, wanted.data(), false);
 }
 
-bool Motion::is_on_branch_of(const double* q, const double* near) const {
+bool Mobilizer::is_on_branch_of(const double* q, const double* near) const {
   if (elevation_ >= 0) return (std::cos(q[elevation_]) < 0.0) == (std::cos(near[elevation_]) < 0.0);
   if (!by_functions_) return true;
   for (int c = 0; c < n_u_; ++c) {
@@ -353,7 +353,7 @@ bool Motion::is_on_branch_of(const double* q, const double* near) const {
   return true;
 }
 
-void Motion::compute_qdot(const double* q, const double* u, double* qdot) const {
+void Mobilizer::compute_qdot(const double* q, const double* u, double* qdot) const {
   walk(
       words_, [&](int iq, int iu) { qdot[iq] = u[iu]; },
       [&](int iq, int iu) {
@@ -362,7 +362,7 @@ void Motion::compute_qdot(const double* q, const double* u, double* qdot) const 
       });
 }
 
-void Motion::advance(double* q, const double* step) const {
+void Mobilizer::advance(double* q, const double* step) const {
   walk(
       words_, [&](int iq, int iu) { q[iq] += step[iu]; },
       [&](int iq, int iu) {
@@ -377,12 +377,12 @@ void Motion::advance(double* q, const double* step) const {
       });
 }
 
-void Motion::normalize(double* q) const {
+void Mobilizer::normalize(double* q) const {
   walk(
       words_, [](int, int) {}, [&](int iq, int) { Eigen::Map<Vec4>(q + iq).normalize(); });
 }
 
-VecX Motion::home() const {
+VecX Mobilizer::home() const {
   VecX q = VecX::Zero(n_q_);
   walk(
       words_,
@@ -393,12 +393,12 @@ VecX Motion::home() const {
   return q;
 }
 
-bool Motion::has_trials(int c) const {
+bool Mobilizer::has_trials(int c) const {
   if (kinds_[c].is_length) return has_range(c);
   return c < n_u_ - (has_ball_ ? 3 : 0);
 }
 
-double Motion::trial(int c, int k, double given) const {
+double Mobilizer::trial(int c, int k, double given) const {
   if (!kinds_[c].is_length) return given + 0.5 * std::numbers::pi * k;
   const auto& [least, greatest] = ranges_[c];
   return least + (greatest - least) * (2 * k + 1) / 8.0;

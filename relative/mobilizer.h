@@ -5,7 +5,7 @@
 #include "common/joints/joint_type.h"
 #include "common/types.h"
 
-/// Evaluation of what a joint permits: the motion q -> (d, R) and its velocity (S14).
+/// Mobilizers: evaluation of what a joint permits, the motion q -> (d, R) and its velocity (S14).
 namespace concord::relative {
 
 /// Six rows and as many columns as a joint has speeds, at most six, without heap memory.
@@ -13,12 +13,12 @@ using JointColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 using JointSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
-/// The motion of a joint at (q, u), components in the parent's joint frame: place d [m] and orientation R of the child,
-/// v_rel = S u = [ddot; omega_rel] and a_rel = S udot + Sdot_u.
+/// The motion of a joint at (q, u), components in the parent's joint frame: position d [m] and orientation R of the
+/// child, v_rel = S u = [ddot; omega_rel] and a_rel = S udot + Sdot_u.
 struct JointMotion {
   Vec3 d = Vec3::Zero();
   Mat3 R = Mat3::Identity();
-  Mat6 S = Mat6::Zero();  // only the first n_u columns mean something
+  Mat6 S = Mat6::Zero();  // only the first n_u columns are defined
   Vec6 v_rel = Vec6::Zero();
   Vec6 Sdot_u = Vec6::Zero();
 };
@@ -31,15 +31,15 @@ struct ColumnKind {
   bool is_fixed = false;   // the column is the same in every pose
 };
 
-/// Evaluator of the words of one joint type's motion.
-class Motion {
+/// The mobilizer of one joint type: the motion that its words permit, as a function of joint coordinates and speeds.
+class Mobilizer {
  public:
   /// `length` [m]: the displacement that counts as much as a radian where the two must be weighed against each other.
   /// Throws std::invalid_argument if the words stand in an order that the vocabulary excludes: a motion is slides, then
   /// turns, then at most one ball, with arms anywhere before it; a turn before a ball must carry an arm, for the ball
   /// takes its rotation away; a motion by functions stands alone. Also if more than three speeds only displace, or only
   /// rotate.
-  explicit Motion(const joints::JointType& type, double length = 1.0);
+  explicit Mobilizer(const joints::JointType& type, double length = 1.0);
 
   [[nodiscard]] int n_q() const { return n_q_; }
   [[nodiscard]] int n_u() const { return n_u_; }
@@ -101,7 +101,7 @@ class Motion {
   [[nodiscard]] VecX home() const;
 
   /// Whether coordinate q[c] is worth trying elsewhere when a pose is not found, and its k-th trial value, k = 0 .. 3:
-  /// quarter turns from `given`, or places spread over the range that a motion by functions states.
+  /// quarter turns from `given`, or values spread over the range that a motion by functions states.
   [[nodiscard]] bool has_trials(int c) const;
   [[nodiscard]] double trial(int c, int k, double given) const;
 

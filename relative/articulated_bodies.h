@@ -9,21 +9,22 @@
 #include "relative/closure.h"
 #include "relative/velocity_transformation.h"
 
-/// Mbar udot = gbar (R32) of the opened tree, solved link by link without forming B or Mbar.
+/// Articulated-body passes: Mbar udot = gbar (R32) of the opened tree, solved link by link without forming B or Mbar.
 namespace concord::relative {
 
-/// Factors of one link. With H = [H_free, -Ha] (6 rows, n columns) and I, p the inertia and bias force of the body and
-/// of all that it carries, udot_free = L^-T (uhat - K^T A0), where A0 is what the reference body alone would give.
-struct LinkFactors {
+/// One link with all links outboard of it as an articulated body: its articulated inertia I and bias force p, and the
+/// factors of its joint. With H = [H_free, -Ha] (6 rows, n columns), udot_free = L^-T (uhat - K^T A0), where A0 is the
+/// acceleration that the reference body alone would give.
+struct ArticulatedBody {
   int n_free = 0;             // free joint speeds
-  std::array<int, 6> free{};  // their places in u
+  std::array<int, 6> free{};  // their indices in u
   int n_driven = 0;
-  std::array<int, 6> driven{};  // places of the driven ones in u
+  std::array<int, 6> driven{};  // indices of the driven ones in u
   std::array<int, 6> free_column{};
   std::array<int, 6> driven_column{};
   Mat6 H_free = Mat6::Zero();  // used only where some speeds are driven
-  Mat6 I = Mat6::Zero();
-  Vec6 p = Vec6::Zero();
+  Mat6 articulated_inertia = Mat6::Zero();
+  Vec6 bias_force = Vec6::Zero();
   Vec6 c = Vec6::Zero();    // D and what the driven speeds add
   Vec6 tau = Vec6::Zero();  // of joint springs on the free speeds
   Mat6 K = Mat6::Zero();    // 6 x n_free, contiguous
@@ -32,11 +33,12 @@ struct LinkFactors {
   Vec6 Vdot = Vec6::Zero();  // [vdot; omegadot] of the body
 };
 
-/// The same with the modal speeds among the unknowns: n = n_free + m of them.
-struct FlexibleFactors {
-  Mat6X I_ra;
-  MatX I_aa;
-  VecX p_a;
+/// The same of a flexible link, whose modal speeds are among the unknowns: n = n_free + m of them. The articulated
+/// inertia has the modal blocks inertia_ra and inertia_aa besides, the bias force the modal rows bias_force_a.
+struct FlexibleArticulatedBody {
+  Mat6X inertia_ra;
+  MatX inertia_aa;
+  VecX bias_force_a;
   Mat6X H;               // [H_free, -Ha]
   Mat6X U;               // top rows of I [H; 0 1]
   MatX U_a;              // modal rows, m x n
@@ -49,23 +51,26 @@ struct FlexibleFactors {
 };
 
 /// A motion of a link's joint: its speeds.
-struct SlackMotion {
+struct MotionWithoutInertia {
   int link;
   JointVector u;
 };
 
-/// Recursive elimination over the tree. All memory is laid out at construction.
-class Elimination {
+/// Articulated inertias and bias forces of all links by a backward pass over the tree, accelerations by a forward pass.
+/// All memory is laid out at construction.
+class ArticulatedBodies {
  public:
   /// The kinematics must outlive this object. `driven`: speeds whose accelerations are prescribed.
-  Elimination(const Kinematics& kinematics, const Held& driven);
+  ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven);
 
-  /// Eliminates inward: inertias of all bodies (by link), applied forces, prescribed accelerations in udot. Throws
-  /// SolverError if the inertia of a link is not positive definite.
-  void inward(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
+  /// From the outermost links to ground: articulated inertias and bias forces from the inertias of all bodies (by
+  /// link), the applied forces and the prescribed accelerations in udot. Throws SolverError if the inertia of a link is
+  /// not positive definite.
+  void backward_pass(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
 
-  /// Solves outward: writes the free entries of udot (tree part) and the accelerations of all bodies.
-  void outward(VecX& udot);
+  /// From ground to the outermost links: writes the free entries of udot (tree part) and the accelerations of all
+  /// bodies.
+  void forward_pass(VecX& udot);
 
   [[nodiscard]] const Vec6& acceleration(int body) const;
   /// addot of a body; nullptr if it is rigid.
@@ -81,17 +86,17 @@ class Elimination {
   void add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
 
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
-  /// in eps forces on its unknowns (n x c): makes of eps their part along the unknowns, L^-1 (eps + H^T z), and leaves
-  /// in z_r what the reference body feels.
-  void project(int link, Mat6X& z_r, const MatX& z_a, MatX& eps) const;
+  /// in response forces on its unknowns (n x c): makes of response their part along the unknowns, L^-1
+  /// (response + H^T z), and leaves in z_r what is passed to the reference body.
+  void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
 
-  /// Adds to a link's right side what a generalized force of projection `eps` (n numbers) adds.
-  void add_force(int link, const Eigen::Ref<const VecX>& eps);
+  /// Adds to a link's right side what a generalized force of projection `response` (n numbers) adds.
+  void add_force(int link, const Eigen::Ref<const VecX>& response);
 
   /// The outermost link of the opened tree whose joint can move without inertia, and the joint's speeds u (n_u) in that
-  /// motion, driven ones at rest; after inward(), also one that threw. "Without" means below round-off of the terms
-  /// that the inertia is made of.
-  [[nodiscard]] std::optional<SlackMotion> motion_without_inertia() const;
+  /// motion, driven ones at rest; after backward_pass(), also one that threw. "Without" means below round-off of the
+  /// terms that the inertia is made of.
+  [[nodiscard]] std::optional<MotionWithoutInertia> motion_without_inertia() const;
 
  private:
   void load_bodies(const std::vector<BodyInertia>& inertias);
@@ -102,10 +107,10 @@ class Elimination {
   void eliminate_rigid(int l);
   void dispatch_rigid(int l);
   void eliminate_flexible(int l);
-  void transmit(int l, const Mat6& I, const Vec6& p);
-  [[nodiscard]] Vec6 from_reference(int l) const;
+  void add_to_reference_body(int l, const Mat6& I, const Vec6& p);
+  [[nodiscard]] Vec6 acceleration_from_reference(int l) const;
   template <int N>
-  void project_rigid(int l, Mat6X& z_r, MatX& eps) const;
+  void propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const;
   template <int N>
   void solve_rigid(int l, const Vec6& A0, VecX& udot);
   void solve_flexible(int l, const Vec6& A0, VecX& udot);
@@ -113,9 +118,9 @@ class Elimination {
   [[noreturn]] void throw_indefinite(int l) const;
 
   const Kinematics* kinematics_;
-  std::vector<LinkFactors> links_;
+  std::vector<ArticulatedBody> links_;
   std::vector<int> flexible_of_link_;  // -1: rigid
-  std::vector<FlexibleFactors> flexible_;
+  std::vector<FlexibleArticulatedBody> flexible_;
   Vec6 ground_ = Vec6::Zero();
 };
 

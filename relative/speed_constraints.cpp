@@ -1,0 +1,166 @@
+#include "relative/speed_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace concord::relative {
+
+namespace {
+
+int index_in_u(const CouplingTerm& term, const Joint& joint) {
+  return first_u(*joint.type, term.word) + term.component;
+}
+
+int index_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
+  const joints::JointType& type = *kinematics.model().joints[term.joint].type;
+  return kinematics.topology().joints[term.joint].first_q + first_q(type, term.word) + term.component;
+}
+
+int index_of(const std::vector<int>& joints, int joint) {
+  const auto found = std::find(joints.begin(), joints.end(), joint);
+  return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
+}
+
+int link_of(const Topology& topology, int joint) {
+  const auto found = std::find_if(topology.links.begin(), topology.links.end(),
+                                  [joint](const Link& link) { return link.joint == joint; });
+  return found == topology.links.end() ? -1 : static_cast<int>(found - topology.links.begin());
+}
+
+}  // namespace
+
+double size_of(const Coupling& coupling, const Model& model, double length) {
+  double sum = 0.0;
+  for (const CouplingTerm& term : coupling.terms) {
+    const Joint& joint = model.joints[term.joint];
+    const bool slides = Mobilizer(*joint.type).kind(index_in_u(term, joint)).is_length;
+    sum += std::pow(term.factor * (slides ? length : 1.0), 2);
+  }
+  return std::sqrt(sum);
+}
+
+double compute_position_residual(const Coupling& coupling, const Kinematics& kinematics, const VecX& q) {
+  double position_residual = 0.0;
+  long double turned = -static_cast<long double>(coupling.offset);  // whole turns cancel against the offset
+  for (const CouplingTerm& term : coupling.terms) {
+    const int place = index_in_q(term, kinematics);
+    position_residual += term.factor * q(place);
+    turned += term.factor * (kWholeTurn * kinematics.turns()(place));
+  }
+  return position_residual + static_cast<double>(turned);
+}
+
+double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, const VecX& q) {
+  double largest = 0.0;
+  for (const CouplingTerm& term : coupling.terms) {
+    largest = std::max(largest, std::abs(term.factor * q(index_in_q(term, kinematics))));
+  }
+  return largest;
+}
+
+double compute_velocity_residual(const Coupling& coupling, const Model& model, const Topology& topology,
+                                 const VecX& u) {
+  double velocity_residual = 0.0;
+  for (const CouplingTerm& term : coupling.terms) {
+    velocity_residual +=
+        term.factor * u(topology.joints[term.joint].first_u + index_in_u(term, model.joints[term.joint]));
+  }
+  return velocity_residual;
+}
+
+SpeedConstraints::SpeedConstraints(const Kinematics& kinematics, const PrescribedMask& prescribed, int first_row)
+    : kinematics_(&kinematics), prescribed_(prescribed), first_row_(first_row) {
+  const Model& model = kinematics.model();
+  for (std::size_t g = 0; g < model.couplings.size(); ++g) add_coupling(static_cast<int>(g));
+  n_position_rows_ = n_rows_;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) add_nonholonomic(static_cast<int>(k));
+}
+
+ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, int joint) {
+  for (ConstrainedJoint& part : constraint.joints) {
+    if (part.joint == joint) return part;
+  }
+  const Topology& topology = kinematics_->topology();
+  const int n_u = topology.joints[joint].n_u;
+  constraint.joints.push_back({joint, index_of(topology.cuts, joint), link_of(topology, joint),
+                               JointSquare::Zero(n_u, constraint.n_rows), JointColumns::Zero(6, constraint.n_rows),
+                               JointColumns::Zero(6, constraint.n_rows)});
+  return constraint.joints.back();
+}
+
+void SpeedConstraints::add_coupling(int number) {  // (R49)
+  const Model& model = kinematics_->model();
+  const Coupling& coupling = model.couplings[number];
+  SpeedConstraint constraint{first_row_ + n_rows_, 1, number, size_of(coupling, model, machine_length(model)), {},
+                             JointVector::Zero(1)};
+  for (const CouplingTerm& term : coupling.terms) {
+    part_of(constraint, term.joint).C(index_in_u(term, model.joints[term.joint]), 0) = term.factor / constraint.size;
+  }
+  constraints_.push_back(std::move(constraint));
+  n_rows_ += 1;
+}
+
+void SpeedConstraints::add_nonholonomic(int joint) {
+  NonholonomicConstraint permitted(*kinematics_->model().joints[joint].type, kinematics_->mobilizer(joint));
+  if (permitted.n_rows() == 0) return;
+  SpeedConstraint constraint{
+      first_row_ + n_rows_, permitted.n_rows(), -1, 1.0, {}, JointVector::Zero(permitted.n_rows())};
+  part_of(constraint, joint);
+  n_rows_ += constraint.n_rows;
+  constraints_.push_back(std::move(constraint));
+  nonholonomic_.push_back(std::move(permitted));
+}
+
+bool SpeedConstraints::is_prescribed(const ConstrainedJoint& part, int c) const {
+  return prescribed_[kinematics_->topology().joints[part.joint].first_u + c] != 0;
+}
+
+const JointMotion& SpeedConstraints::motion_of(const ConstrainedJoint& part, const std::vector<CutJoint>& cuts) const {
+  return part.cut < 0 ? kinematics_->joint_motion(part.joint) : cuts[part.cut].measure.motion_at();
+}
+
+/// The wrenches of a cut joint's rows, and what is left of its velocity beside S u, seen along them (R50).
+void SpeedConstraints::measure_cut(ConstrainedJoint& part, const CutJoint& cut, VecX::SegmentReturnType velocity_rows) {
+  const JointPoint& parent = kinematics_->point(part.joint, Side::parent);
+  for (Eigen::Index row = 0; row < part.C.cols(); ++row) {
+    JointVector tau = part.C.col(row);
+    for (int c = 0; c < static_cast<int>(tau.size()); ++c) {
+      if (is_prescribed(part, c)) tau(c) = 0.0;
+    }
+    const Vec6 w = kinematics_->mobilizer(part.joint).coordinate_wrench(cut.measure.motion_at(), tau);
+    part.T.col(row) = w;
+    part.T_global.col(row) << parent.A * w.head<3>(), parent.A * w.tail<3>();
+    velocity_rows(row) += w.dot(cut.measure.velocity_residual());
+  }
+}
+
+void SpeedConstraints::measure(const std::vector<CutJoint>& cuts, const VecX& q, const VecX& u, VecX& position_residual,
+                               VecX& velocity_residual) {
+  const Model& model = kinematics_->model();
+  std::size_t next_nonholonomic = 0;
+  for (SpeedConstraint& constraint : constraints_) {
+    if (!constraint.is_coupling()) {
+      ConstrainedJoint& part = constraint.joints.front();
+      NonholonomicConstraint& permitted = nonholonomic_[next_nonholonomic++];
+      permitted.evaluate(motion_of(part, cuts), model.joints[part.joint].name);
+      part.C = permitted.C();
+      constraint.bias = permitted.bias();
+    }
+    auto velocity_rows = velocity_residual.segment(constraint.first_row, constraint.n_rows);
+    velocity_rows.setZero();
+    for (ConstrainedJoint& part : constraint.joints) {
+      const Span& span = kinematics_->topology().joints[part.joint];
+      velocity_rows.noalias() += part.C.transpose().lazyProduct(u.segment(span.first_u, span.n_u));
+      if (part.cut >= 0) measure_cut(part, cuts[part.cut], velocity_rows);
+    }
+    if (!constraint.is_coupling()) continue;
+    // The coordinates of a cut joint that is not closed yet: measured along the wrenches by which they move.
+    double& found = position_residual(constraint.first_row);
+    found = compute_position_residual(model.couplings[constraint.coupling], *kinematics_, q) / constraint.size;
+    for (const ConstrainedJoint& part : constraint.joints) {
+      if (part.cut >= 0) found += part.T.col(0).dot(cuts[part.cut].measure.position_residual());
+    }
+  }
+}
+
+}  // namespace concord::relative
