@@ -252,8 +252,8 @@ int Equations::contradicted_row() {
   VecX solution(unknowns_.size());
   solution.head(layout_.n_Y()) = Ydot_;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
-    unknowns_(place_of(row)) = gamma_(row);
-    solution(place_of(row)) = lambda_(row);
+    unknowns_(index_of(row)) = gamma_(row);
+    solution(index_of(row)) = lambda_(row);
   }
   matrix_->subtract_product(solution, unknowns_);
   const double rate = natural_rate();
@@ -263,7 +263,7 @@ int Equations::contradicted_row() {
   int found = -1;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     if (active_[row] || !(row_sizes()(row) > 0.0)) continue;
-    const double misfit = std::abs(unknowns_(place_of(row))) / row_sizes()(row);
+    const double misfit = std::abs(unknowns_(index_of(row))) / row_sizes()(row);
     if (misfit <= worst) continue;
     worst = misfit;
     found = row;
