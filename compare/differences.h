@@ -14,7 +14,7 @@ struct SlopeMisfit {
   /// The largest entry of slope minus the expected one, over its scale.
   double size = std::numeric_limits<double>::infinity();
   /// What the quotients themselves leave open in each entry: by how much the two quotients across 0 of neighbouring
-  /// steps that agree best differ. Zero where the first step was good enough.
+  /// steps that agree best differ, and at least what is good enough.
   VecX doubt;
 };
 
@@ -36,7 +36,7 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
     }
   };
   VecX before;
-  best.doubt = VecX::Zero(expected.size());
+  best.doubt = enough * scales;
   double least_doubt = std::numeric_limits<double>::infinity();
   double h = step;
   for (int k = 0; k < kSteps && !(best.size <= enough); ++k, h *= kShrink) {
@@ -49,7 +49,7 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
       const double size = doubt.cwiseQuotient(scales).maxCoeff();
       if (size < least_doubt) {
         least_doubt = size;
-        best.doubt = doubt;
+        best.doubt = doubt.cwiseMax(enough * scales);
       }
     }
     before = across;

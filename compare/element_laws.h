@@ -12,7 +12,7 @@
 namespace concord::compare {
 
 /// What a force element exerts by its law, derived for the third opinion alone from the statement of the element
-/// (data/README.md, common/force_elements.h, common/tire.h). The statement must outlive it.
+/// (data/format, common/force_elements.h, common/tire.h). The statement must outlive it.
 class ElementLaw {
  public:
   explicit ElementLaw(const ForceElement& stated);

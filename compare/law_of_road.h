@@ -7,7 +7,7 @@
 
 namespace concord::compare {
 
-/// A road's profile as the third opinion evaluates it, from its statement in data/README.md alone. The statement must
+/// A road's profile as the third opinion evaluates it, from its statement in data/format alone. The statement must
 /// outlive it.
 class LawOfRoad {
  public:

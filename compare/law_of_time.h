@@ -6,7 +6,7 @@
 #include "common/time_function.h"
 
 /// Laws of time and curves through points as the third opinion evaluates them: written from their statement in
-/// data/README.md, without the evaluators that the solvers call. Derivatives are never written down: they follow from
+/// data/format, without the evaluators that the solvers call. Derivatives are never written down: they follow from
 /// the value by the rules of Moving.
 namespace concord::compare {
 

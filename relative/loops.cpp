@@ -377,7 +377,7 @@ int Loops::contradicted_row(double allowed) const {
   if (rank_ == static_cast<int>(lambda_.size())) return found;
   double worst = allowed;
   for (int row = 0; row < static_cast<int>(lambda_.size()); ++row) {
-    if (scale_(row) == 0.0 || std::binary_search(used_.begin(), used_.end(), row)) continue;
+    if (std::binary_search(used_.begin(), used_.end(), row)) continue;
     const double misfit = std::abs(residual_(row)) / closure_->row_units()(row);
     if (misfit <= worst) continue;
     worst = misfit;

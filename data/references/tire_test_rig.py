@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the tire of models/tire_test_rig.toml must do, from the statement in data/README.md alone; writes
+"""What the tire of models/tire_test_rig.toml must do, from the statement in data/format alone; writes
 tire_test_rig.csv. The wheel's motion is prescribed, so that no equation of motion is solved."""
 from math import cos, pi, radians, sin, sqrt
 

@@ -49,7 +49,7 @@ TEST_CASE("The tires of the car at rest bear what statics says of its axles", "[
       return element_on(model, evaluation, end + "_left_tire").force.z() +
              element_on(model, evaluation, end + "_right_tire").force.z();
     };
-    // data/README.md: sprung mass by its lever, axle masses, and the trailing arms' centres ahead of their wheels.
+    // models/README.md: sprung mass by its lever, axle masses, and the trailing arms' centres ahead of their wheels.
     CHECK(axle("front") == Approx(7433.0).epsilon(0.005));
     CHECK(axle("rear") == Approx(4593.0).epsilon(0.005));
   }
@@ -160,7 +160,7 @@ TEST_CASE("Bounce, pitch and wheel hop of the undamped car are those of its rate
           "[car]") {
   const Model model = undamped(settled("car"));
   const double tire = 190e3;
-  // By hand, data/README.md: the spring's rate at the wheel, and how the ratio of their travels changes under its load.
+  // By hand, models/README.md: the spring's rate at the wheel, and what the change of the travels' ratio adds.
   const double front = 21.9e3 + 3589.0 * 0.909 + 34.0;
   const double rear = 21.9e3 + 2538.0 * 0.212;
   const double twist = 2.0 * (79.3e9 * 5.12e-9 + 12.0 * 2.1e11 * 2.5e-7 * 0.03 * 0.03) / (0.4 * 0.4);

@@ -6,12 +6,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <stdexcept>
 
 #include "broken_models.h"
-#include "common/modes_file.h"
 #include "common/rotation.h"
 
 namespace concord {
@@ -536,40 +534,6 @@ INSTANTIATE_TEST_SUITE_P(All, BrokenModelFile, testing::ValuesIn(broken_models()
                          [](const auto& one) { return one.param.name; });
 
 TEST(ModelFile, TheSoundModelIsSound) { EXPECT_NO_THROW(parse_model(kSoundModel, "m.toml")); }
-
-/// The ```toml blocks of a Markdown file.
-std::vector<std::string> examples_in(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::vector<std::string> examples;
-  bool inside = false;
-  for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with("```")) {
-      inside = line == "```toml";
-      if (inside) examples.emplace_back();
-    } else if (inside) {
-      examples.back() += line + "\n";
-    }
-  }
-  return examples;
-}
-
-TEST(DataReadme, EveryExampleIsReadWithoutAComplaint) {
-  const std::filesystem::path readme = CONCORD_DATA "/README.md";
-  const std::vector<std::string> examples = examples_in(readme);
-  EXPECT_GE(examples.size(), 5U);
-  for (const std::string& example : examples) {
-    const bool is_model = example.find("[[body]]") != std::string::npos;
-    try {
-      if (is_model) {
-        EXPECT_GE(parse_model(example, readme).bodies.size(), 2U);
-      } else {
-        EXPECT_GE(parse_modes(example, readme).n_modes(), 1);
-      }
-    } catch (const InputError& error) {
-      ADD_FAILURE() << error.what() << "\nin\n" << example;
-    }
-  }
-}
 
 std::vector<std::string> shipped_models() {
   std::vector<std::string> names;

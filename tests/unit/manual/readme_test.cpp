@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+/// The READMEs against the program and the folders: command lines that they print have options that exist, paths that
+/// they name exist, and their lines fit.
+namespace concord {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = CONCORD_SOURCE;
+
+struct PageLine {
+  fs::path page;
+  int number = 0;
+  std::string text;
+  bool is_code = false;
+};
+
+std::string place(const PageLine& line) {
+  return fs::relative(line.page, kRoot).generic_string() + ":" + std::to_string(line.number) + ": " + line.text;
+}
+
+bool is_manual_page(const fs::path& path) { return path.extension() == ".md" && path.filename() != "THEORY.md"; }
+
+std::vector<fs::path> manual_pages() {
+  std::vector<fs::path> pages{kRoot / "README.md", kRoot / ".github/CONTRIBUTING.md"};
+  for (const std::string folder : {"common", "cartesian", "relative", "compare", "data", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      if (is_manual_page(entry.path())) pages.push_back(entry.path());
+    }
+  }
+  return pages;
+}
+
+std::vector<PageLine> manual_lines() {
+  std::vector<PageLine> lines;
+  for (const fs::path& page : manual_pages()) {
+    std::ifstream file(page);
+    EXPECT_TRUE(file.good()) << page;
+    PageLine line{page, 0, "", false};
+    while (std::getline(file, line.text)) {
+      ++line.number;
+      const bool is_fence = line.text.rfind("```", 0) == 0;
+      if (is_fence) line.is_code = !line.is_code;
+      if (!is_fence) lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+std::vector<std::string> matches_in(const std::string& text, const std::regex& pattern) {
+  std::vector<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
+    found.push_back((*match)[1]);
+  }
+  return found;
+}
+
+/// Text in backquotes, and the whole line in a code block.
+std::vector<std::string> code_in(const PageLine& line) {
+  static const std::regex quoted("`([^`]+)`");
+  if (line.is_code) return {line.text};
+  return matches_in(line.text, quoted);
+}
+
+TEST(Readme, LinesOfProseFit) {
+  for (const PageLine& line : manual_lines()) {
+    const bool may_be_longer = line.is_code || line.text.rfind('|', 0) == 0 || line.text.rfind("![", 0) == 0;
+    if (!may_be_longer) EXPECT_LE(line.text.size(), 120U) << place(line);
+  }
+}
+
+TEST(Readme, EveryLinkLeadsToAFile) {
+  static const std::regex link(R"(\]\(([^)# ]+)[^)]*\))");
+  int links = 0;
+  for (const PageLine& line : manual_lines()) {
+    if (line.is_code) continue;
+    for (const std::string& target : matches_in(line.text, link)) {
+      if (target.find("://") != std::string::npos) continue;
+      ++links;
+      EXPECT_TRUE(fs::exists(line.page.parent_path() / target)) << "no such file: " << target << "\n" << place(line);
+    }
+  }
+  EXPECT_GE(links, 50);
+}
+
+/// Paths from the root of the project begin with one of its folders; names with a pattern or a placeholder are left
+/// out, and so is what a build makes.
+TEST(Readme, EveryPathThatIsNamedExists) {
+  static const std::regex path(
+      R"((?:^|[ =(])((?:common|cartesian|relative|compare|data|tests|\.github|\.ci)/[A-Za-z0-9_./]+))");
+  const std::vector<std::string> endings{"", ".h", ".cpp"};
+  int paths = 0;
+  for (const PageLine& line : manual_lines()) {
+    for (const std::string& code : code_in(line)) {
+      if (code.find_first_of("*<>{") != std::string::npos) continue;
+      for (const std::string& name : matches_in(code, path)) {
+        ++paths;
+        bool is_there = false;
+        for (const std::string& ending : endings) is_there = is_there || fs::exists(kRoot / (name + ending));
+        EXPECT_TRUE(is_there) << "no such file: " << name << "\n" << place(line);
+      }
+    }
+  }
+  EXPECT_GE(paths, 30);
+}
+
+#ifdef CONCORD_PROGRAM
+std::string output_of(const std::string& command) {
+  std::string output;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return output;
+  std::array<char, 4096> buffer{};
+  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) output += buffer.data();
+  pclose(pipe);
+  return output;
+}
+
+std::set<std::string> options_in(const std::string& text) {
+  static const std::regex option("(--[a-z][a-z-]*)");
+  const std::vector<std::string> found = matches_in(text, option);
+  return {found.begin(), found.end()};
+}
+
+/// The options of a subcommand as its --help lists them; none if there is no such subcommand.
+std::set<std::string> options_of(const std::string& subcommand) {
+  static const std::string program = std::string("'") + CONCORD_PROGRAM + "' ";
+  static const std::string overview = output_of(program + "--help");
+  if (overview.find("\n  " + subcommand + " ") == std::string::npos) return {};
+  return options_in(output_of(program + subcommand + " --help"));
+}
+
+/// A command line in a code block ends at a comment or at the next command; in prose it is what the backquotes hold.
+TEST(Readme, EveryCommandLineHasOptionsThatExist) {
+  static const std::regex command(R"re((?:^|[ /])(?:compare/run|concord) +([a-z]+(?: +[^ #&|]+)*))re");
+  std::map<std::string, std::set<std::string>> known;
+  int commands = 0;
+  for (const PageLine& line : manual_lines()) {
+    for (const std::string& code : code_in(line)) {
+      for (const std::string& arguments : matches_in(code, command)) {
+        const std::string subcommand = arguments.substr(0, arguments.find(' '));
+        if (known.count(subcommand) == 0) known[subcommand] = options_of(subcommand);
+        const std::set<std::string>& options = known[subcommand];
+        const bool is_command_line = arguments.find("--") != std::string::npos || line.is_code;
+        if (options.empty() && !is_command_line) continue;  // "concord night" names a format
+        ++commands;
+        EXPECT_FALSE(options.empty()) << "no such subcommand: " << subcommand << "\n" << place(line);
+        for (const std::string& option : options_in(arguments)) {
+          EXPECT_EQ(options.count(option), 1U) << subcommand << " has no " << option << "\n" << place(line);
+        }
+      }
+    }
+  }
+  EXPECT_GE(commands, 30);
+}
+#endif
+
+}  // namespace
+}  // namespace concord
