@@ -160,10 +160,13 @@ VecX closing_sizes(const Equations& equations, const SparseMatrix& jacobian) {
   return sizes.unaryExpr([](double size) { return size > 0.0 ? size : 1.0; });
 }
 
-/// Rank of a closing Jacobian over steps.
-int rank_of_rows(const Equations& equations, SparseMatrix jacobian) {
+/// Rank of a closing Jacobian over steps; `coarse`: singular values below kRootOfRoundOff of the largest count as zero.
+int rank_of_rows(const Equations& equations, SparseMatrix jacobian, bool coarse = false) {
+  constexpr double kRootOfRoundOff = 1e-6;
   jacobian = closing_sizes(equations, jacobian).cwiseInverse().asDiagonal() * jacobian;
-  return decide_rank(jacobian).rank;
+  const RankDecision decision = decide_rank(jacobian);
+  if (!coarse) return decision.rank;
+  return static_cast<int>(jacobian.rows() - (decision.near_values.array() <= kRootOfRoundOff).count());
 }
 
 /// Residuals by the sizes of their rows, and the Jacobian that goes with them: numbers in the machine's units.
@@ -346,12 +349,12 @@ void seek_turns(Equations& equations, double t, Modes modes, const std::vector<V
   equations.count_turns_from(known);
 }
 
-KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y) {
+KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y, bool coarse) {
   equations.update(t, q, Y);
   const VecX units = units_of_steps(equations, Modes::kept);
   const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
-    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units));
+    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units), coarse);
   };
   const std::vector<KeptRow> coordinates = kept_rows(equations, Kept::coordinates);
   const std::vector<KeptRow> speeds = kept_rows(equations, Kept::speeds);

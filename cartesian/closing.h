@@ -57,6 +57,7 @@ struct KeptCount {
   int independent_coordinates = 0;
   int independent_speeds = 0;
 };
-KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y);
+/// `coarse`: what rows have of their own counts from 1e-6 of the largest on, instead of 1e-10.
+KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y, bool coarse = false);
 
 }  // namespace concord::cartesian

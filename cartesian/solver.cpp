@@ -83,7 +83,12 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(turns);
     const Closing closing = close_machine(equations_, 0.0, Hold::start, Modes::kept, motion_.q, motion_.Y);
     equations_.constraints().write_turns(turns);
-    const KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y);
+    KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y, false);
+    // Where rows depend on each other, a closed pose may be known to the root of round-off only.
+    if (!is_right(kept)) {
+      const KeptCount coarse = count_kept(equations_, 0.0, motion_.q, motion_.Y, true);
+      if (is_right(coarse)) kept = coarse;
+    }
     refuse_wrong_count(kept, closing);
     if (!closing.closed) {
       throw InputError(first_place(closing.joints_left_open),
@@ -247,10 +252,14 @@ class CartesianSolver : public Solver {
     return names;
   }
 
+  static bool is_right(const KeptCount& kept) {
+    return kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom;
+  }
+
   void refuse_wrong_count(const KeptCount& kept, const Closing& closing) const {
     // Off the constraints redundant rows look independent: count only where the machine closed.
     if (!closing.closed) return;
-    if (kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom) return;
+    if (is_right(kept)) return;
     const std::string found = fmt::format(
         "the start keeps {} joint coordinates and {} joint speeds, but the machine has", kept.coordinates, kept.speeds);
     if (kept.coordinate_freedom == kept.speed_freedom) {
