@@ -10,10 +10,7 @@
 
 namespace concord::compare {
 
-namespace {
-
-/// Text for an attribute or an element; control characters, which XML 1.0 cannot hold, become spaces.
-std::string escaped(const std::string& text) {
+std::string escape_xml(const std::string& text) {
   std::string result;
   for (const char c : text) {
     switch (c) {
@@ -38,6 +35,8 @@ std::string escaped(const std::string& text) {
   }
   return result;
 }
+
+namespace {
 
 struct TestCase {
   enum class Result { passed, failed, error };
@@ -115,10 +114,10 @@ std::vector<TestCase> tests_of(const JunitCase& one) {
 
 std::string format_test(const std::string& suite, const TestCase& test) {
   const std::string head =
-      fmt::format("    <testcase classname=\"{}\" name=\"{}\"", escaped(suite), escaped(test.name));
+      fmt::format("    <testcase classname=\"{}\" name=\"{}\"", escape_xml(suite), escape_xml(test.name));
   if (test.result == TestCase::Result::passed) return head + "/>\n";
   const char* kind = test.result == TestCase::Result::failed ? "failure" : "error";
-  return fmt::format("{}>\n      <{} message=\"{}\"/>\n    </testcase>\n", head, kind, escaped(test.message));
+  return fmt::format("{}>\n      <{} message=\"{}\"/>\n    </testcase>\n", head, kind, escape_xml(test.message));
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ std::string format_junit(const std::vector<JunitCase>& cases) {
     const auto count = [&](TestCase::Result result) {
       return std::count_if(tests.begin(), tests.end(), [&](const TestCase& test) { return test.result == result; });
     };
-    text += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n", escaped(one.name),
+    text += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n", escape_xml(one.name),
                         tests.size(), count(TestCase::Result::failed), count(TestCase::Result::error));
     for (const TestCase& test : tests) text += format_test(one.name, test);
     text += "  </testsuite>\n";

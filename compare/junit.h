@@ -8,6 +8,9 @@
 
 namespace concord::compare {
 
+/// Text for an attribute or an element; control characters, which XML 1.0 cannot hold, become spaces.
+std::string escape_xml(const std::string& text);
+
 /// A model that was compared, or why it could not be.
 struct JunitCase {
   std::string name;

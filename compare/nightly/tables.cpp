@@ -13,6 +13,7 @@
 #include "common/toml_reader.h"
 #include "compare/digits.h"
 #include "compare/files.h"
+#include "compare/junit.h"
 #include "compare/table.h"
 
 namespace concord::compare::nightly {
@@ -108,29 +109,6 @@ std::string turns_of(const NightReport& report) {
   return text;
 }
 
-std::string xml(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
-    }
-  }
-  return result;
-}
-
 std::string change_words(const Change& change) {
   return fmt::format("{}: {}{}{}: {} -> {}{}", to_string(change.turn), change.component,
                      change.component.empty() ? "" : ", ", change.measure, change.was.empty() ? "-" : change.was,
@@ -141,13 +119,13 @@ std::string junit_case(const std::string& suite, const std::string& name, int co
                        const std::vector<Change>& changes) {
   std::string words;
   for (const Change& change : changes) words += change_words(change) + '\n';
-  std::string text = fmt::format("    <testcase classname=\"{}\" name=\"{}\">", xml(suite), xml(name));
+  std::string text = fmt::format("    <testcase classname=\"{}\" name=\"{}\">", escape_xml(suite), escape_xml(name));
   const std::string message = changes.empty() ? "" : change_words(changes.front());
   if (code != 0) {
     const char* kind = code == 1 ? "failure" : "error";
-    text += fmt::format("\n      <{0} message=\"{1}\">{2}</{0}>\n    ", kind, xml(message), xml(words));
+    text += fmt::format("\n      <{0} message=\"{1}\">{2}</{0}>\n    ", kind, escape_xml(message), escape_xml(words));
   } else if (is_known) {
-    text += fmt::format("\n      <skipped message=\"{}\"/>\n    ", xml(message));
+    text += fmt::format("\n      <skipped message=\"{}\"/>\n    ", escape_xml(message));
   }
   return text + "</testcase>\n";
 }
@@ -249,7 +227,7 @@ std::string format_night_junit(const NightReport& report) {
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
       "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}  </testsuite>\n"
       "</testsuites>\n",
-      xml(report.title), report.cases.size() + report.others.size(), failures, errors, skipped, cases);
+      escape_xml(report.title), report.cases.size() + report.others.size(), failures, errors, skipped, cases);
 }
 
 void write_night_json(const std::filesystem::path& file, const NightReport& report,
