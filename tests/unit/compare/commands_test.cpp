@@ -14,23 +14,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 /// The fake's pendulum as a file: frames and inertia are the reader's business, so a plain one will do.
-constexpr const char* kPendulum = R"(format = 1
-gravity = [0.3, -9.81, 0.2]
-[[body]]
-name = "bob"
-mass = 1.3
-center_of_mass = [0.2, 0.1, -0.05]
-inertia = [0.02, 0.03, 0.04]
-[[joint]]
-name = "hinge"
-type = "revolute"
-parent = "ground"
-child = "bob"
-start.turn_z = { keep = 0.4, keep_speed = 2 }
-[run]
-until = 0.2
-samples = 200
-)";
+const std::string kPendulum = pendulum_file("until = 0.2\nsamples = 200\n");
 
 class CommandsTest : public ::testing::Test {
  protected:

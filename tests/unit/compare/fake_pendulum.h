@@ -66,6 +66,25 @@ inline Model sprung_pendulum_model() {
   return model;
 }
 
+/// A pendulum as a model file; `run`: the lines of its table [run].
+inline std::string pendulum_file(const std::string& run) {
+  return R"(format = 1
+gravity = [0.3, -9.81, 0.2]
+[[body]]
+name = "bob"
+mass = 1.3
+center_of_mass = [0.2, 0.1, -0.05]
+inertia = [0.02, 0.03, 0.04]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "bob"
+start.turn_z = { keep = 0.4, keep_speed = 2 }
+[run]
+)" + run;
+}
+
 class FakePendulum : public Solver {
  public:
   FakePendulum(const Model& model, std::string name)

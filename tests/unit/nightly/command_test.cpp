@@ -23,23 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// The fake's pendulum as a file; its name decides what its solvers do.
-constexpr const char* kPendulum = R"(format = 1
-gravity = [0.3, -9.81, 0.2]
-[[body]]
-name = "bob"
-mass = 1.3
-center_of_mass = [0.2, 0.1, -0.05]
-inertia = [0.02, 0.03, 0.04]
-[[joint]]
-name = "hinge"
-type = "revolute"
-parent = "ground"
-child = "bob"
-start.turn_z = { keep = 0.4, keep_speed = 2 }
-[run]
-until = 0.1
-samples = 50
-)";
+const std::string kPendulum = pendulum_file("until = 0.1\nsamples = 50\n");
 
 struct Told {
   int code = 0;
