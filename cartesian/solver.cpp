@@ -162,6 +162,7 @@ class CartesianSolver : public Solver {
     use_independent_rows(0.0);
     const FrozenRegimes held(equations_.applied());
     equations_.solve(true);
+    refuse_contradiction(0.0);
     const MotionState first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
     PoseWatch watch(equations_, generic_rank_, 0.0, first);

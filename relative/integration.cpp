@@ -462,6 +462,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     run.last_reason.clear();
     if (i > 0 && advance_over_breaks(t_end) < 0) throw_stopped(t, run, messages.last);
     Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
+    if (i == 0) assembly.require_agreeing_rows(start);
     before = sample.state;
     StateMisfit misfit;
     (void)states.read(sample.state, misfit);
