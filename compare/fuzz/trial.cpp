@@ -11,7 +11,7 @@ namespace concord::compare::fuzz {
 namespace {
 
 /// Fewer than for a model of a user: many machines with few states find more than one machine with many.
-constexpr int kStates = 40;
+constexpr int kStates = 16;
 
 void tell_rung(std::string_view rung) {
   std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
