@@ -248,13 +248,9 @@ void Equations::solve(bool fresh_pivots) {
 int Equations::contradicted_row() {
   constexpr double kContradiction = 1e-7;
   if (std::all_of(active_.begin(), active_.end(), [](bool is_active) { return is_active; })) return -1;
-  unknowns_.head(layout_.n_Y()) = forces_;
   VecX solution(unknowns_.size());
-  solution.head(layout_.n_Y()) = Ydot_;
-  for (int row = 0; row < constraints_.n_rows(); ++row) {
-    unknowns_(index_of(row)) = gamma_(row);
-    solution(index_of(row)) = lambda_(row);
-  }
+  solution << Ydot_, lambda_;
+  unknowns_ << forces_, gamma_;
   matrix_->subtract_product(solution, unknowns_);
   const double rate = natural_rate();
   const double acceleration = std::max({rate * rate, Y_.cwiseQuotient(units_).cwiseAbs2().maxCoeff(),
