@@ -1,5 +1,7 @@
 #include "compare/horizon.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -15,6 +17,9 @@ namespace {
 constexpr double kAllSteps = 2.0;
 /// Growth is that of a small displacement: nothing is concluded from less than this.
 constexpr double kLeastGrowth = 10.0;
+/// How far a displaced start has gone from the run where the horizon is: little, so that its growth is that of a small
+/// displacement [of the machine's length, or rad].
+constexpr double kLargestParted = 1e-2;
 
 double distance(const State& one, const State& other, double length) {
   double largest = 0.0;
@@ -83,6 +88,7 @@ double allowed_growth(double rtol, double need) {
 
 std::optional<Horizon> find_horizon(const std::array<Growth, 2>& growths, double allowed) {
   Horizon horizon;
+  horizon.growth = allowed;
   std::array<int, 2> samples{};
   for (std::size_t who = 0; who < 2; ++who) {
     samples[who] = growths[who].samples_within(allowed);
@@ -93,6 +99,42 @@ std::optional<Horizon> find_horizon(const std::array<Growth, 2>& growths, double
   const auto [shorter, longer] = std::minmax(horizon.times[0], horizon.times[1]);
   horizon.agree = longer - shorter <= kSameHorizon * longer || std::abs(samples[0] - samples[1]) <= 1;
   return horizon;
+}
+
+void Sensitivity::measure(const RunPair& pair, const std::array<std::string, 2>& integrators, double need) {
+  is_measured_ = true;
+  growths_.reset();
+  const double size = kLargestParted / allowed_growth(pair.run.rtol, need);
+  std::array<Growth, 2> found;
+  for (std::size_t who = 0; who < 2; ++who) {
+    RunOptions own = pair.run;
+    own.integrator = integrators[who];
+    auto growth = measure_growth(model_, *solvers_[who], own, *pair.trajectories[who], size, seed_);
+    if (!growth) return;
+    found[who] = std::move(*growth);
+  }
+  growths_ = std::move(found);
+}
+
+std::optional<Horizon> Sensitivity::horizon(double rtol, double need) const {
+  if (!growths_) return std::nullopt;
+  return find_horizon(*growths_, allowed_growth(rtol, need));
+}
+
+std::string disagreement_on(const Horizon& horizon, Rung rung) {
+  return fmt::format(
+      "{}: nearby motions part too far to be compared from t = {:.4g} s on by the cartesian solver alone, from {:.4g} "
+      "s by the relative: the solvers do not agree on the horizon",
+      name_of(rung), horizon.times[0], horizon.times[1]);
+}
+
+std::string note_on(const Horizon& horizon, Rung rung, const RunOptions& run, double need) {
+  return fmt::format(
+      "{}: judged up to t = {:.4g} s of {:g} s: by then motions from nearby starts have parted by a factor of {:.0e} "
+      "(by the cartesian solver alone at {:.4g} s, the relative {:.4g} s), and beyond no integration at rtol {:g} "
+      "keeps {:g} digits; states are judged over the whole run",
+      name_of(rung), std::min(horizon.times[0], horizon.times[1]), run.until, horizon.growth, horizon.times[0],
+      horizon.times[1], run.rtol, need);
 }
 
 }  // namespace concord::compare

@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/solver.h"
-#include "compare/align.h"
+#include "compare/convergence.h"
+#include "compare/verdict.h"
 
 /// The comparability horizon of a sensitive motion: how long two integrations of it can agree at all. It is taken from
 /// each solver alone, from two of its own runs with neighbouring starts, never from what the solvers differ by.
@@ -37,11 +39,36 @@ double allowed_growth(double rtol, double need);
 
 /// What both solvers say of the horizon.
 struct Horizon {
+  double growth = 0.0;            // that is allowed within it
   int samples = 0;                // judged, from the first: those of the shorter one
   std::array<double, 2> times{};  // the last of each solver's [s]
   bool agree = false;             // within kSameHorizon
 };
 /// Nothing if either does not see its motion part within the run.
 std::optional<Horizon> find_horizon(const std::array<Growth, 2>& growths, double allowed);
+
+/// How sensitive both solvers find a machine's motion. Each integrates once more, when it is measured.
+class Sensitivity {
+ public:
+  Sensitivity(const Model& model, const std::array<Solver*, 2>& solvers, std::uint64_t seed)
+      : model_(model), solvers_(solvers), seed_(seed) {}
+
+  [[nodiscard]] bool is_measured() const { return is_measured_; }
+  /// Takes the growth beside complete runs, each with the integrator named; `need`: digits that they have to keep.
+  void measure(const RunPair& pair, const std::array<std::string, 2>& integrators, double need);
+  /// Nothing if the motion does not part within the runs that were measured, or if that is not known.
+  [[nodiscard]] std::optional<Horizon> horizon(double rtol, double need) const;
+
+ private:
+  const Model& model_;
+  std::array<Solver*, 2> solvers_;
+  std::uint64_t seed_;
+  bool is_measured_ = false;
+  std::optional<std::array<Growth, 2>> growths_;
+};
+
+/// A failure where the solvers disagree on a horizon, and a note where they agree; `run` was judged up to there.
+std::string disagreement_on(const Horizon& horizon, Rung rung);
+std::string note_on(const Horizon& horizon, Rung rung, const RunOptions& run, double need);
 
 }  // namespace concord::compare

@@ -39,16 +39,7 @@ std::string chosen_integrator(const Model& model, const Solver& solver, const st
 
 namespace {
 
-/// How far a displaced start has gone from the run where the horizon is: little, so that its growth is that of a small
-/// displacement [of the machine's length, or rad].
-constexpr double kLargestParted = 1e-2;
-
 constexpr std::array kWho{Who::cartesian, Who::relative};
-
-bool has_elements(const Verdict& verdict) {
-  return std::any_of(verdict.others.begin(), verdict.others.end(),
-                     [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
-}
 
 /// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
 int run_rows(int samples, int states) {
@@ -74,6 +65,7 @@ class Verification {
         layout_(model),
         solvers_{&cartesian, &relative},
         options_(options),
+        sensitivity_(model, solvers_, kSeed),
         auditors_{Auditor(model), Auditor(model)} {}
 
   Verdict run() {
@@ -147,6 +139,10 @@ class Verification {
           "dropped; what depends on it is not judged there",
           solver.name, solver.rank.smallest_kept, solver.rank.largest_dropped));
     }
+  }
+
+  [[nodiscard]] std::array<std::string, 2> integrators() const {
+    return {verdict_.solvers[0].integrator, verdict_.solvers[1].integrator};
   }
 
   [[nodiscard]] int trajectory_states() const { return options_.states.value_or(kTrajectoryStates); }
@@ -307,42 +303,21 @@ class Verification {
     record(layout_, pair.measured, rung, verdict_);
   }
 
-  /// How fast nearby motions part, by each solver alone; asked once, on the first rung that needs to know.
-  bool know_growth(const RunPair& pair, double need) {
-    if (growths_) return true;
-    report("sensitivity");
-    std::array<Growth, 2> found;
-    for (const Who who : kWho) {
-      RunOptions own = pair.run;
-      own.integrator = verdict_.solvers[index(who)].integrator;
-      const double size = kLargestParted / allowed_growth(pair.run.rtol, need);
-      auto growth = measure_growth(model_, *solvers_[index(who)], own, *pair.trajectories[index(who)], size, kSeed);
-      if (!growth) return false;
-      found[index(who)] = std::move(*growth);
-    }
-    growths_ = std::move(found);
-    return true;
-  }
-
   /// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.
   std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung) {
+    if (!verdict_.findings.empty()) return std::nullopt;
     const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
-    if (!verdict_.findings.empty() || !know_growth(pair, need)) return std::nullopt;
-    const std::optional<Horizon> horizon = find_horizon(*growths_, allowed_growth(pair.run.rtol, need));
+    if (!sensitivity_.is_measured()) {
+      report("sensitivity");
+      sensitivity_.measure(pair, integrators(), need);
+    }
+    const std::optional<Horizon> horizon = sensitivity_.horizon(pair.run.rtol, need);
     if (!horizon) return std::nullopt;
     if (!horizon->agree) {
-      verdict_.failures.push_back(fmt::format(
-          "{}: nearby motions part too far to be compared from t = {:.4g} s on by the cartesian solver alone, from "
-          "{:.4g} s by the relative: the solvers do not agree on the horizon",
-          name_of(rung), horizon->times[0], horizon->times[1]));
+      verdict_.failures.push_back(disagreement_on(*horizon, rung));
       return std::nullopt;
     }
-    verdict_.notes.push_back(fmt::format(
-        "{}: judged up to t = {:.4g} s of {:g} s: by then motions from nearby starts have parted by a factor of {:.0e} "
-        "(by the cartesian solver alone at {:.4g} s, the relative {:.4g} s), and beyond no integration at rtol {:g} "
-        "keeps {:g} digits; states are judged over the whole run",
-        name_of(rung), std::min(horizon->times[0], horizon->times[1]), pair.run.until,
-        allowed_growth(pair.run.rtol, need), horizon->times[0], horizon->times[1], pair.run.rtol, need));
+    verdict_.notes.push_back(note_on(*horizon, rung, pair.run, need));
     return horizon;
   }
 
@@ -358,9 +333,10 @@ class Verification {
 
   /// Judges runs on a rung. While they miss the needs although the same state agrees, both solvers run again at a
   /// tighter tolerance: the needs stay. What is left at the tightest is a difference, or an integration that does not
-  /// converge. `looser`: the runs of before, to see what tolerance changes. False if a solver did not finish.
-  bool climb_by_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need) {
-    if (!set_side_by_side(pair, rung)) return false;
+  /// converge. `before`: the runs of before, to see what tolerance changes. The number of samples that were judged;
+  /// nothing if a solver did not finish.
+  std::optional<int> climb_by_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need) {
+    if (!set_side_by_side(pair, rung)) return std::nullopt;
     const double first = pair.run.rtol;
     std::optional<RunPair> looser;
     const auto reaches = [&] { return reaches_needs(verdict_, rung, pair, motion_need); };
@@ -370,28 +346,31 @@ class Verification {
       tighter.trajectories = integrate(tighter.run, name_of(rung));
       looser = std::move(pair);
       pair = std::move(tighter);
-      if (!set_side_by_side(pair, rung)) return false;
+      if (!set_side_by_side(pair, rung)) return std::nullopt;
     }
     if (looser) {
       verdict_.notes.push_back(fmt::format("{}: repeated at rtol {:g}: at {:g} the integration was not accurate enough",
                                            name_of(rung), pair.run.rtol, first));
     }
-    if (reaches()) return true;
-    if (const auto horizon = seek_horizon(pair, rung)) {
-      RunPair up_to = first_samples(layout_, pair, horizon->samples);
-      measure_pair(up_to, weigh_run(weighed_, horizon->samples).budget(), rung);
-      pair.motion = up_to.motion;
-      RungSummary& summary = rung == Rung::same_run ? verdict_.same_run : verdict_.refined;
-      summary.horizon = up_to.series.times.back();
-      summary.samples = horizon->samples;
-      if (reaches_needs(verdict_, rung, up_to, motion_need)) return true;
-      return tell_why(up_to, looser ? &*looser : before, rung, motion_need);
-    }
-    return tell_why(pair, looser ? &*looser : before, rung, motion_need);
+    const int samples = pair.run.samples + 1;
+    if (reaches()) return samples;
+    const RunPair* compared = looser ? &*looser : before;
+    const std::optional<Horizon> horizon = seek_horizon(pair, rung);
+    if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
+    RunPair up_to = first_samples(layout_, pair, horizon->samples);
+    measure_pair(up_to, weigh_run(weighed_, horizon->samples).budget(), rung);
+    pair.motion = up_to.motion;
+    summary_of(rung).horizon = up_to.series.times.back();
+    if (!reaches_needs(verdict_, rung, up_to, motion_need) && !judge_misses(up_to, compared, rung, motion_need))
+      return std::nullopt;
+    return horizon->samples;
   }
 
-  /// What to make of runs that miss their needs at the tightest tolerance.
-  bool tell_why(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
+  RungSummary& summary_of(Rung rung) { return rung == Rung::same_run ? verdict_.same_run : verdict_.refined; }
+
+  /// Judges runs that miss their needs at the tightest tolerance: as a difference, or as integrations that have not
+  /// converged, which `compared`, runs at a looser tolerance, tell apart. False if a solver did not finish those.
+  bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
     std::optional<RunPair> looser;
     // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor.
     const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
@@ -401,8 +380,12 @@ class Verification {
       compared = &*looser;
     }
     if (verdict_.findings.empty()) {
-      looser = first_samples(layout_, *compared, static_cast<int>(pair.series.times.size()));
-      if (auto why = find_unconverged(layout_, *looser, pair, rung, motion_need, verdict_)) {
+      const auto samples = static_cast<int>(pair.series.times.size());
+      if (samples < compared->run.samples + 1) {
+        looser = first_samples(layout_, *compared, samples);
+        compared = &*looser;
+      }
+      if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
         verdict_.failures.push_back(std::move(*why));
         return true;
       }
@@ -414,15 +397,15 @@ class Verification {
 
   void same_run(RunPair& pair) {
     if (pair.is_complete()) weighed_run_ = weigh_run(weighed_, pair.run.samples + 1);
-    const bool finished = climb_by_runs(pair, nullptr, Rung::same_run, verdict_.need.same_run);
+    const std::optional<int> judged = climb_by_runs(pair, nullptr, Rung::same_run, verdict_.need.same_run);
     for (const Who who : kWho) {
       const auto& trajectory = pair.trajectories[index(who)];
       if (trajectory) verdict_.solvers[index(who)].statistics = trajectory->statistics;
     }
     verdict_.run = pair.run;
-    if (!finished) return;
+    if (!judged) return;
     verdict_.motion = pair.motion;
-    if (!verdict_.same_run.horizon) verdict_.same_run.samples = pair.run.samples + 1;
+    verdict_.same_run.samples = *judged;
   }
 
   /// Motions that part, where no reaction differs.
@@ -440,9 +423,10 @@ class Verification {
     pair.run.rtol = refined_tolerance(pair.run.rtol);
     pair.trajectories = integrate(pair.run, name_of(Rung::refined));
     const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
-    if (!climb_by_runs(pair, &of_same_run, Rung::refined, motion_need)) return;
+    const std::optional<int> judged = climb_by_runs(pair, &of_same_run, Rung::refined, motion_need);
+    if (!judged) return;
     verdict_.refined_motion = pair.motion;
-    if (!verdict_.refined.horizon) verdict_.refined.samples = pair.run.samples + 1;
+    verdict_.refined.samples = *judged;
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.
@@ -516,7 +500,7 @@ class Verification {
     } else if (verdict_.same_run.digits && !verdict_.same_run.carries) {
       verdict_.failures.emplace_back(
           "during the run no joint and no force element carries anything: agreement on zeros is no verdict");
-    } else if (verdict_.total == 0 && !has_elements(verdict_)) {
+    } else if (verdict_.total == 0 && model_.elements.empty()) {
       verdict_.notes.emplace_back("no joint constrains anything: judged are the forces on joint speeds");
     }
     if (!verdict_.failures.empty()) {
@@ -537,7 +521,7 @@ class Verification {
   std::array<State, 2> starts_;
   WeighedStates weighed_;  // of the same state rung: of the run, then perturbed ones
   WeighedRun weighed_run_;
-  std::optional<std::array<Growth, 2>> growths_;
+  Sensitivity sensitivity_;
   std::vector<Quantity> known_;
   std::array<Auditor, 2> auditors_;
   Verdict verdict_;
