@@ -46,10 +46,8 @@ RungSummary& summary_of(Verdict& verdict, Rung rung) {
 /// The kinds whose worst digits stand for a rung.
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
-/// Forces on joint speeds: all that there is to judge where no joint constrains anything (a body on free joints alone).
-bool is_force_on_speed(Kind kind) { return kind == Kind::driver || kind == Kind::coupling; }
-
-bool is_force(Kind kind) { return gives_digits(kind) || is_force_on_speed(kind); }
+/// Those, and forces on joint speeds: all that there is to judge where no joint constrains anything.
+bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || kind == Kind::coupling; }
 
 }  // namespace
 
