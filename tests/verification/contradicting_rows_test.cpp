@@ -9,7 +9,6 @@ namespace concord::verification {
 namespace {
 
 /// A triangle of two bars and ground, stretched: its driver turns the first bar although nothing can move farther.
-
 Model stretched_triangle(double speed) {
   return parse_model(R"(format = 1
 name = "stretched_triangle"

@@ -2,22 +2,19 @@
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "tests/unit/manual/pages.h"
 
 /// The READMEs against the program and the folders: command lines that they print have options that exist, paths that
 /// they name exist, and their lines fit.
-namespace concord {
+namespace concord::manual {
 namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path kRoot = CONCORD_SOURCE;
 
 struct PageLine {
   fs::path page;
@@ -45,10 +42,9 @@ std::vector<fs::path> manual_pages() {
 std::vector<PageLine> manual_lines() {
   std::vector<PageLine> lines;
   for (const fs::path& page : manual_pages()) {
-    std::ifstream file(page);
-    EXPECT_TRUE(file.good()) << page;
     PageLine line{page, 0, "", false};
-    while (std::getline(file, line.text)) {
+    for (std::string& text : lines_of(page)) {
+      line.text = std::move(text);
       ++line.number;
       const bool is_fence = line.text.rfind("```", 0) == 0;
       if (is_fence) line.is_code = !line.is_code;
@@ -58,19 +54,11 @@ std::vector<PageLine> manual_lines() {
   return lines;
 }
 
-std::vector<std::string> matches_in(const std::string& text, const std::regex& pattern) {
-  std::vector<std::string> found;
-  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
-    found.push_back((*match)[1]);
-  }
-  return found;
-}
-
 /// Text in backquotes, and the whole line in a code block.
 std::vector<std::string> code_in(const PageLine& line) {
   static const std::regex quoted("`([^`]+)`");
   if (line.is_code) return {line.text};
-  return matches_in(line.text, quoted);
+  return all_matches(line.text, quoted);
 }
 
 TEST(Readme, LinesOfProseFit) {
@@ -85,7 +73,7 @@ TEST(Readme, EveryLinkLeadsToAFile) {
   int links = 0;
   for (const PageLine& line : manual_lines()) {
     if (line.is_code) continue;
-    for (const std::string& target : matches_in(line.text, link)) {
+    for (const std::string& target : all_matches(line.text, link)) {
       if (target.find("://") != std::string::npos) continue;
       ++links;
       EXPECT_TRUE(fs::exists(line.page.parent_path() / target)) << "no such file: " << target << "\n" << place(line);
@@ -94,8 +82,8 @@ TEST(Readme, EveryLinkLeadsToAFile) {
   EXPECT_GE(links, 50);
 }
 
-/// Paths from the root of the project begin with one of its folders; names with a pattern or a placeholder are left
-/// out, and so is what a build makes.
+/// Paths from the root of the project begin with one of its folders; patterns and names in angle brackets are left out,
+/// and so is what a build makes.
 TEST(Readme, EveryPathThatIsNamedExists) {
   static const std::regex path(
       R"((?:^|[ =(])((?:common|cartesian|relative|compare|data|tests|\.github|\.ci)/[A-Za-z0-9_./]+))");
@@ -104,7 +92,7 @@ TEST(Readme, EveryPathThatIsNamedExists) {
   for (const PageLine& line : manual_lines()) {
     for (const std::string& code : code_in(line)) {
       if (code.find_first_of("*<>{") != std::string::npos) continue;
-      for (const std::string& name : matches_in(code, path)) {
+      for (const std::string& name : all_matches(code, path)) {
         ++paths;
         bool is_there = false;
         for (const std::string& ending : endings) is_there = is_there || fs::exists(kRoot / (name + ending));
@@ -128,7 +116,7 @@ std::string output_of(const std::string& command) {
 
 std::set<std::string> options_in(const std::string& text) {
   static const std::regex option("(--[a-z][a-z-]*)");
-  const std::vector<std::string> found = matches_in(text, option);
+  const std::vector<std::string> found = all_matches(text, option);
   return {found.begin(), found.end()};
 }
 
@@ -147,7 +135,7 @@ TEST(Readme, EveryCommandLineHasOptionsThatExist) {
   int commands = 0;
   for (const PageLine& line : manual_lines()) {
     for (const std::string& code : code_in(line)) {
-      for (const std::string& arguments : matches_in(code, command)) {
+      for (const std::string& arguments : all_matches(code, command)) {
         const std::string subcommand = arguments.substr(0, arguments.find(' '));
         if (known.count(subcommand) == 0) known[subcommand] = options_of(subcommand);
         const std::set<std::string>& options = known[subcommand];
@@ -166,4 +154,4 @@ TEST(Readme, EveryCommandLineHasOptionsThatExist) {
 #endif
 
 }  // namespace
-}  // namespace concord
+}  // namespace concord::manual
