@@ -44,10 +44,21 @@ class Reading {
     q_.segment<4>(next_) << turned.w(), turned.vec();
     next_ += 4;
   }
-  void operator()(const joints::BearingOfGap& word) { put_turn(bearing(relative_.d, word.about, word.from)); }
+  void operator()(const joints::BearingOfGap& word) {
+    bearing_ = next_;
+    put_turn(bearing(relative_.d, word.about, word.from));
+  }
+  /// A direction has two pairs of bearing and elevation: half a turn on, it is reached over the top.
   void operator()(const joints::ElevationOfGap& word) {
     const double rise = relative_.d.dot(unit(word.towards));
-    q_(next_++) = std::atan2(rise, relative_.d.cross(unit(word.towards)).norm());
+    const double elevation = std::atan2(rise, relative_.d.cross(unit(word.towards)).norm());
+    const double over_the_top = std::numbers::pi - elevation;
+    if (has_hint() && distance(over_the_top, hint_(next_)) < distance(elevation, hint_(next_))) {
+      q_(bearing_) = with_turns(q_(bearing_) + std::numbers::pi, hint_(bearing_));
+      put_turn(over_the_top);
+    } else {
+      put_turn(elevation);
+    }
   }
   void operator()(const joints::ByReading& word) {
     joints::FunctionOfPlacement::Rows rows;
@@ -62,8 +73,11 @@ class Reading {
   }
 
  private:
+  [[nodiscard]] bool has_hint() const { return hint_.size() == q_.size(); }
+  /// Between two angles, whole turns apart.
+  static double distance(double angle, double other) { return std::abs(with_turns(angle, other) - other); }
   void put_turn(double angle) {
-    q_(next_) = hint_.size() == q_.size() ? with_turns(angle, hint_(next_)) : angle;
+    q_(next_) = has_hint() ? with_turns(angle, hint_(next_)) : angle;
     ++next_;
   }
 
@@ -71,6 +85,7 @@ class Reading {
   const VecX& hint_;
   VecX& q_;
   Eigen::Index next_ = 0;
+  Eigen::Index bearing_ = 0;
 };
 
 /// Goes through the words of a motion and keeps the axis and the position of each turn: the child's velocity for a unit

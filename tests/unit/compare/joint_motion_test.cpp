@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
@@ -88,6 +89,21 @@ TEST(JointMotion, TurnsAreCountedFromTheHintAndSpeedsAreRead) {
   EXPECT_NEAR(motion.q(1), 0.4 + 4.0 * std::acos(-1.0), 1e-14);
   EXPECT_NEAR(motion.u(0), 1.5, 1e-14);
   EXPECT_NEAR(motion.u(1), -2.5, 1e-14);
+}
+
+TEST(JointMotion, ALinkIsReadOnTheBranchOfTheHint) {
+  const joints::JointType type = joints::universal_spherical_of({0.35});
+  const Vec3 along = rotation_about(Vec3::UnitY(), 0.6) * rotation_about(Vec3::UnitZ(), 2.1) * Vec3::UnitX();
+  const RelativeMotion relative{0.35 * along, Mat3::Identity(), Vec6::Zero()};
+  VecX hint(6);
+  hint << 0.55, 2.0, 1.0, 0.0, 0.0, 0.0;
+  const JointMotion near = read_motion(type, relative, hint);
+  EXPECT_NEAR(near.q(0), 0.6, 1e-14);
+  EXPECT_NEAR(near.q(1), 2.1, 1e-14);
+  EXPECT_LT((near.d - relative.d).norm(), 1e-15);
+  const JointMotion plain = read_motion(type, relative, VecX());
+  EXPECT_NEAR(plain.q(1), std::numbers::pi - 2.1, 1e-14);
+  EXPECT_LT((plain.d - relative.d).norm(), 1e-15);
 }
 
 TEST(JointMotion, LawfulTauIsActuatorMinusResistance) {
