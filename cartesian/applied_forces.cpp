@@ -225,6 +225,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
     allocate(actor);
     actors_.push_back(std::move(actor));
   }
+  lay_out_events();
 }
 
 void AppliedForces::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
@@ -328,44 +329,60 @@ std::string AppliedForces::name_of_regime(int actor) const {
   return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
 }
 
-double AppliedForces::event_function_of_actor(const Actor& actor, double t) const {
+void AppliedForces::lay_out_events() {
+  for (std::size_t k = 0; k < actors_.size(); ++k) {
+    const Actor& actor = actors_[k];
+    int n = 0;
+    if (actor.element < 0) {
+      if (cartesian::has_regimes(model_.joints[actor.joint])) {
+        n = kLawEvents * static_cast<int>(model_.joints[actor.joint].springs.size());
+      }
+    } else if (const ForceElement& element = model_.elements[actor.element]; cartesian::has_regimes(element)) {
+      n = std::holds_alternative<Tire>(element.what) ? kTireEvents : kLawEvents;
+    }
+    event_owners_.insert(event_owners_.end(), static_cast<std::size_t>(n), static_cast<int>(k));
+  }
+  event_values_ = VecX::Zero(static_cast<Eigen::Index>(event_owners_.size()));
+}
+
+double* AppliedForces::write_event_functions(const Actor& actor, double t, double* next) const {
+  const auto write = [&next](const auto& values) { next = std::copy(values.begin(), values.end(), next); };
   if (actor.element < 0) {
     const Joint& joint = model_.joints[actor.joint];
-    double smallest = HUGE_VAL;
     for (std::size_t k = 0; k < joint.springs.size(); ++k) {
       const JointSpring& spring = joint.springs[k];
       const joints::Read& read = *read_of(*joint.type, spring.word);
       const ConstraintRow row = evaluate_read(read, spring.component, actor.motion);
       const double known = actor.known_q(first_q(*joint.type, spring.word) + spring.component);
       const double x = value_near(actor.spring_turns[k], row, known);
-      smallest =
-          std::min(smallest, event_function_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
+      write(event_functions_of(spring.law, actor.stop_regimes[k], x, rate_of(row, actor.motion)));
     }
-    return smallest;
+    return next;
   }
   const ForceElement& element = model_.elements[actor.element];
   const Marker& parent = actor.markers[index(Side::parent)];
   const Marker& child = actor.markers[index(Side::child)];
   if (const auto* tire = std::get_if<Tire>(&element.what)) {
     const TireOnRoad at = place_on_road(*tire, actor.regime.stretch, child, element.name, t);
-    return event_function_of(*tire, actor.regime, at.contact);
+    write(event_functions_of(*tire, actor.regime, at.contact));
+    return next;
   }
   const ForceLaw& law = *law_of(element);
   if (std::holds_alternative<TurnSpring>(element.what)) {
     const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
-    return event_function_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion));
+    write(event_functions_of(law, actor.stop_regimes.front(), angle.value, rate_of(angle, actor.motion)));
+    return next;
   }
   const Vec3 line = child.point - parent.point;
   const double length = line.norm();
   const double rate = length > shortest_line_ ? line.dot(child.velocity - parent.velocity) / length : 0.0;
-  return event_function_of(law, actor.stop_regimes.front(), length, rate);
+  write(event_functions_of(law, actor.stop_regimes.front(), length, rate));
+  return next;
 }
 
-AppliedForces::EventValue AppliedForces::event_function(double t, const Eigen::Ref<const VecX>& q,
-                                                        const Eigen::Ref<const VecX>& Y) {
-  EventValue smallest{HUGE_VAL, -1};
-  for (std::size_t k = 0; k < actors_.size(); ++k) {
-    Actor& actor = actors_[k];
+const VecX& AppliedForces::event_functions(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+  double* next = event_values_.data();
+  for (Actor& actor : actors_) {
     const bool has_any = actor.element >= 0 ? cartesian::has_regimes(model_.elements[actor.element])
                                             : cartesian::has_regimes(model_.joints[actor.joint]);
     if (!has_any) continue;
@@ -376,10 +393,9 @@ AppliedForces::EventValue AppliedForces::event_function(double t, const Eigen::R
     }
     place_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
     move_relative(actor.markers[index(Side::parent)], actor.markers[index(Side::child)], actor.motion);
-    const double own = event_function_of_actor(actor, t);
-    if (!(own >= smallest.size)) smallest = {own, static_cast<int>(k)};
+    next = write_event_functions(actor, t, next);
   }
-  return smallest;
+  return event_values_;
 }
 
 void AppliedForces::add_to(Eigen::Ref<VecX> forces) const {

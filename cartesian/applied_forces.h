@@ -53,13 +53,12 @@ class AppliedForces {
   /// update() takes the regime that each is in by itself.
   void freeze_regimes(bool hold) { regimes_are_frozen_ = hold; }
   [[nodiscard]] bool has_regimes() const;
-  /// How far tires and stops are inside their regimes (event_function_of) at time t, positions q and velocities Y: the
-  /// smallest, and the actor that has it.
-  struct EventValue {
-    double size;
-    int actor;
-  };
-  EventValue event_function(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  /// How far tires and stops are inside their regimes (event_functions_of) at time t, positions q and velocities Y. The
+  /// result is overwritten by the next call.
+  const VecX& event_functions(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
+  /// The actor whose event function has a given index.
+  [[nodiscard]] int owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -85,8 +84,9 @@ class AppliedForces {
                  const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
   void apply_springs(Actor& actor, double t) const;
-  /// The smallest event function of an actor whose ends are placed; infinite if it has no regimes.
-  [[nodiscard]] double event_function_of_actor(const Actor& actor, double t) const;
+  void lay_out_events();
+  /// Writes the event functions of an actor whose ends are placed, and returns what comes after them.
+  double* write_event_functions(const Actor& actor, double t, double* next) const;
 
   const Model& model_;
   const Layout& layout_;
@@ -95,6 +95,8 @@ class AppliedForces {
   std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
   std::vector<int> springs_of_joint_;
   bool regimes_are_frozen_ = false;
+  std::vector<int> event_owners_;  // by event function
+  VecX event_values_;
 };
 
 }  // namespace concord::cartesian

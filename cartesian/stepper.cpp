@@ -24,11 +24,17 @@ Mode mode_of(const ModalData& modal, int k) {
 }
 
 constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
+/// Into each step, for events.
+constexpr Eigen::Index kLooks = 16;
 
 }  // namespace
 
 Stepper::Stepper(Equations& equations, const MotionState& start)
-    : equations_(equations), motion_(start), has_regimes_(equations.applied().has_regimes()), event_(HUGE_VAL) {
+    : equations_(equations),
+      motion_(start),
+      has_regimes_(equations.applied().has_regimes()),
+      event_(HUGE_VAL),
+      looks_(equations.applied().n_event_functions(), kLooks + 1) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
   const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
   chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
@@ -37,9 +43,9 @@ Stepper::Stepper(Equations& equations, const MotionState& start)
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
     const double from = time_;
-    const double value_before = event_function(from, motion_);
+    if (has_regimes_) looks_.col(0) = equations_.applied().event_functions(from, motion_.q, motion_.Y);
     advance(stop);
-    event_ = has_regimes_ ? locate_event(from, value_before, stop) : HUGE_VAL;
+    event_ = has_regimes_ ? locate_event(from, stop) : HUGE_VAL;
   }
   if (event_ <= stop) {
     pass_event();
@@ -62,9 +68,10 @@ void Stepper::begin_anew() {
 /// How far tires and stops are inside their regimes.
 double Stepper::event_function(double t, const MotionState& motion) {
   if (!has_regimes_) return HUGE_VAL;
-  const AppliedForces::EventValue smallest = equations_.applied().event_function(t, motion.q, motion.Y);
-  nearest_event_ = smallest.actor;
-  return smallest.size;
+  Eigen::Index nearest = 0;
+  const double smallest = equations_.applied().event_functions(t, motion.q, motion.Y).minCoeff(&nearest);
+  nearest_event_ = equations_.applied().owner_of_event(nearest);
+  return smallest;
 }
 
 double Stepper::event_function_at(double t) {
@@ -72,20 +79,72 @@ double Stepper::event_function_at(double t) {
   return event_function(t, motion_);
 }
 
-/// The time in the last step, which began at `from`, just past which a regime has ended; HUGE_VAL if none does. Looks
-/// at several times, so that no regime that comes and goes within the step is missed; Illinois' rule between them.
-double Stepper::locate_event(double from, double value_before, double stop) {  // (C59)
-  constexpr int kSamples = 16;
-  constexpr double kSharp = 1e-13;  // of the time of the run
-  if (!(value_before >= 0.0)) return from;
+/// A time of the last step, which began at `from`, where an event function is negative; HUGE_VAL if there is none.
+/// Looks at equal times, and for the minimum of each function that may dip below zero between two of them.
+double Stepper::find_outside(double from) {
   const double step = reached_ - from;
-  if (step <= kSharp * stop) return HUGE_VAL;
-  double inside = from;
-  double outside = HUGE_VAL;
-  for (int k = 1; k <= kSamples && outside == HUGE_VAL; ++k) {
-    const double t = k == kSamples ? reached_ : from + step * k / kSamples;
-    if (event_function(t, interpolate(t)) < 0.0) outside = t;
+  const auto time_of = [&](Eigen::Index k) { return k == kLooks ? reached_ : from + step * double(k) / kLooks; };
+  for (Eigen::Index k = 1; k <= kLooks; ++k) {
+    const double t = time_of(k);
+    const MotionState& motion = interpolate(t);
+    looks_.col(k) = equations_.applied().event_functions(t, motion.q, motion.Y);
+    if (looks_.col(k).minCoeff() < 0.0) return t;
   }
+  for (Eigen::Index function = 0; function < looks_.rows(); ++function) {
+    for (Eigen::Index k = 1; k < kLooks; ++k) {
+      const auto values = looks_.row(function);
+      const double fall = values(k - 1) - values(k);
+      const double rise = values(k + 1) - values(k);
+      if (!(fall >= 0.0 && rise >= 0.0) || values(k) > std::max(fall, rise)) continue;
+      const double outside = find_minimum(function, time_of(k - 1), time_of(k + 1));
+      if (outside != HUGE_VAL) return outside;
+    }
+  }
+  return HUGE_VAL;
+}
+
+/// A time between two of the last step where an event function is negative, by the golden section; HUGE_VAL if its
+/// minimum is not.
+double Stepper::find_minimum(Eigen::Index function, double low, double high) {
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr int kSections = 40;
+  const auto value = [&](double t) {
+    const MotionState& motion = interpolate(t);
+    return equations_.applied().event_functions(t, motion.q, motion.Y)(function);
+  };
+  double left = high - kGolden * (high - low);
+  double right = low + kGolden * (high - low);
+  double of_left = value(left);
+  double of_right = value(right);
+  for (int k = 0; k < kSections; ++k) {
+    if (of_left < 0.0) return left;
+    if (of_right < 0.0) return right;
+    if (of_left < of_right) {
+      high = right;
+      right = left;
+      of_right = of_left;
+      left = high - kGolden * (high - low);
+      of_left = value(left);
+    } else {
+      low = left;
+      left = right;
+      of_left = of_right;
+      right = low + kGolden * (high - low);
+      of_right = value(right);
+    }
+  }
+  return HUGE_VAL;
+}
+
+/// The time in the last step, which began at `from` with the event functions that looks_ has there, just past which a
+/// regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
+double Stepper::locate_event(double from, double stop) {  // (C59)
+  constexpr double kSharp = 1e-13;                        // of the time of the run
+  const double value_before = looks_.col(0).minCoeff();
+  if (!(value_before >= 0.0)) return from;
+  if (reached_ - from <= kSharp * stop) return HUGE_VAL;
+  double inside = from;
+  double outside = find_outside(from);
   if (outside == HUGE_VAL) return HUGE_VAL;
   double past = event_function_at(outside);
   if (!(past < 0.0)) return HUGE_VAL;

@@ -60,7 +60,9 @@ class Stepper {
  private:
   double event_function(double t, const MotionState& motion);
   double event_function_at(double t);
-  double locate_event(double from, double value_before, double stop);
+  double find_outside(double from);
+  double find_minimum(Eigen::Index function, double low, double high);
+  double locate_event(double from, double stop);
   void pass_event();
   void refuse_chatter();
 
@@ -69,6 +71,7 @@ class Stepper {
   double chatter_window_;  // s
   double event_;           // in the last step, not yet passed; HUGE_VAL: none
   int nearest_event_ = -1;
+  MatX looks_;  // event functions at equal times of the last step, by column
   double events_since_ = 0.0;
   int events_ = 0;
 };

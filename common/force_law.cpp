@@ -37,16 +37,18 @@ StopRegime regime_of(const SmoothStop& stop, double p, double pdot) {
   return p < stop.width ? StopRegime::soft : StopRegime::full;
 }
 
-double event_function_of(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
+
+std::array<double, 2> event_functions_of(const SmoothStop& stop, StopRegime regime, double p, double pdot) {
   const double z = p / stop.width;
   const double push = push_of(stop, p, pdot);
   switch (regime) {
     case StopRegime::off:
-      return kBeyondBorder + (z > 0.0 && push <= 0.0 ? -push : -z);
+      return {z > 0.0 && push <= 0.0 ? -push : -z, kNoEnd};
     case StopRegime::soft:
-      return kBeyondBorder + std::min(push, 1.0 - z);
+      return {push, 1.0 - z};
     default:
-      return kBeyondBorder + std::min(push, z - 1.0);
+      return {push, z - 1.0};
   }
 }
 
@@ -79,17 +81,12 @@ double ForceTable::slope(int piece, double x) const {
   return is_tangent ? spline_.evaluate(nearest_end(piece)).fdot : spline_.evaluate(piece, x).fdot;
 }
 
-double ForceTable::event_function(int piece, double x) const {
-  double inside = 0.0;
-  if (piece == kBelow) {
-    inside = first_ - x;
-  } else if (piece == kAbove) {
-    inside = x - last_;
-  } else {
-    const auto k = static_cast<std::size_t>(piece);
-    inside = std::min(x - spline_.times()[k], spline_.times()[k + 1] - x);
-  }
-  return inside / (last_ - first_);
+std::array<double, 2> ForceTable::event_functions(int piece, double x) const {
+  const double length = last_ - first_;
+  if (piece == kBelow) return {(first_ - x) / length, kNoEnd};
+  if (piece == kAbove) return {(x - last_) / length, kNoEnd};
+  const auto k = static_cast<std::size_t>(piece);
+  return {(x - spline_.times()[k]) / length, (spline_.times()[k + 1] - x) / length};
 }
 
 Resistance evaluate_resistance(const ForceLaw& law, double x, double xdot) {
@@ -124,16 +121,22 @@ LawRegime regime_at(const ForceLaw& law, double x, double xdot) {
   return regime;
 }
 
+std::array<double, kLawEvents> event_functions_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
+  std::array<double, kLawEvents> values;
+  values.fill(kNoEnd);
+  const auto take = [&values](std::size_t first, const std::array<double, 2>& both) {
+    for (std::size_t k = 0; k < 2; ++k) values[first + k] = kBeyondBorder + both[k];
+  };
+  if (law.upper) take(0, event_functions_of(*law.upper, regime.upper, x - law.upper->at, xdot));
+  if (law.lower) take(2, event_functions_of(*law.lower, regime.lower, law.lower->at - x, -xdot));
+  if (law.spring_table) take(4, law.spring_table->event_functions(regime.spring_piece, x - law.free));
+  if (law.damper_table) take(6, law.damper_table->event_functions(regime.damper_piece, xdot));
+  return values;
+}
+
 double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
-  double value = std::numeric_limits<double>::infinity();
-  if (law.upper) value = event_function_of(*law.upper, regime.upper, x - law.upper->at, xdot);
-  if (law.lower) value = std::min(value, event_function_of(*law.lower, regime.lower, law.lower->at - x, -xdot));
-  if (law.spring_table) {
-    value = std::min(value, kBeyondBorder + law.spring_table->event_function(regime.spring_piece, x - law.free));
-  }
-  if (law.damper_table)
-    value = std::min(value, kBeyondBorder + law.damper_table->event_function(regime.damper_piece, xdot));
-  return value;
+  const auto values = event_functions_of(law, regime, x, xdot);
+  return *std::min_element(values.begin(), values.end());
 }
 
 double evaluate_actuator(const ForceLaw& law, double t) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -27,7 +28,7 @@ class ForceTable {
   [[nodiscard]] double evaluate(int piece, double x) const;
   [[nodiscard]] double slope(int piece, double x) const;
   /// How far x is inside the piece, in parts of the table's length; negative outside.
-  [[nodiscard]] double event_function(int piece, double x) const;
+  [[nodiscard]] std::array<double, 2> event_functions(int piece, double x) const;
 
  private:
   static constexpr int kBelow = -1;
@@ -95,10 +96,14 @@ Resistance evaluate_resistance(const ForceLaw& law, const LawRegime& regime, dou
 /// The regime that the stops and tables are in by themselves.
 LawRegime regime_at(const ForceLaw& law, double x, double xdot);
 
-/// How far stops and tables are inside a regime: positive inside, through zero where it ends; in widths of the stop, in
-/// forces over stiffness times width, or in lengths of the table. The smallest; infinite without stops and tables. A
-/// regime ends 1e-11 beyond its border, where its formulas still hold to round-off, so that a spring that rests on a
-/// border does not chatter.
+/// How far stops and tables are inside a regime, by the ends that a regime may have: two each of the upper stop, the
+/// lower stop, the spring's and the damper's table. Positive inside, through zero where it ends; in widths of the stop,
+/// in forces over stiffness times width, or in lengths of the table; infinite without stops and tables. A regime ends
+/// 1e-11 beyond its border, where its formulas still hold to round-off, so that a spring that rests on a border does
+/// not chatter.
+inline constexpr int kLawEvents = 8;
+std::array<double, kLawEvents> event_functions_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+/// The smallest of them.
 double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
 /// Whether the law has more than one regime.

@@ -38,23 +38,30 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact) {
   return regime;
 }
 
-double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
-  double smallest = std::numeric_limits<double>::infinity();
-  const auto end = [&smallest](double distance) { smallest = std::min(smallest, distance); };
+std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireRegime& regime,
+                                                   const TireContact& contact) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
   const auto holds = [](bool inside, double value) { return inside ? value : -value; };
+  std::array<double, kTireEvents> values{kNone, kNone, kNone, kNone, kNone};
+  auto& [behind, ahead, touching, pushing, sliding] = values;
   if (const auto edges = edges_of(*tire.road)) {
-    if (regime.stretch > 0) end((contact.x - (*edges)[regime.stretch - 1]) / tire.radius);
-    if (regime.stretch < 2) end(((*edges)[regime.stretch] - contact.x) / tire.radius);
+    if (regime.stretch > 0) behind = (contact.x - (*edges)[regime.stretch - 1]) / tire.radius;
+    if (regime.stretch < 2) ahead = ((*edges)[regime.stretch] - contact.x) / tire.radius;
   }
-  end(holds(regime.touches, contact.delta / tire.radius));
-  if (!regime.touches) return smallest;
+  touching = holds(regime.touches, contact.delta / tire.radius);
+  if (!regime.touches) return values;
   const double force_scale = tire.stiffness * tire.radius;
   const TireForces forces = evaluate_linear(tire, contact);
-  end(holds(regime.pushes, forces.N / force_scale));
-  if (!regime.pushes) return smallest;
+  pushing = holds(regime.pushes, forces.N / force_scale);
+  if (!regime.pushes) return values;
   const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
-  end(holds(regime.slides, beyond / force_scale));
-  return smallest;
+  sliding = holds(regime.slides, beyond / force_scale);
+  return values;
+}
+
+double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  const auto values = event_functions_of(tire, regime, contact);
+  return *std::min_element(values.begin(), values.end());
 }
 
 }  // namespace concord

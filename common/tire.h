@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "common/attachment.h"
@@ -67,8 +68,13 @@ TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContac
 /// The regime that a contact is in by itself.
 TireRegime regime_at(const Tire& tire, const TireContact& contact);
 
-/// How far the contact is inside a regime: positive inside, through zero where the regime ends; in units of its own (a
-/// length over the radius, a force over stiffness radius). The smallest over all its ends.
+/// How far the contact is inside a regime, by the ends that a regime may have: both edges of the stretch, touching,
+/// pushing, sliding. Positive inside, through zero where the regime ends; in units of its own (a length over the
+/// radius, a force over stiffness radius); infinite for an end that the regime does not have.
+inline constexpr int kTireEvents = 5;
+std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireRegime& regime,
+                                                   const TireContact& contact);
+/// The smallest of them.
 double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact);
 
 }  // namespace concord

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "relative/element_wrench.h"
@@ -131,12 +132,21 @@ AppliedForces::Least AppliedForces::least() const {
          tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
-    if (concord::has_regimes(*law.law_in_regime.law)) take(law.law_in_regime.event_function(), "law of", *law.owner);
+    if (!concord::has_regimes(*law.law_in_regime.law)) continue;
+    const auto values = law.law_in_regime.event_functions();
+    take(*std::min_element(values.begin(), values.end()), "law of", *law.owner);
   }
   return found;
 }
 
-double AppliedForces::event_function() const { return least().value; }
+void AppliedForces::write_event_functions(Eigen::Ref<VecX> values) const {
+  double* next = values.data();
+  const auto write = [&next](const auto& own) { next = std::copy(own.begin(), own.end(), next); };
+  for (const TireState& tire : tires_) {
+    write(event_functions_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact));
+  }
+  for (const OwnedLaw& law : laws_) write(law.law_in_regime.event_functions());
+}
 
 std::string AppliedForces::least_contact() const {
   const Least found = least();

@@ -31,9 +31,12 @@ class AppliedForces {
   void free_regimes() { regimes_are_frozen_ = false; }
   void freeze_regimes() { regimes_are_frozen_ = true; }
   [[nodiscard]] bool has_regimes() const { return has_regimes_; }
-  /// How far the last update was inside the regimes, the worst of all tires and stops: see event_function_of. Infinite
-  /// without.
-  [[nodiscard]] double event_function() const;
+  /// How far the last update was inside the regimes of all tires, stops and tables: see event_functions_of. Writes
+  /// n_event_functions() numbers.
+  void write_event_functions(Eigen::Ref<VecX> values) const;
+  [[nodiscard]] int n_event_functions() const {
+    return kTireEvents * static_cast<int>(tires_.size()) + kLawEvents * static_cast<int>(laws_.size());
+  }
   /// "tire 'left'", "stop of 'coil'": the contact with the smallest event function.
   [[nodiscard]] std::string least_contact() const;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "common/force_elements.h"
 #include "relative/joint_point.h"
 
@@ -15,7 +17,9 @@ struct LawInRegime {
 
   /// Resistance at x with rate xdot; takes the regime that the stops are in by themselves unless it `keeps` its own.
   double resist(double at_x, double at_xdot, bool keeps);
-  [[nodiscard]] double event_function() const { return event_function_of(*law, regime, x, xdot); }
+  [[nodiscard]] std::array<double, kLawEvents> event_functions() const {
+    return event_functions_of(*law, regime, x, xdot);
+  }
 };
 
 /// What an element between two ends exerts on the child at P_i [F; T], global axes. The parent gets the opposite, moved

@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "common/break_times.h"
 #include "common/sundials.h"
@@ -236,7 +238,11 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
 /// which one ends is made anew up to there.
 class RegimeEvents {
  public:
-  RegimeEvents(Run& run, Stepper& stepper, double until) : run_(&run), stepper_(&stepper), until_(until) {}
+  RegimeEvents(Run& run, Stepper& stepper, const sundials::Context& context, double until)
+      : run_(&run), stepper_(&stepper), until_(until), within_(sundials::make_vector(run.variables.size(), context)) {
+    look_.values = VecX::Zero(run.equations.applied_forces().n_event_functions());
+    looks_.fill(look_);
+  }
   ~RegimeEvents() { run_->equations.applied_forces().free_regimes(); }
   RegimeEvents(const RegimeEvents&) = delete;
   RegimeEvents& operator=(const RegimeEvents&) = delete;
@@ -244,7 +250,7 @@ class RegimeEvents {
   /// Takes the regimes of a state.
   void set_regimes(double t, const Eigen::Ref<const VecX>& y) {
     run_->equations.applied_forces().free_regimes();
-    event_value_ = event_function(t, y);
+    take_event_functions(t, y, looks_.front().values);
     run_->equations.applied_forces().freeze_regimes();
   }
 
@@ -253,16 +259,19 @@ class RegimeEvents {
     while (t < t_end) {
       const double t_before = t;
       before_ = sundials::view(y);
-      const double value_before = std::max(0.0, event_value_);
       const int code = stepper_->step(t_end, y, t);
       if (code < 0) return code;
-      event_value_ = event_function(t, sundials::view(y));
-      if (event_value_ >= 0.0) continue;
+      take_event_functions(t, sundials::view(y), looks_.back().values);
       const double step = t - t_before;
+      const std::optional<Bracket> bracket = find_bracket(t_before, step);
+      if (!bracket) {
+        looks_.front().values = looks_.back().values;
+        continue;
+      }
       t = t_before;
-      const int found = approach({0.0, value_before, step, event_value_}, y, t);
+      const int found = approach(*bracket, y, t);
       if (found < 0) return found;
-      require_progress(t);
+      if (least_event_function(t, sundials::view(y)) < 0.0) require_progress(t);
       set_regimes(t, sundials::view(y));
       const int restarted = stepper_->restart(t, y, std::min(step, std::max(t_end - t, round_off(t))));
       if (restarted < 0) return restarted;
@@ -283,10 +292,103 @@ class RegimeEvents {
 
   [[nodiscard]] static double round_off(double t) { return 8.0 * std::numeric_limits<double>::epsilon() * t; }
 
-  double event_function(double t, const Eigen::Ref<const VecX>& y) {
+  void take_event_functions(double t, const Eigen::Ref<const VecX>& y, VecX& values) {
     run_->variables.unpack(y, run_->coordinates);
     run_->equations.update_forces(t, run_->coordinates.q, run_->coordinates.u);
-    return run_->equations.applied_forces().event_function();
+    run_->equations.applied_forces().write_event_functions(values);
+  }
+
+  double least_event_function(double t, const Eigen::Ref<const VecX>& y) {
+    take_event_functions(t, y, look_.values);
+    return look_.least();
+  }
+
+  /// A time of the last step, from its begin, and the event functions there.
+  struct Look {
+    double at;
+    VecX values;
+
+    [[nodiscard]] double least() const { return values.minCoeff(); }
+  };
+
+  void take_look(double t_before, double at, Look& look) {
+    look.at = at;
+    if (stepper_->interpolate(t_before + at, within_.get()) < 0) {
+      look.values.setConstant(HUGE_VAL);
+    } else {
+      take_event_functions(t_before + at, sundials::view(within_.get()), look.values);
+    }
+  }
+
+  /// Between which times of the last step, from its begin, a regime ends; nothing if none does. Within the step an
+  /// event function may dip below zero and come back; where chords allow it, the step is looked into there.
+  std::optional<Bracket> find_bracket(double t_before, double step) {
+    constexpr double kShortest = 1e-9;  // of the run: nothing dips that moves so little
+    constexpr std::array kParts{1.0 / 64.0, 0.5, 1.0 - 1.0 / 64.0};
+    Look& begin = looks_.front();
+    Look& end = looks_.back();
+    begin.at = 0.0;
+    end.at = step;
+    const auto between = [](const Look& inside, const Look& outside) {
+      return Bracket{inside.at, std::max(0.0, inside.least()), outside.at, outside.least()};
+    };
+    if (step <= kShortest * until_) return end.least() < 0.0 ? std::optional(between(begin, end)) : std::nullopt;
+    for (std::size_t k = 0; k < kParts.size(); ++k) take_look(t_before, kParts[k] * step, looks_[k + 1]);
+    for (std::size_t k = 1; k < looks_.size(); ++k) {
+      if (looks_[k].least() < 0.0) return between(looks_[k - 1], looks_[k]);
+    }
+    for (Eigen::Index function = 0; function < begin.values.size(); ++function) {
+      for (std::size_t k = 0; k + 3 < looks_.size(); ++k) {
+        const Point inside = point(looks_[k + 1], function);
+        const std::array<Point, 4> around{point(looks_[k], function), inside, point(looks_[k + 2], function),
+                                          point(looks_[k + 3], function)};
+        if (const auto found = follow_dip(t_before, around, function)) {
+          return Bracket{found->first.at, std::max(0.0, found->first.value), found->second.at, found->second.value};
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  struct Point {
+    double at;
+    double value;
+  };
+  static Point point(const Look& look, Eigen::Index function) { return {look.at, look.values(function)}; }
+
+  /// Where the chords that reach in from both sides meet between the two points in the middle, if that is below zero: a
+  /// convex function is nowhere lower (R76).
+  static std::optional<Point> lowest_possible(const std::array<Point, 4>& around) {
+    const auto& [a, b, c, d] = around;
+    const double fall = (b.value - a.value) / (b.at - a.at);
+    const double rise = (d.value - c.value) / (d.at - c.at);
+    if (!(fall < 0.0 && rise > 0.0)) return std::nullopt;
+    const double at = (b.value - c.value - fall * b.at + rise * c.at) / (rise - fall);
+    const double value = b.value + fall * (at - b.at);
+    if (!(at > b.at && at < c.at && value < 0.0)) return std::nullopt;
+    return Point{at, value};
+  }
+
+  /// Whether one event function dips below zero between the two points in the middle: looks there as long as it may.
+  /// The last point inside and the first outside.
+  std::optional<std::pair<Point, Point>> follow_dip(double t_before, std::array<Point, 4> around,
+                                                    Eigen::Index function) {
+    constexpr int kMostLooks = 30;
+    std::optional<Point> lowest = lowest_possible(around);
+    for (int k = 0; k < kMostLooks && lowest; ++k) {
+      take_look(t_before, lowest->at, look_);
+      const Point found = point(look_, function);
+      const auto [a, b, c, d] = around;
+      if (found.value < 0.0) return std::pair(b, found);
+      around = {a, b, found, c};
+      lowest = lowest_possible(around);
+      const std::array<Point, 4> right{b, found, c, d};
+      const std::optional<Point> lowest_right = lowest_possible(right);
+      if (!lowest_right || (lowest && lowest->value <= lowest_right->value)) continue;
+      around = right;
+      lowest = lowest_right;
+    }
+    return std::nullopt;
   }
 
   /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance (R75).
@@ -310,7 +412,7 @@ class RegimeEvents {
       const double step = guess(b, tolerance);
       const int code = make(step);
       if (code < 0) return code;
-      const double found = event_function(t, sundials::view(y));
+      const double found = least_event_function(t, sundials::view(y));
       const int side = found < 0.0 ? 1 : -1;
       if (side > 0) {
         b.outside = step;
@@ -342,7 +444,9 @@ class RegimeEvents {
   Stepper* stepper_;
   double until_;
   VecX before_;
-  double event_value_ = 0.0;  // of the state reached
+  sundials::Vector within_;
+  std::array<Look, 5> looks_;  // into the last step, from its begin to its end
+  Look look_;
   std::vector<double> times_;
 };
 
@@ -432,7 +536,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.until = options.until;
   run.sizes = Sizes(equations, assembly.scales(), start, options.until).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
-  RegimeEvents events(run, stepper, options.until);
+  RegimeEvents events(run, stepper, context, options.until);
   const bool has_events = equations.applied_forces().has_regimes();
   if (has_events) events.set_regimes(0.0, sundials::view(y.get()));
 

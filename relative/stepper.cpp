@@ -11,10 +11,12 @@ namespace {
 
 constexpr long kMostSteps = 50'000'000;
 
-constexpr Stepper::Calls kErk{ERKStepSetStopTime, ERKStepEvolve,      ERKStepReset,          ERKStepSetFixedStep,
-                              ERKStepSetInitStep, ERKStepGetNumSteps, ERKStepGetCurrentStep, ERKStepFree};
-constexpr Stepper::Calls kArk{ARKStepSetStopTime, ARKStepEvolve,      ARKStepReset,          ARKStepSetFixedStep,
-                              ARKStepSetInitStep, ARKStepGetNumSteps, ARKStepGetCurrentStep, ARKStepFree};
+constexpr Stepper::Calls kErk{ERKStepSetStopTime,    ERKStepEvolve,      ERKStepReset,
+                              ERKStepSetFixedStep,   ERKStepSetInitStep, ERKStepGetNumSteps,
+                              ERKStepGetCurrentStep, ERKStepGetDky,      ERKStepFree};
+constexpr Stepper::Calls kArk{ARKStepSetStopTime,    ARKStepEvolve,      ARKStepReset,
+                              ARKStepSetFixedStep,   ARKStepSetInitStep, ARKStepGetNumSteps,
+                              ARKStepGetCurrentStep, ARKStepGetDky,      ARKStepFree};
 
 void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Context& context,
                sundials::MessageRecord& messages) {
@@ -26,7 +28,7 @@ void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Contex
   check(ERKStepSetTableNum(memory, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
   check(ERKStepSetMaxNumSteps(memory, kMostSteps), "ERKStepSetMaxNumSteps");
   check(ERKStepSetPostprocessStepFn(memory, calls.project), "ERKStepSetPostprocessStepFn");
-  // Nothing is read between steps; a higher degree would evaluate there all the same.
+  // Events are looked for between steps; a higher degree would evaluate there.
   check(ERKStepSetInterpolantDegree(memory, 3), "ERKStepSetInterpolantDegree");
   return memory;
 }
@@ -44,6 +46,7 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
   check(ARKStepSetNonlinConvCoef(memory, 1e-3), "ARKStepSetNonlinConvCoef");
   check(ARKStepSetMaxNonlinIters(memory, 8), "ARKStepSetMaxNonlinIters");
   check(ARKStepSetPostprocessStepFn(memory, calls.project), "ARKStepSetPostprocessStepFn");
+  check(ARKStepSetInterpolantDegree(memory, 3), "ARKStepSetInterpolantDegree");
   return memory;
 }
 
@@ -74,6 +77,8 @@ int Stepper::step(double t_end, N_Vector y, double& t) {
   const int code = calls_->set_stop_time(memory_, t_end);
   return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_ONE_STEP);
 }
+
+int Stepper::interpolate(double t, N_Vector y) const { return calls_->interpolate(memory_, t, 0, y); }
 
 int Stepper::restart(double t, N_Vector y, double h) {
   int code = calls_->set_fixed_step(memory_, 0.0);

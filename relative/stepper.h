@@ -33,6 +33,8 @@ class Stepper {
   int advance(double t_end, N_Vector y, double& t);
   /// Makes one step, at most to t_end.
   int step(double t_end, N_Vector y, double& t);
+  /// The state at a time within the last step, by the cubic through states and rates at its ends.
+  int interpolate(double t, N_Vector y) const;
   /// Begins anew at a state, where the right side may have changed; the first step is tried with h.
   int restart(double t, N_Vector y, double h);
   /// Begins anew at a state that is another name of the one reached, with the step that would have been tried next.
@@ -51,6 +53,7 @@ class Stepper {
     int (*set_init_step)(void*, realtype);
     int (*steps)(void*, long*);
     int (*current_step)(void*, realtype*);
+    int (*interpolate)(void*, realtype, int, N_Vector);
     void (*free)(void**);
   };
 
