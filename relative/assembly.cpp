@@ -17,8 +17,11 @@ constexpr double kRankThreshold = 1e-10;  // of the largest singular value, or o
 constexpr double kClosed = 1e-13;         // of the largest coordinate or speed, at least of 1
 constexpr double kNearlyClosed = 1e-7;    // a position residual that does not change Phi_u enough to matter for speeds
 constexpr double kNoRoundOff = 1e-9;      // of the largest speed: a velocity residual that no dependent row explains
-constexpr double kRoundOffOfSpeed = 1e-15;  // of the largest speed
-constexpr double kLargestStep = 0.5;        // in machine units: half a radian, half the length
+constexpr double kRoundOffOfSpeed = 1e-15;     // of the largest speed
+constexpr double kRoundOffOfPosition = 1e-15;  // of the largest coordinate, at least of 1: nothing to take away
+/// A modal coordinate moves in a projection as if its column were this part of itself.
+constexpr double kModesMove = 1e-3;
+constexpr double kLargestStep = 0.5;  // in machine units: half a radian, half the length
 
 double largest(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
 
@@ -50,10 +53,16 @@ VecX exploring_steps(const Scales& scales, const Topology& topology) {
 Assembly::Assembly(Equations& equations)
     : equations_(&equations),
       scales_(equations.model(), equations.topology()),
-      joint_columns_(moving_columns(equations.driven(), Modes::kept)),
       all_columns_(moving_columns(equations.driven(), Modes::moving)),
       rate_(machine_rate(equations.model())),
-      coordinate_units_(scales_.coordinates(equations.model(), equations.topology())) {}
+      coordinate_units_(scales_.coordinates(equations.model(), equations.topology())) {
+  weights_of_joints_ = weights_of_all_ = VecX::Ones(static_cast<Eigen::Index>(all_columns_.size()));
+  const std::vector<int> joint_columns = moving_columns(equations.driven(), Modes::kept);
+  for (std::size_t c = 0; c < all_columns_.size(); ++c) {
+    if (std::binary_search(joint_columns.begin(), joint_columns.end(), all_columns_[c])) continue;
+    weights_of_joints_(static_cast<Eigen::Index>(c)) = kModesMove;
+  }
+}
 
 std::vector<int> Assembly::moving_columns(const PrescribedMask& prescribed, Modes modes) const {
   std::vector<char> moves(equations_->topology().n_tree_u, 1);
@@ -183,7 +192,8 @@ bool Assembly::close(Coordinates& coordinates) {
 /// Factors the closure rows here, in the units of the machine: those for positions by themselves, and all.
 void Assembly::take_projection() {
   const Closure& closure = equations_->closure();
-  const MatX Phi = select_columns(scales_.scaled(closure.Phi_u(), closure), projected_columns());
+  const MatX Phi =
+      select_columns(scales_.scaled(closure.Phi_u(), closure), all_columns_) * projection_weights().asDiagonal();
   const bool positions_are_all = closure.n_position_rows() == closure.n_rows();
   row_factors_.compute(Phi);
   if (!positions_are_all) position_factors_.compute(Phi.topRows(closure.n_position_rows()));
@@ -196,8 +206,12 @@ VecX Assembly::projection_step(const VecX& misfit) const {
   const VecX scaled = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
   const VecX solution = (misfit.size() < closure.n_rows() ? position_factors_ : row_factors_).smallest_step(scaled);
   VecX step = VecX::Zero(equations_->topology().n_tree_u);
-  const std::vector<int>& columns = projected_columns();
-  for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c) * scales_.speeds()(columns[c]);
+  const VecX& weights = projection_weights();
+  for (std::size_t c = 0; c < all_columns_.size(); ++c) {
+    const int column = all_columns_[c];
+    step(column) =
+        solution(static_cast<Eigen::Index>(c)) * weights(static_cast<Eigen::Index>(c)) * scales_.speeds()(column);
+  }
   return step;
 }
 
@@ -226,6 +240,7 @@ void Assembly::project_positions(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
   const double allowed = kClosed * std::max(1.0, size_of_q(coordinates.q));
   double residual = position_residual_in_units();
+  if (residual <= kRoundOffOfPosition * std::max(1.0, size_of_q(coordinates.q))) return;
   bool is_fresh = true;
   for (int iteration = 0; iteration < 8; ++iteration) {
     advance(coordinates.q, projection_step(closure.position_residual()));
@@ -254,6 +269,7 @@ void Assembly::project_positions(Coordinates& coordinates) {
 void Assembly::project_velocities(Coordinates& coordinates) {
   const Closure& closure = equations_->closure();
   double residual = velocity_residual_in_units();
+  if (residual <= kRoundOffOfSpeed * size_of_u(coordinates.u)) return;
   bool is_fresh = false;
   for (int iteration = 0; iteration < 4 && residual > 0.0; ++iteration) {
     coordinates.u.head(equations_->topology().n_tree_u) += projection_step(closure.velocity_residual());
@@ -282,22 +298,11 @@ void Assembly::normalize(VecX& q) const {
   }
 }
 
-/// Modes stay where joints alone can close: round-off of a loop, put into a stiff mode, would be a force.
+/// Round-off of a loop, put into a stiff mode, would be a force, so that modes take next to no part where joints alone
+/// can close; near a pose in which these cannot, modes move (R66).
 void Assembly::project(Coordinates& coordinates) {
   normalize(coordinates.q);
-  if (equations_->model().is_flexible() && closing_modes_ == Modes::kept) {
-    drifted_ = coordinates;
-    try {
-      return project(coordinates, Modes::kept);
-    } catch (const SolverError&) {
-      coordinates = drifted_;  // a pose in which joints alone close no more
-    }
-  }
-  project(coordinates, Modes::moving);
-}
-
-void Assembly::project(Coordinates& coordinates, Modes modes) {
-  projecting_ = modes;
+  projecting_ = closing_modes_;
   move(coordinates);
   const Closure& closure = equations_->closure();
   if (closure.n_rows() == 0) return;

@@ -82,10 +82,8 @@ class Assembly {
   void move(Coordinates& coordinates);
   void take_projection();
   [[nodiscard]] VecX projection_step(const VecX& misfit) const;
-  /// The smallest change of joint coordinates, and of modes too if they are moving.
-  void project(Coordinates& coordinates, Modes modes);
-  [[nodiscard]] const std::vector<int>& projected_columns() const {
-    return projecting_ == Modes::kept ? joint_columns_ : all_columns_;
+  [[nodiscard]] const VecX& projection_weights() const {
+    return projecting_ == Modes::kept ? weights_of_joints_ : weights_of_all_;
   }
   void project_positions(Coordinates& coordinates);
   void project_velocities(Coordinates& coordinates);
@@ -113,10 +111,11 @@ class Assembly {
 
   Equations* equations_;
   Scales scales_;
-  std::vector<int> joint_columns_;
   std::vector<int> all_columns_;
   Modes projecting_ = Modes::moving;
-  Coordinates drifted_;
+  // By column of all_columns_: as if it were this part of itself.
+  VecX weights_of_joints_;
+  VecX weights_of_all_;
   RowFactors row_factors_;
   RowFactors position_factors_;  // of the rows for positions, where there are others
   double rate_;                  // machine_rate

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/joints/catalogue.h"
+#include "common/joints/universal_spherical.h"
 #include "common/rotation.h"
 
 namespace concord::compare {
