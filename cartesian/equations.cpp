@@ -236,7 +236,7 @@ void Equations::solve(bool fresh_pivots) {
     has_new_rows_ = false;
   }
   if (!good) {
-    throw SolverError(fmt::format(
+    throw SingularPose(fmt::format(
         "cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular pose, or a body "
         "can move without inertia",
         t_));

@@ -23,7 +23,18 @@ void move_by_roundoff(Values& values, double size, Draws& draws) {
   for (double& one : values) one += kEps * size * draws.next();
 }
 
-/// How far two states are from each other, relative to the sizes of their numbers.
+/// Of each mode with unit amplitude, over the body's mass points.
+VecX largest_displacements(const Body& body) {
+  VecX largest = VecX::Zero(body.n_modes());
+  if (!body.modal) return largest;
+  for (const MassPoint& point : body.modal->mass_points) {
+    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+  }
+  return largest;
+}
+
+/// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
+/// as they may be nothing but round-off.
 double distance(const State& one, const State& other, const StateSizes& sizes) {
   double largest = 0.0;
   const auto take = [&](const VecX& difference, double size) {
@@ -36,19 +47,10 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
     largest = std::max(largest, std::min((a.p - b.p).norm(), (a.p + b.p).norm()));
     take(a.v - b.v, sizes.velocity);
     take(a.omega - b.omega, sizes.turning);
-    take(a.a - b.a, sizes.modal[i]);
-    take(a.adot - b.adot, sizes.modal_rate[i]);
+    take((a.a - b.a).cwiseProduct(sizes.shapes[i]), sizes.place);
+    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), sizes.velocity);
   }
   return largest;
-}
-
-std::optional<VecX> answer(const QuantityLayout& layout, Solver& solver, const State& state) {
-  try {
-    VecX values = layout.observe(state, solver.evaluate(state));
-    if (values.allFinite()) return values;
-  } catch (const SolverError&) {
-  }
-  return std::nullopt;
 }
 
 /// The largest over the components that belong together: three of a force, of a torque and of an acceleration, all
@@ -173,6 +175,7 @@ StateSizes sizes_of(const Model& model, const State& state) {
   StateSizes sizes;
   sizes.place = length;
   sizes.modal.assign(state.bodies.size(), 0.0);
+  for (const Body& body : model.bodies) sizes.shapes.push_back(largest_displacements(body));
   sizes.modal_rate.assign(state.bodies.size(), 0.0);
   double fastest = 0.0;
   double turning = 0.0;
@@ -284,20 +287,23 @@ VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
 namespace {
 
 /// Of one state, by one solver: the largest change of each quantity; nothing if too few draws were valid.
-class OneState {
+class StateResolution {
  public:
-  OneState(const QuantityLayout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
+  StateResolution(const QuantityLayout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
       : layout_(layout), shared_(shared), sizes_(sizes_of(layout.model(), shared.state)), result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
       drawn_.push_back(draw_within_roundoff(shared.state, sizes_, seed + static_cast<std::uint64_t>(draw)));
     }
   }
 
+  /// Why the state is singular within round-off; empty if it is not.
+  [[nodiscard]] const std::string& singular() const { return singular_; }
+
   std::optional<VecX> of(Solver& solver, const VecX& said) {
     VecX change = VecX::Zero(said.size());
     int valid = 0;
     for (const State& drawn : drawn_) {
-      const auto moved = answer(layout_, solver, drawn);
+      const auto moved = answer(solver, drawn);
       if (!moved) continue;
       change = change.cwiseMax((*moved - said).cwiseAbs());
       ++valid;
@@ -306,7 +312,7 @@ class OneState {
     if (const auto closed = solver.close(shared_.state)) {
       if (distance(*closed, shared_.state, sizes_) > kSameClosing) {
         ++result_.closings_left_out;
-      } else if (const auto moved = answer(layout_, solver, *closed)) {
+      } else if (const auto moved = answer(solver, *closed)) {
         change = change.cwiseMax((*moved - said).cwiseAbs());
       }
     }
@@ -315,11 +321,23 @@ class OneState {
   }
 
  private:
+  std::optional<VecX> answer(Solver& solver, const State& state) {
+    try {
+      VecX values = layout_.observe(state, solver.evaluate(state));
+      if (values.allFinite()) return values;
+    } catch (const SingularPose& error) {
+      singular_ = error.what();
+    } catch (const SolverError&) {  // less than round-off away from a limit
+    }
+    return std::nullopt;
+  }
+
   const QuantityLayout& layout_;
   const SharedState& shared_;
   StateSizes sizes_;
   Resolution& result_;
   std::vector<State> drawn_;
+  std::string singular_;
 };
 
 }  // namespace
@@ -337,7 +355,7 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
     constexpr std::uint64_t kApart = 1000003;  // seeds of different states
-    OneState one(layout, shared, seed + kApart * static_cast<std::uint64_t>(column), result);
+    StateResolution one(layout, shared, seed + kApart * static_cast<std::uint64_t>(column), result);
     bool known = true;
     for (const Who who : {Who::cartesian, Who::relative}) {
       const VecX said = layout.observe(shared.state, shared.evaluations[index(who)]);
@@ -345,6 +363,7 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
       known = known && change.has_value();
       if (change) result.own[index(who)].col(column) = *change;
     }
+    result.singular.push_back(one.singular());
     if (!known) {
       ++result.unknown_states;
       continue;

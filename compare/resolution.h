@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/solver.h"
@@ -27,16 +28,20 @@ struct Resolution {
   /// Closings that were left out because they found another state, and states with too few valid draws.
   int closings_left_out = 0;
   int unknown_states = 0;
+  /// Of each state why it is singular within round-off, in the words of a solver that refuses a draw as a singular pose;
+  /// empty for all others.
+  std::vector<std::string> singular;
 };
 
 /// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
-/// m/s, rad/s] and of each body's modal coordinates and rates.
+/// m/s, rad/s] and of each body's modal coordinates and rates; and by how much a unit of each mode moves the body.
 struct StateSizes {
   double place = 0.0;
   double velocity = 0.0;
   double turning = 0.0;
   std::vector<double> modal;
   std::vector<double> modal_rate;
+  std::vector<VecX> shapes;
 };
 StateSizes sizes_of(const Model& model, const State& state);
 

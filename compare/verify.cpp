@@ -209,6 +209,7 @@ class Verification {
     if (weighed_.states.empty()) return;
     const std::vector<Measured> measured = measure(layout_, weighed_.series, weighed_.budget());
     record(layout_, measured, Rung::same_state, verdict_);
+    note_singular_states();
     judge_series(weighed_.series, measured, Rung::same_state);
     note_resolution();
     for (const SharedState& one : weighed_.states) {
@@ -232,6 +233,16 @@ class Verification {
     verdict_.rank_agrees = weighed_.findings.empty() && !weighed_.reports.empty();
     std::move(weighed_.findings.begin(), weighed_.findings.end(), std::back_inserter(verdict_.findings));
     for (const Who who : kWho) note_singular_start(weighed_.reports, who, of_run);
+  }
+
+  /// Nothing is judged in a state that is singular within round-off.
+  void note_singular_states() {
+    const std::vector<std::string>& singular = weighed_.resolution.singular;
+    const auto is_singular = [](const std::string& why) { return !why.empty(); };
+    const auto first = std::find_if(singular.begin(), singular.end(), is_singular);
+    if (first == singular.end()) return;
+    verdict_.singular_states += static_cast<int>(std::count_if(first, singular.end(), is_singular));
+    verdict_.failures.push_back(fmt::format("less than round-off from a state that both evaluate: {}", *first));
   }
 
   void note_resolution() {

@@ -16,6 +16,9 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
   weighed.resolution = measure_resolution(layout, solvers, weighed.states, measure(layout, weighed.series), seed);
+  for (std::size_t k = 0; k < weighed.states.size(); ++k) {
+    if (!weighed.resolution.singular[k].empty()) weighed.mask.col(static_cast<Eigen::Index>(k)).setConstant(false);
+  }
   return weighed;
 }
 

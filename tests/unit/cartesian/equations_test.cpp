@@ -80,7 +80,7 @@ TEST(Equations, TellASingularMatrixAndItsTime) {
   try {
     equations.solve(true);
     FAIL() << "a body without mass was solved for";
-  } catch (const SolverError& error) {
+  } catch (const SingularPose& error) {
     EXPECT_STREQ(
         error.what(),
         "cartesian: at t = 0.25 s the equations of motion are singular: the machine is in a singular pose, or a "

@@ -170,6 +170,18 @@ TEST_F(ResolutionTest, StatesThatNoDrawIsAcceptedInAreUnknown) {
   EXPECT_FALSE(std::isnan(before.both(row(0), 4)));
 }
 
+TEST_F(ResolutionTest, AStateIsSingularWhereADrawIsRefusedAsASingularPose) {
+  const double t = states_[4].state.t;
+  relative_.spoil = [t, calls = 0](const State& state, Evaluation&) mutable {
+    if (state.t == t && calls++ == 2) throw SingularPose("relative: the loop of joint 'A' is singular");
+  };
+  const Resolution resolution = measure_all();
+  ASSERT_EQ(resolution.singular.size(), states_.size());
+  for (std::size_t k = 0; k < states_.size(); ++k) {
+    EXPECT_EQ(resolution.singular[k], k == 4 ? "relative: the loop of joint 'A' is singular" : "") << k;
+  }
+}
+
 TEST_F(ResolutionTest, OfARunTakesTheLargestOfTheStatesOfEachSample) {
   Resolution resolution;
   resolution.both = MatX::Constant(2, 3, 1.0);
