@@ -8,9 +8,12 @@ namespace concord {
 
 namespace {
 
+/// V, which is regular at standstill.
+double slip_speed(const Tire& tire, const TireContact& contact) { return std::hypot(contact.V_x, tire.speed_scale); }
+
 /// Slip forces below the friction limit.
 TireForces evaluate_linear(const Tire& tire, const TireContact& contact) {
-  const double V = std::hypot(contact.V_x, tire.speed_scale);
+  const double V = slip_speed(tire, contact);
   return {tire.stiffness * contact.delta + tire.damping * contact.deltadot, -tire.slip_stiffness * contact.s_x / V,
           -tire.cornering_stiffness * contact.V_y / V};
 }
@@ -54,8 +57,10 @@ std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireR
   const TireForces forces = evaluate_linear(tire, contact);
   pushing = holds(regime.pushes, forces.N / force_scale);
   if (!regime.pushes) return values;
+  // Times V, so that slip forces do not level off, and what a look sees of the function tells where it goes.
+  const double speed = slip_speed(tire, contact) / tire.speed_scale;
   const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
-  sliding = holds(regime.slides, beyond / force_scale);
+  sliding = holds(regime.slides, speed * beyond / force_scale);
   return values;
 }
 

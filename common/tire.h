@@ -70,7 +70,7 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact);
 
 /// How far the contact is inside a regime, by the ends that a regime may have: both edges of the stretch, touching,
 /// pushing, sliding. Positive inside, through zero where the regime ends; in units of its own (a length over the
-/// radius, a force over stiffness radius); infinite for an end that the regime does not have.
+/// radius, a force over stiffness radius, of sliding times V / speed_scale); infinite for an end that it does not have.
 inline constexpr int kTireEvents = 5;
 std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireRegime& regime,
                                                    const TireContact& contact);

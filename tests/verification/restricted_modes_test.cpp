@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
+#include "compare/balance.h"
+#include "judged_machines.h"
 
 /// Machines whose loops leave a flexible body's modes no freedom of their own.
 namespace concord::verification {
@@ -114,6 +116,19 @@ TEST_CASE("Closing leaves alone the modes of a coupler that its pins do not bend
     REQUIRE(closed);
     CHECK(closed->bodies[coupler].a == guess.bodies[coupler].a);
     CHECK(closed->bodies[coupler].adot == guess.bodies[coupler].adot);
+  }
+}
+
+TEST_CASE(
+    "A loop that must bend its beams where its joints are stretched keeps its energy, however many steps it takes") {
+  const Model model = machine_of("loops", "loop_that_stretches");
+  for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
+    const auto solver = make(model);
+    for (const int samples : {30, 1000}) {
+      INFO(solver->name() << ", " << samples << " samples");
+      const Trajectory run = solver->integrate({model.run.until, 1e-12, samples, ""}, {});
+      CHECK(compare::audit_energy(model, run).relative() < 1e-12);
+    }
   }
 }
 
