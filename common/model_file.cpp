@@ -209,10 +209,40 @@ bool has_complaints(const ModelParts& parts) {
 
 Model read_model(const std::filesystem::path& file) { return parse_model(read_text_file(file), file); }
 
-Model parse_model(std::string_view text, const std::filesystem::path& file) {
+namespace {
+
+KnownKeys keys_of_models() {
   KnownKeys known{"name", "gravity", "body", "joint", "coupling", "road", "run", "need"};
   known.insert(known.end(), force_element_keys().begin(), force_element_keys().end());
-  ModelParts parts = read_model_parts(text, file, known);
+  return known;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> files_of_model(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> files{file};
+  try {
+    const ModelParts parts = read_model_parts(read_text_file(file), file, keys_of_models());
+    for (const ModelPart& part : parts) {
+      const std::filesystem::path of_part = part.reading.file;
+      files.push_back(of_part);
+      const toml::array* bodies = part.root["body"].as_array();
+      if (bodies == nullptr) continue;
+      for (const toml::node& body : *bodies) {
+        const toml::table* table = body.as_table();
+        if (table == nullptr) continue;
+        if (const auto modes = (*table)["modes_file"].value<std::string>()) {
+          files.push_back(of_part.parent_path() / *modes);
+        }
+      }
+    }
+  } catch (const InputError&) {  // what can be read of it was found; reading the model tells the fault
+  }
+  return files;
+}
+
+Model parse_model(std::string_view text, const std::filesystem::path& file) {
+  ModelParts parts = read_model_parts(text, file, keys_of_models());
 
   Model model;
   model.file = file.generic_string();

@@ -271,8 +271,10 @@ void check_output(const std::filesystem::path& target, const std::vector<std::fi
   if (target.empty()) return;
   check_target(target);
   for (const std::filesystem::path& input : inputs) {
-    if (is_same_file(target, input)) {
-      throw InputError({target.string(), 0, 0}, "cannot be written: it is an input of this run");
+    for (const std::filesystem::path& file : files_of_model(input)) {
+      if (is_same_file(target, file)) {
+        throw InputError({target.string(), 0, 0}, "cannot be written: it is an input of this run");
+      }
     }
   }
 }

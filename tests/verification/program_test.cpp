@@ -362,6 +362,10 @@ TEST_CASE("run and info do what they say", "[program]") {
 TEST_CASE("Places that are no regular file are refused before any work and stay what they are", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
+  desk.write("whole.toml",
+             "format = 1\n[[include]]\nfile = \"pendulum.toml\"\n[[body]]\nname = \"bar\"\n"
+             "modes_file = \"bar.modes.toml\"\n");
+  desk.write("bar.modes.toml", "format = 1\n");
   desk.write("kept.json", "{}");
   fs::create_symlink("kept.json", desk.work() / "link.json");
   REQUIRE(mkfifo((desk.work() / "fifo").c_str(), 0600) == 0);
@@ -370,10 +374,12 @@ TEST_CASE("Places that are no regular file are refused before any work and stay 
        {"compare pendulum.toml --json /dev/null", "compare pendulum.toml --junit /dev/full",
         "compare pendulum.toml --json fifo", "compare pendulum.toml --json link.json",
         "compare pendulum.toml --junit .", "compare pendulum.toml --json pendulum.toml",
-        "compare pendulum.toml --json no/../pendulum.toml", "compare pendulum.toml --out fifo",
-        "compare pendulum.toml --out /dev/null", "compare pendulum.toml --out kept.json",
-        "run pendulum.toml --solver relative --out kept.json/below", "statics pendulum.toml --json fifo",
-        "kinematics pendulum.toml --out /dev/null", "joint weld --poses 1 --out fifo"}) {
+        "compare pendulum.toml --json no/../pendulum.toml", "compare whole.toml --json pendulum.toml",
+        "compare whole.toml --junit bar.modes.toml", "statics whole.toml --json ./pendulum.toml",
+        "compare pendulum.toml --out fifo", "compare pendulum.toml --out /dev/null",
+        "compare pendulum.toml --out kept.json", "run pendulum.toml --solver relative --out kept.json/below",
+        "statics pendulum.toml --json fifo", "kinematics pendulum.toml --out /dev/null",
+        "joint weld --poses 1 --out fifo"}) {
     const Told told = desk.run(command);
     INFO(command << '\n' << told.out << told.err);
     CHECK(told.code == 2);
