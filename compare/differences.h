@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "common/types.h"
@@ -18,7 +19,8 @@ struct SlopeMisfit {
   VecX doubt;
 };
 
-/// Compares the slope of f at 0 with `expected` (entries over `scales`, positive; NaN: anything is right). Quotients of
+/// Compares the slope of f at 0 with `expected` (entries over `scales`, positive; NaN: anything is right; infinity: not
+/// known here, but wanted as exactly as quotients tell it: where two that follow each other differ least). Quotients of
 /// sixth order across 0, and of fourth order on either side of it, are taken with `step` and with steps that shrink to
 /// a hundred thousandth: a jump of a higher derivative spoils those that reach over it, a short wave those with long
 /// steps, and round-off those with short ones. The best of them counts; the search ends at one as good as `enough`.
@@ -27,9 +29,12 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
   constexpr int kSteps = 11;
   constexpr double kShrink = 0.31622776601683794;  // the root of a tenth
   SlopeMisfit best;
+  const Eigen::Array<bool, Eigen::Dynamic, 1> is_wanted = expected.array().isInf();
+  VecX wanted = expected;
+  VecX wanted_doubt = is_wanted.select(VecX::Constant(expected.size(), HUGE_VAL), VecX::Zero(expected.size()));
   const auto take = [&](const VecX& slope) {
     const auto misfit = (slope - expected).cwiseQuotient(scales).cwiseAbs().eval();
-    const double size = expected.array().isNaN().select(0.0, misfit.array()).maxCoeff();
+    const double size = expected.array().isFinite().select(misfit.array(), 0.0).maxCoeff();
     if (size < best.size || best.slope.size() == 0) {
       best.slope = slope;
       best.size = size;
@@ -39,13 +44,19 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
   best.doubt = enough * scales;
   double least_doubt = std::numeric_limits<double>::infinity();
   double h = step;
-  for (int k = 0; k < kSteps && !(best.size <= enough); ++k, h *= kShrink) {
+  const auto is_good = [&] { return best.size <= enough && (wanted_doubt.array() <= enough * scales.array()).all(); };
+  for (int k = 0; k < kSteps && !is_good(); ++k, h *= kShrink) {
     const VecX f1 = f(h), f2 = f(2.0 * h), f3 = f(3.0 * h), b1 = f(-h), b2 = f(-2.0 * h), b3 = f(-3.0 * h);
     const VecX across = (45.0 * (f1 - b1) - 9.0 * (f2 - b2) + (f3 - b3)) / (60.0 * h);
     take(across);
-    if (best.size <= enough) break;
+    if (is_good()) break;
     if (before.size() > 0) {
       const VecX doubt = (across - before).cwiseAbs();
+      for (Eigen::Index c = 0; c < doubt.size(); ++c) {
+        if (!is_wanted(c) || !(doubt(c) < wanted_doubt(c))) continue;
+        wanted(c) = across(c);
+        wanted_doubt(c) = doubt(c);
+      }
       const double size = doubt.cwiseQuotient(scales).maxCoeff();
       if (size < least_doubt) {
         least_doubt = size;
@@ -57,6 +68,8 @@ SlopeMisfit slope_misfit(const Function& f, const VecX& expected, const VecX& sc
     take((-25.0 * here + 48.0 * f1 - 36.0 * f2 + 16.0 * f3 - 3.0 * f(4.0 * h)) / (12.0 * h));
     take((25.0 * here - 48.0 * b1 + 36.0 * b2 - 16.0 * b3 + 3.0 * f(-4.0 * h)) / (12.0 * h));
   }
+  best.slope = is_wanted.select(wanted, best.slope);
+  best.doubt = is_wanted.select(wanted_doubt.cwiseMax(enough * scales), best.doubt);
   return best;
 }
 

@@ -42,17 +42,19 @@ int driven_speed_of(const Joint& joint, const Driver& driver) {
 }
 
 /// Scales of a joint's rows: the sizes of the terms, at least `least` [m/s2] and what it gives along the length.
-AuditScales scales_of(const JointKinematics& found, const State& state, const Joint& joint, double least,
-                      double length) {
+AuditScales scales_of(const JointKinematics& found, const State& state, const Joint& joint, double least, double length,
+                      double until) {
   double reach = length;
   for (const Attachment& side : joint.sides) reach = std::max(reach, state.bodies[side.body].r.norm());
   AuditScales scales{};
   scales[index(AuditUnit::length)] = reach;
   scales[index(AuditUnit::angle)] = 1.0;
-  const double speed = std::max(found.speed.line, std::sqrt(least * length));
+  // A machine at rest that nothing moves has speeds that are round-off.
+  constexpr double kAtRest = 1e-12;  // of the length in the time of the run
+  const double speed = std::max({found.speed.line, std::sqrt(least * length), kAtRest * reach / until});
   scales[index(AuditUnit::speed)] = speed;
   scales[index(AuditUnit::turning_speed)] = std::max(found.speed.turn, speed / length);
-  const double acceleration = std::max(found.rate_of_speed.line, least);
+  const double acceleration = std::max({found.rate_of_speed.line, least, kAtRest * reach / (until * until)});
   scales[index(AuditUnit::acceleration)] = acceleration;
   scales[index(AuditUnit::turning_acceleration)] = std::max(found.rate_of_speed.turn, acceleration / length);
   return scales;
@@ -67,6 +69,13 @@ MotionAudit::MotionAudit(const Model& model) : model_(model), length_(model.leng
     AuditEntity& entity = couplings_.emplace_back(AuditEntity{coupling.name, {}, false});
     for (const char* what : {"sum of coordinates", "sum of speeds", "sum of accelerations"}) {
       entity.rows.push_back({AuditRule::driver_law, what, AuditUnit::own});
+    }
+  }
+  coupled_speeds_.resize(model.joints.size());
+  for (const Coupling& coupling : model.couplings) {
+    for (const CouplingTerm& term : coupling.terms) {
+      const int u = first_u(*model.joints[term.joint].type, term.word) + term.component;
+      coupled_speeds_[static_cast<std::size_t>(term.joint)].push_back(u);
     }
   }
   kinematics_.resize(model.joints.size());
@@ -114,6 +123,7 @@ double MotionAudit::least_acceleration(const Evaluation& evaluation) const {
 VecX MotionAudit::expected_udot(std::size_t joint, double t) const {
   const Joint& stated = model_.joints[joint];
   VecX expected = VecX::Constant(stated.type->n_u(), std::numeric_limits<double>::quiet_NaN());
+  for (const int u : coupled_speeds_[joint]) expected(u) = std::numeric_limits<double>::infinity();
   for (std::size_t d = 0; d < stated.drivers.size(); ++d) {
     expected(driven_speed_of(stated, stated.drivers[d])) = drivers_[joint][d].at(t).rate_of_rate;
   }
@@ -126,7 +136,7 @@ void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation&
   const VecX hint = k < state.q.size() ? state.q[k] : VecX();
   JointKinematics& found = kinematics_[k];
   found = read_kinematics(joint, state, evaluation, hint, expected_udot(k, state.t), length_);
-  scales_[k] = scales_of(found, state, joint, least_acceleration, length_);
+  scales_[k] = scales_of(found, state, joint, least_acceleration, length_, model_.run.until);
 
   std::vector<AuditRow>& rows = joints_[k].rows;
   std::size_t next = 0;

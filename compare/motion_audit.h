@@ -35,6 +35,7 @@ class MotionAudit {
   std::vector<std::vector<LawOfTime>> drivers_;  // of each joint
   std::vector<AuditEntity> joints_;
   std::vector<AuditEntity> couplings_;
+  std::vector<std::vector<int>> coupled_speeds_;  // of each joint
   // Of the state that is being added, for each joint.
   std::vector<JointKinematics> kinematics_;
   std::vector<AuditScales> scales_;

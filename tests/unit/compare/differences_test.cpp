@@ -36,5 +36,22 @@ TEST(SlopeMisfit, AKinkOnOneSideSpoilsNothing) {
   EXPECT_LT(slope_misfit(kinked, one(2.0), one(4.0), 1e-3, 1e-11).size, 1e-10);
 }
 
+TEST(SlopeMisfit, AWantedSlopeIsTakenWhereNeighbouringQuotientsAgree) {
+  // A short wave in the wanted entry: long steps alias it, although the entry that is known is right with all of them.
+  const auto f = [](double x) {
+    VecX values(2);
+    values << 3.0 * x, std::sin(4e4 * x);
+    return values;
+  };
+  VecX expected(2);
+  expected << 3.0, std::numeric_limits<double>::infinity();
+  VecX scales(2);
+  scales << 9.0, 4e4;
+  const SlopeMisfit found = slope_misfit(f, expected, scales, 5e-4, 1e-11);
+  EXPECT_LT(found.size, 1e-11);
+  EXPECT_NEAR(found.slope(1), 4e4, 1e-5);
+  EXPECT_LT(found.doubt(1), 1e-4);
+}
+
 }  // namespace
 }  // namespace concord::compare
