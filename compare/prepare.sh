@@ -4,14 +4,14 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${CONCORD_BUILD:-$root/build}  # a folder of its own for each set of options
 
-# Debian 12 packages, the tools first.
+# Debian 12 packages, the tools first; and what the tests need beside them.
 packages=(
   cmake ninja-build g++ ccache
   libeigen3-dev libsundials-dev libsuitesparse-dev libspectra-dev
   libtomlplusplus-dev libmuparser-dev libnetcdf-dev nlohmann-json3-dev libcli11-dev libfmt-dev libsqlite3-dev
-  libgtest-dev libgmock-dev librapidcheck-dev catch2 libbenchmark-dev
   gnuplot-nox
 )
+packages_of_tests=(libgtest-dev libgmock-dev librapidcheck-dev catch2 libbenchmark-dev)
 
 # Prints the packages that are not installed; none on a machine without dpkg, where CMake speaks for itself.
 missing_packages() {
@@ -43,8 +43,8 @@ install_packages() {
   fi
 }
 
-# configure FOLDER [CMAKE OPTION...]: once; again only if the folder belongs to another place. Options for every folder
-# come from CONCORD_CMAKE_OPTIONS.
+# configure FOLDER [CMAKE OPTION...]: once; again only if the folder belongs to another place. What CONCORD_CMAKE_OPTIONS
+# says goes before.
 configure() {
   local folder=$1 home=
   shift
@@ -53,8 +53,17 @@ configure() {
   fi
   [ "$home" = "$root" ] && [ -f "$folder/build.ninja" ] && return
   # shellcheck disable=SC2086  # several words
-  if ! cmake --fresh -G Ninja -S "$root" -B "$folder" ${CONCORD_CMAKE_OPTIONS:-} "$@" >&2; then
+  if ! cmake --fresh -G Ninja -S "$root" -B "$folder" "$@" ${CONCORD_CMAKE_OPTIONS:-} >&2; then
     echo "CMake could not configure $folder: see above" >&2
+    exit 3
+  fi
+}
+
+# with_tests FOLDER: the folder builds the tests too from now on.
+with_tests() {
+  grep -qx 'BUILD_TESTING:BOOL=OFF' "$1/CMakeCache.txt" || return 0
+  if ! cmake -DBUILD_TESTING=ON "$1" >&2; then
+    echo "CMake could not add the tests to $1: see above" >&2
     exit 3
   fi
 }
