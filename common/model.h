@@ -136,9 +136,7 @@ struct Model {
   /// Whether joint k can pass no wrench at all: it forbids nothing, nothing drives or couples it and it has no spring.
   [[nodiscard]] bool carries_nothing(int k) const;
   /// Largest distance between the joint points of a body, over all bodies, undeformed [m]; the ends of force elements
-  /// count like joint points. Where no body has two places, the largest distance of a place from its body's centre of
-  /// mass, radius of gyration or distance between mass points; 1 m if there is none of these
-  /// (S42).
+  /// count like joint points; where no body has two, the size of the bodies; 1 m if they have none (S42).
   [[nodiscard]] double length_scale() const;
 };
 
