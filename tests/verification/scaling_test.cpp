@@ -105,7 +105,7 @@ void expect_same_verdict(const Scaled& machine, const Model& model, const compar
 std::string printed_digits(const compare::Verdict& verdict) {
   std::string text;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const compare::Row& row : *rows) {
+    for (const auto& row : *rows) {
       text += fmt::format("{} {}", row.unique, compare::to_string(row.judgement));
       for (const auto& digits : {row.same_state, row.same_run, row.refined}) {
         text += digits ? " " + compare::format_digits(*digits) : " -";
@@ -127,34 +127,32 @@ void expect_same_digits(const Scaled& machine, const Model& model, const compare
   CHECK(printed_digits(again) == printed_digits(first));
 }
 
-void look_at_all(const std::vector<double>& factors, const std::vector<double>& powers_of_four) {
-  for (const Scaled& machine : kScaled) {
+TEST_CASE("Over twelve decades of length, mass and time a machine keeps its verdict", "[scaling][nightly]") {
+  const Scaled& machine = GENERATE(from_range(kScaled));
+  DYNAMIC_SECTION(machine.name) {
     const Model model = model_of(machine);
     const compare::Verdict first = verdict_in(machine, model, {});
     tell(machine, {}, first);
     CHECK(first.outcome == compare::Outcome::agree);
-    for (const double factor : factors) {
+    for (const double factor : {1e-6, 1e-3, 1e3, 1e6}) {
       for (const Units& units : scales(factor)) expect_same_verdict(machine, model, first, units);
     }
-    for (const double factor : powers_of_four) {
+    for (const double factor : {0x1p-20, 0x1p20}) {
       for (const Units& units : scales(factor)) expect_same_digits(machine, model, first, units);
     }
   }
 }
 
-TEST_CASE("Over twelve decades of length, mass and time a machine keeps its verdict", "[scaling][nightly]") {
-  look_at_all({1e-6, 1e-3, 1e3, 1e6}, {std::ldexp(1.0, -20), std::ldexp(1.0, 20)});
-}
-
 TEST_CASE("A machine a million times larger or smaller keeps its verdict", "[scaling]") {
-  for (const Scaled& machine : kScaled) {
+  const Scaled& machine = GENERATE(from_range(kScaled));
+  DYNAMIC_SECTION(machine.name) {
     const Model model = model_of(machine);
     const compare::Verdict first = verdict_in(machine, model, {});
+    tell(machine, {}, first);
     for (const Units& units : {Units{1e6, 1e-6, 1e6, 1e3}, Units{1e-6, 1e6, 1e-6, 1e-3}}) {
       expect_same_verdict(machine, model, first, units);
     }
-    expect_same_digits(machine, model, first,
-                       {std::ldexp(1.0, -20), std::ldexp(1.0, 18), std::ldexp(1.0, 16), std::ldexp(1.0, -11)});
+    expect_same_digits(machine, model, first, {0x1p-20, 0x1p18, 0x1p16, 0x1p-11});
   }
 }
 
