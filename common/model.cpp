@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "common/rotation.h"
 
@@ -44,6 +45,29 @@ bool Model::is_coupled(int k) const {
   });
 }
 
+namespace {
+
+/// A length of a machine none of whose bodies has two places: the largest distance of a place from its body's centre of
+/// mass, radius of gyration, or distance between mass points; zero if there is none.
+double size_of_parts(const Model& model, const std::vector<const Attachment*>& places) {
+  double largest = 0.0;
+  for (const Attachment* place : places) {
+    const Body& body = model.bodies[place->body];
+    if (place->body != kGround && !body.modal)
+      largest = std::max(largest, (place->point_L - body.center_of_mass_L).norm());
+  }
+  for (const Body& body : model.bodies) {
+    if (body.mass > 0.0) largest = std::max(largest, std::sqrt(0.5 * body.inertia_L.trace() / body.mass));
+    if (!body.modal) continue;
+    for (const MassPoint& point : body.modal->mass_points) {
+      largest = std::max(largest, (point.s0_L - body.modal->mass_points.front().s0_L).norm());
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
 double Model::length_scale() const {
   std::vector<const Attachment*> places;
   for (const Joint& joint : joints) {
@@ -61,6 +85,7 @@ double Model::length_scale() const {
       largest = std::max(largest, ((*one)->point_L - (*other)->point_L).norm());
     }
   }
+  if (!(largest > 0.0)) largest = size_of_parts(*this, places);
   return largest > 0.0 ? largest : 1.0;
 }
 

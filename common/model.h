@@ -136,7 +136,7 @@ struct Model {
   /// Whether joint k can pass no wrench at all: it forbids nothing, nothing drives or couples it and it has no spring.
   [[nodiscard]] bool carries_nothing(int k) const;
   /// Largest distance between the joint points of a body, over all bodies, undeformed [m]; the ends of force elements
-  /// count like joint points; 1 m if there is none (S42).
+  /// count like joint points; where no body has two, the size of the bodies; 1 m if they have none (S42).
   [[nodiscard]] double length_scale() const;
 };
 

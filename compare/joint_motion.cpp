@@ -1,6 +1,7 @@
 #include "compare/joint_motion.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -178,6 +179,41 @@ const joints::ByReading* stated_reading(const joints::JointType& type) {
   return nullptr;
 }
 
+/// A length of a joint: the displacement of a turn, or what a slide moves in a radian of its own turn; where neither
+/// couples them, the displacement of the motions by radian; 1 if no motion turns.
+double own_length(const Mat6X& S, const std::vector<bool>& turning, const Mat6X& motions) {
+  double length = 0.0;
+  for (Eigen::Index c = 0; c < S.cols(); ++c) {
+    const double displacement = S.col(c).head<3>().norm();
+    const double rotation = S.col(c).tail<3>().norm();
+    const bool turns = turning[static_cast<std::size_t>(c)];
+    if (turns) length = std::max(length, displacement);
+    if (!turns && rotation > 0.0) length = std::max(length, displacement / rotation);
+  }
+  for (Eigen::Index c = 0; c < motions.cols() && !(length > 0.0); ++c) {
+    const double rotation = motions.col(c).tail<3>().norm();
+    if (rotation > 0.0) length = motions.col(c).head<3>().norm() / rotation;
+  }
+  return length > 0.0 && std::isfinite(length) ? length : 1.0;
+}
+
+/// The speeds (n_u x n) with S u nearest to the motions (6 x n), displacements and slides in parts of the joint's own
+/// length: in metres and radians, round-off of the larger would reach the smaller.
+MatX nearest_speeds(const joints::JointType& type, const Mat6X& S, const Mat6X& motions) {
+  const std::vector<bool> turning = turning_speeds(type);
+  const double length = own_length(S, turning, motions);
+  Mat6X columns = S;
+  Mat6X wanted = motions;
+  columns.topRows<3>() /= length;
+  wanted.topRows<3>() /= length;
+  VecX units = VecX::Ones(S.cols());
+  for (Eigen::Index c = 0; c < S.cols(); ++c) {
+    if (!turning[static_cast<std::size_t>(c)]) units(c) = length;
+  }
+  const Mat6X by_unit = columns * units.asDiagonal();
+  return units.asDiagonal() * MatX(by_unit.colPivHouseholderQr().solve(wanted));
+}
+
 }  // namespace
 
 MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
@@ -186,7 +222,7 @@ MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
   for (Eigen::Index k = 0; k < possible.cols(); ++k) {
     possible.col(k) = std::visit(PermittedSpeed(R), type.permits_speeds[static_cast<std::size_t>(k)]);
   }
-  return S.colPivHouseholderQr().solve(possible);
+  return nearest_speeds(type, S, possible);
 }
 
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
@@ -199,7 +235,7 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
   motion.d = walk.d();
   motion.R = walk.R();
   motion.free = free_speeds(type, relative.R, motion.S);
-  motion.u = motion.S.cols() > 0 ? VecX(motion.S.colPivHouseholderQr().solve(relative.v_rel)) : VecX();
+  motion.u = motion.S.cols() > 0 ? VecX(nearest_speeds(type, motion.S, relative.v_rel)) : VecX();
   return motion;
 }
 

@@ -398,7 +398,8 @@ class RegimeEvents {
   }
 
   /// Finds the step that ends just outside and leaves its state in y and t: by secants, the value at an end that stays
-  /// halved (the Illinois method).
+  /// halved (the Illinois method), and in the middle after a secant that did not halve the bracket. The event function
+  /// is the smallest of several: where another one rests on its border, secants alone would not get to the end.
   int approach(Bracket b, N_Vector y, double& t) {
     const double t_before = t;
     const double tolerance = std::max(1e-13 * until_, round_off(t_before));
@@ -408,8 +409,10 @@ class RegimeEvents {
       return stepper_->step_exactly(step, y, t);
     };
     int last_side = 0;
+    bool bisects = false;
     for (int trial = 0; trial < kMostTrials && b.outside - b.inside > 2.0 * tolerance; ++trial) {
-      const double step = guess(b, tolerance);
+      const double length = b.outside - b.inside;
+      const double step = bisects ? b.inside + 0.5 * length : guess(b, tolerance);
       const int code = make(step);
       if (code < 0) return code;
       const double found = least_event_function(t, sundials::view(y));
@@ -424,6 +427,7 @@ class RegimeEvents {
         if (last_side == side) b.value_outside *= 0.5;
       }
       last_side = side;
+      bisects = !bisects && b.outside - b.inside > 0.5 * length;
     }
     return make(b.outside);
   }

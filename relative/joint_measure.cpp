@@ -53,16 +53,20 @@ JointMeasure::JointMeasure(const Mobilizer& mobilizer, const char* prescribed) :
   }
 }
 
-/// Displacements as parts of Mobilizer::length where they weigh against rotations.
+/// Displacements as parts of Mobilizer::length, so that they weigh against rotations in any unit.
 Vec6 JointMeasure::weighed(const Vec6& motion) const {
   Vec6 result = motion;
-  if (mobilizer_->couples()) result.head<3>() /= mobilizer_->length();
+  result.head<3>() /= mobilizer_->length();
   return result;
 }
 
+/// Radian or Mobilizer::length: what speed or coordinate c is counted in where it weighs against others.
+double JointMeasure::unit(int c) const { return mobilizer_->kind(c).is_length ? mobilizer_->length() : 1.0; }
+
+/// Weighed motion by a unit of each free speed.
 JointColumns JointMeasure::free_columns() const {
   JointColumns S(6, free_.size());
-  for (std::size_t c = 0; c < free_.size(); ++c) S.col(c) = weighed(at_.S.col(free_[c]));
+  for (std::size_t c = 0; c < free_.size(); ++c) S.col(c) = unit(free_[c]) * weighed(at_.S.col(free_[c]));
   return S;
 }
 
@@ -90,7 +94,7 @@ void JointMeasure::fit_together(const Vec6& motion, JointVector& speeds) const {
   const JointColumns S = free_columns();
   const JointSquare normal = S.transpose() * S;
   const JointVector fitted = normal.ldlt().solve(S.transpose() * weighed(motion));
-  for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = fitted(c);
+  for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = unit(free_[c]) * fitted(c);
 }
 
 /// Columns that are the same in every pose need this once.
@@ -141,7 +145,7 @@ double JointMeasure::step_length(const JointPoint& parent, const JointPoint& chi
 double JointMeasure::size_of(const JointVector& step) const {
   double size = 0.0;
   for (const int c : free_) {
-    size = std::max(size, std::abs(step(c)) / (mobilizer_->kind(c).is_length ? mobilizer_->length() : 1.0));
+    size = std::max(size, std::abs(step(c)) / unit(c));
   }
   return size;
 }
@@ -184,7 +188,7 @@ void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& chil
     error.tail<3>().setZero();
     const JointVector fitted = S.completeOrthogonalDecomposition().solve(error);
     JointVector correction = JointVector::Zero(mobilizer_->n_u());
-    for (std::size_t c = 0; c < free_.size(); ++c) correction(free_[c]) = fitted(c);
+    for (std::size_t c = 0; c < free_.size(); ++c) correction(free_[c]) = unit(free_[c]) * fitted(c);
     if (!correction.allFinite()) return;
     mobilizer_->advance(q, correction.data());
     move(parent, child, q);

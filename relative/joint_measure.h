@@ -53,6 +53,7 @@ class JointMeasure {
 
  private:
   [[nodiscard]] Vec6 weighed(const Vec6& motion) const;
+  [[nodiscard]] double unit(int c) const;
   [[nodiscard]] JointColumns free_columns() const;
   [[nodiscard]] JointVector fit(const Vec6& motion) const;
   void fit_separately(const Vec6& motion, JointVector& speeds) const;

@@ -3,10 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/model.h"
@@ -395,98 +398,298 @@ inline Change with_modes(const std::vector<MatX>& T) {
 // Units --------------------------------------------------------------------------------------------------------------
 
 /// Factors by which the numbers of lengths, masses and times grow: {1000, 1e-3, 1} tells a machine in mm, t, s and N.
-/// Modal coordinates keep their numbers.
+/// Modal coordinates keep their numbers unless `modal` says how they grow.
 struct Units {
   double length = 1.0;
   double mass = 1.0;
   double time = 1.0;
+  double modal = 1.0;
 
   [[nodiscard]] double force() const { return mass * length / (time * time); }
   [[nodiscard]] double torque() const { return force() * length; }
+  /// How a coordinate grows, and the force on it.
+  [[nodiscard]] double coordinate(bool is_length) const { return is_length ? length : 1.0; }
+  [[nodiscard]] double force_on(bool is_length) const { return is_length ? force() : torque(); }
 };
+
+/// Whether coordinate `component` of a word is a length.
+inline bool is_length(const joints::Permit& word, int component) {
+  if (std::holds_alternative<joints::Slide>(word)) return true;
+  const auto* motion = std::get_if<joints::ByMotion>(&word);
+  return motion != nullptr && !motion->turns[static_cast<std::size_t>(component)];
+}
+
+/// A law of values that grow by `value`.
+inline TimeFunction in_units(const TimeFunction& law, double value, const Units& units) {
+  struct Tell {
+    double value;
+    double time;
+    TimeFunction operator()(ConstantSpeed law) const {
+      return ConstantSpeed{law.start * value, law.speed * value / time};
+    }
+    TimeFunction operator()(Polynomial law) const {
+      double factor = value;
+      for (double& coefficient : law.coefficients) {
+        coefficient *= factor;
+        factor /= time;
+      }
+      return law;
+    }
+    TimeFunction operator()(const Harmonic& law) const {
+      return Harmonic{law.offset * value, law.amplitude * value, law.frequency / time, law.phase};
+    }
+    TimeFunction operator()(const SmoothStep& law) const {
+      return SmoothStep{law.t0 * time, law.t1 * time, law.from * value, law.to * value};
+    }
+    TimeFunction operator()(const SplineTable& law) const { return scaled(law, time, value); }
+    static SplineTable scaled(const SplineTable& table, double x, double y) {
+      std::vector<double> xs = table.times();
+      std::vector<double> ys = table.values();
+      for (double& one : xs) one *= x;
+      for (double& one : ys) one *= y;
+      return {xs, ys};
+    }
+  };
+  return std::visit(Tell{value, units.time}, law);
+}
+
+inline std::optional<ForceTable> in_units(const std::optional<ForceTable>& table, double x, double force) {
+  if (!table) return {};
+  std::vector<double> xs = table->points().times();
+  std::vector<double> forces = table->points().values();
+  for (double& one : xs) one *= x;
+  for (double& one : forces) one *= force;
+  return ForceTable(xs, forces);
+}
+
+/// A force law over a length or an angle.
+inline ForceLaw in_units(ForceLaw law, bool over_length, const Units& units) {
+  const double x = units.coordinate(over_length);
+  const double force = units.force_on(over_length);
+  law.stiffness *= force / x;
+  law.damping *= force / x * units.time;
+  law.free *= x;
+  law.preload *= force;
+  law.spring_table = in_units(law.spring_table, x, force);
+  law.damper_table = in_units(law.damper_table, x / units.time, force);
+  for (std::optional<SmoothStop>* stop : {&law.lower, &law.upper}) {
+    if (!*stop) continue;
+    (*stop)->at *= x;
+    (*stop)->width *= x;
+    (*stop)->stiffness *= force / x;
+    (*stop)->damping *= force / x * units.time;
+  }
+  if (law.actuator) law.actuator = in_units(*law.actuator, force, units);
+  return law;
+}
+
+inline Attachment in_units(Attachment side, const Units& units) {
+  side.point_L *= units.length;
+  side.Psi_t_L *= units.length / units.modal;
+  side.Psi_r_L /= units.modal;
+  return side;
+}
 
 inline Body in_units(Body body, const Units& units) {
   if (body.pose_guess) body.pose_guess->r *= units.length;
-  body.adot_start /= units.time;
+  body.a_start *= units.modal;
+  body.adot_start *= units.modal / units.time;
   body.mass *= units.mass;
   body.center_of_mass_L *= units.length;
   body.inertia_L *= units.mass * units.length * units.length;
   if (!body.modal) return body;
   ModalData& modal = *body.modal;
-  modal.stiffness *= units.torque();
-  modal.damping *= units.torque() * units.time;
+  const double stiffness = units.torque() / (units.modal * units.modal);
+  modal.stiffness *= stiffness;
+  modal.damping *= stiffness * units.time;
   modal.frequencies /= units.time;
-  VecX scale = VecX::Constant(modal.G.rows(), units.length);
+  VecX scale = VecX::Constant(modal.G.rows(), units.length / units.modal);
   scale(0) = 1.0;
+  scale.segment<3>(1).setConstant(units.length);
   modal.G = units.mass * (scale.asDiagonal() * modal.G * scale.asDiagonal());
   for (ModalNode& node : modal.nodes) {
     node.s0_L *= units.length;
-    node.Psi_t_L *= units.length;
+    node.Psi_t_L *= units.length / units.modal;
+    node.Psi_r_L /= units.modal;
   }
   for (MassPoint& point : modal.mass_points) {
     point.mass *= units.mass;
     point.s0_L *= units.length;
-    point.Psi_t_L *= units.length;
+    point.Psi_t_L *= units.length / units.modal;
   }
   return body;
 }
 
-/// Tells the machine in other units; its joints must not be driven.
+/// The length that a joint type with a parameter states: of its arm, its rolling radius, or its lead.
+inline double length_of(const joints::JointType& type) {
+  for (const joints::Permit& word : type.permits) {
+    if (const auto* arm = std::get_if<joints::Arm>(&word)) return arm->length;
+    if (const auto* motion = std::get_if<joints::ByMotion>(&word)) {
+      joints::FunctionOfCoordinates::Motion at;
+      const double q = 1.0;
+      const double u = 0.0;
+      motion->motion->evaluate(&q, &u, at);
+      return at.placement.d.norm();
+    }
+  }
+  for (const joints::ForbidSpeed& word : type.forbids_speeds) return std::get<joints::NoSlip>(word).below;
+  throw std::logic_error("no rule to read the parameter of a joint of type " + type.name);
+}
+
+inline Joint in_units(Joint joint, const Units& units) {
+  for (Attachment& side : joint.sides) side = in_units(std::move(side), units);
+  const joints::JointType& type = *joint.type;
+  for (std::size_t word = 0; word < joint.start.size(); ++word) {
+    for (Eigen::Index c = 0; c < joint.start[word].q.size(); ++c) {
+      joint.start[word].q(c) *= units.coordinate(is_length(type.permits[word], static_cast<int>(c)));
+    }
+    for (Eigen::Index c = 0; c < joint.start[word].u.size(); ++c) {
+      joint.start[word].u(c) *= units.coordinate(is_length(type.permits[word], static_cast<int>(c))) / units.time;
+    }
+  }
+  for (Driver& driver : joint.drivers) {
+    driver.law = in_units(driver.law, units.coordinate(is_length(type.permits[driver.word], driver.component)), units);
+  }
+  for (JointSpring& spring : joint.springs) {
+    spring.law = in_units(spring.law, is_length(type.permits[spring.word], spring.component), units);
+  }
+  if (type.with_parameters != nullptr) {
+    joint.own_type = std::make_shared<const joints::JointType>(type.with_parameters({length_of(type) * units.length}));
+    joint.type = joint.own_type.get();
+  }
+  return joint;
+}
+
+inline Road in_units(Road road, const Units& units) {
+  if (auto* flat = std::get_if<FlatRoad>(&road.profile)) flat->height *= units.length;
+  if (auto* bump = std::get_if<HalfSineBump>(&road.profile)) {
+    bump->start *= units.length;
+    bump->length *= units.length;
+    bump->height *= units.length;
+  }
+  if (auto* table = std::get_if<RoadTable>(&road.profile)) {
+    const Units of_lengths{1.0, 1.0, units.length};
+    const TimeFunction spline = in_units(TimeFunction(table->spline), units.length, of_lengths);
+    road.profile = RoadTable{std::get<SplineTable>(spline), table->first * units.length, table->last * units.length};
+  }
+  return road;
+}
+
+/// What a force element says, told in other units.
+struct ElementInUnits {
+  Units units;
+
+  void operator()(Load& load) const {
+    load.at = in_units(std::move(load.at), units);
+    load.force *= units.force();
+    load.torque *= units.torque();
+    load.law = in_units(load.law, 1.0, units);
+  }
+  void operator()(LineSpring& spring) const {
+    for (Attachment& end : spring.ends) end = in_units(std::move(end), units);
+    spring.law = in_units(spring.law, true, units);
+  }
+  void operator()(TurnSpring& spring) const {
+    for (Attachment& end : spring.ends) end = in_units(std::move(end), units);
+    spring.law = in_units(spring.law, false, units);
+  }
+  void operator()(Bushing& bushing) const {
+    for (Attachment& end : bushing.ends) end = in_units(std::move(end), units);
+    Vec6 wrench;
+    wrench << Vec3::Constant(units.force()), Vec3::Constant(units.torque());
+    Vec6 motion;
+    motion << Vec3::Constant(units.length), Vec3::Ones();
+    const Vec6 per_motion = motion.cwiseInverse();
+    bushing.stiffness = wrench.asDiagonal() * bushing.stiffness * per_motion.asDiagonal();
+    bushing.damping = units.time * (wrench.asDiagonal() * bushing.damping * per_motion.asDiagonal());
+    bushing.preload = wrench.cwiseProduct(bushing.preload);
+  }
+  void operator()(Tire& tire) const {
+    tire.wheel = in_units(std::move(tire.wheel), units);
+    tire.road = std::make_shared<const Road>(in_units(*tire.road, units));
+    tire.radius *= units.length;
+    tire.stiffness *= units.force() / units.length;
+    tire.damping *= units.force() / units.length * units.time;
+    tire.slip_stiffness *= units.force();
+    tire.cornering_stiffness *= units.force();
+    tire.speed_scale *= units.length / units.time;
+  }
+};
+
+/// The whole statement in other units. The sum of a coupling keeps its number.
+inline Model told_in_units(Model model, const Units& units) {
+  model.gravity *= units.length / (units.time * units.time);
+  model.run.until *= units.time;
+  for (Coupling& coupling : model.couplings) {
+    for (CouplingTerm& term : coupling.terms) {
+      term.factor /= units.coordinate(is_length(model.joints[term.joint].type->permits[term.word], term.component));
+    }
+  }
+  for (Body& body : model.bodies) body = in_units(std::move(body), units);
+  for (Joint& joint : model.joints) joint = in_units(std::move(joint), units);
+  for (ForceElement& element : model.elements) std::visit(ElementInUnits{units}, element.what);
+  return model;
+}
+
+/// What a solver finds in other units, told in the first ones.
+inline Evaluation back_from_units(Evaluation evaluation, const Units& units,
+                                  const std::vector<const joints::JointType*>& types) {
+  const double squared = units.time * units.time;
+  for (BodyAcceleration& body : evaluation.bodies) {
+    body.vdot *= squared / units.length;
+    body.omegadot *= squared;
+    body.addot *= squared / units.modal;
+  }
+  const auto back = [&](SideWrench& side) {
+    for (Wrench* wrench : {&side.in_C, &side.in_global}) {
+      wrench->force /= units.force();
+      wrench->torque /= units.torque();
+    }
+  };
+  for_each_side_wrench(evaluation, back);
+  for (ElementWrenches& element : evaluation.elements) {
+    for (SideWrench& side : element.on) back(side);
+  }
+  for (double& force : evaluation.couplings) force /= units.torque();
+  for (std::size_t k = 0; k < types.size(); ++k) {
+    for (std::size_t word = 0; word < types[k]->permits.size(); ++word) {
+      const int first = first_u(*types[k], static_cast<int>(word));
+      for (int c = 0; c < n_u(types[k]->permits[word]); ++c) {
+        evaluation.joints[k].tau(first + c) /= units.force_on(is_length(types[k]->permits[word], c));
+      }
+    }
+  }
+  return evaluation;
+}
+
+/// Tells the machine in other units.
 inline Change in_units(const Model& first, const Units& units) {
   std::vector<const joints::JointType*> types;
   for (const Joint& joint : first.joints) types.push_back(joint.type);
-  const auto is_slide = [](const joints::Permit& word) { return std::holds_alternative<joints::Slide>(word); };
   Change change;
-  change.model = [units, is_slide](Model model) {
-    model.gravity *= units.length / (units.time * units.time);
-    model.run.until *= units.time;
-    for (Body& body : model.bodies) body = in_units(std::move(body), units);
-    for (Joint& joint : model.joints) {
-      if (!joint.drivers.empty()) throw std::logic_error("no rule to tell drivers in other units");
-      for (Attachment& side : joint.sides) {
-        side.point_L *= units.length;
-        side.Psi_t_L *= units.length;
-      }
-      for (std::size_t word = 0; word < joint.start.size(); ++word) {
-        const double length = is_slide(joint.type->permits[word]) ? units.length : 1.0;
-        joint.start[word].q *= length;
-        joint.start[word].u *= length / units.time;
-      }
-    }
-    return model;
-  };
-  change.state = [units, types, is_slide](State state) {
+  change.model = [units](Model model) { return told_in_units(std::move(model), units); };
+  change.state = [units, types](State state) {
     state.t *= units.time;
     for (BodyState& body : state.bodies) {
       body.r *= units.length;
       body.v *= units.length / units.time;
       body.omega /= units.time;
-      body.adot /= units.time;
+      body.a *= units.modal;
+      body.adot *= units.modal / units.time;
     }
     for (std::size_t k = 0; k < types.size(); ++k) {
       for (std::size_t word = 0; word < types[k]->permits.size(); ++word) {
         const joints::Permit& permit = types[k]->permits[word];
-        const double length = is_slide(permit) ? units.length : 1.0;
-        state.q[k].segment(first_q(*types[k], static_cast<int>(word)), n_q(permit)) *= length;
-        state.u[k].segment(first_u(*types[k], static_cast<int>(word)), n_u(permit)) *= length / units.time;
+        const int q = first_q(*types[k], static_cast<int>(word));
+        const int u = first_u(*types[k], static_cast<int>(word));
+        for (int c = 0; c < n_q(permit); ++c) state.q[k](q + c) *= units.coordinate(is_length(permit, c));
+        for (int c = 0; c < n_u(permit); ++c) state.u[k](u + c) *= units.coordinate(is_length(permit, c)) / units.time;
       }
     }
     return state;
   };
-  change.evaluation = [units](const State&, Evaluation evaluation) {
-    const double squared = units.time * units.time;
-    for (BodyAcceleration& body : evaluation.bodies) {
-      body.vdot *= squared / units.length;
-      body.omegadot *= squared;
-      body.addot *= squared;
-    }
-    for_each_side_wrench(evaluation, [&](SideWrench& side) {
-      for (Wrench* wrench : {&side.in_C, &side.in_global}) {
-        wrench->force /= units.force();
-        wrench->torque /= units.torque();
-      }
-    });
-    return evaluation;
+  change.evaluation = [units, types](const State&, Evaluation evaluation) {
+    return back_from_units(std::move(evaluation), units, types);
   };
   return change;
 }

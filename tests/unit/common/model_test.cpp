@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
@@ -123,6 +124,21 @@ TEST(Model, LengthScaleIsTheLargestDistanceOfJointPointsOfABody) {
   EXPECT_EQ(Model{}.length_scale(), 1.0);
   const Model model = chain_of_three();
   EXPECT_DOUBLE_EQ(model.length_scale(), (Vec3(0.2, 0.2, 0.5) - Vec3(0.0, -0.6, 0.1)).norm());
+}
+
+TEST(Model, LengthScaleWhereNoBodyHasTwoPlacesGrowsWithTheMachine) {
+  const auto of_size = [](double size) {
+    Model model;
+    model.bodies.resize(2);
+    model.bodies[1].mass = 2.0;
+    model.bodies[1].center_of_mass_L = size * Vec3(0.3, 0.0, 0.4);
+    model.bodies[1].inertia_L = size * size * Mat3::Identity();
+    model.joints = {connect("knife_edge", attach(0, Vec3::Zero(), 0.0), attach(1, Vec3::Zero(), 0.0), {})};
+    return model;
+  };
+  EXPECT_DOUBLE_EQ(of_size(1.0).length_scale(), std::sqrt(0.75));  // the radius of gyration, sqrt(tr I / 2 m)
+  EXPECT_EQ(of_size(0x1p20).length_scale(), 0x1p20 * of_size(1.0).length_scale());
+  EXPECT_EQ(of_size(0x1p-20).length_scale(), 0x1p-20 * of_size(1.0).length_scale());
 }
 
 TEST(Model, AFreeJointCarriesNothingUnlessSomethingActsInIt) {

@@ -53,6 +53,17 @@ TEST_F(AlignTest, RefusesOtherTimesFewerSamplesAndWhatIsNotANumber) {
   EXPECT_EQ(refusal(one, run(), 22), "cartesian: 21 samples, 22 were asked for");
 }
 
+TEST_F(AlignTest, TimesAreHeldAgainstTheTimeOfTheRun) {
+  const auto in_picoseconds = [&](double late) {
+    Trajectory fast = run();
+    for (Sample& sample : fast.samples) sample.state.t *= 1e-12;
+    fast.samples[3].state.t += late;
+    return fast;
+  };
+  EXPECT_EQ(refusal(in_picoseconds(0.0), in_picoseconds(0.0), 21), "");
+  EXPECT_NE(refusal(in_picoseconds(0.0), in_picoseconds(1e-15), 21), "");
+}
+
 TEST_F(AlignTest, AngleIsAccurateNearZeroAndNearHalfATurn) {
   const Mat3 A = rotation_about(Vec3(1, 2, 2) / 3.0, 0.7);
   const Vec3 axis = Vec3(2, -1, 2) / 3.0;

@@ -56,6 +56,21 @@ TEST_F(StatesTest, TheSameSeedShakesTheSameWay) {
   EXPECT_EQ(perturbed.t, states[3].state.t);
 }
 
+TEST_F(StatesTest, AMachineAtRestIsShakenByItsOwnTime) {
+  Trajectory one = run(10);
+  for (Sample& sample : one.samples) {
+    sample.state.bodies[1].v.setZero();
+    sample.state.bodies[1].omega.setZero();
+  }
+  const std::vector<OwnedState> states = run_states({&one, &one});
+  const Vec3 omega = StatePerturbation(model_, states, kSeed).perturb(states[0].state, 1.0).bodies[1].omega;
+  model_.gravity *= 0x1p-40;  // the same machine with seconds 2^20 times shorter
+  model_.run.until *= 0x1p20;
+  const Vec3 slow = StatePerturbation(model_, states, kSeed).perturb(states[0].state, 1.0).bodies[1].omega;
+  EXPECT_GT(omega.norm(), 0.0);
+  EXPECT_EQ((slow - 0x1p-20 * omega).norm(), 0.0);
+}
+
 TEST_F(StatesTest, ModesAreDrawnWithinTheirRangeEvenIfTheRunNeverMovesThem) {
   ModalData modal;
   modal.stiffness = modal.damping = MatX::Identity(2, 2);
