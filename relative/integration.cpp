@@ -12,6 +12,7 @@
 
 #include "common/break_times.h"
 #include "common/sundials.h"
+#include "relative/regime_events.h"
 #include "relative/singularity_watch.h"
 #include "relative/stepper.h"
 
@@ -234,226 +235,6 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
   return 0;
 }
 
-/// Takes an integration through the events of its tires and stops: during a step their regimes are kept, and a step in
-/// which one ends is made anew up to there.
-class RegimeEvents {
- public:
-  RegimeEvents(Run& run, Stepper& stepper, const sundials::Context& context, double until)
-      : run_(&run), stepper_(&stepper), until_(until), within_(sundials::make_vector(run.variables.size(), context)) {
-    look_.values = VecX::Zero(run.equations.applied_forces().n_event_functions());
-    looks_.fill(look_);
-  }
-  ~RegimeEvents() { run_->equations.applied_forces().free_regimes(); }
-  RegimeEvents(const RegimeEvents&) = delete;
-  RegimeEvents& operator=(const RegimeEvents&) = delete;
-
-  /// Takes the regimes of a state.
-  void set_regimes(double t, const Eigen::Ref<const VecX>& y) {
-    run_->equations.applied_forces().free_regimes();
-    take_event_functions(t, y, looks_.front().values);
-    run_->equations.applied_forces().freeze_regimes();
-  }
-
-  /// Advances y to t_end exactly. Throws SolverError where events follow each other without end.
-  int advance(double t_end, N_Vector y, double& t) {
-    while (t < t_end) {
-      const double t_before = t;
-      before_ = sundials::view(y);
-      const int code = stepper_->step(t_end, y, t);
-      if (code < 0) return code;
-      take_event_functions(t, sundials::view(y), looks_.back().values);
-      const double step = t - t_before;
-      const std::optional<Bracket> bracket = find_bracket(t_before, step);
-      if (!bracket) {
-        looks_.front().values = looks_.back().values;
-        continue;
-      }
-      t = t_before;
-      const int found = approach(*bracket, y, t);
-      if (found < 0) return found;
-      if (least_event_function(t, sundials::view(y)) < 0.0) require_progress(t);
-      set_regimes(t, sundials::view(y));
-      const int restarted = stepper_->restart(t, y, std::min(step, std::max(t_end - t, round_off(t))));
-      if (restarted < 0) return restarted;
-      if (t_end - t <= round_off(t)) t = t_end;
-    }
-    return 0;
-  }
-
- private:
-  /// Lengths of two steps, and the event function where they end: inside the regimes, and outside.
-  struct Bracket {
-    double inside, value_inside;
-    double outside, value_outside;
-  };
-  static constexpr int kMostTrials = 100;
-  static constexpr std::size_t kMostEvents = 200;
-  static constexpr double kTinyTime = 1e-4;  // of the run's
-
-  [[nodiscard]] static double round_off(double t) { return 8.0 * std::numeric_limits<double>::epsilon() * t; }
-
-  void take_event_functions(double t, const Eigen::Ref<const VecX>& y, VecX& values) {
-    run_->variables.unpack(y, run_->coordinates);
-    run_->equations.update_forces(t, run_->coordinates.q, run_->coordinates.u);
-    run_->equations.applied_forces().write_event_functions(values);
-  }
-
-  double least_event_function(double t, const Eigen::Ref<const VecX>& y) {
-    take_event_functions(t, y, look_.values);
-    return look_.least();
-  }
-
-  /// A time of the last step, from its begin, and the event functions there.
-  struct Look {
-    double at;
-    VecX values;
-
-    [[nodiscard]] double least() const { return values.minCoeff(); }
-  };
-
-  void take_look(double t_before, double at, Look& look) {
-    look.at = at;
-    if (stepper_->interpolate(t_before + at, within_.get()) < 0) {
-      look.values.setConstant(HUGE_VAL);
-    } else {
-      take_event_functions(t_before + at, sundials::view(within_.get()), look.values);
-    }
-  }
-
-  /// Between which times of the last step, from its begin, a regime ends; nothing if none does. Within the step an
-  /// event function may dip below zero and come back; where chords allow it, the step is looked into there.
-  std::optional<Bracket> find_bracket(double t_before, double step) {
-    constexpr double kShortest = 1e-9;  // of the run: nothing dips that moves so little
-    constexpr std::array kParts{1.0 / 64.0, 0.5, 1.0 - 1.0 / 64.0};
-    Look& begin = looks_.front();
-    Look& end = looks_.back();
-    begin.at = 0.0;
-    end.at = step;
-    const auto between = [](const Look& inside, const Look& outside) {
-      return Bracket{inside.at, std::max(0.0, inside.least()), outside.at, outside.least()};
-    };
-    if (step <= kShortest * until_) return end.least() < 0.0 ? std::optional(between(begin, end)) : std::nullopt;
-    for (std::size_t k = 0; k < kParts.size(); ++k) take_look(t_before, kParts[k] * step, looks_[k + 1]);
-    for (std::size_t k = 1; k < looks_.size(); ++k) {
-      if (looks_[k].least() < 0.0) return between(looks_[k - 1], looks_[k]);
-    }
-    for (Eigen::Index function = 0; function < begin.values.size(); ++function) {
-      for (std::size_t k = 0; k + 3 < looks_.size(); ++k) {
-        const Point inside = point(looks_[k + 1], function);
-        const std::array<Point, 4> around{point(looks_[k], function), inside, point(looks_[k + 2], function),
-                                          point(looks_[k + 3], function)};
-        if (const auto found = follow_dip(t_before, around, function)) {
-          return Bracket{found->first.at, std::max(0.0, found->first.value), found->second.at, found->second.value};
-        }
-      }
-    }
-    return std::nullopt;
-  }
-
-  struct Point {
-    double at;
-    double value;
-  };
-  static Point point(const Look& look, Eigen::Index function) { return {look.at, look.values(function)}; }
-
-  /// Where the chords that reach in from both sides meet between the two points in the middle, if that is below zero: a
-  /// convex function is nowhere lower (R76).
-  static std::optional<Point> lowest_possible(const std::array<Point, 4>& around) {
-    const auto& [a, b, c, d] = around;
-    const double fall = (b.value - a.value) / (b.at - a.at);
-    const double rise = (d.value - c.value) / (d.at - c.at);
-    if (!(fall < 0.0 && rise > 0.0)) return std::nullopt;
-    const double at = (b.value - c.value - fall * b.at + rise * c.at) / (rise - fall);
-    const double value = b.value + fall * (at - b.at);
-    if (!(at > b.at && at < c.at && value < 0.0)) return std::nullopt;
-    return Point{at, value};
-  }
-
-  /// Whether one event function dips below zero between the two points in the middle: looks there as long as it may.
-  /// The last point inside and the first outside.
-  std::optional<std::pair<Point, Point>> follow_dip(double t_before, std::array<Point, 4> around,
-                                                    Eigen::Index function) {
-    constexpr int kMostLooks = 30;
-    std::optional<Point> lowest = lowest_possible(around);
-    for (int k = 0; k < kMostLooks && lowest; ++k) {
-      take_look(t_before, lowest->at, look_);
-      const Point found = point(look_, function);
-      const auto [a, b, c, d] = around;
-      if (found.value < 0.0) return std::pair(b, found);
-      around = {a, b, found, c};
-      lowest = lowest_possible(around);
-      const std::array<Point, 4> right{b, found, c, d};
-      const std::optional<Point> lowest_right = lowest_possible(right);
-      if (!lowest_right || (lowest && lowest->value <= lowest_right->value)) continue;
-      around = right;
-      lowest = lowest_right;
-    }
-    return std::nullopt;
-  }
-
-  /// Where to look next: where the secant vanishes, but not closer to an end than the tolerance (R75).
-  [[nodiscard]] static double guess(const Bracket& b, double tolerance) {
-    const double part = b.value_inside / (b.value_inside - b.value_outside);
-    return std::clamp(b.inside + part * (b.outside - b.inside), b.inside + tolerance, b.outside - tolerance);
-  }
-
-  /// Finds the step that ends just outside and leaves its state in y and t: by secants, the value at an end that stays
-  /// halved (the Illinois method), and in the middle after a secant that did not halve the bracket. The event function
-  /// is the smallest of several: where another one rests on its border, secants alone would not get to the end.
-  int approach(Bracket b, N_Vector y, double& t) {
-    const double t_before = t;
-    const double tolerance = std::max(1e-13 * until_, round_off(t_before));
-    const auto make = [&](double step) {
-      t = t_before;
-      sundials::view(y) = before_;
-      return stepper_->step_exactly(step, y, t);
-    };
-    int last_side = 0;
-    bool bisects = false;
-    for (int trial = 0; trial < kMostTrials && b.outside - b.inside > 2.0 * tolerance; ++trial) {
-      const double length = b.outside - b.inside;
-      const double step = bisects ? b.inside + 0.5 * length : guess(b, tolerance);
-      const int code = make(step);
-      if (code < 0) return code;
-      const double found = least_event_function(t, sundials::view(y));
-      const int side = found < 0.0 ? 1 : -1;
-      if (side > 0) {
-        b.outside = step;
-        b.value_outside = found;
-        if (last_side == side) b.value_inside *= 0.5;
-      } else {
-        b.inside = step;
-        b.value_inside = found;
-        if (last_side == side) b.value_outside *= 0.5;
-      }
-      last_side = side;
-      bisects = !bisects && b.outside - b.inside > 0.5 * length;
-    }
-    return make(b.outside);
-  }
-
-  /// Refuses regimes that take turns in no time.
-  void require_progress(double t) {
-    times_.push_back(t);
-    if (times_.size() <= kMostEvents) return;
-    const double first = times_[times_.size() - 1 - kMostEvents];
-    if (t - first > kTinyTime * until_) return;
-    throw SolverError(
-        fmt::format("the contact of {} changes its regime {} times within {:.1e} s: it chatters; give it damping, "
-                    "or the road no step there",
-                    run_->equations.applied_forces().least_contact(), kMostEvents, t - first));
-  }
-
-  Run* run_;
-  Stepper* stepper_;
-  double until_;
-  VecX before_;
-  sundials::Vector within_;
-  std::array<Look, 5> looks_;  // into the last step, from its begin to its end
-  Look look_;
-  std::vector<double> times_;
-};
-
 std::string chosen_integrator(const Model& model, const std::string& wanted) {
   const std::vector<std::string> known = integrator_names(model);
   if (wanted.empty()) return known.front();
@@ -540,7 +321,11 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.until = options.until;
   run.sizes = Sizes(equations, assembly.scales(), start, options.until).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
-  RegimeEvents events(run, stepper, context, options.until);
+  const auto apply_forces = [&run](double at, const Eigen::Ref<const VecX>& numbers) {
+    run.variables.unpack(numbers, run.coordinates);
+    run.equations.update_forces(at, run.coordinates.q, run.coordinates.u);
+  };
+  RegimeEvents events(equations.applied_forces(), apply_forces, stepper, y.get(), options.until);
   const bool has_events = equations.applied_forces().has_regimes();
   if (has_events) events.set_regimes(0.0, sundials::view(y.get()));
 
