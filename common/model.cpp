@@ -48,19 +48,25 @@ bool Model::is_coupled(int k) const {
 namespace {
 
 /// A length of a machine none of whose bodies has two places: the largest distance of a place from its body's centre of
-/// mass, radius of gyration, or distance between mass points; zero if there is none.
+/// mass, radius of gyration, distance between mass points, or link without mass; zero if there is none.
 double size_of_parts(const Model& model, const std::vector<const Attachment*>& places) {
   double largest = 0.0;
   for (const Attachment* place : places) {
     const Body& body = model.bodies[place->body];
-    if (place->body != kGround && !body.modal)
-      largest = std::max(largest, (place->point_L - body.center_of_mass_L).norm());
+    if (place->body == kGround || body.modal) continue;
+    largest = std::max(largest, (place->point_L - body.center_of_mass_L).norm());
   }
   for (const Body& body : model.bodies) {
-    if (body.mass > 0.0) largest = std::max(largest, std::sqrt(0.5 * body.inertia_L.trace() / body.mass));
+    if (body.mass > 0.0)
+      largest = std::max(largest, std::sqrt(std::max(0.0, 0.5 * body.inertia_L.trace() / body.mass)));
     if (!body.modal) continue;
     for (const MassPoint& point : body.modal->mass_points) {
       largest = std::max(largest, (point.s0_L - body.modal->mass_points.front().s0_L).norm());
+    }
+  }
+  for (const Joint& joint : model.joints) {
+    for (const joints::Permit& word : joint.type->permits) {
+      if (const auto* arm = std::get_if<joints::Arm>(&word)) largest = std::max(largest, std::abs(arm->length));
     }
   }
   return largest;

@@ -21,7 +21,7 @@ struct Scaled {
   double until;
 };
 
-/// Rigid, flexible, redundant; bushings, springs and stops, couplings, a skate, a rolling ball, tires, drivers.
+/// Rigid, flexible, redundant; bushings, springs and stops, couplings, a skate, a rolling ball, tires, drivers, links.
 const std::vector<Scaled> kScaled{
     {"", "slider_crank_spatial_rigid", 0.01},
     {"", "slider_crank_spatial_flexible", 0.002},
@@ -31,6 +31,7 @@ const std::vector<Scaled> kScaled{
     {"", "chaplygin_sleigh", 0.2},
     {"", "ball_on_turntable", 0.1},
     {"", "suspension_two_rods", 0.05},
+    {"", "motor_and_crossed_link", 0.03},
     {"textbook", "quarter_car", 0.4},
     {"textbook", "laval_rotor", 0.003},
     {"rare", "couplings_beyond_a_turn", 0.05},
@@ -149,9 +150,11 @@ TEST_CASE("A machine a million times larger or smaller keeps its verdict", "[sca
     const Model model = model_of(machine);
     const compare::Verdict first = verdict_in(machine, model, {});
     tell(machine, {}, first);
+    CHECK(first.outcome == compare::Outcome::agree);
     for (const Units& units : {Units{1e6, 1e-6, 1e6, 1e3}, Units{1e-6, 1e6, 1e-6, 1e-3}}) {
       expect_same_verdict(machine, model, first, units);
     }
+    expect_same_digits(machine, model, first, {0x1p20, 1.0, 1.0, 0x1p20});
     expect_same_digits(machine, model, first, {0x1p-20, 0x1p18, 0x1p16, 0x1p-11});
   }
 }

@@ -141,6 +141,18 @@ TEST(Model, LengthScaleWhereNoBodyHasTwoPlacesGrowsWithTheMachine) {
   EXPECT_EQ(of_size(0x1p-20).length_scale(), 0x1p-20 * of_size(1.0).length_scale());
 }
 
+TEST(Model, LengthScaleOfABodyOnALinkWithoutMassIsTheLinks) {
+  Model model;
+  model.bodies.resize(2);
+  model.bodies[1].mass = 2.0;
+  model.bodies[1].inertia_L = 1e-4 * Mat3::Identity();
+  Joint joint = connect("distance", attach(0, Vec3::Zero(), 0.0), attach(1, Vec3::Zero(), 0.0), {});
+  const joints::JointType type = joint.type->with_parameters({0.85});
+  joint.type = &type;
+  model.joints = {joint};
+  EXPECT_EQ(model.length_scale(), 0.85);
+}
+
 TEST(Model, AFreeJointCarriesNothingUnlessSomethingActsInIt) {
   const auto with = [](const char* type) {
     Model model = chain_of_three();

@@ -82,6 +82,35 @@ TEST(JointMotion, CoordinatesSpeedsAndDirectionsOfEveryTypeAreThoseOfItsMotion) 
   }
 }
 
+/// Slides, arms and leads of a third of a micrometre beside turns of a radian: round-off of one does not reach the
+/// other.
+TEST(JointMotion, SpeedsOfATinyJointAreReadToRoundOff) {
+  constexpr double kSize = 3e-7;
+  for (const joints::JointType* stated : joints::catalogue()) {
+    if (is_by_functions(*stated)) continue;
+    SCOPED_TRACE(stated->name);
+    const joints::JointType type = stated->with_parameters != nullptr ? stated->with_parameters({kSize}) : *stated;
+    if (type.n_u() == 0) continue;
+    VecX q = generic_coordinates(type);
+    int next = 0;
+    for (const joints::Permit& word : type.permits) {
+      if (std::holds_alternative<joints::Slide>(word)) q(next) *= kSize;
+      next += n_q(word);
+    }
+    const std::vector<bool> turning = turning_speeds(type);
+    VecX unit(type.n_u());
+    VecX u(type.n_u());
+    for (int k = 0; k < type.n_u(); ++k) {
+      unit(k) = turning[static_cast<std::size_t>(k)] ? 1.0 : kSize;
+      u(k) = (0.7 - 0.43 * k) * unit(k);
+    }
+    RelativeMotion moving = compose(type, q);
+    moving.v_rel = read_motion(type, moving, q).S * u;
+    const VecX found = read_motion(type, moving, q).u;
+    EXPECT_LT((found - u).cwiseQuotient(unit).cwiseAbs().maxCoeff(), 1e-14);
+  }
+}
+
 TEST(JointMotion, TurnsAreCountedFromTheHintAndSpeedsAreRead) {
   const joints::JointType& cylindrical = *joints::find("cylindrical");
   RelativeMotion moved = compose(cylindrical, Eigen::Vector2d(0.3, 0.4));

@@ -64,7 +64,7 @@ TEST_F(VerifyTest, OppositeSignIsADifference) {
   EXPECT_EQ(verdict.outcome, Outcome::differ);
   ASSERT_FALSE(verdict.findings.empty());
   EXPECT_THAT(verdict.findings[0].what, HasSubstr("joint A on bob, T_x, t = "));
-  EXPECT_THAT(verdict.findings[0].what, HasSubstr(" N m, 0.9 digits (need 12)"));
+  EXPECT_THAT(verdict.findings[0].what, HasSubstr(" N m, 0.5 digits (need 12)"));
   EXPECT_THAT(verdict.findings[0].symptom, HasSubstr("same state: same size, opposite sign in all 251 samples"));
   EXPECT_EQ(exit_code(verdict.outcome), 1);
 }
