@@ -519,6 +519,26 @@ TEST(AuditEnergy, OfAFreeTopIsKept) {
   EXPECT_GT(report.scale, 1.0);
 }
 
+TEST(AuditEnergy, AFallFromFarUpIsKeptAsFarAsItsHeightResolves) {
+  Model model;
+  model.gravity = {0.0, 0.0, -9.81};
+  model.bodies.resize(2);
+  model.bodies[1].mass = 1.3;
+  model.bodies[1].inertia_L = Mat3::Identity();
+  Trajectory trajectory;
+  for (const double t : {0.0, 1e-3, 2e-3}) {
+    Sample sample;
+    sample.state.t = t;
+    sample.state.bodies.resize(2);
+    sample.state.bodies[1].r = Vec3(0.0, 0.0, 1.7e6 - 0.5 * 9.81 * t * t);
+    sample.state.bodies[1].v = Vec3(0.0, 0.0, -9.81 * t);
+    trajectory.samples.push_back(std::move(sample));
+  }
+  EXPECT_LT(audit_energy(model, trajectory).relative(), 1e-8);
+  trajectory.samples.back().state.bodies[1].v.z() *= 1.01;
+  EXPECT_GT(audit_energy(model, trajectory).relative(), 1e-3);
+}
+
 TEST(AuditEnergy, SeesEnergyThatNobodyGave) {
   const FreeTop top;
   Trajectory trajectory = top.run();
