@@ -16,8 +16,8 @@ Model read_model(const std::filesystem::path& file);
 /// The same from text; `file` names it in messages and is the base of the paths that it mentions.
 Model parse_model(std::string_view text, const std::filesystem::path& file);
 
-/// The files that reading a model opens: itself, what it includes and its modes files. Of a file that is no model, itself
-/// and what could be read of it.
+/// The files that reading a model opens: itself, what it includes and its modes files. Of a file that is no model,
+/// itself and what could be read of it.
 std::vector<std::filesystem::path> files_of_model(const std::filesystem::path& file);
 
 }  // namespace concord

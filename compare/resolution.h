@@ -28,8 +28,8 @@ struct Resolution {
   /// Closings that were left out because they found another state, and states with too few valid draws.
   int closings_left_out = 0;
   int unknown_states = 0;
-  /// Of each state why it is singular within round-off, in the words of a solver that refuses a draw as a singular pose;
-  /// empty for all others.
+  /// Of each state why it is singular within round-off, in the words of a solver that refuses a draw as a singular
+  /// pose; empty for all others.
   std::vector<std::string> singular;
 };
 
