@@ -76,6 +76,11 @@ void RegimeEvents::take_look(double t_before, double at, Look& look) {
   }
 }
 
+/// From the begin of the step, where the state is exact: what lies within is interpolated and may be off.
+RegimeEvents::Bracket RegimeEvents::up_to(double at, double value) const {
+  return {0.0, std::max(0.0, looks_.front().least()), at, value};
+}
+
 /// Between which times of the last step, from its begin, a regime ends; nothing if none does. Within the step an
 /// event function may dip below zero and come back; where chords allow it, the step is looked into there.
 std::optional<RegimeEvents::Bracket> RegimeEvents::find_bracket(double t_before, double step) {
@@ -85,13 +90,10 @@ std::optional<RegimeEvents::Bracket> RegimeEvents::find_bracket(double t_before,
   Look& end = looks_.back();
   begin.at = 0.0;
   end.at = step;
-  const auto between = [](const Look& inside, const Look& outside) {
-    return Bracket{inside.at, std::max(0.0, inside.least()), outside.at, outside.least()};
-  };
-  if (step <= kShortest * until_) return end.least() < 0.0 ? std::optional(between(begin, end)) : std::nullopt;
+  if (step <= kShortest * until_) return end.least() < 0.0 ? std::optional(up_to(end.at, end.least())) : std::nullopt;
   for (std::size_t k = 0; k < kParts.size(); ++k) take_look(t_before, kParts[k] * step, looks_[k + 1]);
   for (std::size_t k = 1; k < looks_.size(); ++k) {
-    if (looks_[k].least() < 0.0) return between(looks_[k - 1], looks_[k]);
+    if (looks_[k].least() < 0.0) return up_to(looks_[k].at, looks_[k].least());
   }
   return find_dip(t_before);
 }
@@ -104,7 +106,7 @@ std::optional<RegimeEvents::Bracket> RegimeEvents::find_dip(double t_before) {
       const std::array<Point, 4> around{point(looks_[k], function), inside, point(looks_[k + 2], function),
                                         point(looks_[k + 3], function)};
       if (const auto found = follow_dip(t_before, around, function)) {
-        return Bracket{found->first.at, std::max(0.0, found->first.value), found->second.at, found->second.value};
+        return up_to(found->at, found->value);
       }
     }
   }
@@ -126,16 +128,15 @@ std::optional<RegimeEvents::Point> RegimeEvents::lowest_possible(const std::arra
 
 /// Whether one event function dips below zero between the two points in the middle: looks there as long as it may.
 /// The last point inside and the first outside.
-std::optional<std::pair<RegimeEvents::Point, RegimeEvents::Point>> RegimeEvents::follow_dip(double t_before,
-                                                                                            std::array<Point, 4> around,
-                                                                                            Eigen::Index function) {
+std::optional<RegimeEvents::Point> RegimeEvents::follow_dip(double t_before, std::array<Point, 4> around,
+                                                            Eigen::Index function) {
   constexpr int kMostLooks = 30;
   std::optional<Point> lowest = lowest_possible(around);
   for (int k = 0; k < kMostLooks && lowest; ++k) {
     take_look(t_before, lowest->at, look_);
     const Point found = point(look_, function);
     const auto [a, b, c, d] = around;
-    if (found.value < 0.0) return std::pair(b, found);
+    if (found.value < 0.0) return found;
     around = {a, b, found, c};
     lowest = lowest_possible(around);
     const std::array<Point, 4> right{b, found, c, d};

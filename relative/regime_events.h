@@ -3,7 +3,6 @@
 #include <array>
 #include <functional>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "common/sundials.h"
@@ -59,8 +58,8 @@ class RegimeEvents {
   std::optional<Bracket> find_bracket(double t_before, double step);
   std::optional<Bracket> find_dip(double t_before);
   static std::optional<Point> lowest_possible(const std::array<Point, 4>& around);
-  std::optional<std::pair<Point, Point>> follow_dip(double t_before, std::array<Point, 4> around,
-                                                    Eigen::Index function);
+  std::optional<Point> follow_dip(double t_before, std::array<Point, 4> around, Eigen::Index function);
+  [[nodiscard]] Bracket up_to(double at, double value) const;
   [[nodiscard]] static double guess(const Bracket& bracket, double tolerance);
   int approach(Bracket bracket, N_Vector y, double& t);
   void require_progress(double t);
