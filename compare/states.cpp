@@ -134,7 +134,11 @@ void share_one(const std::array<Solver*, 2>& solvers, const OwnedState& owned, S
     } catch (const SingularPose& error) {
       shared.singular.emplace_back(error.what());
     } catch (const SolverError& error) {
-      (own ? shared.failures : shared.refusals).push_back(said(error));
+      if (own) {
+        shared.failures.push_back(said(error));
+      } else {
+        shared.refusals.push_back({owned, said(error)});
+      }
     }
     accepted = false;
   }

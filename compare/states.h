@@ -54,11 +54,17 @@ class StatePerturbation {
   std::vector<VecX> modal_rate_;
 };
 
+/// A state that one solver closed and the other one does not accept, in the latter's words.
+struct RefusedState {
+  OwnedState state;
+  std::string why;
+};
+
 /// States evaluated by both solvers, and what stood in the way.
 struct SharedStates {
   std::vector<SharedState> states;
-  /// A solver does not accept a state that the other one closed: a difference, in the solver's words.
-  std::vector<std::string> refusals;
+  /// A solver does not accept a state that the other one closed: a difference.
+  std::vector<RefusedState> refusals;
   /// A solver does not accept its own state, or finds none: no verdict.
   std::vector<std::string> failures;
   /// A solver calls the pose singular, in its words.

@@ -114,6 +114,30 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
   return reports;
 }
 
+std::array<int, 2> general_ranks(const RankReports& reports) {
+  std::array<int, 2> ranks{};
+  for (const auto& both : reports) {
+    for (std::size_t who = 0; who < 2; ++who) ranks[who] = std::max(ranks[who], both[who].rank);
+  }
+  return ranks;
+}
+
+std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
+                                     const RankReports& reports) {
+  const std::array<int, 2> general = general_ranks(reports);
+  std::vector<std::string> lower(states.size());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for (std::size_t who = 0; who < 2; ++who) {
+      const int rank = reports[k][who].rank;
+      if (rank >= general[who] || !lower[k].empty()) continue;
+      lower[k] =
+          fmt::format("{}: at t = {:.6g} s the pose is singular: the constraints have rank {} there, {} in other poses",
+                      solvers[who]->name(), states[k].state.t, rank, general[who]);
+    }
+  }
+  return lower;
+}
+
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
   Mask mask = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                              static_cast<Eigen::Index>(reports.size()), true);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "compare/agreement.h"
@@ -24,6 +25,14 @@ using RankReports = std::vector<std::array<RankReport, 2>>;
 /// `states`; their number is returned in `dropped`, the first one's words in `why`.
 RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
                          std::string& why);
+
+/// The rank of each solver's constraints in a general pose: the largest in any state.
+std::array<int, 2> general_ranks(const RankReports& reports);
+
+/// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
+/// others.
+std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
+                                     const RankReports& reports);
 
 /// Where both find a quantity unique, and nothing is undecided.
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports);

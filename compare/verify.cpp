@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <mutex>
 
 #include "compare/agreement.h"
@@ -195,7 +196,7 @@ class Verification {
     // Beside a pose that is singular because of its drivers nothing may close: that is no reason of its own.
     if (!shared.singular.empty() && random.states.empty()) random.failures.clear();
     check_enough(shared, random);
-    for (SharedStates* part : {&shared, &random}) note_refusals(*part);
+    for (const SharedStates* part : {&shared, &random}) note_failures(*part);
     verdict_.drawn_anew = random.drawn_anew;
     if (random.left_open > 0) {
       verdict_.notes.push_back(fmt::format("{} of {} perturbed states were left out: neither solver closes there",
@@ -205,6 +206,7 @@ class Verification {
     std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
     weighed_ = weigh(layout_, solvers_, std::move(shared.states), kSeed);
     take_uniqueness(of_run);
+    for (const SharedStates* part : {&shared, &random}) note_refusals(part->refusals);
     verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
     if (weighed_.states.empty()) return;
     const std::vector<Measured> measured = measure(layout_, weighed_.series, weighed_.budget());
@@ -235,14 +237,14 @@ class Verification {
     for (const Who who : kWho) note_singular_start(weighed_.reports, who, of_run);
   }
 
-  /// Nothing is judged in a state that is singular within round-off.
+  /// Nothing is judged in a singular pose.
   void note_singular_states() {
-    const std::vector<std::string>& singular = weighed_.resolution.singular;
+    const std::vector<std::string>& singular = weighed_.singular;
     const auto is_singular = [](const std::string& why) { return !why.empty(); };
     const auto first = std::find_if(singular.begin(), singular.end(), is_singular);
     if (first == singular.end()) return;
     verdict_.singular_states += static_cast<int>(std::count_if(first, singular.end(), is_singular));
-    verdict_.failures.push_back(fmt::format("less than round-off from a state that both evaluate: {}", *first));
+    verdict_.failures.push_back(*first);
   }
 
   void note_resolution() {
@@ -270,16 +272,39 @@ class Verification {
     require(random.states.size() + static_cast<std::size_t>(random.left_open), random_states(), "random");
   }
 
-  void note_refusals(const SharedStates& shared) {
+  void note_failures(const SharedStates& shared) {
     verdict_.singular_states += static_cast<int>(shared.singular.size());
     if (!shared.singular.empty()) verdict_.failures.push_back(shared.singular.front());
     if (!shared.failures.empty()) verdict_.failures.push_back(shared.failures.front());
-    if (shared.refusals.empty()) return;
+  }
+
+  /// In a singular pose the solvers need not close alike: such a state is counted, and no difference.
+  void note_refusals(const std::vector<RefusedState>& refused) {
+    const std::array<int, 2> general = general_ranks(weighed_.reports);
+    std::vector<std::string> elsewhere;
+    for (const RefusedState& one : refused) {
+      if (rank_in(one.state) < general[index(one.state.owner)]) {
+        ++verdict_.singular_states;
+        verdict_.failures.push_back(fmt::format("the pose is singular: {}", one.why));
+      } else {
+        elsewhere.push_back(one.why);
+      }
+    }
+    if (elsewhere.empty()) return;
     verdict_.findings.push_back(
-        {shared.refusals.front(),
+        {elsewhere.front(),
          fmt::format("same state: {} such states: the closures differ; hold what the joint forbids against what it "
                      "permits",
-                     shared.refusals.size())});
+                     elsewhere.size())});
+  }
+
+  /// The rank that a state's owner finds there; a number above all ranks where it finds none.
+  int rank_in(const OwnedState& state) const {
+    try {
+      return solvers_[index(state.owner)]->rank(state.state).rank;
+    } catch (const SolverError&) {
+      return std::numeric_limits<int>::max();
+    }
   }
 
   /// A rank at the start that is lower than in the perturbed states is a singular pose.

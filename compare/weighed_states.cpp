@@ -16,8 +16,14 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
   weighed.resolution = measure_resolution(layout, solvers, weighed.states, measure(layout, weighed.series), seed);
+  weighed.singular = lower_ranks(solvers, weighed.states, weighed.reports);
   for (std::size_t k = 0; k < weighed.states.size(); ++k) {
-    if (!weighed.resolution.singular[k].empty()) weighed.mask.col(static_cast<Eigen::Index>(k)).setConstant(false);
+    const std::string& within_round_off = weighed.resolution.singular[k];
+    std::string& reason = weighed.singular[k];
+    if (reason.empty() && !within_round_off.empty()) {
+      reason = fmt::format("less than round-off from a state that both evaluate: {}", within_round_off);
+    }
+    if (!reason.empty()) weighed.mask.col(static_cast<Eigen::Index>(k)).setConstant(false);
   }
   return weighed;
 }

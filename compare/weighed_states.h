@@ -17,6 +17,9 @@ struct WeighedStates {
   /// Where each quantity is unique.
   Mask mask;
   Resolution resolution;
+  /// Of each state why it is singular, by its rank or within round-off, so that nothing is judged there; empty for all
+  /// others.
+  std::vector<std::string> singular;
   /// Where the solvers say different things of rank and uniqueness.
   std::vector<Finding> findings;
   /// Why states were dropped, because a solver could not find its rank there; empty if none was.

@@ -84,8 +84,8 @@ class Judge {
   void judge_same_states(const std::array<Trajectory, 2>& found) {
     const SharedStates shared = share({solvers_[0].get(), solvers_[1].get()}, run_states({&found[0], &found[1]}));
     verdict_.failures.insert(verdict_.failures.end(), shared.failures.begin(), shared.failures.end());
-    for (const std::string& refusal : shared.refusals) {
-      verdict_.findings.push_back({refusal, "same state: the closures differ"});
+    for (const RefusedState& refused : shared.refusals) {
+      verdict_.findings.push_back({refused.why, "same state: the closures differ"});
     }
     for (const std::string& pose : shared.singular) verdict_.failures.push_back(pose);
     weighed_ = weigh(layout_, {solvers_[0].get(), solvers_[1].get()}, shared.states, kSeed);
@@ -93,6 +93,9 @@ class Judge {
     verdict_.rank_agrees = weighed_.findings.empty() && !weighed_.reports.empty();
     verdict_.findings.insert(verdict_.findings.end(), weighed_.findings.begin(), weighed_.findings.end());
     verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
+    for (const std::string& why : weighed_.singular) {
+      if (!why.empty()) verdict_.failures.push_back(why);
+    }
     if (!weighed_.states.empty()) judge_series(weighed_.series, Rung::same_state, weighed_.budget());
   }
 

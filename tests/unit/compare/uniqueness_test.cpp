@@ -52,6 +52,21 @@ TEST_F(UniquenessTest, EachStateIsDecidedByItself) {
   EXPECT_TRUE(compare_uniqueness(layout_, states_, reports_).empty());
 }
 
+TEST_F(UniquenessTest, AStateOfLowerRankThanOthersIsASingularPose) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  const std::array<Solver*, 2> solvers{&cartesian, &relative};
+  for (const std::string& why : lower_ranks(solvers, states_, reports_)) EXPECT_EQ(why, "");
+  reports_[2][1].rank = 4;
+  EXPECT_EQ(general_ranks(reports_), (std::array{5, 5}));
+  const std::vector<std::string> lower = lower_ranks(solvers, states_, reports_);
+  ASSERT_EQ(lower.size(), 4U);
+  for (const std::size_t k : {0U, 1U, 3U}) EXPECT_EQ(lower[k], "");
+  EXPECT_NE(lower[2].find("at t = 0.2 s the pose is singular: the constraints have rank 4 there, 5 in other poses"),
+            std::string::npos)
+      << lower[2];
+}
+
 TEST_F(UniquenessTest, EitherSolverKeepsAComponentFromBeingJudgedAndADisagreementIsTold) {
   for (const int state : {1, 3}) set(reports_[state][1], false, true);
   EXPECT_FALSE(is_judged(force_, 1));
