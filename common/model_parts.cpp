@@ -47,7 +47,7 @@ void read_parameters(const std::vector<ParameterDefinition>& from_outside, Model
       own.name = key.str();
       own.where = reading.at(value.source());
       if (value.is_number()) {
-        own.value = *value.value<double>();
+        own.value = number_in(value);
       } else if (value.is_string()) {
         own.value = **value.as_string();
       } else {

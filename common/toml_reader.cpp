@@ -251,6 +251,11 @@ std::string title_with_name(const toml::table& table, std::string_view kind) {
   return name != nullptr && name->is_string() ? fmt::format("{} '{}'", kind, **name->as_string()) : std::string(kind);
 }
 
+double number_in(const toml::node& node) {
+  if (const auto* whole = node.as_integer()) return static_cast<double>(**whole);
+  return **node.as_floating_point();
+}
+
 std::string_view type_name(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::table:
@@ -321,7 +326,7 @@ std::optional<double> TableReader::number_of(const toml::node& node, const std::
       return std::nullopt;
     }
   } else {
-    value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (node.is_number()) value = number_in(node);
   }
   if (!value) {
     complain_at(where, fmt::format("{} must be a number or an expression, found {}", name, type_name(node)));

@@ -308,6 +308,14 @@ TEST_F(IncludedFiles, MayNotHangOnNothing) {
             "  included from car.toml:8:1");
 }
 
+TEST_F(IncludedFiles, TakeLargeWholeNumbersAsParameters) {
+  std::string car = kCar;
+  car.replace(car.find("track = 1.4"), 0, "large = 9246817297833421\n");
+  write("car.toml", car);
+  write("parts/corner.toml", kCorner);
+  EXPECT_EQ(complaints("car.toml"), "nothing");
+}
+
 TEST_F(IncludedFiles, RefuseParametersAtFaultWhereTheyAreSaid) {
   std::string car = kCar;
   car.replace(car.find("\"track/2\""), 9, "\"trak/2\"");

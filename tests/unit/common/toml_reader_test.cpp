@@ -155,6 +155,13 @@ TEST_F(FilesToRead, MayIncludeEachOtherWithinLimitsOnly) {
               HasSubstr("heavy.toml:18:8: error: include: the included files have more than 16 MiB in all"));
 }
 
+TEST(NumberIn, RoundsWholeNumbersThatDoublePrecisionDoesNotHold) {
+  const toml::table table = toml::parse("a = 9246817297833421\nb = 7\nc = 0.5");
+  EXPECT_EQ(number_in(*table.get("a")), 9246817297833420.0);
+  EXPECT_EQ(number_in(*table.get("b")), 7.0);
+  EXPECT_EQ(number_in(*table.get("c")), 0.5);
+}
+
 TEST(Complaints, EndWhenNobodyCanReadThemAll) {
   std::string text = "format = 1\n[parameters]\nx = 1\n[[body]]\nname = \"b\"\nmass = 1\ninertia = [1, 1, 1]\n";
   for (int k = 0; k < 3000; ++k) text += fmt::format("unknown_{} = 1\n", k);
