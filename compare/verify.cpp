@@ -189,7 +189,7 @@ class Verification {
     report("same state");
     std::vector<OwnedState> run = run_states(view(trajectories), trajectory_states());
     if (run.empty()) {
-      for (const Who who : kWho) run.push_back({starts_[index(who)], who});
+      for (const Who who : kWho) run.push_back({starts_[index(who)], who, 0});
     }
     SharedStates shared = share(solvers_, run);
     SharedStates random = share_random(model_, solvers_, run, kSeed, random_states());
@@ -202,10 +202,10 @@ class Verification {
       verdict_.notes.push_back(fmt::format("{} of {} perturbed states were left out: neither solver closes there",
                                            random.left_open, random_states()));
     }
-    const std::size_t of_run = shared.states.size();
     std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
     weighed_ = weigh(layout_, solvers_, std::move(shared.states), kSeed);
-    take_uniqueness(of_run);
+    if (is_singular_throughout(shared)) forget_neighbours();
+    take_uniqueness();
     for (const SharedStates* part : {&shared, &random}) note_refusals(part->refusals);
     verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
     if (weighed_.states.empty()) return;
@@ -229,12 +229,30 @@ class Verification {
          "same state: the joints' total on the body differs"});
   }
 
+  /// Whether a solver calls every state of the run a singular pose, or finds a lower rank in all of them.
+  bool is_singular_throughout(const SharedStates& shared) const {
+    bool some = !shared.singular.empty();
+    for (std::size_t k = 0; k < weighed_.states.size(); ++k) {
+      if (weighed_.states[k].row < 0) continue;  // perturbed
+      if (weighed_.singular[k].empty()) return false;
+      some = true;
+    }
+    return some;
+  }
+
+  /// A loop that is locked in a singular pose closes beside it only by the root of round-off: such states, though of
+  /// full rank, tell nothing.
+  void forget_neighbours() {
+    weighed_.mask.setConstant(false);
+    weighed_.findings.clear();
+  }
+
   /// Both solvers said in every state what is unique there.
-  void take_uniqueness(std::size_t of_run) {
+  void take_uniqueness() {
     if (!weighed_.dropped.empty()) verdict_.failures.push_back(weighed_.dropped);
     verdict_.rank_agrees = weighed_.findings.empty() && !weighed_.reports.empty();
     std::move(weighed_.findings.begin(), weighed_.findings.end(), std::back_inserter(verdict_.findings));
-    for (const Who who : kWho) note_singular_start(weighed_.reports, who, of_run);
+    note_singular_start();
   }
 
   /// Nothing is judged in a singular pose.
@@ -307,16 +325,15 @@ class Verification {
     }
   }
 
-  /// A rank at the start that is lower than in the perturbed states is a singular pose.
-  void note_singular_start(const RankReports& reports, Who who, std::size_t of_run) {
-    const RankReport& start = verdict_.solvers[index(who)].rank;
-    for (std::size_t k = of_run; k < reports.size(); ++k) {
-      const int generic = reports[k][index(who)].rank;
-      if (generic <= start.rank) continue;
+  /// A rank at the start that is lower than in other states is a singular pose.
+  void note_singular_start() {
+    const std::array<int, 2> general = general_ranks(weighed_.reports);
+    for (const Who who : kWho) {
+      const int rank = verdict_.solvers[index(who)].rank.rank;
+      if (rank >= general[index(who)]) continue;
       verdict_.notes.push_back(
           fmt::format("{}: the start pose is singular: rank {} there, {} at a neighbouring pose; motion may branch",
-                      solvers_[index(who)]->name(), start.rank, generic));
-      return;
+                      solvers_[index(who)]->name(), rank, general[index(who)]));
     }
   }
 

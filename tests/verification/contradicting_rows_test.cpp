@@ -1,5 +1,9 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "closed_forms.h"
 #include "judged_machines.h"
@@ -55,7 +59,74 @@ until = 0.1
                      "stretched_triangle.toml");
 }
 
+/// A triangle of two bars and ground that lies on one line and is locked there; a load sets its bars against each
+/// other.
+Model locked_triangle(double first, double second, double ground) {
+  constexpr std::string_view text = R"(format = 1
+name = "locked_triangle"
+gravity = [1.0, -9.81, 0.5]
+
+[[body]]
+name = "first"
+mass = 0.7
+inertia = [0.01, 0.02, 0.03]
+
+[[body]]
+name = "second"
+mass = 0.4
+inertia = [0.02, 0.01, 0.025]
+
+[[joint]]
+name = "foot"
+type = "revolute"
+parent = {{ body = "first" }}
+child = {{ body = "ground", point = [0.1, 0.25, 0.0] }}
+start.turn_z = {{ keep = 0.0, guess_speed = 0.0 }}
+
+[[joint]]
+name = "middle"
+type = "revolute"
+parent = {{ body = "first", point = [{}, 0.0, 0.0] }}
+child = {{ body = "second", point = [0.0, -0.15, 0.0] }}
+start.turn_z = {{ guess = 0.0, keep_speed = 0.0 }}
+
+[[joint]]
+name = "end"
+type = "revolute"
+parent = {{ body = "ground", point = [{}, 0.25, 0.0] }}
+child = {{ body = "second", point = [{}, -0.15, 0.0] }}
+start.turn_z = {{ guess = 0.0, guess_speed = 0.0 }}
+
+[[turn_spring]]
+name = "preload"
+parent = {{ body = "first", point = [0.1, 0.02, 0.0] }}
+child = {{ body = "second", point = [-0.05, 0.1, 0.0], euler_parameters = [0.8, 0.2, 0.4, 0.4] }}
+preload = 0.31
+
+[run]
+until = 0.04
+)";
+  return parse_model(fmt::format(text, first, 0.1 + ground, second), "locked_triangle.toml");
+}
+
 }  // namespace
+
+TEST_CASE("Beside the singular pose in which a loop is locked no state is judged, and no difference is told",
+          "[quick][singular]") {
+  for (const auto& [first, second] : {std::pair{-0.3, 0.7}, std::pair{0.45, 0.2}, std::pair{-0.17, 1.1}}) {
+    const Model model = locked_triangle(first, second, first + second);
+    INFO(first << " and " << second);
+    compare::VerifyOptions options;
+    options.states = 24;
+    options.samples = 23;
+    options.refines = false;
+    const compare::Verdict verdict = judged(model, options);
+    INFO(compare::format_verdict(model, verdict, false));
+    CHECK(verdict.findings.empty());
+    CHECK(verdict.outcome == compare::Outcome::failed);
+    CHECK(verdict.singular_states > 0);
+  }
+}
 
 TEST_CASE("No solver gives numbers where dependent constraints contradict each other", "[quick][singular]") {
   const Model model = stretched_triangle(1.7);
