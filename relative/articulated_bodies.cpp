@@ -33,6 +33,36 @@ bool factorize(Fixed<N, N>& D) {
   return true;
 }
 
+// Substitution by loops of fixed length: Eigen's triangular solvers unroll by templates, and took most of the time that
+// this file needs to compile.
+
+/// L^-1 x in place of x, L lower triangular.
+template <int N, class Lower, class Vector>
+void substitute_forward(const Lower& L, Vector& x) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) x(i) -= L(i, k) * x(k);
+    x(i) /= L(i, i);
+  }
+}
+
+/// L^-T x in place of x.
+template <int N, class Lower, class Vector>
+void substitute_backward(const Lower& L, Vector& x) {
+  for (int i = N - 1; i >= 0; --i) {
+    for (int k = i + 1; k < N; ++k) x(i) -= L(k, i) * x(k);
+    x(i) /= L(i, i);
+  }
+}
+
+/// U L^-T in place of U, column by column.
+template <int N, class Lower, class Columns>
+void divide_by_transpose(const Lower& L, Columns& U) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) U.col(i) -= L(i, k) * U.col(k);
+    U.col(i) /= L(i, i);
+  }
+}
+
 /// Whether no pivot of the factor of D is round-off.
 bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
   return (llt.matrixLLT().diagonal().array().square() > kRoundOff * D.diagonal().array()).all();
@@ -173,9 +203,9 @@ void ArticulatedBodies::eliminate_rigid(int l) {  // (R34), (R35)
   Fixed<N, N> L = H.transpose() * U;
   if (!factorize<N>(L)) throw_indefinite(l);
   Fixed<N, 1> uhat = link.tau.template head<N>() - H.transpose() * p;
-  L.template triangularView<Eigen::Lower>().solveInPlace(uhat);
-  const Fixed<N, 6> Kt = L.template triangularView<Eigen::Lower>().solve(U.transpose());
-  K = Kt.transpose();
+  substitute_forward<N>(L, uhat);
+  K = U;
+  divide_by_transpose<N>(L, K);
   stored_L = L;
   link.uhat.template head<N>() = uhat;
   if (kinematics_->topology().links[l].reference == kGround) return;
@@ -299,7 +329,7 @@ void ArticulatedBodies::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R3
   const Eigen::Map<const Fixed<6, N>> K(link.K.data());
   const Eigen::Map<const Fixed<N, N>> L(link.L.data());
   Fixed<N, 1> solution = link.uhat.template head<N>() - K.transpose() * A0;
-  L.transpose().template triangularView<Eigen::Upper>().solveInPlace(solution);
+  substitute_backward<N>(L, solution);
   link.Vdot = A0 + link.c + H * solution;
   for (int k = 0; k < N; ++k) udot(link.free[k]) = solution(k);
 }
@@ -361,7 +391,7 @@ void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& response)
     Eigen::Map<Vec6> z(z_r.col(c).data());
     Eigen::Map<Fixed<N, 1>> along(response.col(c).data());
     along.noalias() += H.transpose() * z;
-    L.template triangularView<Eigen::Lower>().solveInPlace(along);
+    substitute_forward<N>(L, along);
     z.noalias() -= K * along;
   }
 }
