@@ -131,7 +131,7 @@ std::string title_with_name(const toml::table& table, std::string_view kind);
 /// Name of a value's type in messages: "a number", "a string", ...
 std::string_view type_name(const toml::node& node);
 
-/// The number of a node that is one. A whole number that double precision does not hold is rounded like any other number.
+/// The number of a node that is one. A whole number that double precision does not hold is rounded to one it holds.
 double number_in(const toml::node& node);
 
 }  // namespace concord
