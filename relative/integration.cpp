@@ -252,21 +252,27 @@ std::string chosen_integrator(const Model& model, const std::string& wanted) {
   throw SolverError(what);
 }
 
-/// The state at an output time, projected, with accelerations and wrenches computed anew from it.
-Sample take_sample(Run& run, const States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
+/// The state at an output time, projected, with accelerations and wrenches computed anew from it. A state that this
+/// solver would not take from anyone else is not written: what follows it would be no motion of the machine.
+Sample take_sample(Run& run, States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
   run.coordinates.t = t;
   run.variables.unpack(y, run.coordinates);
+  Sample sample;
+  sample.work = y(run.variables.work());
   try {
     run.assembly.project(run.coordinates);
     run.equations.compute_accelerations(t, run.coordinates.q, run.coordinates.u);
     run.assembly.require_general_rank(run.coordinates);
+    sample.state = states.write(t, before);
+    (void)states.read_closed(sample.state);
   } catch (const SolverError& error) {
     run.remember(error);
     throw_stopped(t, run, run.last_reason);
   }
   run.equations.compute_reactions();
   require_modal_balance(run.equations, t);
-  return {states.write(t, before), states.write_evaluation(), y(run.variables.work())};
+  sample.evaluation = states.write_evaluation();
+  return sample;
 }
 
 }  // namespace

@@ -97,6 +97,15 @@ void JointMeasure::fit_together(const Vec6& motion, JointVector& speeds) const {
   for (std::size_t c = 0; c < free_.size(); ++c) speeds(free_[c]) = unit(free_[c]) * fitted(c);
 }
 
+double JointMeasure::amplification(int c) const {
+  const auto place = std::find(free_.begin(), free_.end(), c);
+  if (place == free_.end()) return 0.0;
+  const JointColumns S = free_columns();
+  const JointSquare normal = S.transpose() * S;
+  const JointVector row = normal.ldlt().solve(JointVector::Unit(S.cols(), place - free_.begin()));
+  return (S * row).norm();
+}
+
 /// Columns that are the same in every pose need this once.
 void JointMeasure::decompose_columns() {
   if (mobilizer_->couples()) return;

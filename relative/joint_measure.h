@@ -36,6 +36,10 @@ class JointMeasure {
   /// (R42).
   void find_u(const JointPoint& parent, const JointPoint& child, const double* q, double* u);
 
+  /// By how much speed c, not prescribed, changes when the measured motion does, in the units of both: the length of
+  /// its row in the pseudoinverse of S. One where the axes are at right angles, large near a gimbal pose. After find_q.
+  [[nodiscard]] double amplification(int c) const;
+
   [[nodiscard]] const JointMotion& motion_at() const { return at_; }
   /// e and v_rel - S u [m, rad; m/s, rad/s], components in the parent's joint frame.
   [[nodiscard]] const Vec6& position_residual() const { return position_residual_; }

@@ -1,7 +1,6 @@
 #include "relative/solver.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "relative/integration.h"
 #include "relative/rank.h"
@@ -10,8 +9,6 @@
 namespace concord::relative {
 
 namespace {
-
-constexpr double kLargestMisfit = 1e-12;
 
 /// A frame that is no rotation, as when the norm of its axis overflowed, would give a motion without sense.
 void require_frames(const Model& model) {
@@ -100,24 +97,9 @@ class RelativeSolver final : public Solver {
 
  private:
   Coordinates read_closed(const State& state) {
-    StateMisfit misfit;
-    Coordinates coordinates = states_.read(state, misfit);
+    Coordinates coordinates = states_.read_closed(state);
     equations_.count_turns(states_.turns());
-    if (misfit.largest <= kLargestMisfit && misfit.joint_off_branch < 0) return coordinates;
-    if (misfit.largest <= kLargestMisfit) throw_off_branch(state, coordinates, misfit.joint_off_branch);
-    throw SolverError(
-        fmt::format("relative: the state at t = {:.6g} s is not closed: residual {:.1e} at {}, allowed "
-                    "{:.0e}: close it first",
-                    state.t, misfit.largest, misfit.where, kLargestMisfit));
-  }
-
-  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const {
-    const Span& span = equations_.topology().joints[joint];
-    const VecX found = equations_.kinematics().with_turns(coordinates.q).segment(span.first_q, span.n_q);
-    throw SolverError(fmt::format(
-        "relative: the state at t = {:.6g} s: joint '{}' stands on another turn or branch than its coordinates say: "
-        "({:.6g}) from the poses of its bodies, ({:.6g}) with the state",
-        state.t, model_.joints[joint].name, fmt::join(found, ", "), fmt::join(state.q[joint], ", ")));
+    return coordinates;
   }
 
   Model model_;

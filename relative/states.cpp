@@ -1,6 +1,7 @@
 #include "relative/states.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,8 @@ double largest(const Vec6& values, double linear_size, double angular_size) {
 }
 
 double part_of(double value, double size) { return value == 0.0 ? 0.0 : std::abs(value) / size; }
+
+constexpr double kLargestMisfit = 1e-12;
 
 void require_numbers(const BodyState& body, const std::string& name, double t) {
   if (body.r.allFinite() && body.p.allFinite() && body.v.allFinite() && body.omega.allFinite() && body.a.allFinite() &&
@@ -107,14 +110,36 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   }
   misfit.joint_off_branch = joint_off_branch(state, found.q);
   for (const Coupling& coupling : model.couplings) {
-    const double factors = size_of(coupling, model, length_);
+    const Readings sizes = size_of_readings(coupling);
     const double terms = size_of_terms(coupling, kinematics_, found.q);
     const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
-    const double velocity_residual = compute_velocity_residual(coupling, model, topology, found.u) / factors;
-    judge(part_of(position_residual, std::max(factors, terms)), "coupling", coupling.name);
-    judge(part_of(velocity_residual, turning), "coupling", coupling.name);
+    const double velocity_residual = compute_velocity_residual(coupling, model, topology, found.u);
+    judge(part_of(position_residual, std::max(sizes.of_coordinates, terms)), "coupling", coupling.name);
+    judge(part_of(velocity_residual, sizes.of_speeds * turning), "coupling", coupling.name);
   }
   return found;
+}
+
+Coordinates States::read_closed(const State& state) {
+  StateMisfit misfit;
+  Coordinates coordinates = read(state, misfit);
+  if (!(misfit.largest <= kLargestMisfit)) {
+    throw SolverError(
+        fmt::format("relative: at t = {:.6g} s the state is not closed: residual {:.1e} at {}, allowed "
+                    "{:.0e}: close it first",
+                    state.t, misfit.largest, misfit.where, kLargestMisfit));
+  }
+  if (misfit.joint_off_branch >= 0) throw_off_branch(state, coordinates, misfit.joint_off_branch);
+  return coordinates;
+}
+
+void States::throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const {
+  const Span& span = equations_->topology().joints[joint];
+  const VecX found = kinematics_.with_turns(coordinates.q).segment(span.first_q, span.n_q);
+  throw SolverError(fmt::format(
+      "relative: at t = {:.6g} s joint '{}' stands on another turn or branch than its coordinates say: "
+      "({:.6g}) from the poses of its bodies, ({:.6g}) with the state",
+      state.t, equations_->model().joints[joint].name, fmt::join(found, ", "), fmt::join(state.q[joint], ", ")));
 }
 
 /// Whole turns of the coordinates that came with a state, driven ones by their laws, are counted apart from now on.
@@ -137,6 +162,24 @@ int States::joint_off_branch(const State& state, const VecX& q) const {
     if (!equations_->kinematics().mobilizer(k).is_on_branch_of(found, state.q[k].data())) return k;
   }
   return -1;
+}
+
+/// The size of a coupling's factors [its unit], each as much larger as the round-off of the bodies' poses and
+/// velocities is when it is read as its coordinate and its speed. Near a gimbal pose a coordinate takes that of the
+/// poses times the amplification, and its speed this error's part of the other speeds, amplified once more. After the
+/// joints have been measured.
+States::Readings States::size_of_readings(const Coupling& coupling) const {
+  const Model& model = equations_->model();
+  double of_coordinates = 0.0;
+  double of_speeds = 0.0;
+  for (const CouplingTerm& term : coupling.terms) {
+    const int c = first_u(*model.joints[term.joint].type, term.word) + term.component;
+    const double unit = kinematics_.mobilizer(term.joint).kind(c).is_length ? length_ : 1.0;
+    const double amplification = std::max(1.0, measures_[term.joint].amplification(c));
+    of_coordinates = std::hypot(of_coordinates, term.factor * unit * amplification);
+    of_speeds = std::hypot(of_speeds, term.factor * unit * amplification * amplification);
+  }
+  return {of_coordinates, of_speeds};
 }
 
 /// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have

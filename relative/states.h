@@ -33,6 +33,9 @@ class States {
   /// size or its bodies hold an entry that is not a number.
   Coordinates read(const State& state, StateMisfit& misfit);
 
+  /// The same; throws SolverError where something does not close to round-off, or stands on another branch than q says.
+  Coordinates read_closed(const State& state);
+
   /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.
   [[nodiscard]] const VecX& turns() const { return kinematics_.turns(); }
 
@@ -49,6 +52,12 @@ class States {
 
  private:
   [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
+  struct Readings {
+    double of_coordinates = 0.0;
+    double of_speeds = 0.0;
+  };
+  [[nodiscard]] Readings size_of_readings(const Coupling& coupling) const;
+  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const;
   void count_turns(Coordinates& coordinates);
   [[nodiscard]] bool has_q(const State& state, int joint) const;
 

@@ -90,7 +90,7 @@ TEST(Solver, RefusesAStateThatIsNotClosed) {
     FAIL() << "a state with a gap of 1e-9 m was accepted";
   } catch (const SolverError& error) {
     EXPECT_STREQ(error.what(),
-                 "relative: the state at t = 0 s is not closed: residual 1.3e-09 at joint 'B', allowed 1e-12: close it "
+                 "relative: at t = 0 s the state is not closed: residual 1.3e-09 at joint 'B', allowed 1e-12: close it "
                  "first");
   }
 }

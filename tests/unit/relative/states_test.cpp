@@ -237,5 +237,38 @@ TEST(States, SayTheSameOfAMachineAfterManyTurns) {
   }
 }
 
+/// Near the pose in which a rod has no bearing its bodies' round-off is multiplied in the bearing that is read: what a
+/// coupling of it is off by is judged by that, and by no more.
+TEST(States, JudgeACouplingByWhatItsCoordinatesCanBeRead) {
+  constexpr double kFromSingular = 1e-3;
+  constexpr double kBearing = 0.4;
+  for (const double slip : {0.0, 1e-4}) {
+    Model model = test::pair(*test::type_named("distance"), 0);
+    std::vector<WordStart>& rod = model.joints[2].start;
+    rod[0].q = VecX::Constant(1, kBearing);
+    rod[0].u = VecX::Constant(1, slip);
+    rod[1].q = VecX::Constant(1, 0.5 * std::numbers::pi - kFromSingular);
+    rod[1].u = VecX::Constant(1, 2.7);
+    Equations free(model);
+    const Coordinates start = Assembly(free).start();
+    free.move(start.t, start.q, start.u);
+    const State state = States(free).write(0.0, {});
+    Coupling coupling;
+    coupling.name = "G";
+    coupling.terms = {{2, 0, 0, 1.0}};
+    coupling.offset = kBearing;
+    model.couplings = {coupling};
+    const Equations coupled(model);
+    StateMisfit misfit;
+    (void)States(coupled).read(state, misfit);
+    if (slip == 0.0) {
+      EXPECT_LT(misfit.largest, 1e-15);
+    } else {
+      EXPECT_GT(misfit.largest, 1e-12);
+      EXPECT_EQ(misfit.where, "coupling 'G'");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace concord::relative
