@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cartesian/reactions.h"
+#include "common/decompositions.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -170,8 +171,7 @@ void decide_left_over(const SparseMatrix& transposed, const RowSelection& select
     Z(selection.order[selection.live + column], column) = 1.0;
   }
   const MatX rest = transposed * Z;
-  const Eigen::HouseholderQR<MatX> qr(Z);
-  Z = qr.householderQ() * MatX::Identity(n, left_over);
+  Z = orthonormal_columns(Z);
   decision.near_values = VecX::Zero(left_over);
   constexpr double kFarBelow = 1e-2;
   const double bound = rest.norm() / largest;  // of all of them: Z had unit vectors on the left-over rows
@@ -179,7 +179,7 @@ void decide_left_over(const SparseMatrix& transposed, const RowSelection& select
   decision.largest_dropped = bound;
   Eigen::Index added = 0;
   if (!(bound <= kFarBelow * kRankThreshold / kEitherWay)) {
-    const Eigen::JacobiSVD<MatX> svd(transposed * Z, Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<MatX> svd(MatX(transposed * Z), Eigen::ComputeFullV);
     VecX values = VecX::Zero(left_over);
     values.head(svd.singularValues().size()) = svd.singularValues() / largest;
     decision.near_values = values.reverse();
@@ -352,9 +352,7 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
   cholmod_l_finish(&common);
   if (has_full_rank || matrix.rows() > kShortestDenseRows) return x;
   // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
-  Eigen::CompleteOrthogonalDecomposition<MatX> shortest;
-  shortest.setThreshold(kDependent);
-  return shortest.compute(MatX(matrix)).solve(right_side);
+  return smallest_least_squares(MatX(matrix), right_side, kDependent);
 }
 
 ScaledJacobian scaled_jacobian(const Equations& equations) {
@@ -411,8 +409,7 @@ MatX permitted_velocities(const Equations& equations) {
   null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();
   for (int i = 1; i < layout.n_bodies(); ++i) null_space.middleRows<3>(layout.first_Y(i)) /= length;
-  const Eigen::HouseholderQR<MatX> orthonormal(null_space);
-  return orthonormal.householderQ() * MatX::Identity(null_space.rows(), null_space.cols());
+  return orthonormal_columns(null_space);
 }
 
 RankReport report_rank(const Equations& equations) {

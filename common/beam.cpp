@@ -11,6 +11,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/decompositions.h"
+
 namespace concord {
 
 namespace {
@@ -259,8 +261,9 @@ MatX few_modes(ShiftedInverse& inverse, const SparseMatrix& M, int wanted, doubl
 
 /// The same where most modes are wanted: the dense problem M x = mu (K - sigma M) x, largest mu first.
 MatX most_modes(const SparseMatrix& K, const SparseMatrix& M, int wanted, double sigma, Eigen::Index n_rigid) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> solver(MatX(M), MatX(K - sigma * M));
-  return solver.eigenvectors().rowwise().reverse().middleCols(n_rigid, wanted);
+  const auto solution = symmetric_eigenpairs(MatX(M), MatX(K - sigma * M));
+  if (!solution) throw std::runtime_error("beam: the stiffness with its shift is not positive definite");
+  return solution->vectors.rowwise().reverse().middleCols(n_rigid, wanted);
 }
 
 /// The `wanted` lowest elastic modes of the line as numbers at all its nodes, in order of frequency.
@@ -355,10 +358,10 @@ void orthogonalize(FamilyModes& modes) {
   for (auto shape : modes.shapes.colwise()) shape /= shape.norm();
   const MatX mass = reduce(modes.line, interpolation, modes.line.inertia, modes.shapes);
   const MatX stiffness = reduce(modes.line, strain, modes.line.stiffness, modes.shapes);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> solver(stiffness, mass);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("beam: the chosen modes are not independent");
-  modes.shapes *= solver.eigenvectors();
-  modes.frequencies = solver.eigenvalues().cwiseSqrt();
+  const auto solution = symmetric_eigenpairs(stiffness, mass);
+  if (!solution) throw std::runtime_error("beam: the chosen modes are not independent");
+  modes.shapes *= solution->vectors;
+  modes.frequencies = solution->values.cwiseSqrt();
   fix_signs(modes.line, modes.shapes);
 }
 

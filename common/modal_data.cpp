@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "common/decompositions.h"
+
 namespace concord {
 
 namespace {
@@ -17,15 +19,15 @@ VecX scales_of(const MatX& G) {
 /// L with L L^T = G and as many columns as G has rank.
 MatX factor(const MatX& G) {
   const VecX scales = scales_of(G);
-  const Eigen::SelfAdjointEigenSolver<MatX> spectrum(without_units(G));
+  const SymmetricEigenpairs spectrum = symmetric_eigenpairs(without_units(G));
   const double round_off = static_cast<double>(G.rows()) * std::numeric_limits<double>::epsilon();
-  const double largest = spectrum.eigenvalues().maxCoeff();
-  if (spectrum.eigenvalues().minCoeff() < -1e3 * round_off * largest) {
+  const double largest = spectrum.values.maxCoeff();
+  if (spectrum.values.minCoeff() < -1e3 * round_off * largest) {
     throw std::invalid_argument("mass integrals are not positive semidefinite: no distribution of mass has them");
   }
-  const auto kept = (spectrum.eigenvalues().array() > round_off * largest).count();
-  const VecX roots = spectrum.eigenvalues().tail(kept).cwiseSqrt();
-  return scales.asDiagonal() * spectrum.eigenvectors().rightCols(kept) * roots.asDiagonal();
+  const auto kept = (spectrum.values.array() > round_off * largest).count();
+  const VecX roots = spectrum.values.tail(kept).cwiseSqrt();
+  return scales.asDiagonal() * spectrum.vectors.rightCols(kept) * roots.asDiagonal();
 }
 
 /// Turns the columns of L among themselves (L Q, Q orthogonal: L L^T stays) so that the first row has equal entries.

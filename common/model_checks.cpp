@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.h"
+
 namespace concord {
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 std::optional<std::string> complaint_about_inertia(const Mat3& inertia) {
   constexpr double kSlack = 1e-9;
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec3 moments = symmetric_eigenvalues(inertia);
   const double slack = kSlack * std::abs(moments.z());
   const std::string found =
       fmt::format("principal moments {:.6g}, {:.6g}, {:.6g} kg m2", moments.x(), moments.y(), moments.z());
@@ -38,7 +40,7 @@ std::optional<std::string> complaint_about_symmetry(const MatX& matrix) {
 
 std::optional<std::string> complaint_about_semidefiniteness(const MatX& matrix) {
   constexpr double kSlack = 1e-12;
-  const VecX values = Eigen::SelfAdjointEigenSolver<MatX>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+  const VecX values = symmetric_eigenvalues(matrix);
   const double smallest = values.minCoeff();
   const double largest = values.maxCoeff();
   if (smallest >= -kSlack * std::abs(largest)) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.h"
 #include "common/magnitude.h"
 #include "common/model_checks.h"
 #include "common/rotation.h"
@@ -48,11 +49,11 @@ bool hold_a_rigid_motion(const MatX& G, int n_modes) {
   constexpr double kRigid = 1e-11;  // of its kinetic energy that no rigid motion gives
   const MatX products = products_of_fields(G, n_modes);
   const MatX beside = products.topRightCorner(6, n_modes);
-  const Eigen::CompleteOrthogonalDecomposition<MatX> rigid(products.topLeftCorner(6, 6));
-  const MatX left = products.bottomRightCorner(n_modes, n_modes) - beside.transpose() * rigid.solve(beside);
+  const MatX left = products.bottomRightCorner(n_modes, n_modes) -
+                    beside.transpose() * smallest_least_squares(products.topLeftCorner(6, 6), beside);
   const VecX sizes = products.diagonal().tail(n_modes).cwiseSqrt().cwiseInverse();
   const MatX scaled = sizes.asDiagonal() * left * sizes.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<MatX>(scaled, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() < kRigid;
+  return symmetric_eigenvalues(scaled).minCoeff() < kRigid;
 }
 
 /// Complains of a matrix that is not symmetric or, in units that compare, not positive semidefinite; true if it is
@@ -99,11 +100,11 @@ Mat3 second_moment(const Mat3& inertia) { return 0.5 * inertia.trace() * Mat3::I
 /// principal axes of the second moment, with modes Psi_t - c_k~ Psi_r (S4).
 void add_rotary_node(const MassPoint& point, const Mat3X& Psi_r_L, const Mat3& inertia,
                      std::vector<MassPoint>& points) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> principal(second_moment(inertia));
+  const SymmetricEigenpairs principal = symmetric_eigenpairs(second_moment(inertia));
   for (int k = 0; k < 3; ++k) {
-    const double length = std::sqrt(std::max(0.0, 3.0 * principal.eigenvalues()(k) / point.mass));
+    const double length = std::sqrt(std::max(0.0, 3.0 * principal.values(k) / point.mass));
     for (const double sign : {-1.0, 1.0}) {
-      const Vec3 c = sign * length * principal.eigenvectors().col(k);
+      const Vec3 c = sign * length * principal.vectors.col(k);
       points.push_back({point.mass / 6.0, point.s0_L + c, point.Psi_t_L - skew(c) * Psi_r_L});
     }
   }
@@ -207,9 +208,9 @@ void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
   const int m = data.n_modes();
   data.damping = MatX::Zero(m, m);
   const MatX mass = modal_mass(data.G, m);
-  const Eigen::SelfAdjointEigenSolver<MatX> spectrum(mass);
+  const VecX modal_masses = symmetric_eigenvalues(mass);
   constexpr double kIndependent = 1e-12;
-  if (spectrum.eigenvalues().minCoeff() <= kIndependent * spectrum.eigenvalues().maxCoeff()) {
+  if (modal_masses.minCoeff() <= kIndependent * modal_masses.maxCoeff()) {
     document.complain("the modes are not independent: their modal mass is singular");
     return;
   }
@@ -217,14 +218,18 @@ void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
     document.complain("the modes move the body as a whole, which its frame does already: leave rigid-body modes out");
     return;
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> modes(data.stiffness, mass);
-  data.frequencies = modes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const auto modes = symmetric_eigenpairs(data.stiffness, mass);
+  if (!modes) {
+    document.complain("the modes are not independent: their modal mass is not positive definite");
+    return;
+  }
+  data.frequencies = modes->values.cwiseMax(0.0).cwiseSqrt();
   if (document.has("damping") && document.has("damping_ratios")) {
     document.require_one_of({"damping", "damping_ratios"});
   } else if (document.has("damping")) {
     data.damping = read_square(document, "damping", m).value_or(data.damping);
   } else if (const auto ratios = read_damping_ratios(document, m)) {
-    const MatX shapes = mass * modes.eigenvectors();
+    const MatX shapes = mass * modes->vectors;
     data.damping = shapes * (2.0 * ratios->cwiseProduct(data.frequencies)).asDiagonal() * shapes.transpose();
     check_bounded(document, "damping_ratios", "the damping's entries", data.damping);
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.h"
 #include "compare/joint_motion.h"
 #include "compare/places.h"
 
@@ -24,13 +25,12 @@ constexpr std::array kOnSide{" on parent", " on child"};
 std::vector<MassPoint> six_points(const Body& body) {
   if (body.mass <= 0.0) return {};
   const Mat3 second_moment = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L;
-  const Eigen::SelfAdjointEigenSolver<Mat3> ellipsoid(second_moment);
+  const SymmetricEigenpairs ellipsoid = symmetric_eigenpairs(second_moment);
   std::vector<MassPoint> points;
   for (int axis = 0; axis < 3; ++axis) {
-    const double reach = std::sqrt(std::max(0.0, 3.0 * ellipsoid.eigenvalues()(axis) / body.mass));
+    const double reach = std::sqrt(std::max(0.0, 3.0 * ellipsoid.values(axis) / body.mass));
     for (const double way : {-reach, reach}) {
-      points.push_back(
-          {body.mass / 6.0, body.center_of_mass_L + way * ellipsoid.eigenvectors().col(axis), Mat3X(3, 0)});
+      points.push_back({body.mass / 6.0, body.center_of_mass_L + way * ellipsoid.vectors.col(axis), Mat3X(3, 0)});
     }
   }
   return points;
@@ -173,7 +173,7 @@ class JointPower {
     if (directions_.cols() == 0) return rest;
     const Vec6 weights = (Vec6() << Vec3::Constant(length), Vec3::Ones()).finished();
     const Mat6X weighted = weights.asDiagonal() * directions_;
-    rest -= directions_ * weighted.colPivHouseholderQr().solve(Vec6(weights.asDiagonal() * rest));
+    rest -= directions_ * least_squares(weighted, weights.asDiagonal() * rest);
     return rest;
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.h"
 #include "compare/differences.h"
 
 namespace concord::compare {
@@ -71,7 +72,7 @@ class JointAlongMotion {
   [[nodiscard]] Vec6 not_permitted(const JointMotion& motion, const Vec6& v_rel) const {
     const Mat6X directions = weights_.asDiagonal() * (motion.S * motion.free);
     if (directions.cols() == 0) return v_rel;
-    const VecX nearest = directions.colPivHouseholderQr().solve(Vec6(weights_.asDiagonal() * v_rel));
+    const VecX nearest = least_squares(directions, weights_.asDiagonal() * v_rel);
     return v_rel - motion.S * (motion.free * nearest);
   }
 

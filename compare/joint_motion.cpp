@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/decompositions.h"
 #include "common/joint_reader.h"
 #include "common/overloaded.h"
 #include "common/rotation.h"
@@ -211,7 +212,7 @@ MatX nearest_speeds(const joints::JointType& type, const Mat6X& S, const Mat6X& 
     if (!turning[static_cast<std::size_t>(c)]) units(c) = length;
   }
   const Mat6X by_unit = columns * units.asDiagonal();
-  return units.asDiagonal() * MatX(by_unit.colPivHouseholderQr().solve(wanted));
+  return units.asDiagonal() * least_squares(by_unit, wanted);
 }
 
 }  // namespace

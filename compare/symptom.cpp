@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/decompositions.h"
+
 namespace concord::compare {
 
 namespace {
@@ -84,7 +86,7 @@ Vec3 fit_lever(const Vectors& difference, const Vectors& force) {
     normal += F.squaredNorm() * Mat3::Identity() - F * F.transpose();
     right += F.cross(difference.col(k));
   }
-  return normal.completeOrthogonalDecomposition().solve(right);
+  return smallest_least_squares(normal, right);
 }
 
 std::string other_point_pattern(const Suspect& suspect) {
@@ -104,10 +106,12 @@ std::string other_point_pattern(const Suspect& suspect) {
 /// The rotation Q that turns cartesian's vectors best into relative's.
 Mat3 fit_rotation(const Vectors& from, const Vectors& to) {
   const Mat3 correlation = to * from.transpose();
-  const Eigen::JacobiSVD<Mat3> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<MatX> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 U = svd.matrixU();
+  const Mat3 V = svd.matrixV();
   Vec3 signs = Vec3::Ones();
-  signs(2) = svd.matrixU().determinant() * svd.matrixV().determinant() > 0.0 ? 1.0 : -1.0;
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  signs(2) = U.determinant() * V.determinant() > 0.0 ? 1.0 : -1.0;
+  return U * signs.asDiagonal() * V.transpose();
 }
 
 std::string rotation_pattern(const Suspect& suspect) {

@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "common/decompositions.h"
+
 namespace concord::relative {
 
 namespace {
@@ -414,10 +416,10 @@ std::optional<MotionWithoutInertia> ArticulatedBodies::motion_without_inertia() 
     const MatX terms = H.cwiseAbs().transpose() * link.articulated_inertia.cwiseAbs() * H.cwiseAbs();
     const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
     const MatX scaled = units.asDiagonal() * H.transpose() * link.articulated_inertia * H * units.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatX> spectrum(scaled);
-    if (spectrum.eigenvalues()(0) > kLeast) continue;
+    const SymmetricEigenpairs spectrum = symmetric_eigenpairs(scaled);
+    if (spectrum.values(0) > kLeast) continue;
     MotionWithoutInertia found{l, JointVector::Zero(link.n_free + link.n_driven)};
-    for (int k = 0; k < link.n_free; ++k) found.u(link.free_column[k]) = units(k) * spectrum.eigenvectors()(k, 0);
+    for (int k = 0; k < link.n_free; ++k) found.u(link.free_column[k]) = units(k) * spectrum.vectors(k, 0);
     return found;
   }
   return std::nullopt;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "common/decompositions.h"
+
 namespace concord::relative {
 
 namespace {
@@ -27,8 +29,8 @@ double largest(const VecX& values) { return values.size() == 0 ? 0.0 : values.cw
 
 Eigen::Index rank_of(const MatX& scaled) {
   if (scaled.size() == 0) return 0;
-  const VecX singular_values = scaled.jacobiSvd().singularValues();
-  return (singular_values.array() > kRankThreshold * std::max(singular_values(0), 1.0)).count();
+  const VecX sigma = singular_values(scaled);
+  return (sigma.array() > kRankThreshold * std::max(sigma(0), 1.0)).count();
 }
 
 MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {

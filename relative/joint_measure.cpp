@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/decompositions.h"
 #include "relative/exponential_map.h"
 #include "relative/six_columns.h"
 
@@ -195,7 +196,7 @@ void JointMeasure::follow_place(const JointPoint& parent, const JointPoint& chil
     S.bottomRows<3>() *= 1e-9;
     Vec6 error = weighed(position_residual_);
     error.tail<3>().setZero();
-    const JointVector fitted = S.completeOrthogonalDecomposition().solve(error);
+    const JointVector fitted = smallest_least_squares(S, error);
     JointVector correction = JointVector::Zero(mobilizer_->n_u());
     for (std::size_t c = 0; c < free_.size(); ++c) correction(free_[c]) = unit(free_[c]) * fitted(c);
     if (!correction.allFinite()) return;

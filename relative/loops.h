@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/decompositions.h"
 #include "relative/articulated_bodies.h"
 #include "relative/closure.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/decompositions.h"
 #include "relative/row_factors.h"
 
 namespace concord::relative {
@@ -253,8 +254,7 @@ MatX permitted_velocities(Equations& equations, const Scales& scales, const Coor
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
     velocities.middleRows<3>(equations.kinematics().first_row(static_cast<int>(i))) /= length;
   }
-  const Eigen::HouseholderQR<MatX> qr(velocities);
-  return qr.householderQ() * MatX::Identity(velocities.rows(), velocities.cols());
+  return orthonormal_columns(velocities);
 }
 
 }  // namespace concord::relative

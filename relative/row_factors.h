@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/decompositions.h"
 #include "common/types.h"
 
 namespace concord::relative {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/analyses/motion_names.h"
 #include "compare/places.h"
@@ -118,8 +119,7 @@ MatX Chart::scaled_tangent(const State& state) const {
         weights_.segment(row + 6, modes).asDiagonal() * MatX(tangent.middleRows(row + 6, modes));
   });
   if (tangent.cols() == 0) return MatX::Zero(weights_.size(), 0);
-  const Eigen::HouseholderQR<MatX> factors(tangent);
-  return factors.householderQ() * MatX::Identity(tangent.rows(), tangent.cols());
+  return orthonormal_columns(tangent);
 }
 
 VecX Chart::velocities(const VecX& delta) const { return (V_ * delta).cwiseQuotient(weights_); }
@@ -227,7 +227,7 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
 /// `map`: the neighbour's directions in coordinates of the chart.
 void Chart::refuse_singular_origin(const MatX& map) const {
   MatX neighbour(n(), map.cols());
-  if (map.cols() > 0) neighbour = MatX(Eigen::HouseholderQR<MatX>(map).householderQ()).leftCols(map.cols());
+  if (map.cols() > 0) neighbour = orthonormal_columns(map);
   VecX lost = VecX::Zero(n());
   for (Eigen::Index k = 0; k < n(); ++k) {
     const VecX direction = VecX::Unit(n(), k) - neighbour * neighbour.row(k).transpose();

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/analyses/chart.h"
 #include "compare/analyses/motion_names.h"
@@ -61,7 +62,7 @@ struct Motions {
     const MatX& directions = split.free_directions();
     const Eigen::Index n = directions.rows();
     MatX all = MatX::Identity(n, n);
-    if (directions.cols() > 0) all = Eigen::HouseholderQR<MatX>(directions).householderQ();
+    if (directions.cols() > 0) all = orthogonal_completion(directions);
     free = all.leftCols(directions.cols());
     held = all.rightCols(n - directions.cols());
   }
@@ -71,7 +72,7 @@ struct Motions {
 /// of round-off bounds it.
 VecX conditions_of(const Eigen::MatrixXcd& vectors) {
   constexpr double kMost = 1e8;
-  const Eigen::MatrixXcd inverse = vectors.partialPivLu().inverse();
+  const Eigen::MatrixXcd inverse = inverse_of(vectors);
   VecX conditions(vectors.cols());
   for (Eigen::Index k = 0; k < vectors.cols(); ++k) {
     const double condition = vectors.col(k).norm() * inverse.row(k).norm();
@@ -86,12 +87,12 @@ Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
   const Eigen::Index n = motions.held.cols();
   if (n == 0) return {};
   const MatX pull = A * motions.held;
-  const Eigen::EigenSolver<MatX> solution(MatX(motions.held.transpose() * pull));
-  const Eigen::MatrixXcd vectors = solution.eigenvectors();
+  const GeneralEigenpairs solution = eigenpairs(motions.held.transpose() * pull);
+  const Eigen::MatrixXcd& vectors = solution.vectors;
   const VecX conditions = conditions_of(vectors);
   Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(A.rows(), 2 * n), VecX(2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
-    const Complex square = solution.eigenvalues()(k);
+    const Complex square = solution.values(k);
     const Complex root = std::sqrt(square);
     pairs.values(2 * k) = root;
     pairs.values(2 * k + 1) = -root;
@@ -125,7 +126,7 @@ class FirstOrder {
     const Eigen::Index free = motions_.free.cols();
     if (free == 0) return {n, 0};
     MatX unreached = MatX::Identity(n, n);  // by the held ones
-    if (pull_.cols() > 0) unreached = Eigen::HouseholderQR<MatX>(pull_).householderQ();
+    if (pull_.cols() > 0) unreached = orthogonal_completion(pull_);
     const Eigen::JacobiSVD<MatX> decay(MatX(unreached.rightCols(free).transpose() * B_ * motions_.free),
                                        Eigen::ComputeFullV);
     const Eigen::Index kept = (decay.singularValues().array() > resolution).count();
@@ -138,13 +139,13 @@ class FirstOrder {
     const Eigen::Index left = size - steady.cols();
     if (left == 0) return {};
     MatX split = MatX::Identity(size, size);
-    if (steady.cols() > 0) split = Eigen::HouseholderQR<MatX>(states_of(steady)).householderQ();
+    if (steady.cols() > 0) split = orthogonal_completion(states_of(steady));
     const MatX zeros = split.leftCols(steady.cols());
     const MatX others = split.rightCols(left);
     const MatX flow = matrix_ * others;
-    const Eigen::EigenSolver<MatX> solution(MatX(others.transpose() * flow));
-    const Eigen::MatrixXcd vectors = solution.eigenvectors();
-    Eigenpairs pairs{solution.eigenvalues(), Eigen::MatrixXcd(B_.rows(), left), conditions_of(vectors)};
+    const GeneralEigenpairs solution = eigenpairs(others.transpose() * flow);
+    const Eigen::MatrixXcd& vectors = solution.vectors;
+    Eigenpairs pairs{solution.values, Eigen::MatrixXcd(B_.rows(), left), conditions_of(vectors)};
     for (Eigen::Index k = 0; k < left; ++k) {
       const Complex value = pairs.values(k);
       Eigen::VectorXcd vector = others * vectors.col(k);
@@ -159,7 +160,7 @@ class FirstOrder {
   [[nodiscard]] MatX states_of(const MatX& steady) const {
     const Eigen::Index held = motions_.held.cols();
     MatX states = MatX::Zero(matrix_.rows(), steady.cols());
-    if (held > 0) states.topRows(held) = -frequency_ * pull_.colPivHouseholderQr().solve(B_ * steady);
+    if (held > 0) states.topRows(held) = -frequency_ * least_squares(pull_, B_ * steady);
     states.middleRows(held, motions_.free.cols()) = motions_.free.transpose() * steady;
     return states;
   }

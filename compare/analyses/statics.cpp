@@ -9,6 +9,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/analyses/motion_names.h"
 #include "compare/joint_motion.h"
@@ -99,7 +100,7 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double referen
   const Eigen::Index n = J.cols();
   const Eigen::Index m = chart.n_modal();
   MatX range = MatX::Identity(n, n);
-  if (m > 0) range = Eigen::HouseholderQR<MatX>(MatX(J.leftCols(m))).householderQ();
+  if (m > 0) range = orthogonal_completion(J.leftCols(m));
   onto_modes_ = range.leftCols(m);
   beyond_ = range.rightCols(n - m);
   R11_ = onto_modes_.transpose() * J.leftCols(m);
@@ -119,7 +120,7 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double referen
   unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
   free_ = MatX::Zero(n, missing);
   free_.bottomRows(n - m) = svd.matrixV().rightCols(missing);
-  if (m > 0 && missing > 0) free_.topRows(m) = -R11_.colPivHouseholderQr().solve(R12_ * free_.bottomRows(n - m));
+  if (m > 0 && missing > 0) free_.topRows(m) = -least_squares(R11_, R12_ * free_.bottomRows(n - m));
 }
 
 VecX StiffnessSplit::newton_step(const VecX& f) const {
@@ -128,7 +129,7 @@ VecX StiffnessSplit::newton_step(const VecX& f) const {
   VecX step = VecX::Zero(f.size());
   if (rigid > 0) step.tail(rigid) = -(pseudo_inverse_ * (beyond_.transpose() * f));
   if (m > 0) {
-    step.head(m) = R11_.colPivHouseholderQr().solve(-(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
+    step.head(m) = least_squares(R11_, -(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
   }
   return step;
 }
@@ -231,7 +232,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] VecX flow_step(const MatX& J, const VecX& f) const {
     MatX system = -J;
     system.diagonal().array() += 1.0 / time_;
-    return system.partialPivLu().solve(f);
+    return solve_square(system, f);
   }
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/decompositions.h"
 #include "common/joint_reader.h"
 #include "common/joints/catalogue.h"
 #include "compare/fuzz/elements.h"
@@ -260,7 +261,7 @@ class Drawing {
     for (Eigen::Index c = 0; c < S.cols(); ++c) {
       if (!turning[static_cast<std::size_t>(c)]) S.col(c) *= units_.length;
     }
-    return S.jacobiSvd().singularValues().minCoeff() > kLeast;
+    return singular_values(S).minCoeff() > kLeast;
   }
 
   void add_body(int i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/decompositions.h"
 #include "common/joint_reader.h"
 #include "compare/fuzz/random.h"
 #include "compare/joint_check/referee.h"
@@ -87,7 +88,7 @@ class Velocities {
       const Motion motion = motion_of(machine_.joints[k], types_[k]);
       const auto n_u = types_[k].n_u();
       const MatX free = free_speeds(types_[k], motion.placement.R, motion.S.leftCols(n_u));
-      const MatX forbidden = free.transpose().fullPivLu().kernel().transpose();
+      const MatX forbidden = kernel_of(free.transpose()).transpose();
       MatX more = MatX::Zero(forbidden.rows(), n_);
       more.middleCols(first_[k], n_u) = forbidden;
       append(rows, more);
@@ -191,7 +192,7 @@ struct Rank {
 Rank rank_of(const MatX& rows) {
   Rank found;
   if (rows.rows() == 0 || rows.cols() == 0) return found;
-  const VecX values = rows.jacobiSvd().singularValues();
+  const VecX values = singular_values(rows);
   for (const double value : values) {
     if (value <= kZero * values(0)) continue;
     ++found.rank;
@@ -333,7 +334,7 @@ bool solve_speeds(Machine& machine, const Velocities& velocities, const std::vec
     values.conservativeResize(old + words[k].count);
     values.tail(words[k].count) = drawn.segment(words[k].first, words[k].count);
   }
-  const VecX u = rows.colPivHouseholderQr().solve(values);
+  const VecX u = least_squares(rows, values);
   const double largest = std::max(drawn.lpNorm<Eigen::Infinity>(), values.lpNorm<Eigen::Infinity>());
   if ((rows * u - values).norm() > 1e-9 * largest || u.lpNorm<Eigen::Infinity>() > kLargestSpeed * largest)
     return false;

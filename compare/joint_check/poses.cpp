@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/decompositions.h"
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/joint_check/referee.h"
@@ -110,7 +111,7 @@ double rank_value(const JointType& type, const VecX& q) {
   if (type.n_u() == 0) return 1.0;
   const VecX u = VecX::Zero(type.n_u());
   const MatX S = referee_permits(type, q, u).S.leftCols(type.n_u());
-  return S.jacobiSvd().singularValues().minCoeff();
+  return singular_values(S).minCoeff();
 }
 
 PoseSource::PoseSource(const JointType& type, std::uint32_t seed)
@@ -153,7 +154,7 @@ VecX nearest_possible(const JointType& type, const VecX& q, const VecX& u, const
     conditions.col(n + k).head(n) = free.row(one.speed).transpose();
     right(n + k) = one.value;
   }
-  return free * conditions.fullPivLu().solve(right).head(n);
+  return free * VecX(solve_by_complete_pivoting(conditions, right)).head(n);
 }
 
 MotionPose PoseSource::pose(int number) const {

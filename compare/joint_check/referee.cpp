@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "common/decompositions.h"
+
 namespace concord::compare::joint_check {
 
 namespace {
@@ -227,7 +229,7 @@ Vec6 referee_coordinate_wrench(const JointType& type, const Motion& motion, cons
   WrenchDirections directions{motion, span};
   for (const joints::Read& word : type.reads) std::visit(directions, word);
   const MatX work = motion.S.leftCols(n).transpose() * span.leftCols(n);
-  return span.leftCols(n) * work.fullPivLu().solve(tau);
+  return span.leftCols(n) * solve_by_complete_pivoting(work, tau);
 }
 
 }  // namespace concord::compare::joint_check

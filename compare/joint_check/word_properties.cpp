@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "cartesian/joint_rows.h"
+#include "common/decompositions.h"
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/joint_check/referee.h"
@@ -170,7 +171,7 @@ void both_sets_fill_space(const EvaluatedPose& evaluated, Property& property) {
   for (Eigen::Index k = 0; k < rows; ++k) directions.col(k) = gradient_of(evaluated.forbidden[k]);
   directions.rightCols(evaluated.type.n_u()) = evaluated.S();
   directions.colwise().normalize();
-  const double least = directions.jacobiSvd().singularValues().minCoeff();
+  const double least = singular_values(directions).minCoeff();
   property.require(
       least > kIndependent, evaluated.pose.number,
       in_words("least singular value {:.3g} of unit columns, more than {:g} expected", least, kIndependent));
@@ -188,7 +189,7 @@ std::optional<Placement> nearest_allowed(const JointType& type, Placement from) 
       G.row(k) = gradient_of(rows[k]).transpose();
       values(k) = rows[k].value;
     }
-    const Vec6 correction = -G.completeOrthogonalDecomposition().solve(values);
+    const Vec6 correction = -smallest_least_squares(G, values);
     from = after(from, correction, 1.0);
     if (correction.norm() < 1e-14) return from;
   }
@@ -296,7 +297,7 @@ void velocities_fill_space(const EvaluatedPose& evaluated, Property& property) {
     directions.col(column++) = gradient_of(row);
   directions.rightCols(6 - column) = possible(evaluated);
   directions.colwise().normalize();
-  const double least = directions.jacobiSvd().singularValues().minCoeff();
+  const double least = singular_values(directions).minCoeff();
   property.require(
       least > kIndependent, evaluated.pose.number,
       in_words("least singular value {:.3g} of unit columns, more than {:g} expected", least, kIndependent));
@@ -313,7 +314,7 @@ void solvers_forbid_the_same_speeds(const EvaluatedPose& evaluated, Property& pr
   const double error = (C.transpose() * free).lpNorm<Eigen::Infinity>() / free.norm();
   property.note(error, evaluated.pose.number,
                 in_words("a velocity that is permitted slips by {:.3g} in relative, {:g} expected", error, 0.0));
-  const VecX udot = -C * (C.transpose() * C).fullPivLu().solve(VecX(permitted.bias().head(permitted.n_rows())));
+  const VecX udot = -C * solve_by_complete_pivoting(C.transpose() * C, permitted.bias().head(permitted.n_rows()));
   const Vec6 a_rel = evaluated.S() * udot + evaluated.permitted.Sdot_u;
   const std::vector<ConstraintRow> rows = forbidden_speeds(evaluated.type, evaluated.motion);
   for (std::size_t k = 0; k < rows.size(); ++k) {
