@@ -182,10 +182,9 @@ class CartesianSolver : public Solver {
       const double t = k == options.samples ? options.until : options.until * k / options.samples;
       while (reached < t) {
         const bool breaks_first = next_break != breaks.end() && *next_break < t;
-        reached = step(*stepper, watch, breaks_first ? *next_break : t);
+        reached = step(*stepper, watch, pace, breaks_first ? *next_break : t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
-        pace.require(reached, stepper->evaluations());
         const bool has_new_rows = watch.follow(reached, motion_);
         const bool at_break = breaks_first && reached >= *next_break;
         if (at_break) ++next_break;
@@ -205,9 +204,11 @@ class CartesianSolver : public Solver {
   }
 
  private:
-  static double step(Stepper& stepper, const PoseWatch& watch, double t) {
+  static double step(Stepper& stepper, const PoseWatch& watch, Pace& pace, double t) {
     try {
-      return stepper.step(t);
+      const double reached = stepper.step(t);
+      pace.require(reached, stepper.evaluations());
+      return reached;
     } catch (const SingularPose&) {
       throw;
     } catch (const SolverError& error) {
