@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <ida/ida.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
@@ -110,9 +111,11 @@ class IdaStepper : public Stepper {
   void advance(double stop) override {
     // Only the first step after a start looks at where it leads: no nearer than a step that went well before.
     const double toward = std::max(stop, reached_ + last_step_);
+    const double before = reached_;
     const int code = IDASolve(memory_.get(), toward, &reached_, x_.get(), xdot_.get(), IDA_ONE_STEP);
     if (code < 0) throw SolverError("cartesian (ida): " + messages_.last + (why_.empty() ? "" : "; " + why_));
     ++steps_;
+    require_progress(before);
   }
 
   const MotionState& interpolate(double t) override {
@@ -137,6 +140,18 @@ class IdaStepper : public Stepper {
     motion.q = x.head(first_Y_);
     motion.Y = x.segment(first_Y_, layout_.n_Y());
     motion.work = x(at_work_);
+  }
+
+  /// IDA itself goes on for ever with steps that do not move the time, as it does before a pose where constraints lose
+  /// rank. A start may need a few.
+  void require_progress(double before) {
+    constexpr int kMostStandingSteps = 100;
+    constexpr double kRoundOff = 1e-14;
+    n_standing_ = reached_ - before > kRoundOff * std::abs(reached_) ? 0 : n_standing_ + 1;
+    if (n_standing_ <= kMostStandingSteps) return;
+    throw SolverError(
+        fmt::format("cartesian (ida): {} steps in a row at t = {:.6g} s are no longer than the round-off of the time",
+                    n_standing_, reached_));
   }
 
   void set_up(const MotionState& start, Tolerance tolerance) {
@@ -546,6 +561,7 @@ class IdaStepper : public Stepper {
   std::vector<sunindextype> starts_;
   std::vector<sunindextype> rows_;
   sunrealtype last_step_ = 0.0;  // before the last restart
+  int n_standing_ = 0;           // steps in a row that did not move the time
   MotionState interpolated_;
   std::string why_;
   sundials::MessageRecord messages_;
