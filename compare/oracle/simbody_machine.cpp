@@ -84,6 +84,12 @@ double lead_of(const joints::JointType& type) {
   return motion.S(2, 0);
 }
 
+/// The mobilizers that hold a joint's frame on the parent and its frame on the child: two where there is a link.
+struct Frames {
+  MobilizedBodyIndex from;
+  MobilizedBodyIndex to;
+};
+
 /// A joint as it stands in Simbody.
 struct BuiltJoint {
   const Joint* joint = nullptr;
@@ -95,6 +101,8 @@ struct BuiltJoint {
   std::vector<bool> is_forced;  // whether something acts on each of the recipe's mobilities
 
   [[nodiscard]] bool has_link() const { return recipe->link >= 0; }
+  [[nodiscard]] Frames frames() const { return {moved, child}; }
+  [[nodiscard]] int body_on(Side side) const { return joint->on(side).body; }
 };
 
 /// A driven coordinate.
@@ -139,6 +147,20 @@ MobilizedBodyIndex add_mobilizer(const Recipe& recipe, const joints::JointType& 
       return add<MobilizedBody::Screw>(parent, on_parent, body, on_body, lead_of(type));
   }
   throw std::logic_error("a mobilizer without a case");
+}
+
+/// Simbody's messages have several lines, indented.
+std::string in_one_line(const std::string& message) {
+  std::string line;
+  for (const char c : message) {
+    const bool is_space = c == '\n' || c == ' ';
+    if (!is_space) {
+      line += c;
+    } else if (!line.empty() && line.back() != ' ') {
+      line += ' ';
+    }
+  }
+  return line.substr(0, line.find_last_not_of(' ') + 1);
 }
 
 /// A wrench about one point, about another one: `from` is the vector from the new point to the old one.
@@ -191,14 +213,12 @@ struct SimbodyMachine::Parts {
 
   // In one state:
   void place(const State& given);
-  void place_joint(const BuiltJoint& built, const State& given);
-  void place_link(const BuiltJoint& built, const SimTK::Vec3& gap, double turn);
+  void place_link(const BuiltJoint& built, const Transform& X_FM, double turn);
   void set_in_motion(const State& given);
-  void move_link(const BuiltJoint& built, const SpatialVec& relative);
-  [[nodiscard]] Transform relative_place(MobilizedBodyIndex moved, const Transform& body,
-                                         const Transform& parent) const;
-  [[nodiscard]] SpatialVec relative_velocity(MobilizedBodyIndex moved, const SpatialVec& body,
-                                             const SpatialVec& parent) const;
+  void move_link(const BuiltJoint& built, const SpatialVec& velocity);
+  [[nodiscard]] Transform relative_place(const Frames& frames, const Transform& parent, const Transform& child) const;
+  [[nodiscard]] SpatialVec relative_velocity(const Frames& frames, const BodyState& parent,
+                                             const BodyState& child) const;
   void check_places(const State& given) const;
   void apply(const State& given, const KnownForces& forces);
   void read(const State& given, Evaluation& found);
@@ -355,128 +375,104 @@ void SimbodyMachine::Parts::build_coupling(const Coupling& coupling) {
   couplings_.push_back(coupler.getConstraintIndex());
 }
 
-/// From the mobilizer's frame on the parent to its frame on what it moves.
-Transform SimbodyMachine::Parts::relative_place(MobilizedBodyIndex moved, const Transform& body,
-                                                const Transform& parent) const {
-  const MobilizedBody& its = mobod(moved);
-  return ~(parent * its.getDefaultInboardFrame()) * (body * its.getDefaultOutboardFrame());
+/// From the joint's frame on the parent to its frame on the child, whose mobilizers are `from` and `to`.
+Transform SimbodyMachine::Parts::relative_place(const Frames& frames, const Transform& parent,
+                                                const Transform& child) const {
+  return ~(parent * mobod(frames.from).getDefaultInboardFrame()) * (child * mobod(frames.to).getDefaultOutboardFrame());
 }
 
-SpatialVec SimbodyMachine::Parts::relative_velocity(MobilizedBodyIndex moved, const SpatialVec& body,
-                                                    const SpatialVec& parent) const {
-  const MobilizedBody& its = mobod(moved);
-  const Transform& X_GP = its.getParentMobilizedBody().getBodyTransform(state_);
-  const Transform& X_GB = its.getBodyTransform(state_);
-  const SimTK::Rotation R_GF = X_GP.R() * its.getDefaultInboardFrame().R();
-  const SimTK::Vec3 arm_F = X_GP.R() * its.getDefaultInboardFrame().p();
-  const SimTK::Vec3 arm_M = X_GB.R() * its.getDefaultOutboardFrame().p();
-  const SimTK::Vec3 v_F = parent[1] + parent[0] % arm_F;
-  const SimTK::Vec3 v_M = body[1] + body[0] % arm_M;
-  const SimTK::Vec3 gap = (X_GB.p() + arm_M) - (X_GP.p() + arm_F);
-  return {~R_GF * (body[0] - parent[0]), ~R_GF * (v_M - v_F - parent[0] % gap)};
+/// The rate of relative_place() in the frame on the parent: angular velocity, and that of the point.
+SpatialVec SimbodyMachine::Parts::relative_velocity(const Frames& frames, const BodyState& parent,
+                                                    const BodyState& child) const {
+  const Transform X_GP = place_of(parent);
+  const Transform X_GB = place_of(child);
+  const Transform X_GF = X_GP * mobod(frames.from).getDefaultInboardFrame();
+  const Transform X_GM = X_GB * mobod(frames.to).getDefaultOutboardFrame();
+  const SpatialVec V_P = velocity_of(parent);
+  const SpatialVec V_B = velocity_of(child);
+  // The point of the child as seen from the parent, wherever on the parent it stands.
+  const SimTK::Vec3 passing = V_P[1] + V_P[0] % (X_GM.p() - X_GP.p());
+  const SimTK::Vec3 v_M = V_B[1] + V_B[0] % (X_GM.p() - X_GB.p());
+  return {~X_GF.R() * (V_B[0] - V_P[0]), ~X_GF.R() * (v_M - passing)};
 }
 
 void SimbodyMachine::Parts::place(const State& given) {
   for (const Carrier& carrier : carriers_) {
     mobod(carrier.moved).setQToFitTransform(state_, place_of(given.bodies[carrier.body]));
   }
-  for (const BuiltJoint& built : joints_) place_joint(built, given);
-  system_.realize(state_, SimTK::Stage::Position);
-}
-
-void SimbodyMachine::Parts::place_joint(const BuiltJoint& built, const State& given) {
-  const Joint& joint = *built.joint;
-  const Transform parent = place_of(given.bodies[joint.on(Side::parent).body]);
-  const Transform child = place_of(given.bodies[joint.on(Side::child).body]);
-  const MobilizedBody& moved = mobod(built.moved);
-  if (!built.has_link()) {
-    const Transform X_FM = relative_place(built.moved, child, parent);
-    if (built.recipe->mobilizer == Mobilizer::screw) {
+  for (const BuiltJoint& built : joints_) {
+    const Transform X_FM = relative_place(built.frames(), place_of(given.bodies[built.body_on(Side::parent)]),
+                                          place_of(given.bodies[built.body_on(Side::child)]));
+    const MobilizedBody& moved = mobod(built.moved);
+    if (built.has_link()) {
+      const int k = static_cast<int>(&built - joints_.data());
+      const bool has_hint = !given.q.empty() && given.q[k].size() > 1;
+      place_link(built, X_FM, has_hint ? given.q[k](1) : 0.0);
+    } else if (built.recipe->mobilizer == Mobilizer::screw) {
       moved.setOneQ(state_, 0, std::atan2(X_FM.R().asMat33()(1, 0), X_FM.R().asMat33()(0, 0)));
     } else {
       moved.setQToFitTransform(state_, X_FM);
     }
-    return;
   }
-  const MobilizedBody& ball = mobod(built.child);
-  const Transform X_GF = parent * moved.getDefaultInboardFrame();
-  const Transform X_GM = child * ball.getDefaultOutboardFrame();
-  const int k = static_cast<int>(&built - joints_.data());
-  const bool has_hint = !given.q.empty() && given.q[k].size() > 1;
-  place_link(built, ~X_GF.R() * (X_GM.p() - X_GF.p()), has_hint ? given.q[k](1) : 0.0);
-  // The link's place follows from its own coordinates alone.
-  SimTK::Rotation R_FL;
-  if (built.recipe->mobilizer == Mobilizer::pin) {
-    R_FL.setRotationFromAngleAboutZ(moved.getOneQ(state_, 0));
-  } else {
-    R_FL.setRotationFromTwoAnglesTwoAxes(SimTK::BodyRotationSequence, moved.getOneQ(state_, 0), SimTK::XAxis,
-                                         moved.getOneQ(state_, 1), SimTK::YAxis);
-  }
-  ball.setQToFitRotation(state_, ~(X_GF.R() * R_FL) * X_GM.R());
+  system_.realize(state_, SimTK::Stage::Position);
 }
 
-/// Turns a link so that it points along `gap`, in the frame on the parent. `turn`: its second turn roughly; two pairs
-/// of turns of a universal joint point along the same line.
-void SimbodyMachine::Parts::place_link(const BuiltJoint& built, const SimTK::Vec3& gap, double turn) {
+/// Turns a link so that it points to the child's point, and then the ball at its end. `turn`: the link's second turn
+/// roughly, because two pairs of turns of a universal joint point along the same line.
+void SimbodyMachine::Parts::place_link(const BuiltJoint& built, const Transform& X_FM, double turn) {
   const MobilizedBody& link = mobod(built.moved);
+  const SimTK::Vec3& gap = X_FM.p();
+  SimTK::Rotation R_FL;
   if (built.recipe->mobilizer == Mobilizer::pin) {
     link.setOneQ(state_, 0, std::atan2(gap[1], gap[0]));
-    return;
+    R_FL.setRotationFromAngleAboutZ(link.getOneQ(state_, 0));
+  } else {
+    const double side = std::cos(turn) < 0.0 ? -1.0 : 1.0;
+    link.setOneQ(state_, 0, std::atan2(-side * gap[1], side * gap[2]));
+    link.setOneQ(state_, 1, std::atan2(gap[0], side * std::hypot(gap[1], gap[2])));
+    R_FL.setRotationFromTwoAnglesTwoAxes(SimTK::BodyRotationSequence, link.getOneQ(state_, 0), SimTK::XAxis,
+                                         link.getOneQ(state_, 1), SimTK::YAxis);
   }
-  const double side = std::cos(turn) < 0.0 ? -1.0 : 1.0;
-  link.setOneQ(state_, 0, std::atan2(-side * gap[1], side * gap[2]));
-  link.setOneQ(state_, 1, std::atan2(gap[0], side * std::hypot(gap[1], gap[2])));
+  mobod(built.child).setQToFitRotation(state_, ~R_FL * X_FM.R());
 }
 
 void SimbodyMachine::Parts::set_in_motion(const State& given) {
-  const SpatialVec rest(SimTK::Vec3(0), SimTK::Vec3(0));
   for (const Carrier& carrier : carriers_) {
-    const SpatialVec velocity = velocity_of(given.bodies[carrier.body]);
-    mobod(carrier.moved).setUToFitVelocity(state_, relative_velocity(carrier.moved, velocity, rest));
+    const SpatialVec velocity =
+        relative_velocity({carrier.moved, carrier.moved}, given.bodies[kGround], given.bodies[carrier.body]);
+    mobod(carrier.moved).setUToFitVelocity(state_, velocity);
   }
   for (const BuiltJoint& built : joints_) {
-    const Joint& joint = *built.joint;
-    const SpatialVec parent = velocity_of(given.bodies[joint.on(Side::parent).body]);
-    const SpatialVec child = velocity_of(given.bodies[joint.on(Side::child).body]);
-    if (!built.has_link()) {
-      const SpatialVec relative = relative_velocity(built.moved, child, parent);
-      if (built.recipe->mobilizer == Mobilizer::screw) {
-        mobod(built.moved).setUToFitAngularVelocity(state_, relative[0]);
-      } else {
-        mobod(built.moved).setUToFitVelocity(state_, relative);
-      }
-      continue;
+    const SpatialVec velocity = relative_velocity(built.frames(), given.bodies[built.body_on(Side::parent)],
+                                                  given.bodies[built.body_on(Side::child)]);
+    system_.realize(state_, SimTK::Stage::Position);  // setting speeds takes places back
+    if (built.has_link()) {
+      move_link(built, velocity);
+    } else if (built.recipe->mobilizer == Mobilizer::screw) {
+      mobod(built.moved).setUToFitAngularVelocity(state_, velocity[0]);
+    } else {
+      mobod(built.moved).setUToFitVelocity(state_, velocity);
     }
-    const Transform& X_GP = mobod(built.parent).getBodyTransform(state_);
-    const Transform& X_GB = mobod(built.child).getBodyTransform(state_);
-    const Transform X_GF = X_GP * mobod(built.moved).getDefaultInboardFrame();
-    const SimTK::Vec3 arm = X_GB.R() * mobod(built.child).getDefaultOutboardFrame().p();
-    const SimTK::Vec3 v_F = parent[1] + parent[0] % (X_GF.p() - X_GP.p());
-    const SimTK::Vec3 v_M = child[1] + child[0] % arm;
-    const SimTK::Vec3 gap = X_GB.p() + arm - X_GF.p();
-    move_link(built, {~X_GF.R() * gap, ~X_GF.R() * (v_M - v_F - parent[0] % gap)});
-    SpatialVec link = parent;  // its angular velocity only
-    for (const Mobility& mobility : built.recipe->mobilities) {
-      const MobilizerUIndex u(mobility.number);
-      link[0] += X_GF.R() * mobod(built.moved).getH_FMCol(state_, u)[0] * mobod(built.moved).getOneU(state_, u);
-    }
-    const SimTK::Rotation R_GL = mobod(built.moved).getBodyRotation(state_);
-    mobod(built.child).setUToFitAngularVelocity(state_, ~R_GL * (child[0] - link[0]));
   }
 }
 
-/// The turning speeds of a link whose end is at relative[0] and moves with relative[1], in the frame on the parent.
-void SimbodyMachine::Parts::move_link(const BuiltJoint& built, const SpatialVec& relative) {
+/// The turning speeds of a link, and then those of the ball at its end, so that the child moves with `velocity` in the
+/// frame on the parent.
+void SimbodyMachine::Parts::move_link(const BuiltJoint& built, const SpatialVec& velocity) {
+  const MobilizedBody& link = mobod(built.moved);
+  const SimTK::Rotation R_FL = link.getMobilizerTransform(state_).R();
+  const Vec3 end = from_simbody(R_FL * mobod(built.child).getDefaultInboardFrame().p());
   const auto n = static_cast<Eigen::Index>(built.recipe->mobilities.size());
-  Mat3X lever(3, n);
+  Mat3X axes(3, n);
+  Mat3X levers(3, n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const MobilizerUIndex u(built.recipe->mobilities[k].number);
-    lever.col(k) = from_simbody(SimTK::Vec3(mobod(built.moved).getH_FMCol(state_, u)[0] % relative[0]));
+    axes.col(k) = from_simbody(link.getH_FMCol(state_, MobilizerUIndex(built.recipe->mobilities[k].number))[0]);
+    levers.col(k) = axes.col(k).cross(end);
   }
-  const VecX speeds = (lever.transpose() * lever).ldlt().solve(lever.transpose() * from_simbody(relative[1]));
-  for (Eigen::Index k = 0; k < n; ++k) {
-    mobod(built.moved).setOneU(state_, built.recipe->mobilities[k].number, speeds(k));
-  }
+  const VecX speeds = (levers.transpose() * levers).ldlt().solve(levers.transpose() * from_simbody(velocity[1]));
+  for (Eigen::Index k = 0; k < n; ++k) link.setOneU(state_, built.recipe->mobilities[k].number, speeds(k));
+  system_.realize(state_, SimTK::Stage::Position);
+  mobod(built.child).setUToFitAngularVelocity(state_, ~R_FL * (velocity[0] - to_simbody(Vec3(axes * speeds))));
 }
 
 void SimbodyMachine::Parts::check_places(const State& given) const {
@@ -640,7 +636,7 @@ Evaluation SimbodyMachine::Parts::evaluate(const State& state, const KnownForces
     system_.realize(state_, SimTK::Stage::Acceleration);
     read(state, found);
   } catch (const SimTK::Exception::Base& error) {
-    throw SolverError(fmt::format("simbody: t = {:g} s: {}", state.t, error.what()));
+    throw SolverError(fmt::format("simbody: t = {:g} s: {}", state.t, in_one_line(error.what())));
   }
   return found;
 }
@@ -649,7 +645,7 @@ SimbodyMachine::SimbodyMachine(const Model& model) {
   try {
     parts_ = std::make_unique<Parts>(model);
   } catch (const SimTK::Exception::Base& error) {
-    throw NotExpressible(error.what());
+    throw NotExpressible(in_one_line(error.what()));
   }
 }
 
