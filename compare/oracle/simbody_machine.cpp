@@ -34,6 +34,26 @@ SimTK::Rotation to_simbody(const Mat3& A) {
   return SimTK::Rotation(SimTK::Mat33(A(0, 0), A(0, 1), A(0, 2), A(1, 0), A(1, 1), A(1, 2), A(2, 0), A(2, 1), A(2, 2)));
 }
 
+/// Simbody weighs rows of lengths against rows of angles when it seeks the rank of the constraints, so a machine is
+/// handed over in lengths and masses of its own; the second stays.
+struct Units {
+  double length = 1.0;  // m
+  double mass = 1.0;    // kg
+
+  [[nodiscard]] double force() const { return mass * length; }
+  [[nodiscard]] double torque() const { return mass * length * length; }
+  /// Of the force on a joint speed.
+  [[nodiscard]] double of(const Mobility& mobility) const { return mobility.slides ? force() : torque(); }
+  [[nodiscard]] SimTK::Vec3 place(const Vec3& in_m) const { return to_simbody(Vec3(in_m / length)); }
+};
+
+Units units_of(const Model& model) {
+  Units units{model.length_scale(), 0.0};
+  for (const Body& body : model.bodies) units.mass = std::max(units.mass, body.mass);
+  if (!(units.mass > 0.0)) units.mass = 1.0;
+  return units;
+}
+
 /// Unit quaternion to rotation; the scalar stands first in both.
 Mat3 rotation_of_state(const BodyState& body) {
   const Vec4 p = body.p.normalized();
@@ -48,23 +68,17 @@ Mat3 reordered(const Mat3& C, const std::array<int, 3>& axes) {
 }
 
 /// One of `parts` equal parts of a body: all in the same place. Simbody wants the inertia about the body's origin.
-SimTK::Body::Rigid part_of(const Body& body, int parts) {
-  const double mass = body.mass / parts;
-  const Mat3 I = body.inertia_L / parts;
-  const SimTK::Vec3 center = to_simbody(body.center_of_mass_L);
+SimTK::Body::Rigid part_of(const Body& body, int parts, const Units& units) {
+  const double mass = body.mass / (units.mass * parts);
+  const Mat3 I = body.inertia_L / (units.torque() * parts);
+  const SimTK::Vec3 center = units.place(body.center_of_mass_L);
   const SimTK::Inertia about_center(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
   return SimTK::Body::Rigid(SimTK::MassProperties(mass, center, about_center.shiftFromMassCenter(-center, mass)));
 }
 
 /// What stands for ground where a joint has it as its child: it is welded, so any mass does.
-SimTK::Body::Rigid part_of_ground(const Model& model) {
-  double mass = 0.0;
-  double inertia = 0.0;
-  for (const Body& body : model.bodies) {
-    mass = std::max(mass, body.mass);
-    inertia = std::max(inertia, body.inertia_L.trace());
-  }
-  return SimTK::Body::Rigid(SimTK::MassProperties(mass, SimTK::Vec3(0), SimTK::Inertia(inertia)));
+SimTK::Body::Rigid part_of_ground() {
+  return SimTK::Body::Rigid(SimTK::MassProperties(1.0, SimTK::Vec3(0), SimTK::Inertia(1.0)));
 }
 
 /// The length of a link, the radius of a ball, the lead of a screw, as the joint's own type states it.
@@ -107,8 +121,8 @@ struct BuiltJoint {
 
 /// A driven coordinate.
 struct BuiltDriver {
-  int joint = 0;
   const Driver* driver = nullptr;
+  bool slides = false;
   SimTK::ConstraintIndex constraint;
 };
 
@@ -125,7 +139,8 @@ MobilizedBodyIndex add(MobilizedBody& parent, const Transform& on_parent, const 
 }
 
 MobilizedBodyIndex add_mobilizer(const Recipe& recipe, const joints::JointType& type, MobilizedBody& parent,
-                                 const Transform& on_parent, const SimTK::Body& body, const Transform& on_body) {
+                                 const Transform& on_parent, const SimTK::Body& body, const Transform& on_body,
+                                 const Units& units) {
   switch (recipe.mobilizer) {
     case Mobilizer::weld:
       return add<MobilizedBody::Weld>(parent, on_parent, body, on_body);
@@ -144,7 +159,7 @@ MobilizedBodyIndex add_mobilizer(const Recipe& recipe, const joints::JointType& 
     case Mobilizer::planar:
       return add<MobilizedBody::Planar>(parent, on_parent, body, on_body);
     case Mobilizer::screw:
-      return add<MobilizedBody::Screw>(parent, on_parent, body, on_body, lead_of(type));
+      return add<MobilizedBody::Screw>(parent, on_parent, body, on_body, lead_of(type) / units.length);
   }
   throw std::logic_error("a mobilizer without a case");
 }
@@ -167,8 +182,6 @@ std::string in_one_line(const std::string& message) {
 Wrench shifted(const Wrench& wrench, const Vec3& from) {
   return {wrench.force, wrench.torque + from.cross(wrench.force)};
 }
-
-Wrench wrench_of(const SpatialVec& both) { return {from_simbody(both[1]), from_simbody(both[0])}; }
 
 SideWrench in_both_frames(const Wrench& wrench, const Mat3& A_joint) {
   return {{A_joint.transpose() * wrench.force, A_joint.transpose() * wrench.torque}, wrench};
@@ -228,11 +241,18 @@ struct SimbodyMachine::Parts {
   [[nodiscard]] Wrench total_on_child(const BuiltJoint& built) const;
   [[nodiscard]] Vec6 direction(const BuiltJoint& built, const Mobility& mobility) const;
 
-  static Transform place_of(const BodyState& body) { return {to_simbody(rotation_of_state(body)), to_simbody(body.r)}; }
-  static SpatialVec velocity_of(const BodyState& body) { return {to_simbody(body.omega), to_simbody(body.v)}; }
+  [[nodiscard]] Transform place_of(const BodyState& body) const {
+    return {to_simbody(rotation_of_state(body)), units_.place(body.r)};
+  }
+  [[nodiscard]] SpatialVec velocity_of(const BodyState& body) const {
+    return {to_simbody(body.omega), units_.place(body.v)};
+  }
+  [[nodiscard]] Wrench wrench_of(const SpatialVec& in_own_units) const {
+    return {from_simbody(in_own_units[1]) * units_.force(), from_simbody(in_own_units[0]) * units_.torque()};
+  }
 
   const Model& model_;
-  double length_ = 1.0;
+  Units units_;
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_{system_};
   SimTK::GeneralForceSubsystem forces_{system_};
@@ -248,7 +268,7 @@ struct SimbodyMachine::Parts {
 };
 
 SimbodyMachine::Parts::Parts(const Model& stated)
-    : model_(stated), length_(stated.length_scale()), gravity_(forces_, matter_, to_simbody(stated.gravity)) {
+    : model_(stated), units_(units_of(stated)), gravity_(forces_, matter_, units_.place(stated.gravity)) {
   check_expressible();
   build();
   state_ = system_.realizeTopology();
@@ -282,7 +302,7 @@ void SimbodyMachine::Parts::build() {
 
 void SimbodyMachine::Parts::build_step(const Step& step, const std::vector<int>& parts) {
   const SimTK::Body::Rigid body =
-      step.body == kGround ? part_of_ground(model_) : part_of(model_.bodies[step.body], parts[step.body]);
+      step.body == kGround ? part_of_ground() : part_of(model_.bodies[step.body], parts[step.body], units_);
   if (step.joint < 0) {
     bodies_[step.body] = add<MobilizedBody::Free>(matter_.updGround(), Transform(), body, Transform());
     carriers_.push_back({step.body, bodies_[step.body]});
@@ -308,11 +328,11 @@ void SimbodyMachine::Parts::build_joint(BuiltJoint& built, const SimTK::Body& bo
   }
   const auto frame_on = [&](Side side) {
     const Attachment& at = joint.on(side);
-    return Transform(to_simbody(reordered(at.C, built.recipe->axes)), to_simbody(at.point_L));
+    return Transform(to_simbody(reordered(at.C, built.recipe->axes)), units_.place(at.point_L));
   };
   const auto attach = [&](const SimTK::Body& moved, const Transform& on_moved) {
     return add_mobilizer(*built.recipe, *joint.type, matter_.updMobilizedBody(built.parent), frame_on(Side::parent),
-                         moved, on_moved);
+                         moved, on_moved, units_);
   };
   if (!built.has_link()) {
     built.moved = built.child = attach(body, frame_on(Side::child));
@@ -321,7 +341,7 @@ void SimbodyMachine::Parts::build_joint(BuiltJoint& built, const SimTK::Body& bo
   }
   built.moved = attach(SimTK::Body::Massless(), Transform());
   SimTK::Vec3 end(0);
-  end[built.recipe->link] = length_of_link(*joint.type);
+  end[built.recipe->link] = length_of_link(*joint.type) / units_.length;
   built.child =
       add<MobilizedBody::Ball>(matter_.updMobilizedBody(built.moved), Transform(end), body, frame_on(Side::child));
 }
@@ -332,15 +352,15 @@ void SimbodyMachine::Parts::build_beside(BuiltJoint& built) {
   MobilizedBody& child = matter_.updMobilizedBody(built.child);
   MobilizedBody& parent = matter_.updMobilizedBody(built.parent);
   if (built.recipe->beside == Beside::edge) {
-    const SimTK::Constraint::NoSlip1D edge(child, to_simbody(on_child.point_L),
+    const SimTK::Constraint::NoSlip1D edge(child, units_.place(on_child.point_L),
                                            SimTK::UnitVec3(to_simbody(Vec3(on_child.C.col(1)))), parent, child);
     built.beside.push_back(edge.getConstraintIndex());
   }
   if (built.recipe->beside == Beside::rolling) {
     const double radius = radius_of(*built.joint->type);
-    const Transform plane(to_simbody(on_parent.C), to_simbody(Vec3(on_parent.point_L - radius * on_parent.C.col(2))));
-    const SimTK::Constraint::SphereOnPlaneContact contact(parent, plane, child, to_simbody(on_child.point_L), radius,
-                                                          true);
+    const Transform plane(to_simbody(on_parent.C), units_.place(on_parent.point_L - radius * on_parent.C.col(2)));
+    const SimTK::Constraint::SphereOnPlaneContact contact(parent, plane, child, units_.place(on_child.point_L),
+                                                          radius / units_.length, true);
     built.beside.push_back(contact.getConstraintIndex());
   }
 }
@@ -357,7 +377,7 @@ void SimbodyMachine::Parts::build_driver(int k, const Driver& driver) {
   const Mobility& mobility = mobility_of(k, driver.word, driver.component);
   const SimTK::Constraint::ConstantAcceleration constraint(matter_.updMobilizedBody(joints_[k].moved),
                                                            MobilizerUIndex(mobility.number), 0.0);
-  drivers_.push_back({k, &driver, constraint.getConstraintIndex()});
+  drivers_.push_back({&driver, mobility.slides, constraint.getConstraintIndex()});
 }
 
 void SimbodyMachine::Parts::build_coupling(const Coupling& coupling) {
@@ -367,9 +387,10 @@ void SimbodyMachine::Parts::build_coupling(const Coupling& coupling) {
   SimTK::Array_<MobilizerUIndex> speeds;
   for (int k = 0; k < n; ++k) {
     const CouplingTerm& term = coupling.terms[k];
-    factors[k] = term.factor;
+    const Mobility& mobility = mobility_of(term.joint, term.word, term.component);
+    factors[k] = term.factor * units_.torque() / units_.of(mobility);
     bodies.push_back(joints_[term.joint].moved);
-    speeds.push_back(MobilizerUIndex(mobility_of(term.joint, term.word, term.component).number));
+    speeds.push_back(MobilizerUIndex(mobility.number));
   }
   const SimTK::Constraint::SpeedCoupler coupler(matter_, new SimTK::Function::Linear(factors), bodies, speeds);
   couplings_.push_back(coupler.getConstraintIndex());
@@ -479,9 +500,9 @@ void SimbodyMachine::Parts::check_places(const State& given) const {
   const auto check = [&](MobilizedBodyIndex part, int body) {
     const Transform is = mobod(part).getBodyTransform(state_);
     const Transform should_be = place_of(given.bodies[body]);
-    const double off = (is.p() - should_be.p()).norm() / length_;
+    const double off = (is.p() - should_be.p()).norm();
     const double turned = (is.R().asMat33() - should_be.R().asMat33()).norm();
-    const double size = 1.0 + should_be.p().norm() / length_;
+    const double size = 1.0 + should_be.p().norm();
     if (off <= kMisplaced * size && turned <= kMisplaced) return;
     throw SolverError(
         fmt::format("simbody: t = {:g} s: the mobilizers leave body {} {:.1e} lengths and {:.1e} rad from "
@@ -495,11 +516,13 @@ void SimbodyMachine::Parts::apply(const State& given, const KnownForces& forces)
   known_.clearAllForces(state_);
   for (std::size_t k = 1; k < model_.bodies.size(); ++k) {
     const Wrench& wrench = forces.on_bodies[k];
-    known_.setOneBodyForce(state_, mobod(bodies_[k]), {to_simbody(wrench.torque), to_simbody(wrench.force)});
+    known_.setOneBodyForce(
+        state_, mobod(bodies_[k]),
+        {to_simbody(Vec3(wrench.torque / units_.torque())), to_simbody(Vec3(wrench.force / units_.force()))});
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     for (const Mobility& mobility : joints_[k].recipe->mobilities) {
-      const double tau = forces.on_speeds[k](mobility.speed);
+      const double tau = forces.on_speeds[k](mobility.speed) / units_.of(mobility);
       if (tau == 0.0) continue;
       known_.setOneMobilityForce(state_, mobod(joints_[k].moved), MobilizerUIndex(mobility.number), tau);
     }
@@ -507,7 +530,8 @@ void SimbodyMachine::Parts::apply(const State& given, const KnownForces& forces)
   for (const BuiltDriver& driver : drivers_) {
     const SimTK::Constraint& constraint = matter_.getConstraint(driver.constraint);
     SimTK::Constraint::ConstantAcceleration::downcast(constraint)
-        .setAcceleration(state_, concord::evaluate(driver.driver->law, given.t).fddot);
+        .setAcceleration(state_,
+                         concord::evaluate(driver.driver->law, given.t).fddot / (driver.slides ? units_.length : 1.0));
   }
 }
 
@@ -524,14 +548,14 @@ Vec6 SimbodyMachine::Parts::direction(const BuiltJoint& built, const Mobility& m
                            moved.getBodyOriginLocation(state_));
   }
   Vec6 both;
-  both << from_simbody(velocity), from_simbody(turning);
+  both << from_simbody(velocity) * units_.length, from_simbody(turning);
   return both;
 }
 
 Wrench SimbodyMachine::Parts::total_on_child(const BuiltJoint& built) const {
   Wrench total = wrench_of(reactions_[built.child]);
   const MobilizedBody& child = mobod(built.child);
-  const Vec3 arm = from_simbody(child.getBodyRotation(state_) * child.getDefaultOutboardFrame().p());
+  const Vec3 arm = from_simbody(child.getBodyRotation(state_) * child.getDefaultOutboardFrame().p()) * units_.length;
   for (const SimTK::ConstraintIndex index : built.beside) {
     const SimTK::Constraint& constraint = matter_.getConstraint(index);
     const SimTK::Vector_<SpatialVec> forces = constraint.getConstrainedBodyForcesAsVector(state_);
@@ -574,7 +598,8 @@ VecX SimbodyMachine::Parts::forces_on_mobilities(const BuiltJoint& built) const 
     if (!built.is_forced[k]) continue;
     const SpatialVec column =
         mobod(built.moved).getH_FMCol(state_, MobilizerUIndex(built.recipe->mobilities[k].number));
-    tau(k) = SimTK::dot(R_GF * column[0], reaction[0]) + SimTK::dot(R_GF * column[1], reaction[1]);
+    tau(k) = units_.of(built.recipe->mobilities[k]) *
+             (SimTK::dot(R_GF * column[0], reaction[0]) + SimTK::dot(R_GF * column[1], reaction[1]));
   }
   return tau;
 }
@@ -612,7 +637,7 @@ void SimbodyMachine::Parts::read(const State& given, Evaluation& found) {
   matter_.calcMobilizerReactionForces(state_, reactions_);
   found.bodies.resize(model_.bodies.size());
   for (std::size_t k = 1; k < bodies_.size(); ++k) {
-    found.bodies[k].vdot = from_simbody(mobod(bodies_[k]).getBodyOriginAcceleration(state_));
+    found.bodies[k].vdot = from_simbody(mobod(bodies_[k]).getBodyOriginAcceleration(state_)) * units_.length;
     found.bodies[k].omegadot = from_simbody(mobod(bodies_[k]).getBodyAngularAcceleration(state_));
     if (found.bodies[k].vdot.allFinite() && found.bodies[k].omegadot.allFinite()) continue;
     throw SolverError(
@@ -621,7 +646,7 @@ void SimbodyMachine::Parts::read(const State& given, Evaluation& found) {
   for (const BuiltJoint& built : joints_) found.joints.push_back(read_joint(built, given));
   for (const SimTK::ConstraintIndex index : couplings_) {
     // A multiplier stands on the left of Simbody's equations: it pushes the sum to fall.
-    found.couplings.push_back(-matter_.getConstraint(index).getMultipliersAsVector(state_)[0]);
+    found.couplings.push_back(-units_.torque() * matter_.getConstraint(index).getMultipliersAsVector(state_)[0]);
   }
 }
 
