@@ -91,6 +91,14 @@ double length_of_link(const joints::JointType& type) {
 
 double radius_of(const joints::JointType& type) { return std::get<joints::NoSlip>(type.forbids_speeds.front()).below; }
 
+/// The angle of the frames, with as many turns as the place on the thread tells.
+double turn_of_screw(const Transform& X_FM, double lead) {
+  const SimTK::Mat33& R = X_FM.R().asMat33();
+  const double angle = std::atan2(R(1, 0), R(0, 0));
+  const double turn = 2.0 * SimTK::Pi;
+  return angle + turn * std::round((X_FM.p()[2] / lead - angle) / turn);
+}
+
 double lead_of(const joints::JointType& type) {
   const double zero = 0.0;
   joints::FunctionOfCoordinates::Motion motion;
@@ -430,7 +438,7 @@ void SimbodyMachine::Parts::place(const State& given) {
       const bool has_hint = !given.q.empty() && given.q[k].size() > 1;
       place_link(built, X_FM, has_hint ? given.q[k](1) : 0.0);
     } else if (built.recipe->mobilizer == Mobilizer::screw) {
-      moved.setOneQ(state_, 0, std::atan2(X_FM.R().asMat33()(1, 0), X_FM.R().asMat33()(0, 0)));
+      moved.setOneQ(state_, 0, turn_of_screw(X_FM, lead_of(*built.joint->type) / units_.length));
     } else {
       moved.setQToFitTransform(state_, X_FM);
     }
@@ -548,7 +556,7 @@ Vec6 SimbodyMachine::Parts::direction(const BuiltJoint& built, const Mobility& m
                            moved.getBodyOriginLocation(state_));
   }
   Vec6 both;
-  both << from_simbody(velocity) * units_.length, from_simbody(turning);
+  both << from_simbody(velocity) * (mobility.slides ? 1.0 : units_.length), from_simbody(turning);
   return both;
 }
 

@@ -14,6 +14,9 @@ namespace {
 /// At the same state double precision leaves 12 digits of such machines.
 constexpr double kEnough = 11.5;
 
+/// Round-off of forces of 10 N and torques of 1 N m.
+constexpr double kNothing = 1e-12;
+
 struct Word {
   std::string name;
   double q;
@@ -66,11 +69,7 @@ std::string start_of(const TypeCase& of, Acting acting) {
                         12 + 5 * static_cast<int>(k));
   }
   if (!of.has_ball) return text;
-  // A driven slide of a rolling ball takes one of its turns along.
-  const bool is_led = acting == Acting::driver && of.type == "rolling_ball";
-  return text +
-         fmt::format("start.ball = {{ keep = {{ rotation_vector = [0.4, -0.9, 0.6] }}, {} = [0.9, -1.2, 1.7] }}\n",
-                     is_led ? "guess_speed" : "keep_speed");
+  return text + "start.ball = { keep = { rotation_vector = [0.4, -0.9, 0.6] }, keep_speed = [0.9, -1.2, 1.7] }\n";
 }
 
 std::string joint_of(const TypeCase& of, Acting acting, const std::string& parent, const std::string& child) {
@@ -84,18 +83,18 @@ child = {{ body = "{}", point = [-0.12, 0.28, 0.19], rotation_vector = [-0.8, 0.
                      of.type, of.parameter, parent, child, start_of(of, acting));
 }
 
-std::string free_body(const std::string& name, const std::string& body, bool is_kept) {
+std::string free_body(const std::string& name, const std::string& body) {
   return fmt::format(R"([[joint]]
 name = "{0}"
 type = "free"
 parent = {{ body = "ground", point = [0.1, 0.2, 0.3], rotation_vector = [0.2, -0.3, 0.6] }}
 child = {{ body = "{1}", point = [0.05, 0.02, -0.04] }}
-start.slide_x = {{ {2} = 0.2, {2}_speed = 0.7 }}
-start.slide_y = {{ {2} = -0.5, {2}_speed = -0.4 }}
-start.slide_z = {{ {2} = 0.6, {2}_speed = 0.5 }}
-start.ball = {{ {2} = {{ rotation_vector = [0.3, 0.8, -0.5] }}, {2}_speed = [0.8, -0.6, 1.1] }}
+start.slide_x = {{ keep = 0.2, keep_speed = 0.7 }}
+start.slide_y = {{ keep = -0.5, keep_speed = -0.4 }}
+start.slide_z = {{ keep = 0.6, keep_speed = 0.5 }}
+start.ball = {{ keep = {{ rotation_vector = [0.3, 0.8, -0.5] }}, keep_speed = [0.8, -0.6, 1.1] }}
 )",
-                     name, body, is_kept ? "keep" : "guess");
+                     name, body);
 }
 
 /// Where the joint stands: Simbody's tree goes through it, or it closes a loop and a part of its child is welded on;
@@ -105,16 +104,26 @@ enum class Place { tree, loop, to_ground, backwards };
 std::string machine_of(const TypeCase& of, Acting acting, Place place) {
   switch (place) {
     case Place::tree:
-      return kTwoBodies + free_body("held", "a", true) + joint_of(of, acting, "a", "b");
+      return kTwoBodies + free_body("held", "a") + joint_of(of, acting, "a", "b");
     case Place::loop:
-      return kTwoBodies + free_body("held", "a", true) + free_body("other", "b", false) +
+      return kTwoBodies + free_body("held", "a") +
+             "[[joint]]\nname = \"other\"\ntype = \"free\"\nparent = \"ground\"\nchild = \"b\"\n" +
              joint_of(of, acting, "a", "b");
     case Place::to_ground:
-      return kTwoBodies + joint_of(of, acting, "a", "ground") + free_body("other", "b", true);
+      return kTwoBodies + joint_of(of, acting, "a", "ground") + free_body("other", "b");
     case Place::backwards:
-      return kTwoBodies + free_body("held", "a", true) + joint_of(of, acting, "b", "a");
+      return kTwoBodies + free_body("held", "a") + joint_of(of, acting, "b", "a");
   }
   return "";
+}
+
+Model model_of(const TypeCase& of, Acting acting, Place place) {
+  Model model = parse_model(machine_of(of, acting, place), "machine.toml");
+  if (place != Place::loop) return model;
+  // Where the loop closes is known from the tree.
+  const BodyState at = cartesian::make_solver(model_of(of, acting, Place::tree))->assemble().bodies[2];
+  model.bodies[2].pose_guess = Pose{at.r, Eigen::Quaterniond(at.p(0), at.p(1), at.p(2), at.p(3)).toRotationMatrix()};
+  return model;
 }
 
 class JointTypes : public testing::TestWithParam<std::size_t> {
@@ -122,11 +131,13 @@ class JointTypes : public testing::TestWithParam<std::size_t> {
   void expect_agreement(Acting acting) const {
     const TypeCase& of = types()[GetParam()];
     for (const Place place : {Place::tree, Place::loop, Place::to_ground, Place::backwards}) {
-      const Model model = parse_model(machine_of(of, acting, place), "machine.toml");
+      const Model model = model_of(of, acting, place);
       const ThirdReport report = opinion_at_start(model);
       ASSERT_EQ(report.states, 1) << report.first_failure;
       ASSERT_FALSE(report.rows.empty());
       for (const ThirdRow& row : report.rows) {
+        const double off = std::max(std::abs(row.values[0] - row.values[2]), std::abs(row.values[1] - row.values[2]));
+        if (off < kNothing) continue;  // a free joint carries nothing
         EXPECT_GE(row.digits(), kEnough) << of.type << ", place " << static_cast<int>(place) << ": "
                                          << describe_owner(model, row.quantity) << ", "
                                          << describe_component(row.quantity) << ": " << row.values[0] << ", "
@@ -143,7 +154,9 @@ TEST_P(JointTypes, CarriesTheSameWithSprings) {
 }
 
 TEST_P(JointTypes, CarriesTheSameWhereItIsDriven) {
-  if (!types()[GetParam()].words.empty()) expect_agreement(Acting::driver);
+  const TypeCase& of = types()[GetParam()];
+  if (of.type == "rolling_ball") return;  // its ball's speeds are kept all three or not at all, and a driver takes one
+  if (!of.words.empty()) expect_agreement(Acting::driver);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, JointTypes, testing::Range<std::size_t>(0, 13),
