@@ -220,7 +220,7 @@ bool find_oracle(CommandLine& line) {
   return true;
 #else
   std::cerr << "error: --oracle simbody: this program was built without Simbody; install the package libsimbody-dev, "
-               "configure and build again\n";
+               "then configure the build folder again with cmake and build\n";
   return false;
 #endif
 }

@@ -21,6 +21,8 @@ Owner owner_of(const Quantity& quantity) {
   return {of_joint ? Kind::reaction : quantity.kind, quantity.owner, index(quantity.side)};
 }
 
+std::string digits_text(double digits) { return digits < 0.05 ? "0" : format_digits(digits); }
+
 /// The digits by which a row is the worse, the fewer: of the worst pair.
 double worst_of(const ThirdRow& row) { return std::min(row.digits(), row.between.digits); }
 
@@ -43,7 +45,7 @@ std::vector<const ThirdRow*> worst_rows(const std::vector<ThirdRow>& rows, const
 
 std::string who_is_off(const ThirdRow& row, Blame blame, const std::string& third) {
   const auto agree = [](std::string_view one, std::string_view other, const Accord& accord) {
-    return fmt::format("{} and {} agree to {} digits", one, other, format_digits(accord.digits));
+    return fmt::format("{} and {} agree to {} digits", one, other, digits_text(accord.digits));
   };
   switch (blame) {
     case Blame::nobody:
@@ -74,8 +76,8 @@ std::string table_of(const Model& model, const ThirdReport& third, const std::ve
   for (const ThirdRow* row : rows) {
     lines.push_back(
         {describe_owner(model, row->quantity), word_of(row->quantity.kind), describe_component(row->quantity),
-         fmt::format("{:.4g} {}", row->scale, unit_of(model, row->quantity)), format_digits(row->shared[0].digits),
-         format_digits(row->shared[1].digits), format_digits(row->between.digits), fmt::format("{:g}", row->need),
+         fmt::format("{:.4g} {}", row->scale, unit_of(model, row->quantity)), digits_text(row->shared[0].digits),
+         digits_text(row->shared[1].digits), digits_text(row->between.digits), fmt::format("{:g}", row->need),
          name_of(blame_in(*row), third.name)});
   }
   return format_table(lines, {false, false, false, true, true, true, true, true, false});
@@ -84,7 +86,7 @@ std::string table_of(const Model& model, const ThirdReport& third, const std::ve
 std::string summary_of(const ThirdReport& third) {
   std::string text = fmt::format("{} at {}:", third.name, plural(third.states, "state", "states"));
   const auto add = [&](const char* what, Kind kind) {
-    if (const auto digits = third.digits(kind)) text += fmt::format(" {} {},", what, format_digits(*digits));
+    if (const auto digits = third.digits(kind)) text += fmt::format(" {} {},", what, digits_text(*digits));
   };
   add("accelerations", Kind::acceleration);
   add("reactions", Kind::reaction);
@@ -144,7 +146,7 @@ void judge_third(const Model& model, Verdict& verdict) {
       continue;
     }
     verdict.findings.push_back(
-        {fmt::format("{}, {} digits (need {:g})", said, format_digits(row->digits()), row->need),
+        {fmt::format("{}, {} digits (need {:g})", said, digits_text(row->digits()), row->need),
          fmt::format("{}: both solvers say the same, and a program that shares nothing with them does not",
                      third.name)});
   }
