@@ -27,6 +27,9 @@ using SimTK::Transform;
 /// [rad], the translation is at fault: states are closed to 1e-13.
 constexpr double kMisplaced = 1e-10;
 
+/// Least over largest moment of inertia of a body that is split: what is left of 16 digits is more than the need.
+constexpr double kThinnest = 1e-6;
+
 SimTK::Vec3 to_simbody(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 Vec3 from_simbody(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -221,6 +224,8 @@ struct SimbodyMachine::Parts {
 
  private:
   void check_expressible() const;
+  void check_parts(const std::vector<int>& parts) const;
+  void build_bystander();
   void build();
   void build_step(const Step& step, const std::vector<int>& parts);
   void build_joint(BuiltJoint& built, const SimTK::Body& body, int k);
@@ -298,6 +303,7 @@ void SimbodyMachine::Parts::check_expressible() const {
 void SimbodyMachine::Parts::build() {
   const std::vector<Step> plan = plan_of(model_);
   const std::vector<int> parts = parts_of(model_, plan);
+  check_parts(parts);
   bodies_.resize(model_.bodies.size());
   bodies_[kGround] = matter_.getGround().getMobilizedBodyIndex();
   joints_.resize(model_.joints.size());
@@ -306,6 +312,28 @@ void SimbodyMachine::Parts::build() {
     for (const Driver& driver : model_.joints[k].drivers) build_driver(static_cast<int>(k), driver);
   }
   for (const Coupling& coupling : model_.couplings) build_coupling(coupling);
+  build_bystander();
+}
+
+/// A part that hangs on a ball turns about every axis before it is welded: Simbody divides by its least inertia.
+void SimbodyMachine::Parts::check_parts(const std::vector<int>& parts) const {
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    const Body& body = model_.bodies[k];
+    const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(body.inertia_L, Eigen::EigenvaluesOnly).eigenvalues();
+    if (parts[k] == 1 || moments(0) > kThinnest * moments(2)) continue;
+    throw NotExpressible(
+        fmt::format("body {} has next to no inertia about one of its axes, and {} joints hold it: it cannot be split",
+                    body.name, parts[k]));
+  }
+}
+
+/// Simbody divides by the size of its constraints, which is zero where all of them are idle: two welds side by side. A
+/// body beside the machine, at rest and held there by one constraint, keeps it from zero.
+void SimbodyMachine::Parts::build_bystander() {
+  const MobilizedBodyIndex beside =
+      add<MobilizedBody::Pin>(matter_.updGround(), Transform(), part_of_ground(), Transform());
+  gravity_.setDefaultBodyIsExcluded(beside, true);
+  SimTK::Constraint::ConstantAcceleration(matter_.updMobilizedBody(beside), 0.0);
 }
 
 void SimbodyMachine::Parts::build_step(const Step& step, const std::vector<int>& parts) {

@@ -193,6 +193,44 @@ TEST(SimbodyOracle, NamesWhatSimbodyDoesNotKnow) {
   }
 }
 
+TEST(SimbodyOracle, RefusesToSplitABodyWithoutThickness) {
+  Model model = crank_of(1.0);
+  model.bodies[3].inertia_L.diagonal() << 0.0, 0.04, 0.04;  // the slider closes the loop
+  try {
+    make_simbody(model);
+    FAIL();
+  } catch (const NotExpressible& reason) {
+    EXPECT_THAT(reason.what(), AllOf(HasSubstr("body slider"), HasSubstr("2 joints")));
+  }
+}
+
+TEST(SimbodyOracle, BearsWeldsSideBySide) {
+  const Model model = parse_model(kTwoBodies + R"([[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "a"
+start.turn_z = { keep = 0.4, keep_speed = 2 }
+[[joint]]
+name = "left"
+type = "weld"
+both = { point = [0.3, 0.2, 0.1] }
+parent = "a"
+child = "b"
+[[joint]]
+name = "right"
+type = "weld"
+both = { point = [0.3, 0.2, 0.1] }
+parent = "a"
+child = "b"
+)",
+                                  "machine.toml");
+  const ThirdReport report = opinion_at_start(model);
+  ASSERT_EQ(report.states, 1) << report.first_failure;
+  EXPECT_GE(report.digits(Kind::acceleration).value_or(0.0), 11.0);
+  EXPECT_GE(report.digits(Kind::body_sum).value_or(0.0), 11.0);
+}
+
 TEST(SimbodyOracle, SaysInWhichStateItFails) {
   const Model model = crank_of(1.0);
   const auto simbody = make_simbody(model);
