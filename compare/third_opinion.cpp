@@ -1,6 +1,7 @@
 #include "compare/third_opinion.h"
 
 #include <cmath>
+#include <limits>
 
 #include "compare/needs.h"
 
@@ -36,6 +37,17 @@ Answers ask(ThirdOpinion& third, const std::vector<SharedState>& states, ThirdRe
   return answers;
 }
 
+/// What double precision resolves in another program, whose round-off nobody measures: no less than in the solvers, and
+/// no less than the last bit of the machine's largest of the kind, because it may add up other terms than they do.
+MatX with_machine(MatX resolution, const std::vector<Measured>& measured) {
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    const double bit = std::numeric_limits<double>::epsilon() * measured[k].machine;
+    auto row = resolution.row(static_cast<Eigen::Index>(k));
+    row = row.unaryExpr([bit](double known) { return std::fmax(known, bit); }).eval();
+  }
+  return resolution;
+}
+
 Accord accord_of(const Measured& measured) { return {measured.digits, measured.unexplained_digits}; }
 
 }  // namespace
@@ -66,9 +78,12 @@ ThirdReport ask_third(const QuantityLayout& layout, ThirdOpinion& third, const s
   const MatX resolution = (*budget.resolution)(Eigen::all, answers.columns);
   std::array<Series, 3> series;
   std::array<std::vector<Measured>, 3> measured;
-  for (std::size_t pair = 0; pair < 3; ++pair) {
+  series[2] = align(layout, answers.pairs[2]);
+  measured[2] = measure(layout, series[2], {&resolution, &mask});
+  const MatX coarser = with_machine(resolution, measured[2]);
+  for (std::size_t pair = 0; pair < 2; ++pair) {
     series[pair] = align(layout, answers.pairs[pair]);
-    measured[pair] = measure(layout, series[pair], {&resolution, &mask});
+    measured[pair] = measure(layout, series[pair], {&coarser, &mask});
   }
   for (std::size_t k = 0; k < layout.quantities().size(); ++k) {
     const Quantity& quantity = layout.quantities()[k];

@@ -64,6 +64,44 @@ TEST(Blame, DoesNotCountRoundOff) {
   EXPECT_EQ(blame_in(row), Blame::nobody);
 }
 
+/// The hinge's force, and a second joint that carries nothing but what the third opinion makes of it.
+class EchoWithNoise final : public ThirdOpinion {
+ public:
+  EchoWithNoise(Evaluation said, double noise) : said_(std::move(said)) {
+    said_.joints[1].reaction[1].in_C.force.x() = noise;
+  }
+  [[nodiscard]] std::string_view name() const override { return "echo"; }
+  Evaluation evaluate(const State&) override { return said_; }
+
+ private:
+  Evaluation said_;
+};
+
+TEST(AskThird, AllowsForRoundOffOfTheWholeMachine) {
+  Model model = pendulum_model();
+  FakePendulum pendulum(model, "cartesian");
+  const State state = pendulum.assemble();
+  Evaluation said = pendulum.evaluate(state);
+  said.joints.push_back(said.joints[0]);
+  said.joints[1].reaction = said.joints[1].total = {};
+  model.joints.push_back(model.joints[0]);
+  const QuantityLayout layout(model);
+  const auto rows = static_cast<Eigen::Index>(layout.quantities().size());
+  const Mask everywhere = Mask::Constant(rows, 1, true);
+  const MatX fine = MatX::Constant(rows, 1, 1e-300);
+  const auto blame_for = [&](double noise) {
+    EchoWithNoise third(said, noise * said.joints[0].reaction[1].in_C.force.norm());
+    const ThirdReport report = ask_third(layout, third, {{state, {said, said}, 0}}, {&fine, &everywhere});
+    const Quantity of_second{Kind::reaction, 1, Side::child, 0};
+    const auto row = std::find_if(report.rows.begin(), report.rows.end(),
+                                  [&](const ThirdRow& one) { return one.quantity == of_second; });
+    return blame_in(*row);
+  };
+  EXPECT_EQ(blame_for(1e-15), Blame::nobody);  // nine digits of a millionth of the machine's force would be 1e-15
+  EXPECT_EQ(blame_for(3e-15), Blame::nobody);
+  EXPECT_EQ(blame_for(1e-13), Blame::third);
+}
+
 class ThirdOpinions : public testing::Test {
  protected:
   Verdict verdict() {
