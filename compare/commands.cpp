@@ -15,6 +15,7 @@
 #include "compare/info.h"
 #include "compare/interrupt.h"
 #include "compare/junit.h"
+#include "compare/not_expressible.h"
 #include "compare/plots.h"
 #include "compare/reference.h"
 #include "compare/report_json.h"
@@ -118,6 +119,20 @@ void tell_wall_times(const Verdict& verdict, const Console& console) {
   console.err << '\n';
 }
 
+/// The third opinion, if one is wanted and knows all of the model's parts; `silent` says why it does not.
+std::unique_ptr<ThirdOpinion> ask_for_third(const CompareCommand& command, const Model& model,
+                                            std::optional<ThirdReport>& silent) {
+  if (!command.make_third) return nullptr;
+  try {
+    return command.make_third(model);
+  } catch (const NotExpressible& reason) {
+    silent.emplace();
+    silent->name = command.third_name;
+    silent->not_expressible = reason.what();
+    return nullptr;
+  }
+}
+
 /// `names` holds the models compared so far.
 Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
                  const Console& console, std::set<std::string>& names) {
@@ -138,6 +153,9 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   const auto relative = makers.relative(one.model);
   check_results(command.out, result_files(one.model, {cartesian->name(), relative->name()}));
   VerifyOptions options = command.options;
+  std::optional<ThirdReport> silent;
+  const auto third = ask_for_third(command, one.model, silent);
+  options.third = third.get();
   {
     ProgressLine line(console);
     options.progress = [&](std::string_view rung, const std::array<double, 2>& done) {
@@ -146,6 +164,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
     };
     one.verdict = verify(one.model, *cartesian, *relative, options);
   }
+  if (silent) one.verdict.third = silent;
   if (!note.empty()) one.verdict.notes.push_back(note);
   if (reference) judge_reference(one.model, *reference, one.verdict);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);

@@ -11,6 +11,7 @@
 
 #include "common/solver.h"
 #include "compare/agreement.h"
+#include "compare/third_opinion.h"
 #include "compare/verify.h"
 
 /// What the program does, free of its command line and of the solvers behind it.
@@ -32,6 +33,9 @@ struct Console {
   bool progress = false;  // err is a terminal: show how far long runs are
 };
 
+/// Binds another program to a model; throws NotExpressible.
+using ThirdOpinionMaker = std::function<std::unique_ptr<ThirdOpinion>(const Model&)>;
+
 struct CompareCommand {
   std::vector<std::filesystem::path> models;
   VerifyOptions options;
@@ -40,6 +44,8 @@ struct CompareCommand {
   std::filesystem::path json;       // empty: write no JSON
   std::filesystem::path junit;      // empty: write no JUnit XML
   std::filesystem::path reference;  // empty: none; of one model only
+  ThirdOpinionMaker make_third;     // empty: no third opinion
+  std::string third_name;
 };
 
 struct RunCommand {

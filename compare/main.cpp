@@ -18,6 +18,9 @@
 #include "compare/joint_check/command.h"
 #include "compare/nightly/options.h"
 #include "compare/nightly/origin.h"
+#ifdef CONCORD_HAS_SIMBODY
+#include "compare/oracle/simbody_oracle.h"
+#endif
 #include "relative/solver.h"
 
 /// The command line: the only place that knows both solvers.
@@ -98,6 +101,7 @@ struct CommandLine {
   std::filesystem::path info_model;
   compare::analyses::AnalysisCommand analysis;
   std::string linearize_at = "start";
+  std::string oracle;
   compare::joint_check::JointCommand joint;
   compare::fuzz::FuzzCommand fuzz;
 };
@@ -118,6 +122,10 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
                       "File for the verdict as JUnit XML, a test case for each judged row");
   command->add_option("--reference", line.compare.reference,
                       "CSV file of reference values from another source, with their stated error (compare/README)");
+  command
+      ->add_option("--oracle", line.oracle,
+                   "Another program as a third opinion at the same state: simbody (compare/oracle/README)")
+      ->check(CLI::IsMember({"simbody"}));
   return command;
 }
 
@@ -204,6 +212,19 @@ class AnalysisCommands {
   std::vector<std::pair<CLI::App*, compare::analyses::Analysis>> commands_;
 };
 
+/// Puts the third opinion into the command; false if the program was built without it.
+bool find_oracle(CommandLine& line) {
+  line.compare.third_name = line.oracle;
+#ifdef CONCORD_HAS_SIMBODY
+  line.compare.make_third = compare::oracle::make_simbody;
+  return true;
+#else
+  std::cerr << "error: --oracle simbody: this program was built without Simbody; install the package libsimbody-dev, "
+               "then configure the build folder again with cmake and build\n";
+  return false;
+#endif
+}
+
 /// A stream that is closed would give its number to the next file that is opened, and tables would run into results.
 void occupy_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
@@ -243,7 +264,10 @@ int run_program(int argc, char** argv) {
 
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
   const compare::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};
-  if (compare_command->parsed()) return compare::compare_models(line.compare, makers, console);
+  if (compare_command->parsed()) {
+    if (!line.oracle.empty() && !find_oracle(line)) return compare::kBadInput;
+    return compare::compare_models(line.compare, makers, console);
+  }
   if (run_command->parsed()) {
     line.run.is_cartesian = line.solver == "cartesian";
     line.run.options.integrators[line.run.is_cartesian ? 0 : 1] = line.integrator;

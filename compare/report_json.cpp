@@ -5,6 +5,7 @@
 
 #include "compare/geometric_stiffness.h"
 #include "compare/refinement.h"
+#include "compare/third_words.h"
 
 namespace concord::compare {
 
@@ -62,6 +63,31 @@ Json reference_row(const ReferenceRow& row) {
                                      : "differ"}};
 }
 
+Json third_row(const Model& model, const ThirdRow& row, const std::string& third) {
+  return {{"of", describe_owner(model, row.quantity)},
+          {"kind", word_of(row.quantity.kind)},
+          {"component", describe_component(row.quantity)},
+          {"scale", row.scale},
+          {"cartesian_digits", digits(row.shared[0].digits)},
+          {"relative_digits", digits(row.shared[1].digits)},
+          {"between_digits", digits(row.between.digits)},
+          {"need", row.need},
+          {"off", name_of(blame_in(row), third)}};
+}
+
+Json third_opinion(const Model& model, const ThirdReport& third) {
+  Json said{{"name", third.name}};
+  if (!third.not_expressible.empty()) {
+    said["not_expressible"] = third.not_expressible;
+    return said;
+  }
+  said["states"] = third.states;
+  said["failed"] = third.failed;
+  said["rows"] = Json::array();
+  for (const ThirdRow& row : third.rows) said["rows"].push_back(third_row(model, row, third.name));
+  return said;
+}
+
 Json solver(const SolverSummary& summary) {
   return {{"wall_s", summary.statistics.wall_s},
           {"steps", summary.statistics.steps},
@@ -115,6 +141,7 @@ Json document(const Model& model, const Verdict& verdict) {
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
   for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(row));
+  if (verdict.third) said["third_opinion"] = third_opinion(model, *verdict.third);
   if (!elements.empty()) said["elements"] = std::move(elements);
   if (model.is_flexible()) said["geometric_stiffness"] = geometric_stiffness_of(model, verdict);
   return said;

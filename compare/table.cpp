@@ -10,6 +10,7 @@
 #include "compare/digits.h"
 #include "compare/refinement.h"
 #include "compare/states.h"
+#include "compare/third_words.h"
 
 namespace concord::compare {
 
@@ -403,7 +404,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
                         kRandomStates, kSeed,
                         verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }
-  text += reference_table(verdict);
+  text += reference_table(verdict) + format_third(model, verdict, all_rows);
   for (const std::string& note : verdict.notes) text += fmt::format("note: {}\n", note);
   return text + trouble(verdict, all_rows) + last_line(verdict);
 }

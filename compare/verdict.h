@@ -10,6 +10,7 @@
 #include "compare/align.h"
 #include "compare/needs.h"
 #include "compare/observe.h"
+#include "compare/third_opinion.h"
 
 /// All that the comparator found about one model.
 namespace concord::compare {
@@ -141,6 +142,7 @@ struct Verdict {
   std::vector<PairSum> pair_sums;
   std::string reference_file;  // empty: none
   std::vector<ReferenceRow> references;
+  std::optional<ThirdReport> third;  // what another program says, if one was asked for
 
   std::vector<Finding> findings;      // differences, worst of each joint first
   std::vector<std::string> notes;     // what the reader must know, no difference

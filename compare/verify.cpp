@@ -18,6 +18,7 @@
 #include "compare/refinement.h"
 #include "compare/states.h"
 #include "compare/sums.h"
+#include "compare/third_words.h"
 #include "compare/weighed_states.h"
 
 namespace concord::compare {
@@ -219,6 +220,14 @@ class Verification {
     }
     verdict_.pair_sums = compare_pair_sums(layout_, weighed_.states, measured, weighed_.budget());
     for (const PairSum& pair : verdict_.pair_sums) judge_pair_sum(pair);
+    ask_third_opinion();
+  }
+
+  void ask_third_opinion() {
+    if (options_.third == nullptr) return;
+    report(options_.third->name());
+    verdict_.third = ask_third(layout_, *options_.third, weighed_.states, weighed_.budget());
+    judge_third(model_, verdict_);
   }
 
   void judge_pair_sum(const PairSum& pair) {

@@ -28,6 +28,8 @@ struct VerifyOptions {
   bool refines = true;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
+  /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.
+  ThirdOpinion* third = nullptr;
   /// Called from several threads, never at the same time: the rung, and the part of it that each solver has done, 0
   /// to 1.
   std::function<void(std::string_view rung, const std::array<double, 2>& done)> progress;
