@@ -45,9 +45,11 @@ std::vector<int> order_rows(const Equations& equations) {
 }  // namespace
 
 /// Pivots of J_b M_b^-1 J_a^T by eliminating, in a fixed order without exchanges, first the inertias and then the rows
-/// of [M_b J_a^T; J_b 0]; memory is laid out once.
+/// of [M_b J_a^T; J_b 0]; memory is laid out once. The inertias only weigh directions, so that a small part of the
+/// machine's largest is added to each: a thin rod has none about its axis.
 class PoseWatch::Overlap {
  public:
+  /// The equations' matrix has been filled: the largest inertia is taken from it.
   explicit Overlap(const Equations& equations)
       : matrix_(equations.matrix()), first_row_(equations.layout().n_Y()), values_(matrix_.row_indices().size(), 0.0) {
     klu_defaults(&common_);
@@ -60,6 +62,7 @@ class PoseWatch::Overlap {
     for (std::size_t k = 0; k < rows.size(); ++k) order_[first_row_ + k] = first_row_ + rows[k];
     symbolic_ = klu_analyze_given(matrix_.size(), starts(), indices(), order_.data(), order_.data(), &common_);
     if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze_given failed");
+    take_share_of_inertia(equations.units());
   }
   ~Overlap() {
     if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
@@ -95,6 +98,24 @@ class PoseWatch::Overlap {
     return false;
   }
 
+  void take_share_of_inertia(const VecX& units) {
+    constexpr double kShare = 1e-6;
+    double largest = 0.0;
+    for_each_inertia(
+        [&](int place, int k) { largest = std::max(largest, matrix_.values()[k] * units(place) * units(place)); });
+    added_ = kShare * largest * units.array().square().inverse();
+  }
+
+  /// Calls visit(place, k) for the diagonal entries of M and their places among the values.
+  template <class Visit>
+  void for_each_inertia(const Visit& visit) const {
+    for (int column = 0; column < first_row_; ++column) {
+      for (int k = matrix_.column_starts()[column]; k < matrix_.column_starts()[column + 1]; ++k) {
+        if (matrix_.row_indices()[k] == column) visit(column, k);
+      }
+    }
+  }
+
   int* starts() { return const_cast<int*>(matrix_.column_starts().data()); }  // KLU reads them only
   int* indices() { return const_cast<int*>(matrix_.row_indices().data()); }
 
@@ -110,12 +131,14 @@ class PoseWatch::Overlap {
         }
       }
     }
+    for_each_inertia([this](int place, int k) { values_[k] += added_(place); });
   }
 
   const SparseLu& matrix_;
   int first_row_;
   std::vector<int> order_;
   std::vector<double> values_;
+  VecX added_;  // to the inertias
   klu_common common_{};
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;
@@ -143,8 +166,9 @@ bool may_lose_rank(const Model& model) {
 PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const MotionState& start)
     : equations_(equations), generic_rank_(generic_rank), may_lose_rank_(may_lose_rank(equations.model())) {
   if (!may_lose_rank_) return;
-  overlap_ = std::make_unique<Overlap>(equations);
   equations_.update(t, start.q, start.Y);
+  equations_.fill_matrix();
+  overlap_ = std::make_unique<Overlap>(equations);
   last_ = sample_pose(t, start);
   chosen_pivots_ = largest_pivots_ = last_.pivots;
 }

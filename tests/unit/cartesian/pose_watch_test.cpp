@@ -86,6 +86,27 @@ TEST(PoseWatch, SeesAFlatPoseWhereTheBranchesAreNear) {
   }
 }
 
+/// Bodies without inertia about the axis along which they lie, tilted and off their joints: what the watch divides by
+/// vanishes, the motion does not.
+TEST(PoseWatch, LetsAThinRodTurn) {
+  Linkage linkage;
+  linkage.is_driven = false;
+  linkage.pitch = 0.8;
+  linkage.coupler = 0.6;
+  linkage.last_crank = 0.5;
+  linkage.rate = 2.0;
+  Model model = linkage.make();
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    Body& rod = model.bodies[i];
+    const Vec3 along = Vec3(0.9, 0.2, -0.3).normalized();
+    rod.center_of_mass_L = 0.3 * along;
+    rod.inertia_L = 0.02 * (Mat3::Identity() - along * along.transpose());
+  }
+  for (const char* integrator : kIntegrators) {
+    EXPECT_EQ(end_of_run(model, 0.2, integrator), "went through") << integrator;
+  }
+}
+
 /// Two loops lose rank together: no determinant changes its sign.
 TEST(PoseWatch, SeesTwoLoopsPassTheirFlatPoseTogether) {
   Linkage linkage;
