@@ -9,6 +9,7 @@
 #include <csignal>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include "compare/files.h"
 
@@ -38,6 +39,7 @@ struct Finished {
   std::mutex lock;
   std::string names;
   int count = 0;
+  std::string so_far;
 };
 
 Finished& finished() {
@@ -47,7 +49,8 @@ Finished& finished() {
 
 std::string farewell(int signal) {
   const std::lock_guard guard(finished().lock);
-  const std::string done = finished().count == 0 ? "nothing was finished" : "finished: " + finished().names;
+  std::string done = finished().count == 0 ? "nothing was finished" : "finished: " + finished().names;
+  if (!finished().so_far.empty()) done = finished().so_far;
   return fmt::format("\ninterrupted by {}: {}; unfinished files are removed\n", signal == SIGINT ? "SIGINT" : "SIGTERM",
                      done);
 }
@@ -105,6 +108,11 @@ void note_finished(const std::string& name) {
   if (all.count < kTold) all.names += (all.count == 0 ? "" : ", ") + name;
   if (all.count == kTold) all.names += ", ...";
   ++all.count;
+}
+
+void note_progress(std::string so_far) {
+  const std::lock_guard guard(finished().lock);
+  finished().so_far = std::move(so_far);
 }
 
 }  // namespace concord::compare

@@ -23,4 +23,7 @@ class InterruptWatch {
 /// One more piece of work, such as a model, is finished with all its files.
 void note_finished(const std::string& name);
 
+/// How far a long piece of work has come, told instead of names: "12 machines were tried".
+void note_progress(std::string so_far);
+
 }  // namespace concord::compare

@@ -16,6 +16,7 @@
 #include "compare/fuzz/shrink.h"
 #include "compare/fuzz/trial.h"
 #include "compare/guarded.h"
+#include "compare/interrupt.h"
 #include "compare/table.h"
 #include "compare/workers/pool.h"
 
@@ -132,6 +133,7 @@ class Fuzz {
         wipe_line();
         console_.out << fmt::format("machine {}: {}\n{}\n", number, outcome.kind, indented(outcome.text)) << std::flush;
       }
+      note_progress(fmt::format("{} machines were tried, {} ended wrongly", tried_, casualties_.size()));
       if (outcome.sort == Sort::lost) code_ = kCouldNotFinish;
       if ((outcome.sort == Sort::differ || outcome.sort == Sort::stop) && code_ == kAgree) code_ = kDiffer;
       show_progress(start);

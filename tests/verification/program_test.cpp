@@ -444,6 +444,17 @@ TEST_CASE("An interrupted comparison says what was finished and leaves nothing h
   }
 }
 
+TEST_CASE("An interrupted fuzz says how many machines it has tried", "[program]") {
+  const Desk desk;
+  const int code = desk.shell(
+      "timeout --signal=TERM --preserve-status 3 \"$concord\" fuzz --count 1000000 --jobs 1 > /dev/null 2> told.txt");
+  const std::string told = read(desk.work() / "told.txt");
+  INFO(told);
+  CHECK(code == 143);
+  CHECK(
+      std::regex_search(told, std::regex("interrupted by SIGTERM: [1-9][0-9]* machines were tried, 0 ended wrongly")));
+}
+
 TEST_CASE("Two comparisons that write the same results leave whole files", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
