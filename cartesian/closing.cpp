@@ -119,7 +119,7 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
                               const VecX& units) {
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
-  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+  std::vector<Eigen::Triplet<double, SparseIndex>> entries;
   const auto add = [&](int row, int body, const auto& gradient) {
     for (int c = 0; c < layout.size_Y(body); ++c) {
       const int column = layout.first_Y(body) + c;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 
 #include "cartesian/reactions.h"
@@ -13,6 +14,8 @@
 #include "common/error.h"
 
 namespace concord::cartesian {
+
+static_assert(std::is_same_v<SparseIndex, SuiteSparse_long>);
 
 namespace {
 
@@ -361,7 +364,7 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
   const VecX& units = equations.units();
   ScaledJacobian scaled;
   scaled.row_scale = equations.row_sizes().unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 1.0; });
-  std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+  std::vector<Eigen::Triplet<double, SparseIndex>> entries;
   for (const RowBlock& block : constraints.blocks()) {
     const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
     for (int row = block.first_row; row < block.first_row + block.n_rows; ++row) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Sparse>
+#include <cstdint>
 #include <vector>
 
 #include "cartesian/equations.h"
@@ -8,7 +9,9 @@
 
 namespace concord::cartesian {
 
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
+/// Indices as SuiteSparse has them.
+using SparseIndex = std::int64_t;
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
 
 /// Rank of a matrix with rows of unit size, and what its rows depend on each other by. Values are relative to the
 /// largest singular value.

@@ -16,8 +16,8 @@
 #include "cartesian/rank.h"
 #include "cartesian/reactions.h"
 #include "cartesian/stepper.h"
-#include "common/break_times.h"
 #include "common/error.h"
+#include "common/laws/break_times.h"
 
 namespace concord::cartesian {
 

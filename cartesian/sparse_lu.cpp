@@ -1,5 +1,7 @@
 #include "cartesian/sparse_lu.h"
 
+#include <klu.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,6 +31,21 @@ double root_to_one(double size) {
 
 }  // namespace
 
+/// What KLU keeps between its calls.
+struct SparseLu::KluHandles {
+  klu_common common{};
+  klu_symbolic* symbolic = nullptr;
+  klu_numeric* numeric = nullptr;
+
+  KluHandles() { klu_defaults(&common); }
+  ~KluHandles() {
+    if (numeric != nullptr) klu_free_numeric(&numeric, &common);
+    if (symbolic != nullptr) klu_free_symbolic(&symbolic, &common);
+  }
+  KluHandles(const KluHandles&) = delete;
+  KluHandles& operator=(const KluHandles&) = delete;
+};
+
 SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices, Pattern pattern)
     : column_starts_(std::move(column_starts)),
       row_indices_(std::move(row_indices)),
@@ -37,6 +54,7 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
       pattern_(pattern),
       row_scales_(VecX::Ones(size())),
       column_scales_(VecX::Ones(size())),
+      klu_(std::make_unique<KluHandles>()),
       right_side_(VecX::Zero(size())),
       solution_(VecX::Zero(size())),
       residual_(VecX::Zero(size())),
@@ -48,18 +66,14 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
     const bool is_there = found != last && *found == column;
     diagonal_.push_back(is_there ? static_cast<int>(found - row_indices_.begin()) : -1);
   }
-  klu_defaults(&common_);
-  common_.btf = pattern == Pattern::general ? 1 : 0;
-  common_.scale = -1;  // the matrix comes scaled, of a checked pattern: KLU neither scales nor checks again
+  klu_->common.btf = pattern == Pattern::general ? 1 : 0;
+  klu_->common.scale = -1;  // the matrix comes scaled, of a checked pattern: KLU neither scales nor checks again
   if (size() == 0) return;
-  symbolic_ = klu_analyze(size(), column_starts_.data(), row_indices_.data(), &common_);
-  if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze found the equations structurally singular");
+  klu_->symbolic = klu_analyze(size(), column_starts_.data(), row_indices_.data(), &klu_->common);
+  if (klu_->symbolic == nullptr) throw SolverError("cartesian: klu_analyze found the equations structurally singular");
 }
 
-SparseLu::~SparseLu() {
-  if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
-  if (symbolic_ != nullptr) klu_free_symbolic(&symbolic_, &common_);
-}
+SparseLu::~SparseLu() = default;
 
 int SparseLu::find(int row, int column) const {
   const auto first = row_indices_.begin() + column_starts_[column];
@@ -137,24 +151,24 @@ void SparseLu::scale(bool anew) {
 bool SparseLu::factor() {
   if (size() == 0) return true;
   scale(true);
-  if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
-  numeric_ = klu_factor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, &common_);
-  return numeric_ != nullptr && common_.status == KLU_OK;
+  if (klu_->numeric != nullptr) klu_free_numeric(&klu_->numeric, &klu_->common);
+  klu_->numeric = klu_factor(column_starts_.data(), row_indices_.data(), scaled_.data(), klu_->symbolic, &klu_->common);
+  return klu_->numeric != nullptr && klu_->common.status == KLU_OK;
 }
 
 bool SparseLu::refactor() {
   if (size() == 0) return true;
-  if (numeric_ == nullptr) return factor();
+  if (klu_->numeric == nullptr) return factor();
   scale(false);
-  const int done =
-      klu_refactor(column_starts_.data(), row_indices_.data(), scaled_.data(), symbolic_, numeric_, &common_);
-  return (done != 0 && common_.status == KLU_OK) || factor();
+  const int done = klu_refactor(column_starts_.data(), row_indices_.data(), scaled_.data(), klu_->symbolic,
+                                klu_->numeric, &klu_->common);
+  return (done != 0 && klu_->common.status == KLU_OK) || factor();
 }
 
 void SparseLu::solve(VecX& x) {
   if (size() == 0) return;
   x.array() *= row_scales_.array();
-  klu_solve(symbolic_, numeric_, size(), 1, x.data(), &common_);
+  klu_solve(klu_->symbolic, klu_->numeric, size(), 1, x.data(), &klu_->common);
   x.array() *= column_scales_.array();
 }
 
@@ -205,7 +219,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
   const auto largest = [](const VecX& vector) { return vector.lpNorm<Eigen::Infinity>(); };
   right_side_ = x.cwiseProduct(row_scales_);
   solution_ = right_side_;
-  klu_solve(symbolic_, numeric_, size(), 1, solution_.data(), &common_);
+  klu_solve(klu_->symbolic, klu_->numeric, size(), 1, solution_.data(), &klu_->common);
   bool is_good = solution_.allFinite();
   bool refines = is_good && good_enough <= 0.0;
   if (is_good && !refines) {
@@ -217,7 +231,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
     // A round more than round-off of the largest asks for: the smaller ones have theirs.
     double last = HUGE_VAL;
     for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
-      klu_solve(symbolic_, numeric_, size(), 1, residual_.data(), &common_);
+      klu_solve(klu_->symbolic, klu_->numeric, size(), 1, residual_.data(), &klu_->common);
       const double size_of_solution = largest(solution_);
       const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
       if (round == 0) {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <klu.h>
-
+#include <memory>
 #include <vector>
 
 #include "common/types.h"
@@ -72,9 +71,8 @@ class SparseLu {
   Pattern pattern_;
   VecX row_scales_;
   VecX column_scales_;
-  klu_common common_{};
-  klu_symbolic* symbolic_ = nullptr;
-  klu_numeric* numeric_ = nullptr;
+  struct KluHandles;
+  std::unique_ptr<KluHandles> klu_;
   VecX right_side_;  // scaled
   VecX solution_;
   VecX residual_;

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "common/coupling.h"
 #include "common/error.h"
-#include "common/force_elements.h"
+#include "common/flexible/modal_data.h"
 #include "common/joints/joint_type.h"
-#include "common/modal_data.h"
-#include "common/time_function.h"
+#include "common/laws/coupling.h"
+#include "common/laws/force_elements.h"
+#include "common/laws/time_function.h"
 #include "common/types.h"
 
 /// The statement of a machine, and nothing of its solution: all that the two solvers share.

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "common/force_elements.h"
+#include "common/laws/force_elements.h"
 #include "relative/joint_point.h"
 
 /// The wrench of each kind of force element.

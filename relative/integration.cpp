@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-#include "common/break_times.h"
+#include "common/laws/break_times.h"
 #include "common/sundials.h"
 #include "relative/regime_events.h"
 #include "relative/singularity_watch.h"

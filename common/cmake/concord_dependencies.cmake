@@ -1,7 +1,6 @@
 # What the libraries are built on, and what a project that finds the installed package needs there, too.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida arkode nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense
-             sunlinsolklu)
+find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida arkode nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense)
 find_package(SuiteSparse REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(muparser REQUIRED)

@@ -1,10 +1,10 @@
 # `cmake --install FOLDER` installs the program, and the libraries as a package: find_package(concord) gives another
 # project concord::cartesian and concord::relative, the joint vocabulary (concord::common), the comparator
-# (concord::compare) and the joint check (concord::joint_check).
+# (concord::verdict, and its tables and files: concord::report) and the joint check (concord::joint_check).
 include(GNUInstallDirs)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/concord)
 set(libraries concord_options)
-foreach(library common cartesian relative compare joint_check)
+foreach(library common sundials cartesian relative audit verdict report joint_check)
   if(TARGET concord_${library})
     set_target_properties(concord_${library} PROPERTIES EXPORT_NAME ${library})
     list(APPEND libraries concord_${library})

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <ostream>
 
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "compare/analyses/report.h"
-#include "compare/files.h"
-#include "compare/guarded.h"
+#include "compare/report/console.h"
+#include "compare/report/files.h"
+#include "compare/report/result_folder.h"
 
 namespace concord::compare::analyses {
 

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "compare/analyses/inverse.h"
-#include "compare/commands.h"
+#include "compare/report/console.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 /// `concord statics`, `linearize`, `kinematics`, `inverse`.
 namespace concord::compare::analyses {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "common/error.h"
-#include "common/joint_reader.h"
-#include "compare/joint_motion.h"
+#include "common/joints/named_coordinates.h"
+#include "compare/audit/joint_motion.h"
 
 namespace concord::compare::analyses {
 

@@ -7,19 +7,19 @@
 #include <limits>
 #include <memory>
 
-#include "compare/agreement.h"
-#include "compare/analyses/chart.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/statics.h"
-#include "compare/balance.h"
-#include "compare/digits.h"
-#include "compare/findings.h"
-#include "compare/info.h"
-#include "compare/joint_motion.h"
-#include "compare/refinement.h"
-#include "compare/states.h"
-#include "compare/table.h"
-#include "compare/weighed_states.h"
+#include "compare/audit/balance.h"
+#include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/report/info.h"
+#include "compare/report/table.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/chart.h"
+#include "compare/verdict/findings.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/states.h"
+#include "compare/verdict/weighed_states.h"
 
 namespace concord::compare::analyses {
 

@@ -6,8 +6,9 @@
 
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/linearize.h"
-#include "compare/commands.h"
-#include "compare/verdict.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verdict.h"
+#include "compare/verdict/verify.h"
 
 /// Each analysis by both solvers, and how far they agree.
 namespace concord::compare::analyses {

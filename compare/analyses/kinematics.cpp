@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "common/error.h"
-#include "compare/joint_motion.h"
+#include "compare/audit/joint_motion.h"
 
 namespace concord::compare::analyses {
 

@@ -11,9 +11,9 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
-#include "compare/analyses/chart.h"
-#include "compare/analyses/motion_names.h"
 #include "compare/analyses/statics.h"
+#include "compare/verdict/chart.h"
+#include "compare/verdict/motion_names.h"
 
 namespace concord::compare::analyses {
 

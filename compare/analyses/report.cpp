@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "compare/digits.h"
-#include "compare/observe.h"
-#include "compare/refinement.h"
-#include "compare/table.h"
+#include "compare/audit/digits.h"
+#include "compare/report/table.h"
+#include "compare/verdict/observe.h"
+#include "compare/verdict/refinement.h"
 
 namespace concord::compare::analyses {
 

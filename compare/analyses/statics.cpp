@@ -11,8 +11,8 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
-#include "compare/analyses/motion_names.h"
-#include "compare/joint_motion.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/verdict/motion_names.h"
 
 namespace concord::compare::analyses {
 

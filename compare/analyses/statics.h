@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/solver.h"
-#include "compare/analyses/chart.h"
+#include "compare/verdict/chart.h"
 
 /// Static equilibrium, from a solver's accelerations alone.
 namespace concord::compare::analyses {

@@ -9,15 +9,15 @@
 #include <ostream>
 #include <thread>
 
-#include "common/spelling.h"
-#include "compare/files.h"
+#include "common/reading/spelling.h"
 #include "compare/fuzz/coverage.h"
 #include "compare/fuzz/outcome.h"
 #include "compare/fuzz/shrink.h"
 #include "compare/fuzz/trial.h"
-#include "compare/guarded.h"
-#include "compare/interrupt.h"
-#include "compare/table.h"
+#include "compare/report/console.h"
+#include "compare/report/files.h"
+#include "compare/report/interrupt.h"
+#include "compare/report/table.h"
 #include "compare/workers/pool.h"
 
 namespace concord::compare::fuzz {

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "compare/commands.h"
 #include "compare/fuzz/generator.h"
+#include "compare/report/console.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 namespace concord::compare::fuzz {
 

@@ -6,9 +6,9 @@
 #include <array>
 
 #include "common/joints/catalogue.h"
-#include "compare/digits.h"
+#include "compare/audit/digits.h"
 #include "compare/fuzz/elements.h"
-#include "compare/table.h"
+#include "compare/report/table.h"
 
 namespace concord::compare::fuzz {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/modal_data.h"
-#include "common/modes_file.h"
+#include "common/flexible/modal_data.h"
+#include "common/reading/modes_file.h"
 
 namespace concord::compare::fuzz {
 

@@ -8,8 +8,9 @@
 #include <numbers>
 
 #include "common/decompositions.h"
-#include "common/joint_reader.h"
 #include "common/joints/catalogue.h"
+#include "common/joints/named_coordinates.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/fuzz/elements.h"
 #include "compare/fuzz/flexible.h"
 #include "compare/fuzz/laws.h"
@@ -17,7 +18,6 @@
 #include "compare/fuzz/random.h"
 #include "compare/joint_check/poses.h"
 #include "compare/joint_check/referee.h"
-#include "compare/joint_motion.h"
 
 namespace concord::compare::fuzz {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/time_function.h"
+#include "common/laws/time_function.h"
 #include "compare/fuzz/machine.h"
 #include "compare/fuzz/random.h"
 

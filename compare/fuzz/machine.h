@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/joints/joint_type.h"
+#include "common/laws/time_function.h"
 #include "common/model.h"
-#include "common/time_function.h"
 #include "common/types.h"
 
 /// A machine that is going to be written as a model file: parts that can be taken away one by one.

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare/verdict.h"
+#include "compare/verdict/verdict.h"
 #include "compare/workers/pool.h"
 
 /// What became of a machine, told apart by kinds from closed lists.

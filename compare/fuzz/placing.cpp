@@ -4,10 +4,10 @@
 #include <numeric>
 
 #include "common/decompositions.h"
-#include "common/joint_reader.h"
+#include "common/joints/named_coordinates.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/fuzz/random.h"
 #include "compare/joint_check/referee.h"
-#include "compare/joint_motion.h"
 
 namespace concord::compare::fuzz {
 

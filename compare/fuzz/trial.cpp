@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "common/model_file.h"
-#include "compare/files.h"
+#include "common/reading/model_file.h"
+#include "compare/report/files.h"
 
 namespace concord::compare::fuzz {
 

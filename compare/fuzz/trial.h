@@ -2,9 +2,10 @@
 
 #include <filesystem>
 
-#include "compare/commands.h"
 #include "compare/fuzz/outcome.h"
 #include "compare/fuzz/writer.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 namespace concord::compare::fuzz {
 

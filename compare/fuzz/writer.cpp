@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/joint_reader.h"
+#include "common/joints/named_coordinates.h"
 
 namespace concord::compare::fuzz {
 

@@ -10,11 +10,11 @@
 
 #include "common/error.h"
 #include "common/joints/catalogue.h"
-#include "common/spelling.h"
-#include "compare/files.h"
-#include "compare/interrupt.h"
+#include "common/reading/spelling.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/joint_check/sheet.h"
+#include "compare/report/files.h"
+#include "compare/report/interrupt.h"
 
 namespace concord::compare::joint_check {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/commands.h"
+#include "compare/report/console.h"
 
 namespace concord::compare::joint_check {
 

@@ -5,8 +5,8 @@
 #include "common/decompositions.h"
 #include "common/model.h"
 #include "common/rotation.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/joint_check/referee.h"
-#include "compare/joint_motion.h"
 
 namespace concord::compare::joint_check {
 

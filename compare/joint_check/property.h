@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "compare/digits.h"
+#include "compare/audit/digits.h"
 
 /// One property of a joint type in plain words, and the worst that was found of it.
 namespace concord::compare::joint_check {

@@ -6,10 +6,10 @@
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/joint_check/parts.h"
 #include "compare/joint_check/referee.h"
-#include "compare/joint_motion.h"
-#include "compare/observe.h"
+#include "compare/verdict/observe.h"
 #include "relative/equations.h"
 #include "relative/states.h"
 

@@ -13,8 +13,8 @@
 #include "common/decompositions.h"
 #include "common/model.h"
 #include "common/rotation.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/joint_check/referee.h"
-#include "compare/joint_motion.h"
 #include "relative/mobilizer.h"
 #include "relative/nonholonomic_constraint.h"
 

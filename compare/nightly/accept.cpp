@@ -7,10 +7,8 @@
 #include <ostream>
 
 #include "common/error.h"
-#include "common/spelling.h"
-#include "common/toml_reader.h"
-#include "compare/files.h"
-#include "compare/guarded.h"
+#include "common/reading/spelling.h"
+#include "common/reading/toml_reader.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/command.h"
 #include "compare/nightly/history.h"
@@ -19,6 +17,8 @@
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/nightly/trend.h"
+#include "compare/report/console.h"
+#include "compare/report/files.h"
 
 namespace concord::compare::nightly {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "common/toml_reader.h"
+#include "common/reading/toml_reader.h"
 
 namespace concord::compare::nightly {
 

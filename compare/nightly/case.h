@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "common/model.h"
 #include "compare/analyses/inverse.h"
-#include "compare/verify.h"
+#include "compare/verdict/verify.h"
 #include "compare/workers/pool.h"
 
 namespace concord::compare::nightly {

@@ -9,13 +9,14 @@
 #include <set>
 
 #include "common/error.h"
-#include "compare/files.h"
-#include "compare/guarded.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/night.h"
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
+#include "compare/report/console.h"
+#include "compare/report/files.h"
+#include "compare/report/result_folder.h"
 
 namespace concord::compare::nightly {
 

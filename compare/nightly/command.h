@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "compare/commands.h"
+#include "compare/report/console.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 /// `concord nightly`, `accept`, `history` and `diff`.
 namespace concord::compare::nightly {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "common/error.h"
-#include "compare/files.h"
+#include "compare/report/files.h"
 
 namespace concord::compare::nightly {
 

@@ -11,9 +11,9 @@
 #include <ostream>
 #include <thread>
 
-#include "compare/files.h"
-#include "compare/interrupt.h"
 #include "compare/nightly/trial.h"
+#include "compare/report/files.h"
+#include "compare/report/interrupt.h"
 #include "compare/workers/pool.h"
 
 namespace concord::compare::nightly {

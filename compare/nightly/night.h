@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "compare/commands.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/suite.h"
+#include "compare/report/console.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 /// Runs the cases of a suite, each in a worker process, and stores what each finds as soon as it ends.
 namespace concord::compare::nightly {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "compare/commands.h"
-#include "compare/digits.h"
+#include "compare/audit/digits.h"
+#include "compare/report/console.h"
 
 namespace concord::compare::nightly {
 

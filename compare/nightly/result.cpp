@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "compare/commands.h"
+#include "compare/report/console.h"
 
 namespace concord::compare::nightly {
 

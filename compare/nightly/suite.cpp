@@ -9,8 +9,8 @@
 #include <set>
 
 #include "common/joints/catalogue.h"
-#include "common/spelling.h"
-#include "common/toml_reader.h"
+#include "common/reading/spelling.h"
+#include "common/reading/toml_reader.h"
 #include "compare/fuzz/generator.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/nightly/variants.h"

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "common/toml_reader.h"
-#include "compare/digits.h"
-#include "compare/files.h"
-#include "compare/junit.h"
-#include "compare/table.h"
+#include "common/reading/toml_reader.h"
+#include "compare/audit/digits.h"
+#include "compare/report/files.h"
+#include "compare/report/junit.h"
+#include "compare/report/table.h"
 
 namespace concord::compare::nightly {
 

@@ -6,10 +6,10 @@
 #include <array>
 
 #include "common/error.h"
-#include "common/spelling.h"
-#include "compare/digits.h"
+#include "common/reading/spelling.h"
+#include "compare/audit/digits.h"
 #include "compare/nightly/regression.h"
-#include "compare/table.h"
+#include "compare/report/table.h"
 
 namespace concord::compare::nightly {
 

@@ -10,14 +10,14 @@
 #include <set>
 
 #include "common/joints/catalogue.h"
-#include "common/model_file.h"
 #include "common/overloaded.h"
+#include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "compare/fuzz/generator.h"
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/trial.h"
 #include "compare/joint_check/coupling_check.h"
-#include "compare/refinement.h"
+#include "compare/verdict/refinement.h"
 
 namespace concord::compare::nightly {
 

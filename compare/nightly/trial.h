@@ -2,9 +2,10 @@
 
 #include <filesystem>
 
-#include "compare/commands.h"
 #include "compare/nightly/case.h"
 #include "compare/nightly/result.h"
+#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/verify.h"
 
 namespace concord::compare::nightly {
 

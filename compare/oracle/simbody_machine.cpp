@@ -9,9 +9,9 @@
 #include <string>
 
 #include "common/error.h"
-#include "compare/not_expressible.h"
 #include "compare/oracle/plan.h"
 #include "compare/oracle/recipes.h"
+#include "compare/verdict/not_expressible.h"
 
 namespace concord::compare::oracle {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "compare/element_laws.h"
-#include "compare/joint_motion.h"
+#include "compare/audit/element_laws.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
 #include "compare/oracle/simbody_machine.h"
-#include "compare/places.h"
 
 namespace concord::compare::oracle {
 

@@ -15,7 +15,7 @@
 #include "cartesian/equations.h"
 #include "cartesian/reactions.h"
 #include "cartesian/solver.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "relative/equations.h"
 #include "relative/solver.h"

@@ -11,11 +11,11 @@
 
 #include "cartesian/solver.h"
 #include "common/error.h"
-#include "common/model_file.h"
-#include "compare/reference.h"
-#include "compare/refinement.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "common/reading/model_file.h"
+#include "compare/report/table.h"
+#include "compare/verdict/reference.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/verify.h"
 #include "relative/solver.h"
 #include "tests/faults/catalogue.h"
 

@@ -7,10 +7,10 @@
 
 #include "cartesian/solver.h"
 #include "common/error.h"
-#include "compare/digits.h"
-#include "compare/refinement.h"
-#include "compare/states.h"
-#include "compare/weighed_states.h"
+#include "compare/audit/digits.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/states.h"
+#include "compare/verdict/weighed_states.h"
 #include "relative/solver.h"
 
 namespace concord::compare {

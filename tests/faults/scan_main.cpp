@@ -6,9 +6,9 @@
 #include <sstream>
 #include <tuple>
 
-#include "common/model_file.h"
-#include "compare/refinement.h"
-#include "compare/weighed_states.h"
+#include "common/reading/model_file.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/weighed_states.h"
 #include "tests/faults/parameter_scan.h"
 
 namespace concord::compare {

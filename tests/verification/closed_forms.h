@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "common/rotation.h"
-#include "compare/digits.h"
+#include "compare/audit/digits.h"
 #include "relative/solver.h"
 
 /// Tools of the closed-form cases: both solvers in turn, exact functions, agreement in digits. No mechanics of a

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
-#include "compare/balance.h"
-#include "compare/verify.h"
+#include "compare/audit/balance.h"
+#include "compare/verdict/verify.h"
 #include "relative/assembly.h"
 #include "relative/equations.h"
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "compare/balance.h"
+#include "compare/audit/balance.h"
 #include "judged_machines.h"
 
 /// Regimes of tires that begin and end within one step of an integrator.

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
-#include "compare/agreement.h"
-#include "compare/align.h"
-#include "compare/digits.h"
-#include "compare/states.h"
+#include "common/reading/model_file.h"
+#include "compare/audit/digits.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/states.h"
 #include "relative/solver.h"
 #include "transform.h"
 

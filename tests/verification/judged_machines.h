@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "common/reading/model_file.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verify.h"
 #include "relative/solver.h"
 
 /// Machines that stand beside the tests, tests/verification/machines, and verdicts on them.

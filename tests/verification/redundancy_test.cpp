@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verify.h"
 
 /// Constraints and drivers that hold the same motion twice, or nothing at all.
 namespace concord::verification {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "compare/digits.h"
+#include "compare/audit/digits.h"
 #include "judged_machines.h"
 #include "transform.h"
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "closed_forms.h"
-#include "common/modes_file.h"
-#include "common/toml_reader.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "common/reading/modes_file.h"
+#include "common/reading/toml_reader.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verify.h"
 
 /// The machines of data/models, each over the whole run that its file states, at its needs and default tolerances.
 namespace concord::verification {

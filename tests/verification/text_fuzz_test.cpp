@@ -21,9 +21,9 @@
 
 #include "../unit/common/broken_models.h"
 #include "cartesian/solver.h"
-#include "common/model_file.h"
-#include "common/modes_file.h"
-#include "compare/reference.h"
+#include "common/reading/model_file.h"
+#include "common/reading/modes_file.h"
+#include "compare/verdict/reference.h"
 #include "relative/solver.h"
 
 /// Text fuzzing: shipped model files, modes files, references and command lines, mutated. Whatever the text, it is read

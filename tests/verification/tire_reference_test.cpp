@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "compare/reference.h"
+#include "compare/verdict/reference.h"
 #include "judged_machines.h"
 
 /// A tire on a test rig through slip, slip angle and sliding, against a table from outside. Published tables are of

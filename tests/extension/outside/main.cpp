@@ -1,10 +1,10 @@
 #include <cstdio>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "compare/joint_check/sheet.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verify.h"
 #include "planar_cam.h"
 #include "relative/solver.h"
 

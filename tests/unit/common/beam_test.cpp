@@ -1,4 +1,4 @@
-#include "common/beam.h"
+#include "common/flexible/beam.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "common/break_times.h"
+#include "common/laws/break_times.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

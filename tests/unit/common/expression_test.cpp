@@ -1,4 +1,4 @@
-#include "common/expression.h"
+#include "common/reading/expression.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/force_law.h"
+#include "common/laws/force_law.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/force_elements.h"
+#include "common/laws/force_elements.h"
 
 namespace concord {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/model_file.h"
-#include "common/modes_file.h"
+#include "common/reading/model_file.h"
+#include "common/reading/modes_file.h"
 
 /// The manual of the file format, data/README.md and data/format: every TOML block is either quoted from a file that is
 /// named above it by `<!-- from FILE -->` and stands there verbatim, or a whole model or modes file that the reader

@@ -1,11 +1,11 @@
-#include "common/magnitude.h"
+#include "common/reading/magnitude.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <limits>
 
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 
 namespace concord {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/modal_data.h"
+#include "common/flexible/modal_data.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/model_checks.h"
+#include "common/reading/model_checks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

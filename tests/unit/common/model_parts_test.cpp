@@ -1,11 +1,11 @@
-#include "common/model_parts.h"
+#include "common/reading/model_parts.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 
 namespace concord {
 namespace {

@@ -1,13 +1,13 @@
-#include "common/modes_file.h"
+#include "common/reading/modes_file.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "common/beam.h"
 #include "common/error.h"
-#include "common/model_file.h"
+#include "common/flexible/beam.h"
+#include "common/reading/model_file.h"
 #include "common/rotation.h"
 
 namespace concord {

@@ -1,4 +1,4 @@
-#include "common/road.h"
+#include "common/laws/road.h"
 
 #include <gtest/gtest.h>
 

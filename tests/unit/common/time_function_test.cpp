@@ -1,4 +1,4 @@
-#include "common/time_function.h"
+#include "common/laws/time_function.h"
 
 #include <gtest/gtest.h>
 

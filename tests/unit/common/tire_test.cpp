@@ -1,4 +1,4 @@
-#include "common/tire.h"
+#include "common/laws/tire.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/force_elements.h"
+#include "common/laws/force_elements.h"
 
 namespace concord {
 namespace {

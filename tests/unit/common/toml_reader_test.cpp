@@ -1,4 +1,4 @@
-#include "common/toml_reader.h"
+#include "common/reading/toml_reader.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/model_file.h"
-#include "common/modes_file.h"
+#include "common/reading/model_file.h"
+#include "common/reading/modes_file.h"
 
 namespace concord {
 namespace {

@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "relative/solver.h"
 
 using namespace concord;

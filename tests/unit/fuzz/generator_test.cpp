@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/joints/catalogue.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "compare/fuzz/coverage.h"
 #include "compare/fuzz/elements.h"
 #include "compare/fuzz/placing.h"

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "../compare/fake_pendulum.h"
-#include "../compare/temporary_folder.h"
-#include "compare/files.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/tables.h"
+#include "compare/report/files.h"
+#include "tests/unit/fake_pendulum.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace concord::compare::nightly {
 namespace {

@@ -10,9 +10,9 @@
 #include <csignal>
 #include <fstream>
 
-#include "../compare/temporary_folder.h"
 #include "common/error.h"
-#include "compare/files.h"
+#include "compare/report/files.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace concord::compare::nightly {
 namespace {

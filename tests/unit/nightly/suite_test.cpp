@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "../compare/temporary_folder.h"
 #include "common/error.h"
-#include "compare/files.h"
 #include "compare/nightly/trial.h"
+#include "compare/report/files.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace concord::compare::nightly {
 namespace {

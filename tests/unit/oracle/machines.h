@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "cartesian/solver.h"
-#include "common/model_file.h"
+#include "common/reading/model_file.h"
 #include "compare/oracle/simbody_oracle.h"
-#include "compare/third_opinion.h"
+#include "compare/verdict/third_opinion.h"
 #include "relative/solver.h"
 
 /// Machines that both solvers and the oracle are asked about.

@@ -6,9 +6,9 @@
 
 #include <functional>
 
-#include "compare/not_expressible.h"
-#include "compare/table.h"
-#include "compare/verify.h"
+#include "compare/report/table.h"
+#include "compare/verdict/not_expressible.h"
+#include "compare/verdict/verify.h"
 #include "tests/unit/oracle/machines.h"
 
 namespace concord::compare::oracle {

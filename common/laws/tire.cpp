@@ -1,0 +1,72 @@
+#include "common/laws/tire.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace concord {
+
+namespace {
+
+/// V, which is regular at standstill.
+double slip_speed(const Tire& tire, const TireContact& contact) { return std::hypot(contact.V_x, tire.speed_scale); }
+
+/// Slip forces below the friction limit.
+TireForces evaluate_linear(const Tire& tire, const TireContact& contact) {
+  const double V = slip_speed(tire, contact);
+  return {tire.stiffness * contact.delta + tire.damping * contact.deltadot, -tire.slip_stiffness * contact.s_x / V,
+          -tire.cornering_stiffness * contact.V_y / V};
+}
+
+}  // namespace
+
+TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  if (!regime.pushes) return {};
+  TireForces forces = evaluate_linear(tire, contact);
+  if (!regime.slides) return forces;
+  const double scale = tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
+  forces.F_x *= scale;
+  forces.F_y *= scale;
+  return forces;
+}
+
+TireRegime regime_at(const Tire& tire, const TireContact& contact) {
+  TireRegime regime;
+  regime.stretch = stretch_at(*tire.road, contact.x);
+  regime.touches = contact.delta > 0.0;
+  if (!regime.touches) return regime;
+  const TireForces forces = evaluate_linear(tire, contact);
+  regime.pushes = forces.N > 0.0;
+  regime.slides = regime.pushes && std::hypot(forces.F_x, forces.F_y) > tire.friction * forces.N;
+  return regime;
+}
+
+std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireRegime& regime,
+                                                   const TireContact& contact) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const auto holds = [](bool inside, double value) { return inside ? value : -value; };
+  std::array<double, kTireEvents> values{kNone, kNone, kNone, kNone, kNone};
+  auto& [behind, ahead, touching, pushing, sliding] = values;
+  if (const auto edges = edges_of(*tire.road)) {
+    if (regime.stretch > 0) behind = (contact.x - (*edges)[regime.stretch - 1]) / tire.radius;
+    if (regime.stretch < 2) ahead = ((*edges)[regime.stretch] - contact.x) / tire.radius;
+  }
+  touching = holds(regime.touches, contact.delta / tire.radius);
+  if (!regime.touches) return values;
+  const double force_scale = tire.stiffness * tire.radius;
+  const TireForces forces = evaluate_linear(tire, contact);
+  pushing = holds(regime.pushes, forces.N / force_scale);
+  if (!regime.pushes) return values;
+  // Times V, so that slip forces do not level off, and what a look sees of the function tells where it goes.
+  const double speed = slip_speed(tire, contact) / tire.speed_scale;
+  const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
+  sliding = holds(regime.slides, speed * beyond / force_scale);
+  return values;
+}
+
+double event_function_of(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
+  const auto values = event_functions_of(tire, regime, contact);
+  return *std::min_element(values.begin(), values.end());
+}
+
+}  // namespace concord

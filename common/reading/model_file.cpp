@@ -1,0 +1,279 @@
+#include "common/reading/model_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "common/reading/body_reader.h"
+#include "common/reading/coupling_reader.h"
+#include "common/reading/force_element_reader.h"
+#include "common/reading/joint_reader.h"
+#include "common/reading/magnitude.h"
+#include "common/reading/model_checks.h"
+#include "common/reading/model_parts.h"
+#include "common/reading/road_reader.h"
+#include "common/reading/spelling.h"
+
+namespace concord {
+
+namespace {
+
+constexpr std::string_view kGroundName = "ground";
+
+/// Names that are taken, with the place of their owner.
+class NameBook {
+ public:
+  /// Complains if the name, to which the file's prefix is added, is taken; true if not.
+  bool enter(std::string_view kind, const std::string& name, const SourceLocation& where, FileReading& reading) {
+    if (name.empty()) return true;
+    const auto [entry, is_new] = owners_.emplace(reading.prefix + name, where);
+    if (is_new) return true;
+    const SourceLocation& other = entry->second;
+    const bool is_same = other.file == where.file && other.line == where.line && other.column == where.column;
+    const std::string place =
+        other.file == where.file ? fmt::format("line {}", other.line) : fmt::format("{}:{}", other.file, other.line);
+    reading.complain(where,
+                     fmt::format("{} '{}': {}", kind, entry->first,
+                                 is_same ? "the file is included twice: give each [[include]] a prefix of its own"
+                                         : place + " has the same name: choose another"));
+    return false;
+  }
+
+ private:
+  std::map<std::string, SourceLocation> owners_;
+};
+
+/// What has been read of a model's files so far.
+struct Reading {
+  std::vector<BodyReading> bodies = std::vector<BodyReading>(1);
+  std::vector<RoadReading> roads;
+  std::vector<Joint> joints;
+  /// Names of all joints, of those that could not be read too.
+  std::vector<std::string> joint_names;
+  /// Every body and every joint is what its name says: a gap in their graph is no consequence of another fault.
+  bool graph_is_complete = true;
+};
+
+void read_bodies(ModelPart& part, NameBook& names, Reading& result) {
+  for (const toml::table* table : part.document->tables("body")) {
+    result.bodies.push_back(read_body(*table, part.reading));
+    const Body& body = result.bodies.back().body;
+    const std::string name = body.name.substr(std::min(part.reading.prefix.size(), body.name.size()));
+    if (name == kGroundName || body.name == kGroundName) {
+      part.reading.complain(body.where, "body 'ground': ground is there already and stands still: choose another name");
+    } else if (!names.enter("body", name, body.where, part.reading)) {
+      result.graph_is_complete = false;
+    }
+  }
+}
+
+void read_all_bodies(ModelParts& parts, Reading& result) {
+  result.bodies.front().body.name = kGroundName;
+  NameBook names;
+  for (ModelPart& part : parts) read_bodies(part, names, result);
+  const bool has_body =
+      std::any_of(parts.begin(), parts.end(), [](const ModelPart& part) { return part.document->has("body"); });
+  if (!has_body) parts.front().document->complain("there is no body: write at least one [[body]]");
+}
+
+void read_joints(ModelPart& part, Reading& result) {
+  for (const NamedPlace& one : names_in(part, "joint")) {
+    result.joint_names.push_back(part.reading.prefix + one.name);
+  }
+  for (const toml::table* table : part.document->tables("joint")) {
+    if (auto joint = read_joint(*table, result.bodies, part.reading)) {
+      result.joints.push_back(std::move(*joint));
+    } else {
+      result.graph_is_complete = false;
+    }
+  }
+}
+
+/// Appends what one part of the model has of a kind.
+template <class Item>
+void append(std::vector<Item> more, std::vector<Item>& all) {
+  std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
+/// Complains of names that joints, couplings and force elements share: they stand in one table of results.
+void check_names(ModelParts& parts) {
+  NameBook names;
+  NameBook roads;
+  KnownKeys kinds = force_element_keys();
+  kinds.insert(kinds.begin(), {"joint", "coupling"});
+  for (ModelPart& part : parts) {
+    for (const std::string_view kind : kinds) {
+      for (const auto& [name, where] : names_in(part, kind)) names.enter(kind, name, where, part.reading);
+    }
+    for (const auto& [name, where] : names_in(part, "road")) roads.enter("road", name, where, part.reading);
+  }
+}
+
+/// The first file of the model that has the key; nothing if none has.
+const TableReader* first_with(std::string_view key, const ModelParts& parts) {
+  const auto found =
+      std::find_if(parts.begin(), parts.end(), [&](const ModelPart& one) { return one.document->has(key); });
+  return found == parts.end() ? nullptr : &*found->document;
+}
+
+RunSettings read_run(const TableReader& document) {
+  RunSettings run;
+  const toml::table* found = document.table("run");
+  if (found == nullptr) return run;
+  const TableReader table(*found, "run", {"until", "rtol", "samples", "start"}, document.reading());
+  run.until = table.positive_number("until").value_or(run.until);
+  run.rtol = table.positive_number("rtol");
+  if (run.rtol && !(*run.rtol >= kTightestTolerance && *run.rtol <= kLoosestTolerance)) {
+    table.complain("rtol", fmt::format("'rtol' must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
+                                       kLoosestTolerance, *run.rtol));
+  }
+  constexpr int kMostSamples = 1000000;
+  run.samples = table.count("samples", 1, kMostSamples);
+  if (const auto start = table.text("start")) {
+    run.from_equilibrium = *start == "equilibrium";
+    if (!run.from_equilibrium && *start != "given") {
+      table.complain("start", fmt::format("'start' of a run is \"given\" or \"equilibrium\", found \"{}\"", *start));
+    }
+  }
+  return run;
+}
+
+void check_component(const TableReader& need, const std::string& name) {
+  static const std::vector<std::string> kComponents{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
+  if (std::find(kComponents.begin(), kComponents.end(), name) != kComponents.end()) return;
+  need.complain("component",
+                fmt::format("unknown component '{}': known components: {}", name, join_names(kComponents)));
+}
+
+std::optional<double> read_digits(const TableReader& need, std::string_view key) {
+  constexpr double kMost = 16.0;
+  const auto digits = need.number_not_negative(key);
+  if (!digits || *digits <= kMost) return digits;
+  need.complain(key, fmt::format("'{}' must be at most {} digits, found {}", key, kMost, *digits));
+  return std::nullopt;
+}
+
+std::vector<NeedOverride> read_needs(const TableReader& document, const std::vector<std::string>& joints) {
+  std::vector<NeedOverride> needs;
+  for (const toml::table* found : document.tables("need")) {
+    const TableReader table(*found, "need",
+                            {"joint", "element", "body", "component", "same_state", "same_run", "refined", "because"},
+                            document.reading());
+    NeedOverride need;
+    need.where = table.where();
+    const std::string joint = table.text("joint").value_or("");
+    if (!joint.empty()) check_joint_name(table, joint, joints);
+    need.joint = document.reading().name_in_model("joint", joint);
+    if (const auto element = table.text("element")) need.element = document.reading().prefix + *element;
+    need.body = document.reading().name_in_model("body", table.text("body").value_or(""));
+    need.component = table.text("component").value_or("");
+    if (!need.component.empty()) check_component(table, need.component);
+    need.same_state = read_digits(table, "same_state");
+    need.same_run = read_digits(table, "same_run");
+    need.refined = read_digits(table, "refined");
+    need.because = table.text("because").value_or("");
+    if (!table.has("same_state") && !table.has("same_run") && !table.has("refined")) {
+      table.complain("says nothing: give 'same_state', 'same_run' or 'refined'");
+    }
+    needs.push_back(std::move(need));
+  }
+  return needs;
+}
+
+/// Complaints about what stands in a file of the model are reported by that file's reading.
+void tell(Diagnostic complaint, ModelParts& parts) {
+  const auto part = std::find_if(parts.begin(), parts.end(),
+                                 [&](const ModelPart& one) { return one.reading.file == complaint.where.file; });
+  part->reading.complain(complaint.where, std::move(complaint.message));
+}
+
+/// Complains of bodies that nothing connects to ground, where the first of them stands.
+void check_graph(const Model& model, ModelParts& parts) {
+  std::vector<std::string> names;
+  for (const int i : bodies_without_ground(model)) names.push_back(model.bodies[i].name);
+  if (names.empty()) return;
+  const SourceLocation where = model.bodies[bodies_without_ground(model).front()].where;
+  tell({where,
+        fmt::format("no chain of joints connects to ground: {}: add a joint, of type \"free\" if nothing holds it",
+                    join_names(names))},
+       parts);
+}
+
+bool has_complaints(const ModelParts& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const ModelPart& part) { return !part.reading.complaints.empty(); });
+}
+
+}  // namespace
+
+Model read_model(const std::filesystem::path& file) { return parse_model(read_text_file(file), file); }
+
+namespace {
+
+KnownKeys keys_of_models() {
+  KnownKeys known{"name", "gravity", "body", "joint", "coupling", "road", "run", "need"};
+  known.insert(known.end(), force_element_keys().begin(), force_element_keys().end());
+  return known;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> files_of_model(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> files{file};
+  try {
+    const ModelParts parts = read_model_parts(read_text_file(file), file, keys_of_models());
+    for (const ModelPart& part : parts) {
+      const std::filesystem::path of_part = part.reading.file;
+      files.push_back(of_part);
+      const toml::array* bodies = part.root["body"].as_array();
+      if (bodies == nullptr) continue;
+      for (const toml::node& body : *bodies) {
+        const toml::table* table = body.as_table();
+        if (table == nullptr) continue;
+        if (const auto modes = (*table)["modes_file"].value<std::string>()) {
+          files.push_back(of_part.parent_path() / *modes);
+        }
+      }
+    }
+  } catch (const InputError&) {  // what can be read of it was found; reading the model tells the fault
+  }
+  return files;
+}
+
+Model parse_model(std::string_view text, const std::filesystem::path& file) {
+  ModelParts parts = read_model_parts(text, file, keys_of_models());
+
+  Model model;
+  model.file = file.generic_string();
+  const TableReader& document = *parts.front().document;
+  model.name = document.has("name") ? document.name() : file.stem().string();
+  if (const TableReader* one = first_with("gravity", parts))
+    model.gravity = one->vector3("gravity").value_or(Vec3::Zero());
+  if (const TableReader* one = first_with("run", parts)) model.run = read_run(*one);
+  Reading found;
+  read_all_bodies(parts, found);
+  for (const ModelPart& part : parts) append(read_roads(*part.document), found.roads);
+  // Without any body every joint would only repeat that.
+  const bool has_bodies = found.bodies.size() > 1;
+  if (has_bodies) {
+    for (ModelPart& part : parts) read_joints(part, found);
+    for (const ModelPart& part : parts) {
+      append(read_couplings(*part.document, found.joints, found.joint_names), model.couplings);
+      append(read_force_elements(*part.document, found.bodies, found.roads), model.elements);
+    }
+  }
+  check_names(parts);
+  for (const ModelPart& part : parts) append(read_needs(*part.document, found.joint_names), model.needs);
+  model.joints = std::move(found.joints);
+  for (BodyReading& one : found.bodies) model.bodies.push_back(std::move(one.body));
+  if (has_bodies && found.graph_is_complete) check_graph(model, parts);
+  // Of numbers that could be read.
+  if (!has_complaints(parts)) {
+    for (Diagnostic& complaint : complaints_about_products(model)) tell(std::move(complaint), parts);
+  }
+  throw_if_any(parts);
+  return model;
+}
+
+}  // namespace concord

@@ -1,0 +1,61 @@
+#include "common/reading/spelling.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace concord {
+
+namespace {
+
+/// Nobody wants guesses about longer words or among more names; they would take long.
+constexpr std::size_t kLongestGuess = 100;
+constexpr std::size_t kMostGuesses = 1000;
+constexpr std::ptrdiff_t kMostListed = 60;
+
+}  // namespace
+
+int edit_distance(std::string_view a, std::string_view b) {
+  const auto rows = a.size() + 1;
+  const auto columns = b.size() + 1;
+  std::vector<int> cost(rows * columns);
+  const auto at = [&](std::size_t i, std::size_t j) -> int& { return cost[i * columns + j]; };
+  for (std::size_t i = 0; i < rows; ++i) at(i, 0) = static_cast<int>(i);
+  for (std::size_t j = 0; j < columns; ++j) at(0, j) = static_cast<int>(j);
+  for (std::size_t i = 1; i < rows; ++i) {
+    for (std::size_t j = 1; j < columns; ++j) {
+      const int replaced = at(i - 1, j - 1) + (a[i - 1] == b[j - 1] ? 0 : 1);
+      at(i, j) = std::min({at(i - 1, j) + 1, at(i, j - 1) + 1, replaced});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
+    }
+  }
+  return at(rows - 1, columns - 1);
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& candidates, std::string_view plural) {
+  if (candidates.empty()) return fmt::format("there are no {}", plural);
+  if (word.size() > kLongestGuess || candidates.size() > kMostGuesses) {
+    return fmt::format("known {}: {}", plural, join_names(candidates));
+  }
+  const auto distance_to = [word](const std::string& candidate) {
+    return edit_distance(word, std::string_view(candidate).substr(0, 2 * kLongestGuess));
+  };
+  const auto nearest =
+      std::min_element(candidates.begin(), candidates.end(),
+                       [&](const std::string& a, const std::string& b) { return distance_to(a) < distance_to(b); });
+  const int near_enough = static_cast<int>(std::max(word.size(), nearest->size()) + 2) / 3;
+  if (distance_to(*nearest) <= near_enough && nearest->size() > 1) {
+    return fmt::format("did you mean '{}'?", *nearest);
+  }
+  return fmt::format("known {}: {}", plural, join_names(candidates));
+}
+
+std::string join_names(const std::vector<std::string>& names) {
+  if (std::ssize(names) <= kMostListed) return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}, ... ({} in all)", fmt::join(names.begin(), names.begin() + kMostListed, ", "), names.size());
+}
+
+}  // namespace concord

@@ -1,0 +1,469 @@
+#include "compare/audit/balance.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "common/decompositions.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr double kEnergyRoundOff = 1e-15;  // of the terms of an energy
+constexpr double kSmallestScale = 1e-6;    // of what the largest force would do
+
+constexpr std::array kComponentNames{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
+constexpr std::array kOnSide{" on parent", " on child"};
+
+/// A rigid body as six mass points with its mass, centre of mass and inertia: at plus and minus the half axes of its
+/// ellipsoid of second moments tr(I)/2 1 - I.
+std::vector<MassPoint> six_points(const Body& body) {
+  if (body.mass <= 0.0) return {};
+  const Mat3 second_moment = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L;
+  const SymmetricEigenpairs ellipsoid = symmetric_eigenpairs(second_moment);
+  std::vector<MassPoint> points;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = std::sqrt(std::max(0.0, 3.0 * ellipsoid.values(axis) / body.mass));
+    for (const double way : {-reach, reach}) {
+      points.push_back({body.mass / 6.0, body.center_of_mass_L + way * ellipsoid.vectors.col(axis), Mat3X(3, 0)});
+    }
+  }
+  return points;
+}
+
+const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid) {
+  if (body.modal) return body.modal->mass_points;
+  of_rigid = six_points(body);
+  return of_rigid;
+}
+
+/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
+struct Balance {
+  explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}
+
+  VecX rows;
+  VecX scales;
+
+  void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
+};
+
+/// Sum over the mass points of their forces m (acceleration - g), moments about the body's origin and, by virtual work,
+/// modal rows; plus K a + D adot.
+Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& points, const Vec3& gravity,
+                              const BodyState& state, const BodyAcceleration& acceleration) {
+  const int n_modes = body.n_modes();
+  const Mat3 A = rotation_of(state.p);
+  const Vec3& omega = state.omega;
+  Balance balance(n_modes);
+  VecX sizes = VecX::Zero(6 + n_modes);
+  for (const MassPoint& point : points) {
+    const Vec3 s = A * (point.s0_L + point.Psi_t_L * state.a);
+    const Vec3 sdot = A * (point.Psi_t_L * state.adot);
+    const Vec3 sddot = A * (point.Psi_t_L * acceleration.addot);
+    const Vec3 point_acceleration = acceleration.vdot + acceleration.omegadot.cross(s) + omega.cross(omega.cross(s)) +
+                                    2.0 * omega.cross(sdot) + sddot;
+    const Vec3 force = point.mass * (point_acceleration - gravity);
+    const double size = point.mass * (point_acceleration.norm() + gravity.norm());
+    balance.rows.head<3>() += force;
+    balance.rows.segment<3>(3) += s.cross(force);
+    balance.rows.tail(n_modes) += point.Psi_t_L.transpose() * (A.transpose() * force);
+    sizes.head<3>().array() += size;
+    sizes.segment<3>(3).array() += s.norm() * size;
+    sizes.tail(n_modes) += size * point.Psi_t_L.colwise().norm().transpose();
+  }
+  if (body.modal) {
+    const VecX elastic = body.modal->stiffness * state.a;
+    const VecX damping = body.modal->damping * state.adot;
+    balance.rows.tail(n_modes) += elastic + damping;
+    sizes.tail(n_modes) = sizes.tail(n_modes).cwiseMax(elastic.cwiseAbs()).cwiseMax(damping.cwiseAbs());
+  }
+  balance.raise_scales(sizes);
+  return balance;
+}
+
+/// Takes away the generalized force of a wrench (global axes, at the deformed joint point), by its power (S20):
+/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
+void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
+  const auto n_modes = state.a.size();
+  const Mat3 A = rotation_of(state.p);
+  const PlacedFrame frame = place(side, state);
+  const Vec3 force_L = A.transpose() * wrench.force;
+  const Vec3 torque_L = A.transpose() * wrench.torque;
+  const Mat3X J_Psi_r = exponential_rate(side.Psi_r_L * state.a) * side.Psi_r_L;
+  balance.rows.head<3>() -= wrench.force;
+  balance.rows.segment<3>(3) -= wrench.torque + frame.lever.cross(wrench.force);
+  balance.rows.tail(n_modes) -= side.Psi_t_L.transpose() * force_L + J_Psi_r.transpose() * torque_L;
+  VecX sizes(6 + n_modes);
+  sizes.head<3>().setConstant(wrench.force.norm());
+  sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
+  sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
+                        wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
+  balance.raise_scales(sizes);
+}
+
+/// Number of rows of all rules of a joint: workless (components, directions), two frames (reaction, total), both sides
+/// (same), drivers (tau, coordinate wrench), force law.
+int joint_rows(const joints::JointType& type) {
+  const auto free = static_cast<int>(turning_free_speeds(type).size());
+  return 12 + free + 2 * 12 + 2 * 6 + free + 6 + type.n_u();
+}
+
+/// Reaction components, parent's and child's, that the joint cannot carry; zero in place of the others.
+VecX workless_residuals(const joints::JointType& type, const JointWrenches& wrenches) {
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    residuals.segment<6>(6 * index(side)) = wrenches.reaction_on(side).in_C.vector();
+    for (int c = 0; c < 6; ++c) {
+      if (joints::carries(type, side, c)) residuals(6 * index(side) + c) = 0.0;
+    }
+  }
+  return residuals;
+}
+
+/// Global components turned into the joint frame of their side, minus the components given there.
+VecX frame_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<SideWrench, 2>& wrenches) {
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    const SideWrench& wrench = wrenches[index(side)];
+    const Mat3 to_C = frames[index(side)].A_joint.transpose();
+    residuals.segment<3>(6 * index(side)) = to_C * wrench.in_global.force - wrench.in_C.force;
+    residuals.segment<3>(6 * index(side) + 3) = to_C * wrench.in_global.torque - wrench.in_C.torque;
+  }
+  return residuals;
+}
+
+/// F_j + F_i and T_j + T_i + (r_Pi - r_Pj) x F_i.
+VecX side_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<SideWrench, 2>& wrenches) {
+  const Wrench& on_parent = wrenches[index(Side::parent)].in_global;
+  const Wrench& on_child = wrenches[index(Side::child)].in_global;
+  const Vec3 gap = frames[index(Side::child)].r_P - frames[index(Side::parent)].r_P;
+  VecX residuals(6);
+  residuals << on_parent.force + on_child.force, on_parent.torque + on_child.torque + gap.cross(on_child.force);
+  return residuals;
+}
+
+/// What passes through a joint, as the permitted directions see it.
+class JointPower {
+ public:
+  /// `coupled`: tau of the couplings on the joint.
+  JointPower(const Joint& joint, const std::vector<LawOfForce>& springs, const std::array<PlacedFrame, 2>& frames,
+             const JointWrenches& wrenches, const VecX& coupled, const VecX& hint, double t)
+      : relative_(relative_motion(frames[index(Side::parent)], frames[index(Side::child)])),
+        motion_(read_motion(*joint.type, relative_, hint)),
+        total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
+        reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
+        tau_(wrenches.tau),
+        tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
+        directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
+
+  /// S^T [F; T] of the reaction, along the speeds that are possible.
+  [[nodiscard]] VecX of_reaction() const { return motion_.free.transpose() * (motion_.S.transpose() * reaction_); }
+
+  /// S^T [F; T] - tau, with the total wrench, along the speeds that are possible.
+  [[nodiscard]] VecX beyond_tau() const { return motion_.free.transpose() * (motion_.S.transpose() * total_ - tau_); }
+
+  /// What of total minus reaction is no coordinate wrench; lengths in units of `length`.
+  [[nodiscard]] Vec6 outside_coordinates(double length) const {
+    Vec6 rest = total_ - reaction_;
+    if (directions_.cols() == 0) return rest;
+    const Vec6 weights = (Vec6() << Vec3::Constant(length), Vec3::Ones()).finished();
+    const Mat6X weighted = weights.asDiagonal() * directions_;
+    rest -= directions_ * least_squares(weighted, weights.asDiagonal() * rest);
+    return rest;
+  }
+
+  /// tau minus what springs and actuators exert by their laws and couplings by their forces; zero where a driver acts.
+  [[nodiscard]] VecX beyond_law() const {
+    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - tau_by_laws_);
+  }
+
+ private:
+  static Vec6 in_parent_frame(const std::array<PlacedFrame, 2>& frames, const Wrench& wrench) {
+    const Mat3 to_parent = frames[index(Side::parent)].A_joint.transpose();
+    return Wrench{to_parent * wrench.force, to_parent * wrench.torque}.vector();
+  }
+
+  RelativeMotion relative_;
+  JointMotion motion_;
+  Vec6 total_;
+  Vec6 reaction_;
+  const VecX& tau_;
+  VecX tau_by_laws_;
+  Mat6X directions_;
+};
+
+/// Both sides' wrenches, global axes, minus what the element's law says.
+VecX law_residuals(const ElementLaw& law, const State& state, const ElementWrenches& wrenches) {
+  const std::array<Wrench, 2> by_law = law.wrenches(state);
+  VecX residuals(12);
+  for (const Side side : kSides) {
+    residuals.segment<6>(6 * index(side)) = wrenches.on_side(side).in_global.vector() - by_law[index(side)].vector();
+  }
+  return residuals;
+}
+
+double largest_force(const std::array<SideWrench, 2>& wrenches) {
+  return std::max(wrenches[0].in_C.force.norm(), wrenches[1].in_C.force.norm());
+}
+
+double largest_torque(const std::array<SideWrench, 2>& wrenches) {
+  return std::max(wrenches[0].in_C.torque.norm(), wrenches[1].in_C.torque.norm());
+}
+
+/// Scales of a joint or a force element: a force, and the larger of a torque and of the force times a length.
+AuditScales scales_of(double force, double torque, double length) {
+  AuditScales scales{};
+  scales[index(AuditUnit::force)] = force;
+  scales[index(AuditUnit::torque)] = std::max(torque, force * length);
+  return scales;
+}
+
+AuditUnit unit_of_component(int component) { return component < 3 ? AuditUnit::force : AuditUnit::torque; }
+
+/// Six rows, "F_x of total on parent", with what stands behind the component.
+void add_components(AuditRule rule, const std::string& of, AuditEntity& entity) {
+  for (int c = 0; c < 6; ++c) entity.rows.push_back({rule, kComponentNames[c] + of, unit_of_component(c)});
+}
+
+void add_speeds(AuditRule rule, const char* what, const std::vector<bool>& turning, AuditEntity& entity) {
+  for (const bool turns : turning) entity.rows.push_back({rule, what, turns ? AuditUnit::torque : AuditUnit::force});
+}
+
+struct Energies {
+  double kinetic = 0.0;
+  double potential = 0.0;
+  double terms = 0.0;  // the sizes of all that is added up
+};
+
+Energies energies_of(const Model& model, const State& state) {
+  Energies energies;
+  std::vector<MassPoint> of_rigid;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    const Mat3 A = rotation_of(body.p);
+    for (const MassPoint& point : mass_points_of(model.bodies[i], of_rigid)) {
+      const Vec3 s = A * (point.s0_L + point.Psi_t_L * body.a);
+      const Vec3 velocity = body.v + body.omega.cross(s) + A * (point.Psi_t_L * body.adot);
+      energies.kinetic += 0.5 * point.mass * velocity.squaredNorm();
+      const double weight = point.mass * model.gravity.dot(body.r + s);
+      energies.potential -= weight;
+      energies.terms += std::abs(weight);
+    }
+    if (!model.bodies[i].modal) continue;
+    const double bending = 0.5 * body.a.dot(model.bodies[i].modal->stiffness * body.a);
+    energies.potential += bending;
+    energies.terms += std::abs(bending);
+  }
+  energies.terms += energies.kinetic;
+  return energies;
+}
+
+}  // namespace
+
+Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale()), motions_(model) {
+  for (const Body& body : model.bodies) lay_out_body(body);
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) lay_out_joint(k);
+  for (const ForceElement& element : model.elements) lay_out_element(element);
+}
+
+void Auditor::lay_out_body(const Body& body) {
+  std::vector<MassPoint> of_rigid;
+  mass_points_.push_back(mass_points_of(body, of_rigid));
+  AuditEntity& entity = bodies_.emplace_back(AuditEntity{body.name, {}, false});
+  if (bodies_.size() == 1) return;  // ground
+  add_components(AuditRule::free_body, "", entity);
+  for (int mode = 1; mode <= body.n_modes(); ++mode) {
+    entity.rows.push_back({AuditRule::free_body, "mode " + std::to_string(mode), AuditUnit::own});
+  }
+}
+
+/// In the order of joint_rows().
+void Auditor::lay_out_joint(int k) {
+  const Joint& joint = model_.joints[k];
+  AuditEntity& entity = joints_.emplace_back(AuditEntity{joint.name, {}, model_.carries_nothing(k)});
+  for (const char* side : kOnSide) add_components(AuditRule::workless, std::string(" of reaction") + side, entity);
+  add_speeds(AuditRule::workless, "power of the reaction", turning_free_speeds(*joint.type), entity);
+  for (const char* wrench : {" of reaction", " of total"}) {
+    for (const char* side : kOnSide) add_components(AuditRule::two_frames, std::string(wrench) + side, entity);
+  }
+  for (const char* wrench : {" of reaction", " of total"}) add_components(AuditRule::both_sides, wrench, entity);
+  add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type), entity);
+  add_components(AuditRule::drivers, " of total minus reaction on child", entity);
+  add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type), entity);
+  std::vector<LawOfForce>& laws = joint_springs_.emplace_back();
+  for (const JointSpring& spring : joint.springs) laws.emplace_back(spring.law);
+}
+
+/// In the order of add_element().
+void Auditor::lay_out_element(const ForceElement& element) {
+  element_laws_.emplace_back(element);
+  AuditEntity& entity = elements_.emplace_back(AuditEntity{element.name, {}, false});
+  for (const char* side : kOnSide) add_components(AuditRule::force_law, side, entity);
+  for (const char* side : kOnSide) add_components(AuditRule::two_frames, side, entity);
+  if (end_of(element, Side::parent) != nullptr) add_components(AuditRule::both_sides, "", entity);
+}
+
+void Auditor::add(const State& state, const Evaluation& evaluation) {
+  ++states_;
+  for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation);
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
+  motions_.add(state, evaluation);
+}
+
+void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
+  const BodyState& motion = state.bodies[body];
+  Balance balance =
+      inertia_and_stiffness(model_.bodies[body], mass_points_[body], model_.gravity, motion, evaluation.bodies[body]);
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment& attachment = model_.joints[k].on(side);
+      if (attachment.body != body) continue;
+      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, balance);
+    }
+  }
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* end = end_of(model_.elements[k], side);
+      if (end == nullptr || end->body != body) continue;
+      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
+    }
+  }
+  std::vector<AuditRow>& rows = bodies_[body].rows;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto row = static_cast<Eigen::Index>(r);
+    rows[r].take(std::abs(balance.rows(row)), balance.scales(row), state.t);
+  }
+}
+
+void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Evaluation& evaluation) {
+  const JointWrenches& wrenches = evaluation.joints[index_of_joint];
+  const Joint& joint = model_.joints[index_of_joint];
+  const std::array<PlacedFrame, 2> frames{place(joint.sides[0], state.bodies[joint.sides[0].body]),
+                                          place(joint.sides[1], state.bodies[joint.sides[1].body])};
+  const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
+  const VecX coupled = coupled_tau(model_, static_cast<int>(index_of_joint), evaluation.couplings);
+  const JointPower power(joint, joint_springs_[index_of_joint], frames, wrenches, coupled, hint, state.t);
+  VecX residuals(joint_rows(*joint.type));
+  residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
+      frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
+      side_residuals(frames, wrenches.reaction), side_residuals(frames, wrenches.total), power.beyond_tau(),
+      power.outside_coordinates(length_), power.beyond_law();
+
+  const double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
+  const double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
+  joints_[index_of_joint].take(residuals, scales_of(force, torque, length_), state.t);
+}
+
+void Auditor::add_element(std::size_t index_of_element, const State& state, const ElementWrenches& wrenches) {
+  const ForceElement& element = model_.elements[index_of_element];
+  const Attachment& child = *end_of(element, Side::child);
+  const Attachment* parent = end_of(element, Side::parent);
+  const PlacedFrame at_child = place(child, state.bodies[child.body]);
+  const std::array<PlacedFrame, 2> frames{parent != nullptr ? place(*parent, state.bodies[parent->body]) : at_child,
+                                          at_child};
+  VecX residuals(parent != nullptr ? 30 : 24);
+  residuals.head<12>() = law_residuals(element_laws_[index_of_element], state, wrenches);
+  residuals.segment<12>(12) = frame_residuals(frames, wrenches.on);
+  if (parent != nullptr) residuals.tail<6>() = side_residuals(frames, wrenches.on);
+  const AuditScales scales = scales_of(largest_force(wrenches.on), largest_torque(wrenches.on), length_);
+  elements_[index_of_element].take(residuals, scales, state.t);
+}
+
+AuditScales Auditor::largest_scales() const {
+  AuditScales largest{};
+  for (const auto* entities : {&bodies_, &joints_, &elements_, &motions_.joints()}) {
+    for (const AuditEntity& entity : *entities) entity.raise(largest);
+  }
+  return largest;
+}
+
+AuditReport Auditor::report() const {
+  AuditReport report;
+  report.states = states_;
+  const AuditScales largest = largest_scales();
+  for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
+  // The worst of an entity's own rules, which count for the whole too.
+  const auto judge = [&](const AuditEntity& entity, AuditFinding& worst) {
+    for (int k = 0; k < kAuditRules; ++k) {
+      const AuditFinding finding = entity.worst(static_cast<AuditRule>(k), largest);
+      report.rows[k] += entity.count(finding.rule);
+      keep_worse(report.rules[k], finding);
+      keep_worse(report.worst, finding);
+      keep_worse(worst, finding);
+    }
+  };
+  for (const AuditEntity& body : bodies_) {
+    report.bodies.emplace_back().where = body.name;
+    judge(body, report.bodies.back());
+  }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    AuditFinding& joint = report.joints.emplace_back();
+    joint.where = joints_[k].name;
+    for (const Attachment& side : model_.joints[k].sides) keep_worse(joint, report.bodies[side.body]);
+    judge(joints_[k], joint);
+    judge(motions_.joints()[k], joint);
+  }
+  for (const AuditEntity& element : elements_) {
+    report.elements.emplace_back().where = element.name;
+    judge(element, report.elements.back());
+  }
+  for (const AuditEntity& coupling : motions_.couplings()) {
+    report.couplings.emplace_back().where = coupling.name;
+    judge(coupling, report.couplings.back());
+  }
+  return report;
+}
+
+double mechanical_energy(const Model& model, const State& state) {
+  const Energies energies = energies_of(model, state);
+  return energies.kinetic + energies.potential;
+}
+
+namespace {
+
+double largest_force(const Evaluation& evaluation) {
+  double largest = 0.0;
+  for (const JointWrenches& joint : evaluation.joints) {
+    largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
+  }
+  for (const ElementWrenches& element : evaluation.elements) {
+    largest = std::max(largest, element.on_side(Side::child).in_C.force.norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
+  EnergyReport report;
+  if (trajectory.samples.empty()) return report;
+  const Energies start = energies_of(model, trajectory.samples.front().state);
+  const double length = model.length_scale();
+  double lowest = start.potential;
+  double highest = start.potential;
+  for (const Sample& sample : trajectory.samples) {
+    const Energies now = energies_of(model, sample.state);
+    lowest = std::min(lowest, now.potential);
+    highest = std::max(highest, now.potential);
+    report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
+                             kSmallestScale * length * largest_force(sample.evaluation)});
+    const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
+    // High above the ground, or at rest, the sums lose more digits than the energy that moves has.
+    const double round_off = kEnergyRoundOff * (now.terms + start.terms);
+    double error = std::abs(gained - sample.work) - round_off;
+    if (error < 0.0) error = 0.0;
+    if (!std::isnan(report.error) && !(error <= report.error)) {
+      report.error = error;
+      report.t = sample.state.t;
+    }
+  }
+  return report;
+}
+
+}  // namespace concord::compare

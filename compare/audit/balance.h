@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/audit/audit_ledger.h"
+#include "compare/audit/element_laws.h"
+#include "compare/audit/law_of_force.h"
+#include "compare/audit/motion_audit.h"
+
+/// The third opinion: are a solver's motions and wrenches in balance, and do they obey joints and laws? Computed from
+/// the results, mass points, modal stiffness and damping, laws and gravity alone; no solver's inertia terms, Jacobians
+/// or multipliers are used, and no evaluator of a law that the solvers call.
+namespace concord::compare {
+
+struct AuditReport {
+  long states = 0;
+  /// The finding that is farthest below its need, or nearest to it; 16 digits if nothing was added.
+  AuditFinding worst;
+  std::array<AuditFinding, kAuditRules> rules;
+  /// How many numbers each rule holds against zero in a state.
+  std::array<int, kAuditRules> rows{};
+  /// Free-body rows of every body, in the order of the model; ground (nothing is known of its mass) has 16 digits.
+  std::vector<AuditFinding> bodies;
+  /// For every joint, in the order of the model, the worst of its own rules and of the free-body rows of the bodies
+  /// that it joins: a wrench is right only if both bodies move accordingly.
+  std::vector<AuditFinding> joints;
+  /// For every force element, and for every coupling, in the order of the model, the worst of its own rules.
+  std::vector<AuditFinding> elements;
+  std::vector<AuditFinding> couplings;
+
+  [[nodiscard]] double digits() const { return worst.digits; }
+  /// Whether every rule reaches its need.
+  [[nodiscard]] bool holds() const { return worst.holds(); }
+};
+
+/// Audits evaluated states of one model, one after the other. Scales are peaks over all of them: for the force rows of
+/// a body the larger of the sum of its mass points' m (|acceleration| + |g|) and the largest force on it, likewise with
+/// levers for moments and mode shapes for modal rows; for a joint or a force element its peak |F|, and max(peak |T|,
+/// peak |F| l) with l the machine's length scale; each at least 1e-6 of the machine's largest, which for a machine that
+/// carries nothing is its weight; of motions see MotionAudit. The model must outlive the auditor.
+class Auditor {
+ public:
+  explicit Auditor(const Model& model);
+
+  void add(const State& state, const Evaluation& evaluation);
+
+  [[nodiscard]] AuditReport report() const;
+
+ private:
+  void lay_out_body(const Body& body);
+  void lay_out_joint(int joint);
+  void lay_out_element(const ForceElement& element);
+  void add_body(int body, const State& state, const Evaluation& evaluation);
+  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
+  void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
+  [[nodiscard]] AuditScales largest_scales() const;
+
+  const Model& model_;
+  double length_;
+  std::vector<std::vector<MassPoint>> mass_points_;     // of each body
+  std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
+  std::vector<ElementLaw> element_laws_;
+  std::vector<AuditEntity> bodies_;
+  std::vector<AuditEntity> joints_;
+  std::vector<AuditEntity> elements_;
+  MotionAudit motions_;
+  long states_ = 0;
+};
+
+/// Kinetic energy plus potential energy of gravity (zero at the origin) plus strain energy of the modes [J].
+double mechanical_energy(const Model& model, const State& state);
+
+/// How well a run keeps its energy: largest |E(t) - E(0) - work(t)|, relative to the largest of kinetic energy, range
+/// of potential and strain energy, and work; at least a millionth of what the largest force would do along the
+/// machine's length, which is what a machine at rest is compared with.
+struct EnergyReport {
+  double error = 0.0;  // J
+  double scale = 0.0;  // J
+  double t = 0.0;      // s, where the error is largest
+
+  [[nodiscard]] double relative() const { return scale > 0.0 ? error / scale : error; }
+};
+EnergyReport audit_energy(const Model& model, const Trajectory& trajectory);
+
+}  // namespace concord::compare

@@ -1,0 +1,162 @@
+#include "compare/audit/joint_kinematics.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "common/decompositions.h"
+#include "compare/audit/differences.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// A difference quotient moves the machine by this part of what it does in the time in which something turns by 1 rad.
+constexpr double kLookAhead = 1.5e-3;
+/// A quotient that errs by less than this part of the terms is good enough.
+constexpr double kGoodRate = 1e-11;
+
+/// A body `h` seconds on, with velocities that change at constant rates, seen from a frame that moves like the origin
+/// of `parent`: exact to first order, which is all that a derivative needs.
+struct BodyAlongMotion {
+  const BodyState& body;
+  const BodyAcceleration& rates;
+
+  [[nodiscard]] BodyState after(double h, const BodyAlongMotion& parent) const {
+    BodyState moved;
+    const Vec3 v = body.v - parent.body.v;
+    moved.r = body.r - parent.body.r + h * v;
+    moved.v = v + h * (rates.vdot - parent.rates.vdot);
+    const Vec3 half_turn = 0.5 * h * body.omega;
+    const double angle = half_turn.norm();
+    const double sinc = angle < 1e-4 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
+    const Vec3 w = sinc * half_turn;
+    const Vec3 e = body.p.tail<3>();
+    moved.p << std::cos(angle) * body.p(0) - w.dot(e), std::cos(angle) * e + body.p(0) * w + w.cross(e);
+    moved.omega = body.omega + h * rates.omegadot;
+    moved.a = body.a + h * body.adot;
+    moved.adot = body.adot;
+    if (rates.addot.size() == body.adot.size()) moved.adot += h * rates.addot;
+    return moved;
+  }
+};
+
+/// The two bodies of a joint, moved along their motion.
+class JointAlongMotion {
+ public:
+  JointAlongMotion(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                   double length)
+      : joint_(joint),
+        hint_(hint),
+        weights_((Vec6() << Vec3::Constant(1.0 / length), Vec3::Ones()).finished()),
+        bodies_{of(Side::parent, state, evaluation), of(Side::child, state, evaluation)} {}
+
+  /// What of v_rel no permitted speed gives, and then the joint speeds, h seconds on.
+  [[nodiscard]] VecX after(double h) const {
+    const RelativeMotion relative = relative_after(h);
+    const JointMotion motion = read_motion(*joint_.type, relative, hint_);
+    VecX both(6 + motion.u.size());
+    both << not_permitted(motion, relative.v_rel), motion.u;
+    return both;
+  }
+
+  [[nodiscard]] const joints::JointType& type() const { return *joint_.type; }
+
+  [[nodiscard]] RelativeMotion relative_after(double h) const {
+    const BodyState parent = bodies_[0].after(h, bodies_[0]);
+    const BodyState child = bodies_[1].after(h, bodies_[0]);
+    return relative_motion(place(joint_.on(Side::parent), parent), place(joint_.on(Side::child), child));
+  }
+
+  /// The part of v_rel that is farthest from the permitted directions, lengths in units of the machine's.
+  [[nodiscard]] Vec6 not_permitted(const JointMotion& motion, const Vec6& v_rel) const {
+    const Mat6X directions = weights_.asDiagonal() * (motion.S * motion.free);
+    if (directions.cols() == 0) return v_rel;
+    const VecX nearest = least_squares(directions, weights_.asDiagonal() * v_rel);
+    return v_rel - motion.S * (motion.free * nearest);
+  }
+
+ private:
+  [[nodiscard]] BodyAlongMotion of(Side side, const State& state, const Evaluation& evaluation) const {
+    const int body = joint_.on(side).body;
+    return {state.bodies[body], evaluation.bodies[body]};
+  }
+
+  const Joint& joint_;
+  const VecX& hint_;
+  Vec6 weights_;
+  std::array<BodyAlongMotion, 2> bodies_;
+};
+
+/// Sizes of what makes up the velocity and the acceleration of a place on a body.
+struct Sizes {
+  LineAndTurn speed;
+  LineAndTurn rate_of_speed;
+};
+
+Sizes sizes_at(const Attachment& side, const BodyState& body, const BodyAcceleration& rates) {
+  const double lever = place(side, body).lever.norm();
+  const double omega = body.omega.norm();
+  const VecX addot = rates.addot.size() == body.adot.size() ? rates.addot : VecX::Zero(body.adot.size());
+  const double sway = (side.Psi_t_L * body.adot).norm();
+  const double twist = (side.Psi_r_L * body.adot).norm();
+  Sizes sizes;
+  sizes.speed = {body.v.norm() + omega * lever + sway, omega + twist};
+  const double turn = rates.omegadot.norm() + omega * (omega + twist) + twist * twist + (side.Psi_r_L * addot).norm();
+  sizes.rate_of_speed = {rates.vdot.norm() + turn * lever + 2.0 * omega * sway + (side.Psi_t_L * addot).norm(), turn};
+  return sizes;
+}
+
+void raise(LineAndTurn& sizes, const LineAndTurn& others) {
+  sizes.line = std::max(sizes.line, others.line);
+  sizes.turn = std::max(sizes.turn, others.turn);
+}
+
+/// What of a_rel is neither permitted nor Sdot u, and the joint accelerations.
+void difference(const JointAlongMotion& joint, const VecX& expected_udot, double length, JointKinematics& found) {
+  // The time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in which the
+  // accelerations do so. That both bodies travel together matters to nothing here.
+  double rate =
+      std::max({found.speed.turn, found.relative.v_rel.head<3>().norm() / length, std::sqrt(found.rate_of_speed.turn)});
+  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
+  if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
+  // Near a pose where a coordinate has no meaning the coordinate hurries more than the bodies do.
+  const std::vector<bool> turns = turning_speeds(joint.type());
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    const double speed = std::abs(found.motion.u(static_cast<Eigen::Index>(k)));
+    rate = std::max(rate, turns[k] ? speed : speed / length);
+  }
+  const auto n_u = expected_udot.size();
+  VecX expected(6 + n_u);
+  expected << Vec6::Zero(), expected_udot;
+  VecX scales = VecX::Constant(6 + n_u, rate * rate);
+  scales.head<3>() *= length;
+  for (Eigen::Index k = 0; k < n_u; ++k) scales(6 + k) *= turns[static_cast<std::size_t>(k)] ? 1.0 : length;
+  const SlopeMisfit misfit =
+      slope_misfit([&](double h) { return joint.after(h); }, expected, scales, kLookAhead / rate, kGoodRate);
+  found.acceleration = misfit.slope.head(6);
+  found.udot = misfit.slope.tail(n_u);
+  found.doubt_of_acceleration = misfit.doubt.head(6);
+  found.doubt_of_udot = misfit.doubt.tail(n_u);
+}
+
+}  // namespace
+
+JointKinematics read_kinematics(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                                const VecX& expected_udot, double length) {
+  const JointAlongMotion on_its_way(joint, state, evaluation, hint, length);
+  JointKinematics found;
+  found.relative = on_its_way.relative_after(0.0);
+  found.motion = read_motion(*joint.type, found.relative, hint);
+  found.place << found.relative.d - found.motion.d, rotation_vector_of(found.relative.R * found.motion.R.transpose());
+  found.velocity = on_its_way.not_permitted(found.motion, found.relative.v_rel);
+  for (const Attachment& side : joint.sides) {
+    const Sizes sizes = sizes_at(side, state.bodies[side.body], evaluation.bodies[side.body]);
+    raise(found.speed, sizes.speed);
+    raise(found.rate_of_speed, sizes.rate_of_speed);
+  }
+  difference(on_its_way, expected_udot, length, found);
+  return found;
+}
+
+}  // namespace concord::compare

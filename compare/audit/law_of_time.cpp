@@ -1,0 +1,100 @@
+#include "compare/audit/law_of_time.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace concord::compare {
+
+namespace {
+
+/// Slopes at the points of a not-a-knot spline: the second derivative is continuous at the inner points, the third at
+/// the second and the last but one. Tridiagonal, solved from the first row to the last and back.
+std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y) {
+  const std::size_t n = x.size();
+  const auto width = [&](std::size_t k) { return x[k + 1] - x[k]; };
+  const auto chord = [&](std::size_t k) { return (y[k + 1] - y[k]) / width(k); };
+  // The right side of an end's row, from the widths and chords of its own piece and of the next one.
+  const auto end_right = [](double near, double far, double near_chord, double far_chord) {
+    return ((3.0 * near + 2.0 * far) * far * near_chord + near * near * far_chord) / (near + far);
+  };
+  std::vector<double> above(n);  // what is left of the next slope in each row once its own factor is one
+  std::vector<double> slopes(n);
+  above[0] = (width(0) + width(1)) / width(1);
+  slopes[0] = end_right(width(0), width(1), chord(0), chord(1)) / width(1);
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    const double before = width(k - 1);
+    const double after = width(k);
+    const double own = 2.0 * (before + after) - after * above[k - 1];
+    above[k] = before / own;
+    slopes[k] = (3.0 * (after * chord(k - 1) + before * chord(k)) - after * slopes[k - 1]) / own;
+  }
+  const double near = width(n - 2);
+  const double far = width(n - 3);
+  slopes[n - 1] = (end_right(near, far, chord(n - 2), chord(n - 3)) - (near + far) * slopes[n - 2]) /
+                  (far - (near + far) * above[n - 2]);
+  for (std::size_t k = n - 1; k-- > 0;) slopes[k] -= above[k] * slopes[k + 1];
+  return slopes;
+}
+
+}  // namespace
+
+Moving sine(const Moving& angle) {
+  const double s = std::sin(angle.value);
+  const double c = std::cos(angle.value);
+  return {s, c * angle.rate, c * angle.rate_of_rate - s * angle.rate * angle.rate};
+}
+
+Spline::Spline(const std::vector<double>& x, const std::vector<double>& y)
+    : x_(x), y_(y), slopes_(spline_slopes(x, y)) {}
+
+/// Of the piece between two points, by how far x is along it: the polynomial with the two values and the two slopes.
+Moving Spline::at(const Moving& x) const {
+  const auto inner_points_below = std::upper_bound(x_.begin() + 1, x_.end() - 1, x.value) - (x_.begin() + 1);
+  const auto k = static_cast<std::size_t>(inner_points_below);
+  const double width = x_[k + 1] - x_[k];
+  const double chord = (y_[k + 1] - y_[k]) / width;
+  const double bend = (3.0 * chord - 2.0 * slopes_[k] - slopes_[k + 1]) / width;
+  const double twist = (slopes_[k] + slopes_[k + 1] - 2.0 * chord) / (width * width);
+  const Moving along = -x_[k] + x;
+  return y_[k] + along * (slopes_[k] + along * (bend + twist * along));
+}
+
+LawOfTime::LawOfTime(const TimeFunction& stated) : stated_(&stated) {
+  if (const auto* table = std::get_if<SplineTable>(&stated)) curve_.emplace(*table);
+}
+
+Moving LawOfTime::at(double t) const {
+  return std::visit([&](const auto& law) { return evaluate(law, at_unit_rate(t)); }, *stated_);
+}
+
+Moving LawOfTime::evaluate(const ConstantSpeed& law, const Moving& t) const { return law.start + law.speed * t; }
+
+Moving LawOfTime::evaluate(const Polynomial& law, const Moving& t) const {
+  Moving sum;
+  Moving power{1.0, 0.0, 0.0};
+  for (const double coefficient : law.coefficients) {
+    sum = sum + coefficient * power;
+    power = power * t;
+  }
+  return sum;
+}
+
+Moving LawOfTime::evaluate(const Harmonic& law, const Moving& t) const {
+  return law.offset + law.amplitude * sine(law.phase + law.frequency * t);
+}
+
+/// s^4 (1 + 4 z + 10 z^2 + 20 z^3) with z = 1 - s is the polynomial of degree 7 from 0 to 1 whose first three
+/// derivatives vanish at both ends.
+Moving LawOfTime::evaluate(const SmoothStep& law, const Moving& t) const {
+  if (t.value <= law.t0) return {law.from, 0.0, 0.0};
+  if (t.value >= law.t1) return {law.to, 0.0, 0.0};
+  const Moving s = 1.0 / (law.t1 - law.t0) * (-law.t0 + t);
+  const Moving z = 1.0 / (law.t1 - law.t0) * (law.t1 + -1.0 * t);
+  const Moving square = s * s;
+  const Moving share = square * square * (1.0 + z * (4.0 + z * (10.0 + 20.0 * z)));
+  return law.from + (law.to - law.from) * share;
+}
+
+Moving LawOfTime::evaluate(const SplineTable& /*law*/, const Moving& t) const { return curve_->at(t); }
+
+}  // namespace concord::compare

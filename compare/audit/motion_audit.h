@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/audit/audit_ledger.h"
+#include "compare/audit/joint_kinematics.h"
+#include "compare/audit/law_of_time.h"
+
+namespace concord::compare {
+
+/// The third opinion on motions: do positions, velocities and accelerations obey joints, drivers and couplings, and are
+/// the derivatives of joints by functions right? Scales are the speeds and accelerations of a joint's two places, at
+/// least what gravity and the largest force give to the machine's mass along its length. The model must outlive it.
+class MotionAudit {
+ public:
+  explicit MotionAudit(const Model& model);
+
+  void add(const State& state, const Evaluation& evaluation);
+
+  [[nodiscard]] const std::vector<AuditEntity>& joints() const { return joints_; }
+  [[nodiscard]] const std::vector<AuditEntity>& couplings() const { return couplings_; }
+
+ private:
+  void lay_out(const Joint& joint);
+  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation, double least_acceleration);
+  void add_coupling(std::size_t coupling, double t);
+  [[nodiscard]] VecX expected_udot(std::size_t joint, double t) const;
+  [[nodiscard]] double least_acceleration(const Evaluation& evaluation) const;
+
+  const Model& model_;
+  double length_;
+  double mass_ = 0.0;
+  std::vector<std::vector<LawOfTime>> drivers_;  // of each joint
+  std::vector<AuditEntity> joints_;
+  std::vector<AuditEntity> couplings_;
+  std::vector<std::vector<int>> coupled_speeds_;  // of each joint
+  // Of the state that is being added, for each joint.
+  std::vector<JointKinematics> kinematics_;
+  std::vector<AuditScales> scales_;
+};
+
+}  // namespace concord::compare

@@ -1,0 +1,314 @@
+#include "compare/program/commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+#include <set>
+#include <sstream>
+
+#include "common/reading/model_file.h"
+#include "compare/analyses/judge.h"
+#include "compare/audit/digits.h"
+#include "compare/report/files.h"
+#include "compare/report/info.h"
+#include "compare/report/interrupt.h"
+#include "compare/report/junit.h"
+#include "compare/report/plots.h"
+#include "compare/report/report_json.h"
+#include "compare/report/result_folder.h"
+#include "compare/report/table.h"
+#include "compare/verdict/not_expressible.h"
+#include "compare/verdict/reference.h"
+#include "compare/verdict/run_check.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// One line on a terminal that shows how far a run is; wiped when it goes.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const Console& console) : console_(console) {}
+  ~ProgressLine() {
+    if (!shown_.empty()) console_.err << "\r\033[K" << std::flush;
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(const std::string& text) {
+    if (!console_.progress || text == shown_) return;
+    shown_ = text;
+    console_.err << "\r\033[K" << text << std::flush;
+  }
+
+ private:
+  const Console& console_;
+  std::string shown_;
+};
+
+int percent(double done) { return static_cast<int>(100.0 * std::clamp(done, 0.0, 1.0)); }
+
+/// A model that was read, and what was found about it.
+struct Case {
+  Model model;
+  Verdict verdict;
+};
+
+void write_results(const std::filesystem::path& folder, const Case& one, const std::string& table,
+                   const Console& console) {
+  StagedFolder staged(folder);
+  write_file(staged.path() / (one.model.name + ".table.txt"), table);
+  const auto& runs = one.verdict.trajectories;
+  const std::array<std::string_view, 2> names{one.verdict.solvers[0].name, one.verdict.solvers[1].name};
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (runs[who])
+      write_run_files(staged.path(), one.model,
+                      {names[who], &*runs[who], one.verdict.unique ? &*one.verdict.unique : nullptr});
+  }
+  if (runs[0] && runs[1]) {
+    if (const auto reason = plot_reactions(staged.path(), one.model, names, *runs[0], *runs[1])) {
+      console.err << fmt::format("{}: {}\n", one.model.name, *reason);
+    }
+  }
+  staged.finish(result_file_names(one.model, names));
+}
+
+void tell_wall_times(const Verdict& verdict, const Console& console) {
+  console.err << fmt::format("{}: wall time of the same run", verdict.name);
+  for (const SolverSummary& solver : verdict.solvers) {
+    console.err << fmt::format(", {} {:.2f} s in {} steps, {} evaluations", solver.name, solver.statistics.wall_s,
+                               solver.statistics.steps, solver.statistics.evaluations);
+  }
+  console.err << '\n';
+}
+
+/// The third opinion, if one is wanted and knows all of the model's parts; `silent` says why it does not.
+std::unique_ptr<ThirdOpinion> ask_for_third(const CompareCommand& command, const Model& model,
+                                            std::optional<ThirdReport>& silent) {
+  if (!command.make_third) return nullptr;
+  try {
+    return command.make_third(model);
+  } catch (const NotExpressible& reason) {
+    silent.emplace();
+    silent->name = command.third_name;
+    silent->not_expressible = reason.what();
+    return nullptr;
+  }
+}
+
+/// `names` holds the models compared so far.
+Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
+                 const Console& console, std::set<std::string>& names) {
+  Case one{read_model(file), {}};
+  if (!names.insert(one.model.name).second) {
+    throw InputError({file.string(), 0, 0},
+                     fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
+                                 one.model.name));
+  }
+  std::optional<Reference> reference;
+  if (!command.reference.empty()) {
+    reference = read_reference(command.reference, one.model);
+    check_times(*reference, run_options(one.model, command.options));
+  }
+  std::string note;
+  one.model = analyses::as_it_starts(one.model, makers, note);
+  const auto cartesian = makers.cartesian(one.model);
+  const auto relative = makers.relative(one.model);
+  check_results(command.out, result_file_names(one.model, {cartesian->name(), relative->name()}));
+  VerifyOptions options = command.options;
+  std::optional<ThirdReport> silent;
+  const auto third = ask_for_third(command, one.model, silent);
+  options.third = third.get();
+  {
+    ProgressLine line(console);
+    options.progress = [&](std::string_view rung, const std::array<double, 2>& done) {
+      line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, rung, percent(done[0]),
+                            percent(done[1])));
+    };
+    one.verdict = verify(one.model, *cartesian, *relative, options);
+  }
+  if (silent) one.verdict.third = silent;
+  if (!note.empty()) one.verdict.notes.push_back(note);
+  if (reference) judge_reference(one.model, *reference, one.verdict);
+  const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
+  console.out << table << std::flush;
+  if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
+  if (!command.out.empty()) write_results(command.out, one, table, console);
+  note_finished(one.model.name);
+  return one;
+}
+
+std::string meaning(int code) {
+  switch (code) {
+    case kAgree:
+      return "agree";
+    case kDiffer:
+      return "differ";
+    case kBadInput:
+      return "bad input";
+    default:
+      return "could not finish";
+  }
+}
+
+std::string summary_digits(const RungSummary& rung) { return rung.digits ? format_digits(*rung.digits) : "-"; }
+
+/// One line for each model, whatever became of it.
+std::string format_summary(const std::vector<std::filesystem::path>& files, const std::vector<int>& codes,
+                           const std::vector<std::optional<Case>>& cases) {
+  std::vector<std::vector<std::string>> lines{
+      {"model", "judged", "same state", "same run", "refined", "audit", "verdict"}};
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (!cases[k]) {
+      lines.push_back({files[k].stem().string(), "-", "-", "-", "-", "-", meaning(codes[k])});
+      continue;
+    }
+    const Verdict& verdict = cases[k]->verdict;
+    const ComponentCount count = count_components(verdict);
+    lines.push_back({verdict.name, fmt::format("{} of {}", count.judged, count.total),
+                     summary_digits(verdict.same_state), summary_digits(verdict.same_run),
+                     summary_digits(verdict.refined), summary_digits(verdict.audit), meaning(codes[k])});
+  }
+  return format_table(lines, {false, true, true, true, true, true, false});
+}
+
+/// guarded(), and keeps what was said.
+template <class Work>
+int guarded_aloud(const Console& console, std::string& said, const Work& work) {
+  std::ostringstream heard;
+  const int code = guarded({console.out, heard, console.progress}, work);
+  said = heard.str();
+  console.err << said;
+  return code;
+}
+
+void require_one_model(const CompareCommand& command) {
+  if (command.reference.empty() || command.models.size() == 1) return;
+  throw InputError({command.reference.string(), 0, 0},
+                   fmt::format("a reference belongs to one model, but {} are compared", command.models.size()));
+}
+
+std::vector<JunitCase> junit_cases(const std::vector<std::filesystem::path>& files,
+                                   const std::vector<std::optional<Case>>& cases,
+                                   const std::vector<std::string>& troubles) {
+  std::vector<JunitCase> all;
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (cases[k]) {
+      all.push_back({cases[k]->verdict.name, &cases[k]->model, &cases[k]->verdict, ""});
+    } else {
+      all.push_back({files[k].stem().string(), nullptr, nullptr, troubles[k]});
+    }
+  }
+  return all;
+}
+
+void write_json(const std::filesystem::path& file, const std::vector<std::optional<Case>>& cases) {
+  if (cases.size() == 1) {
+    if (cases[0]) write_file(file, format_json(cases[0]->model, cases[0]->verdict));
+    return;
+  }
+  std::vector<std::pair<const Model*, const Verdict*>> found;
+  for (const auto& one : cases) {
+    if (one) found.emplace_back(&one->model, &one->verdict);
+  }
+  if (!found.empty()) write_file(file, format_json(found));
+}
+
+/// Refuses what cannot be written, and removes what an earlier run wrote there.
+void prepare_outputs(const CompareCommand& command) {
+  std::vector<std::filesystem::path> inputs = command.models;
+  if (!command.reference.empty()) inputs.push_back(command.reference);
+  check_output(command.json, inputs);
+  check_output(command.junit, inputs);
+  if (!command.json.empty() && !command.junit.empty() && is_same_file(command.json, command.junit)) {
+    throw InputError({command.json.string(), 0, 0}, "cannot be both the JSON file and the JUnit file");
+  }
+  if (!command.out.empty()) check_target_folder(command.out);
+  for (const auto& stale : {command.json, command.junit}) {
+    if (!stale.empty()) std::filesystem::remove(stale);
+  }
+}
+
+}  // namespace
+
+int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
+  const int prepared = guarded(console, [&] {
+    prepare_outputs(command);
+    return static_cast<int>(kAgree);
+  });
+  if (prepared != kAgree) return prepared;
+  std::vector<int> codes;
+  std::vector<std::optional<Case>> cases(command.models.size());
+  std::vector<std::string> troubles(command.models.size());
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < command.models.size(); ++k) {
+    if (k > 0) console.out << '\n';
+    codes.push_back(guarded_aloud(console, troubles[k], [&] {
+      require_one_model(command);
+      cases[k] = compare_one(command.models[k], command, makers, console, names);
+      return exit_code(cases[k]->verdict.outcome);
+    }));
+  }
+  if (command.models.size() > 1) console.out << '\n' << format_summary(command.models, codes, cases);
+  if (!command.json.empty()) {
+    codes.push_back(guarded(console, [&] {
+      write_json(command.json, cases);
+      return static_cast<int>(kAgree);
+    }));
+  }
+  if (!command.junit.empty()) {
+    codes.push_back(guarded(console, [&] {
+      write_file(command.junit, format_junit(junit_cases(command.models, cases, troubles)));
+      return static_cast<int>(kAgree);
+    }));
+  }
+  return *std::max_element(codes.begin(), codes.end());
+}
+
+int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] {
+    if (!command.out.empty()) check_target_folder(command.out);
+    std::string note;
+    const Model model = analyses::as_it_starts(read_model(command.model), makers, note);
+    const auto solver = (command.is_cartesian ? makers.cartesian : makers.relative)(model);
+    check_results(command.out, run_file_names(model, solver->name()));
+    RunOptions run = run_options(model, command.options);
+    run.integrator = chosen_integrator(model, *solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
+    Trajectory trajectory;
+    {
+      ProgressLine line(console);
+      trajectory = solver->integrate(run, [&](double t) {
+        line.show(fmt::format("{}: {} {} %", model.name, solver->name(), percent(t / run.until)));
+      });
+    }
+    console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
+                               solver->name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
+                               trajectory.statistics.steps, trajectory.statistics.evaluations)
+                << format_peaks(model, trajectory);
+    if (!note.empty()) console.out << fmt::format("note: {}\n", note);
+    const QuantityLayout layout(model);
+    const RunCheck check = check_run(layout, *solver, trajectory, run);
+    console.out << format_run_check(layout, solver->name(), check);
+    console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
+    if (!check.holds()) return static_cast<int>(kCouldNotFinish);
+    if (!command.out.empty()) write_runs(command.out, model, {{solver->name(), &trajectory, &check.unique}});
+    return static_cast<int>(kAgree);
+  });
+}
+
+int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] {
+    const Model model = read_model(file);
+    std::array<SolverView, 2> views;
+    for (int who = 0; who < 2; ++who) {
+      const auto solver = (who == 0 ? makers.cartesian : makers.relative)(model);
+      const State start = solver->assemble();
+      views[who] = {std::string(solver->name()), solver->cut_joints(), solver->integrators(), solver->rank(start)};
+    }
+    console.out << format_info(model, views);
+    return static_cast<int>(kAgree);
+  });
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <exception>
+#include <ostream>
+
+#include "common/error.h"
+
+/// Where commands speak, and with which code they end.
+namespace concord::compare {
+
+/// Exit codes of the program.
+enum ExitCode { kAgree = 0, kDiffer = 1, kBadInput = 2, kCouldNotFinish = 3 };
+
+/// Where the commands speak.
+struct Console {
+  std::ostream& out;      // tables
+  std::ostream& err;      // errors, wall times
+  bool progress = false;  // err is a terminal: show how far long runs are
+};
+
+/// Runs `work` and turns what it throws into a message and an exit code.
+template <class Work>
+int guarded(const Console& console, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    console.err << error.what() << '\n';
+    return kBadInput;
+  } catch (const SolverError& error) {
+    console.err << error.what() << '\n';
+    return kCouldNotFinish;
+  } catch (const std::exception& error) {
+    console.err << "could not finish: " << error.what() << '\n';
+    return kCouldNotFinish;
+  }
+}
+
+}  // namespace concord::compare

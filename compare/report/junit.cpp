@@ -1,0 +1,140 @@
+#include "compare/report/junit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/audit/digits.h"
+#include "compare/verdict/observe.h"
+#include "compare/verdict/refinement.h"
+
+namespace concord::compare {
+
+std::string escape_xml(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\n':
+        result += "&#10;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+namespace {
+
+struct TestCase {
+  enum class Result { passed, failed, error };
+
+  std::string name;
+  Result result = Result::passed;
+  std::string message;
+};
+
+TestCase of_row(const Model& model, const QuantityRow& row) {
+  TestCase test{fmt::format("{}, {}", describe_owner(model, row.quantity), describe_component(row.quantity)),
+                TestCase::Result::passed, ""};
+  if (row.judgement == Judgement::agree) return test;
+  test.result = row.judgement == Judgement::differ ? TestCase::Result::failed : TestCase::Result::error;
+  for (const Rung rung : kRungs) {
+    if (!judges(rung, row.quantity.kind) || meets_need(row, rung)) continue;
+    const auto digits = digits_of(row, rung);
+    test.message += fmt::format("{}{}: {} digits (need {:g})", test.message.empty() ? "" : ", ", name_of(rung),
+                                digits ? format_digits(*digits) : "no", need_of(row, rung));
+  }
+  return test;
+}
+
+TestCase of_reference(const ReferenceRow& row) {
+  TestCase test{fmt::format("{}, {}, against the reference", row.of, row.component), TestCase::Result::passed, ""};
+  if (row.agrees) return test;
+  test.result = TestCase::Result::failed;
+  test.message = fmt::format("off by {:.3g} (cartesian) and {:.3g} (relative), stated error {:.3g}, t = {:.6g} s",
+                             row.differences[0], row.differences[1], row.allowed, row.t);
+  return test;
+}
+
+TestCase yes_or_no(std::string name, bool passed, std::string message) {
+  return {std::move(name), passed ? TestCase::Result::passed : TestCase::Result::failed,
+          passed ? "" : std::move(message)};
+}
+
+/// A difference that no other test case reports, such as a state that one solver refuses.
+void add_other_differences(const Verdict& verdict, std::vector<TestCase>& tests) {
+  const auto has_failed = [](const TestCase& test) { return test.result == TestCase::Result::failed; };
+  if (verdict.findings.empty() || std::any_of(tests.begin(), tests.end(), has_failed)) return;
+  for (const Finding& finding : verdict.findings) {
+    tests.push_back({"difference", TestCase::Result::failed, finding.what + ": " + finding.symptom});
+  }
+}
+
+std::vector<TestCase> tests_of(const JunitCase& one) {
+  if (one.verdict == nullptr) return {{"verdict", TestCase::Result::error, one.trouble}};
+  const Verdict& verdict = *one.verdict;
+  std::vector<TestCase> tests;
+  for (const std::string& failure : verdict.failures) tests.push_back({"verdict", TestCase::Result::error, failure});
+  if (verdict.rows.empty() && verdict.others.empty()) return tests;
+  tests.push_back(yes_or_no("rank", verdict.rank_agrees, "the solvers do not see the same constraints"));
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      if (row.unique) tests.push_back(of_row(*one.model, row));
+    }
+  }
+  for (const ReferenceRow& row : verdict.references) {
+    if (row.is_judged) tests.push_back(of_reference(row));
+  }
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (solver.audit_digits) {
+      tests.push_back(yes_or_no(fmt::format("audit of {}", solver.name), *solver.audit_digits >= solver.audit_need,
+                                fmt::format("{} (need {:g})", solver.audit_worst, solver.audit_need)));
+    }
+    if (!solver.energy_error) continue;
+    const double allowed = kEnergyPerTolerance * verdict.run.rtol;
+    tests.push_back(yes_or_no(fmt::format("energy of {}", solver.name), *solver.energy_error <= allowed,
+                              fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, allowed)));
+  }
+  add_other_differences(verdict, tests);
+  return tests;
+}
+
+std::string format_test(const std::string& suite, const TestCase& test) {
+  const std::string head =
+      fmt::format("    <testcase classname=\"{}\" name=\"{}\"", escape_xml(suite), escape_xml(test.name));
+  if (test.result == TestCase::Result::passed) return head + "/>\n";
+  const char* kind = test.result == TestCase::Result::failed ? "failure" : "error";
+  return fmt::format("{}>\n      <{} message=\"{}\"/>\n    </testcase>\n", head, kind, escape_xml(test.message));
+}
+
+}  // namespace
+
+std::string format_junit(const std::vector<JunitCase>& cases) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"concord\">\n";
+  for (const JunitCase& one : cases) {
+    const std::vector<TestCase> tests = tests_of(one);
+    const auto count = [&](TestCase::Result result) {
+      return std::count_if(tests.begin(), tests.end(), [&](const TestCase& test) { return test.result == result; });
+    };
+    text += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n", escape_xml(one.name),
+                        tests.size(), count(TestCase::Result::failed), count(TestCase::Result::error));
+    for (const TestCase& test : tests) text += format_test(one.name, test);
+    text += "  </testsuite>\n";
+  }
+  return text + "</testsuites>\n";
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/model.h"
+#include "compare/verdict/verdict.h"
+
+namespace concord::compare {
+
+/// The verdict on one model as JSON text, indented, ending with a line feed. Keys: compare/README. Digits have two
+/// decimals, rounded down, and are null where a rung did not run or did not judge; everything but `wall_s` is the same
+/// from run to run.
+std::string format_json(const Model& model, const Verdict& verdict);
+
+/// The same for several models: an object with one member for each case, by name.
+std::string format_json(const std::vector<std::pair<const Model*, const Verdict*>>& cases);
+
+}  // namespace concord::compare

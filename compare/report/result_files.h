@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/verdict/agreement.h"
+
+/// A solver's trajectory as files that other programs read. Nothing in them depends on when or how fast they were made;
+/// each is written under a temporary name and then renamed, so that no reader meets half of one. All throw InputError
+/// if the path cannot be written, std::runtime_error if the disk is full.
+namespace concord::compare {
+
+/// NetCDF-4, for xarray: dimensions time, body (ground left out), joint, side, component (F_x ... T_z), axis, euler
+/// (parameters e0 ... e3), and, where the model has them, element (force elements; zero on the parent that a load has
+/// not), mode, coordinate and speed (padded with NaN where a body or
+/// joint has fewer). Names are string coordinate variables; units stand in attributes, and in the variables
+/// component_units, coordinate_units and speed_units where they differ along a dimension. `solver` names the source.
+/// `unique` (rows: quantities of the layout, columns: samples; null: not known) adds a variable of that name.
+void write_netcdf(const std::filesystem::path& path, const Model& model, std::string_view solver,
+                  const Trajectory& trajectory, const Mask* unique = nullptr);
+
+/// One line for each time: time, then motion, modal coordinates and accelerations of each body, and coordinates of each
+/// joint. The header names each column with its unit: `coupler.omega_x [rad/s]`.
+void write_motion_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory);
+
+/// One line for each time: reactions on the parent and on the child of each joint, each in that side's joint frame, and
+/// forces on the joint speeds: `A.child.F_x [N]`, `A.tau_1 [N m]`.
+/// Columns that `unique` calls not unique are named, with the number of samples, in comment lines (#) before the
+/// header.
+void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
+                        const Mask* unique = nullptr);
+
+/// One line for each time: the wrench of each force element on its ends, each in that end's frame: `strut.child.F_x
+/// [N]`; a load has no parent.
+void write_element_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory);
+
+}  // namespace concord::compare

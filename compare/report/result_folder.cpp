@@ -1,0 +1,74 @@
+#include "compare/report/result_folder.h"
+
+#include <fmt/format.h>
+
+#include "common/error.h"
+#include "common/reading/model_file.h"
+#include "compare/report/files.h"
+#include "compare/report/result_files.h"
+
+namespace concord::compare {
+
+std::vector<std::string> run_file_names(const Model& model, std::string_view solver) {
+  std::vector<std::string> names;
+  for (const char* ending : {"nc", "motion.csv", "reactions.csv", "elements.csv"}) {
+    names.push_back(fmt::format("{}.{}.{}", model.name, solver, ending));
+  }
+  return names;
+}
+
+std::vector<std::string> result_file_names(const Model& model, const std::array<std::string_view, 2>& solvers) {
+  std::vector<std::string> names{model.name + ".table.txt"};
+  for (const std::string_view solver : solvers) {
+    for (std::string& name : run_file_names(model, solver)) names.push_back(std::move(name));
+  }
+  for (const Joint& joint : model.joints) names.push_back(fmt::format("{}.reaction_{}.svg", model.name, joint.name));
+  return names;
+}
+
+void write_run_files(const std::filesystem::path& folder, const Model& model, const NamedRun& run) {
+  const auto path = [&](const char* ending) {
+    return folder / fmt::format("{}.{}.{}", model.name, run.solver, ending);
+  };
+  write_netcdf(path("nc"), model, run.solver, *run.trajectory, run.unique);
+  write_motion_csv(path("motion.csv"), model, *run.trajectory);
+  write_reaction_csv(path("reactions.csv"), model, *run.trajectory, run.unique);
+  if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory);
+}
+
+void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  if (folder.empty()) return;
+  check_target_folder(folder);
+  for (const std::string& name : names) check_target(folder / name);
+}
+
+void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs) {
+  StagedFolder staged(folder);
+  std::vector<std::string> stale;
+  for (const NamedRun& run : runs) {
+    write_run_files(staged.path(), model, run);
+    for (std::string& name : run_file_names(model, run.solver)) stale.push_back(std::move(name));
+  }
+  staged.finish(stale);
+}
+
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  return fs::equivalent(one, other, unknown) ||
+         fs::weakly_canonical(fs::absolute(one), unknown) == fs::weakly_canonical(fs::absolute(other), unknown);
+}
+
+void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs) {
+  if (target.empty()) return;
+  check_target(target);
+  for (const std::filesystem::path& input : inputs) {
+    for (const std::filesystem::path& file : files_of_model(input)) {
+      if (is_same_file(target, file)) {
+        throw InputError({target.string(), 0, 0}, "cannot be written: it is an input of this run");
+      }
+    }
+  }
+}
+
+}  // namespace concord::compare

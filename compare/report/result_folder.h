@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/verdict/agreement.h"
+
+/// The files that the results of a model are, and how they replace those of an earlier run.
+namespace concord::compare {
+
+/// One solver's run.
+struct NamedRun {
+  std::string_view solver;
+  const Trajectory* trajectory = nullptr;
+  /// What of it is unique; null: not known.
+  const Mask* unique = nullptr;
+};
+
+/// The files of one solver's run of a model.
+std::vector<std::string> run_file_names(const Model& model, std::string_view solver);
+
+/// All that a comparison may write for a machine: what an earlier one left would pass for results of this one.
+std::vector<std::string> result_file_names(const Model& model, const std::array<std::string_view, 2>& solvers);
+
+/// Writes one solver's run into a folder that is there: `model`.`solver`.nc, .motion.csv, .reactions.csv, and
+/// .elements.csv if the model has force elements. Throws InputError if the path cannot be written.
+void write_run_files(const std::filesystem::path& folder, const Model& model, const NamedRun& run);
+
+/// Writes solvers' runs into `folder`, see write_run_files(). They replace those of an earlier run together. Throws
+/// InputError if the path cannot be written.
+void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
+
+/// Throws InputError if something stands in the folder that results of these names cannot replace; an empty path is no
+/// folder.
+void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names);
+
+/// Whether two paths lead to one file, by other names too, or would if the file and its folders were there.
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
+
+/// Throws InputError unless a file can be written at `target` (an empty one is none) that is none of the `inputs`.
+void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace concord::compare

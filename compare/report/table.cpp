@@ -1,0 +1,412 @@
+#include "compare/report/table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "compare/audit/digits.h"
+#include "compare/report/third_table.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/states.h"
+
+namespace concord::compare {
+
+std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right) {
+  std::vector<std::size_t> widths(right.size(), 0);
+  for (const auto& line : lines) {
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  }
+  std::string text;
+  for (std::size_t row = 0; row < lines.size(); ++row) {
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      const std::string& cell = lines[row][c];
+      text += right[c] ? fmt::format("| {:>{}} ", cell, widths[c]) : fmt::format("| {:<{}} ", cell, widths[c]);
+    }
+    text += "|\n";
+    if (row > 0) continue;
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      text += fmt::format("|{:-<{}}{}", "", widths[c] + 1, right[c] ? ":" : "-");
+    }
+    text += "|\n";
+  }
+  return text;
+}
+
+std::string plural(int count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+namespace {
+
+std::string cuts_of(const SolverSummary& solver) {
+  return solver.cut_joints.empty() ? "" : fmt::format("{} cuts {}", solver.name, fmt::join(solver.cut_joints, ", "));
+}
+
+std::string head(const Verdict& verdict) {
+  std::string text = fmt::format("{}: {}, {}, {}", verdict.name, plural(verdict.bodies, "body", "bodies"),
+                                 plural(verdict.joints, "joint", "joints"), plural(verdict.loops, "loop", "loops"));
+  std::vector<std::string> cuts;
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (const std::string cut = cuts_of(solver); !cut.empty()) cuts.push_back(cut);
+  }
+  if (!cuts.empty()) text += fmt::format(" ({})", fmt::join(cuts, "; "));
+  text += fmt::format(", {} of which {} modal\n",
+                      plural(verdict.solvers[0].rank.degrees_of_freedom, "degree of freedom", "degrees of freedom"),
+                      verdict.modes);
+  text += "  constraints at the start:";
+  for (std::size_t who = 0; who < 2; ++who) {
+    const SolverSummary& solver = verdict.solvers[who];
+    text +=
+        fmt::format("{} {} {} of rank {}", who == 0 ? "" : ",", solver.name, solver.rank.constraints, solver.rank.rank);
+  }
+  text += fmt::format("\n  run: {:g} s, {} samples, rtol {:g}, refined {:g}, {} by {}, {} by {}\n", verdict.run.until,
+                      verdict.run.samples + 1, verdict.run.rtol, refined_tolerance(verdict.run.rtol),
+                      verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name,
+                      verdict.solvers[1].integrator);
+  text += fmt::format(
+      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
+      "motions {:g}\n",
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences);
+  return text;
+}
+
+std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
+
+/// How far a row stands above its needs; the least of all rungs.
+double margin(const QuantityRow& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  if (!digits) return kMostDigits;
+  const double above = detail_of(row, rung).unexplained - need_of(row, rung);
+  const bool may_rise = rung == Rung::refined && row.same_run.has_value();
+  return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
+}
+
+Rung tightest_rung(const QuantityRow& row) {
+  return *std::min_element(kRungs.begin(), kRungs.end(),
+                           [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
+}
+
+double margin(const QuantityRow& row) { return margin(row, tightest_rung(row)); }
+
+/// Name of the joint or force element of a wrench, and of the body on which it acts.
+std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
+  if (quantity.kind == Kind::element) {
+    const ForceElement& element = model.elements[quantity.owner];
+    return {element.name, model.bodies[end_of(element, quantity.side)->body].name};
+  }
+  const Joint& joint = model.joints[quantity.owner];
+  return {joint.name, model.bodies[joint.on(quantity.side).body].name};
+}
+
+/// When the rung with the least margin differs most.
+std::string worst_time(const QuantityRow& row) {
+  const Rung rung = tightest_rung(row);
+  if (!row.unique || !digits_of(row, rung)) return "-";
+  return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
+}
+
+/// Digits that agree, and of how many that double precision resolves: "13.4 of 15.1".
+std::string same_state_cell(const QuantityRow& row) {
+  if (!is_judged(row) || !row.same_state) return "-";
+  const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
+  return resolvable ? fmt::format("{} of {}", format_digits(*row.same_state), format_digits(*resolvable))
+                    : format_digits(*row.same_state);
+}
+
+/// In how many of the states a row is not unique, in words; empty if in none.
+std::string share_not_unique(const RungDetail& detail) {
+  const int all = detail.samples + detail.too_coarse + detail.not_unique;
+  if (detail.not_unique == 0) return "";
+  return fmt::format("not unique in {} of {} states", detail.not_unique, all);
+}
+
+std::string judgement_text(const QuantityRow& row) {
+  const RungDetail& detail = detail_of(row, Rung::same_state);
+  if (!row.unique) return "not unique, not judged";
+  if (!is_judged(row)) return "not judged: double precision resolves too little";
+  std::string said = to_string(row.judgement);
+  for (const Rung rung : kRungs) {
+    if (row.judgement == Judgement::not_judged && detail_of(row, rung).unconverged) {
+      return fmt::format("not judged: not converged ({})", name_of(rung));
+    }
+    if (row.judgement != Judgement::agree || !is_judged_by_resolution(row, rung)) continue;
+    said += fmt::format(", judged by resolution ({})", name_of(rung));
+    break;
+  }
+  if (detail.unresolved) said += ", unresolved";
+  if (detail.not_unique > 0) said += ", " + share_not_unique(detail);
+  return said;
+}
+
+std::vector<std::string> cells(const Model& model, const Verdict& verdict, const QuantityRow& row) {
+  const auto [owner, body] = owner_names(model, row.quantity);
+  const bool judged = is_judged(row);
+  const auto shown = [&](const std::optional<double>& digits) { return judged ? digits_cell(digits) : "-"; };
+  std::string said = judgement_text(row);
+  if (!row.need.because.empty()) said += fmt::format(" (need lowered: {})", row.need.because);
+  return {verdict.name,
+          owner,
+          body,
+          describe_component(row.quantity),
+          fmt::format("{:.4g} {}", row.scale, unit_of(model, row.quantity)),
+          name_of(row.source),
+          same_state_cell(row),
+          shown(row.same_run),
+          shown(row.refined),
+          fmt::format("{:g} / {:g} / {:g}", row.need.same_state, row.need.same_run, row.need.refined),
+          said};
+}
+
+/// Of each joint and side: the judged row with the least margin, and each row whose need the model lowered; if none is
+/// judged there, the first row.
+std::vector<const QuantityRow*> compact(const std::vector<QuantityRow>& rows) {
+  std::vector<const QuantityRow*> chosen;
+  for (std::size_t first = 0; first < rows.size();) {
+    std::size_t end = first;
+    const auto is_same_side = [&](const QuantityRow& row) {
+      return row.quantity.owner == rows[first].quantity.owner && row.quantity.side == rows[first].quantity.side;
+    };
+    while (end < rows.size() && is_same_side(rows[end])) ++end;
+    const QuantityRow* worst = &rows[first];
+    for (std::size_t k = first; k < end; ++k) {
+      const bool better_known = rows[k].unique && !worst->unique;
+      if (better_known || (rows[k].unique && margin(rows[k]) < margin(*worst))) worst = &rows[k];
+    }
+    for (std::size_t k = first; k < end; ++k) {
+      if (&rows[k] == worst || !rows[k].need.because.empty()) chosen.push_back(&rows[k]);
+    }
+    first = end;
+  }
+  return chosen;
+}
+
+std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict,
+                         const std::vector<QuantityRow>& rows, bool all_rows) {
+  std::vector<std::vector<std::string>> lines{
+      {"case", owner, "on", "component", "scale", "from", "same state", "same run", "refined", "need", "verdict"}};
+  std::vector<bool> right{false, false, false, false, true, false, true, true, true, false, false};
+  if (!all_rows) {
+    for (const QuantityRow* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
+    return format_table(lines, right);
+  }
+  lines.front().emplace_back("worst at");
+  right.push_back(false);
+  for (const QuantityRow& row : rows) {
+    lines.push_back(cells(model, verdict, row));
+    lines.back().push_back(worst_time(row));
+  }
+  return format_table(lines, right);
+}
+
+std::string reaction_table(const Model& model, const Verdict& verdict, bool all_rows) {
+  if (verdict.rows.empty()) return "";
+  return wrench_table("joint", model, verdict, verdict.rows, all_rows) + '\n';
+}
+
+std::string element_table(const Model& model, const Verdict& verdict, bool all_rows) {
+  std::vector<QuantityRow> rows;
+  std::copy_if(verdict.others.begin(), verdict.others.end(), std::back_inserter(rows),
+               [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
+  if (rows.empty()) return "";
+  return wrench_table("force element", model, verdict, rows, all_rows) + '\n';
+}
+
+/// Worst digits of each kind of the other quantities.
+std::string also_compared(const Verdict& verdict, Rung rung) {
+  constexpr std::array kKinds{
+      std::pair{Kind::total, "total wrenches"},      std::pair{Kind::reaction_global, "global axes"},
+      std::pair{Kind::driver, "driver forces"},      std::pair{Kind::coupling, "couplings"},
+      std::pair{Kind::element, "force elements"},    std::pair{Kind::body_sum, "sums on bodies"},
+      std::pair{Kind::acceleration, "accelerations"}};
+  std::string text;
+  for (const auto& [kind, name] : kKinds) {
+    std::optional<double> worst;
+    for (const QuantityRow& row : verdict.others) {
+      const auto digits = digits_of(row, rung);
+      if (row.quantity.kind == kind && row.unique && digits) worst = std::min(worst.value_or(kMostDigits), *digits);
+    }
+    if (worst) text += fmt::format("{} {} {}", text.empty() ? "" : ",", name, format_digits(*worst));
+  }
+  return text;
+}
+
+/// Components that are unique in some states only: judged there, and named with their share.
+std::string unique_in_part(const Model& model, const Verdict& verdict) {
+  std::map<std::string, std::string> components;  // by owner and share
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      const bool is_named =
+          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
+      const RungDetail& detail = detail_of(row, Rung::same_state);
+      if (!row.unique || !is_named || detail.not_unique == 0) continue;
+      components[fmt::format("{}, {}", describe_owner(model, row.quantity), share_not_unique(detail))] +=
+          " " + describe_component(row.quantity);
+    }
+  }
+  std::string text;
+  for (const auto& [where, names] : components) text += fmt::format("judged where unique: {}:{}\n", where, names);
+  return text;
+}
+
+std::string not_unique(const Model& model, const Verdict& verdict) {
+  using RowKey = std::tuple<int, int, Kind>;
+  std::map<RowKey, std::string> names;
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      const bool is_named =
+          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
+      if (row.unique || !is_named) continue;
+      std::string& line = names[RowKey(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
+      if (line.empty()) line = describe_owner(model, row.quantity) + ":";
+      line += " " + describe_component(row.quantity);
+    }
+  }
+  std::string text;
+  for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
+  return text + unique_in_part(model, verdict);
+}
+
+std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v(0), v(1), v(2)); }
+
+std::string pair_sums(const Verdict& verdict) {
+  std::string text;
+  for (const PairSum& pair : verdict.pair_sums) {
+    const std::string digits = pair.samples > 0 ? format_digits(pair.digits) + " digits at the same state"
+                                                : std::string("not unique, not judged");
+    text += fmt::format("sum of {}: {}; at the first state", pair.what, digits);
+    for (std::size_t who = 0; who < 2; ++who) {
+      text += fmt::format("{} {} F {} N, T {} N m", who == 0 ? "" : ";", verdict.solvers[who].name,
+                          vector_text(pair.at_start[who].force), vector_text(pair.at_start[who].torque));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string motion_text(const Verdict& verdict) {
+  std::string text;
+  const auto add = [&](const char* rung, const std::optional<MotionAgreement>& motion) {
+    if (!motion) return;
+    text += fmt::format("{} {} {}", text.empty() ? "motions, digits:" : ",", rung, format_digits(motion->digits));
+    if (!motion->worst.empty()) text += fmt::format(" ({}, t = {:.4g} s)", motion->worst, motion->t);
+  };
+  add("same run", verdict.motion);
+  add("refined", verdict.refined_motion);
+  return text.empty() ? text : text + '\n';
+}
+
+std::string rung_text(const char* name, const RungSummary& rung) {
+  return rung.digits ? fmt::format("{} {}", name, format_digits(*rung.digits)) : std::string(name);
+}
+
+bool keeps_energy(const Verdict& verdict) {
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
+    return solver.energy_error && *solver.energy_error <= kEnergyPerTolerance * verdict.run.rtol;
+  });
+}
+
+bool agrees_with_reference(const Verdict& verdict) {
+  return std::all_of(verdict.references.begin(), verdict.references.end(),
+                     [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
+}
+
+std::string audit_text(const Verdict& verdict) {
+  std::string text;
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
+  }
+  std::vector<std::string> errors;
+  for (const SolverSummary& solver : verdict.solvers) {
+    if (solver.energy_error) errors.push_back(fmt::format("{} {:.1e}", solver.name, *solver.energy_error));
+  }
+  if (!errors.empty()) text += fmt::format("energy balance, relative error: {}\n", fmt::join(errors, ", "));
+  return text;
+}
+
+std::string reference_table(const Verdict& verdict) {
+  if (verdict.references.empty()) return "";
+  std::vector<std::vector<std::string>> lines{{"against " + verdict.reference_file, "component", "peak", "stated error",
+                                               "cartesian off", "relative off", "verdict"}};
+  for (const ReferenceRow& row : verdict.references) {
+    lines.push_back({row.of, row.component, fmt::format("{:.4g} {}", row.peak, row.unit),
+                     fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
+                     fmt::format("{:.3g}", row.differences[1]),
+                     !row.is_judged ? "not unique, not judged"
+                     : row.agrees   ? "agree"
+                                    : "differ"});
+  }
+  return '\n' + format_table(lines, {false, false, true, true, true, true, false}) + '\n';
+}
+
+int count_too_coarse(const Verdict& verdict) {
+  return static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) {
+    return detail_of(row, Rung::same_state).too_coarse > 0 && !is_judged(row) && row.unique;
+  }));
+}
+
+std::string last_line(const Verdict& verdict) {
+  std::vector<std::string> climbed;
+  std::vector<std::string> missed;
+  const auto sort = [&](bool is_climbed, std::string text) {
+    (is_climbed ? climbed : missed).push_back(std::move(text));
+  };
+  sort(verdict.rank_agrees, "rank");
+  sort(verdict.same_state.climbed, rung_text("same state", verdict.same_state));
+  sort(verdict.same_run.climbed, rung_text("same run", verdict.same_run));
+  sort(verdict.refined.climbed, rung_text("refined", verdict.refined));
+  sort(verdict.audit.climbed, rung_text("audit", verdict.audit));
+  sort(keeps_energy(verdict), "energy");
+  if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
+  const ComponentCount count = count_components(verdict);
+  std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
+                                 count.judged, count.total);
+  const int coarse = count_too_coarse(verdict);
+  if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
+  if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));
+  if (!missed.empty()) text += fmt::format("; not climbed: {}", fmt::join(missed, ", "));
+  return text + '\n';
+}
+
+std::string trouble(const Verdict& verdict, bool all_rows) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t k = 0; k < verdict.findings.size(); ++k) {
+    if (k == kShown && !all_rows) {
+      text += fmt::format("     and {} more: --all names them\n", verdict.findings.size() - k);
+      break;
+    }
+    const Finding& finding = verdict.findings[k];
+    text += fmt::format("FAIL {}: {}\n", verdict.name, finding.what);
+    const bool is_last_of_its_kind =
+        k + 1 == verdict.findings.size() || verdict.findings[k + 1].symptom != finding.symptom;
+    if (is_last_of_its_kind) text += fmt::format("     {}\n", finding.symptom);
+  }
+  for (const std::string& failure : verdict.failures) text += fmt::format("STOP {}: {}\n", verdict.name, failure);
+  return text;
+}
+
+}  // namespace
+
+std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
+  std::string text = head(verdict) + '\n';
+  text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
+  text += not_unique(model, verdict) + pair_sums(verdict);
+  for (const Rung rung : kRungs) {
+    const std::string others = also_compared(verdict, rung);
+    if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(rung), others);
+  }
+  text += motion_text(verdict) + audit_text(verdict);
+  if (verdict.same_state.samples > 0) {
+    text += fmt::format("states handed to both: {}, of which {} perturbed with seed {}{}\n", verdict.same_state.samples,
+                        kRandomStates, kSeed,
+                        verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
+  }
+  text += reference_table(verdict) + format_third(model, verdict, all_rows);
+  for (const std::string& note : verdict.notes) text += fmt::format("note: {}\n", note);
+  return text + trouble(verdict, all_rows) + last_line(verdict);
+}
+
+}  // namespace concord::compare

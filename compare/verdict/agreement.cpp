@@ -1,0 +1,279 @@
+#include "compare/verdict/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// Largest norm of `count` rows from `row` over all samples and both solvers.
+double peak(const Series& series, int row, int count) {
+  double largest = 0.0;
+  for (const MatX& values : series.values) {
+    if (values.cols() > 0) largest = std::max(largest, values.middleRows(row, count).colwise().norm().maxCoeff());
+  }
+  return largest;
+}
+
+/// Scale of the first three rows of a block (force, acceleration) and of the next three (torque, angular).
+struct BlockScale {
+  double linear = 0.0;
+  double angular = 0.0;
+  ScaleSource linear_source = ScaleSource::own_peak;
+  ScaleSource angular_source = ScaleSource::own_peak;
+};
+
+double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+
+double total_mass(const Model& model) {
+  double mass = 0.0;
+  for (const Body& body : model.bodies) mass += mass_of(body);
+  return mass;
+}
+
+class Scales {
+ public:
+  Scales(const QuantityLayout& layout, const Series& series)
+      : layout_(layout), series_(series), length_(layout.model().length_scale()) {
+    collect_wrenches();
+    collect_accelerations();
+  }
+
+  void assign(const Quantity& quantity, Measured& measured) const {
+    const bool is_acceleration = quantity.kind == Kind::acceleration;
+    if (is_acceleration && quantity.component >= 6) {
+      measured.scale = measured.machine = modal_[quantity.owner];
+      return;
+    }
+    const BlockScale own = is_acceleration ? accelerations_[quantity.owner] : wrench_scale(quantity);
+    const BlockScale floor = is_acceleration ? acceleration_floor_ : wrench_floor_;
+    const bool angular = unit_of(layout_.model(), quantity) == (is_acceleration ? "rad/s2" : "N m");
+    const double scale = angular ? own.angular : own.linear;
+    const double least = angular ? floor.angular : floor.linear;
+    measured.scale = std::max(scale, least);
+    measured.source = scale < least ? ScaleSource::floor : (angular ? own.angular_source : own.linear_source);
+    measured.machine = std::max(measured.scale, least / kScaleFloor);
+  }
+
+ private:
+  [[nodiscard]] BlockScale wrench_at(int row) const {
+    const double force = peak(series_, row, 3);
+    const double torque = peak(series_, row + 3, 3);
+    const bool by_lever = force * length_ > torque;
+    return {force, by_lever ? force * length_ : torque, ScaleSource::own_peak,
+            by_lever ? ScaleSource::lever : ScaleSource::own_peak};
+  }
+
+  static void enlarge(BlockScale& scale, const BlockScale& other) {
+    if (other.linear > scale.linear) {
+      scale.linear = other.linear;
+      scale.linear_source = other.linear_source;
+    }
+    if (other.angular > scale.angular) {
+      scale.angular = other.angular;
+      scale.angular_source = other.angular_source;
+    }
+  }
+
+  /// Weight and inertia of the bodies: what joints would pass on if they passed anything.
+  [[nodiscard]] BlockScale loads() const {
+    const Model& model = layout_.model();
+    BlockScale largest;
+    for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
+      const double acceleration = peak(series_, layout_.first_row(Kind::acceleration, i), 3) + model.gravity.norm();
+      const double force = mass_of(model.bodies[i]) * acceleration;
+      enlarge(largest, {force, force * length_});
+    }
+    return largest;
+  }
+
+  void collect_wrenches() {
+    const Model& model = layout_.model();
+    on_body_.resize(model.bodies.size());
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      for (const Side side : {Side::parent, Side::child}) {
+        const int joint = static_cast<int>(k);
+        reactions_.push_back(wrench_at(layout_.first_row(Kind::reaction, joint, side)));
+        totals_.push_back(wrench_at(layout_.first_row(Kind::total, joint, side)));
+        enlarge(on_body_[model.joints[k].on(side).body], totals_.back());
+        enlarge(wrench_floor_, totals_.back());
+        enlarge(wrench_floor_, reactions_.back());
+      }
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      BlockScale& scale = elements_.emplace_back();
+      for (const Side side : {Side::parent, Side::child}) {
+        if (end_of(model.elements[k], side) == nullptr) continue;
+        enlarge(scale, wrench_at(layout_.first_row(Kind::element, static_cast<int>(k), side)));
+      }
+      enlarge(wrench_floor_, scale);
+    }
+    enlarge(wrench_floor_, loads());
+    wrench_floor_.linear_source = wrench_floor_.angular_source = ScaleSource::floor;
+    hold_idle_joints_against_the_machine(wrench_floor_);
+    collect_couplings();
+    wrench_floor_ = {kScaleFloor * wrench_floor_.linear, kScaleFloor * wrench_floor_.angular};
+  }
+
+  /// The force that would explain all that passes through the joints of a coupling.
+  void collect_couplings() {
+    const Model& model = layout_.model();
+    for (const Coupling& coupling : model.couplings) {
+      double scale = 0.0;
+      for (const CouplingTerm& term : coupling.terms) {
+        const BlockScale& total = totals_[2 * term.joint + index(Side::child)];
+        const bool turns = turning_speeds(*model.joints[term.joint].type)[speed_of(model, term)];
+        scale = std::max(scale, (turns ? total.angular : total.linear) / std::abs(term.factor));
+      }
+      couplings_.push_back({scale, scale});
+    }
+  }
+
+  /// A joint that can carry nothing has no scale of its own, nor has a body that only such joints hold: their round-off
+  /// is that of the loads around them.
+  void hold_idle_joints_against_the_machine(const BlockScale& machine) {
+    const Model& model = layout_.model();
+    std::vector<bool> is_held(model.bodies.size(), false);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const bool idle = model.carries_nothing(static_cast<int>(k));
+      for (const Side side : {Side::parent, Side::child}) {
+        if (!idle) {
+          is_held[model.joints[k].on(side).body] = true;
+          continue;
+        }
+        reactions_[2 * k + index(side)] = machine;
+        totals_[2 * k + index(side)] = machine;
+      }
+    }
+    for (std::size_t i = 0; i < is_held.size(); ++i) {
+      if (!is_held[i]) on_body_[i] = machine;
+    }
+  }
+
+  void collect_accelerations() {
+    const Model& model = layout_.model();
+    accelerations_.resize(model.bodies.size());
+    modal_.resize(model.bodies.size());
+    for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
+      const int row = layout_.first_row(Kind::acceleration, i);
+      const double spin = series_.spin[i];
+      const double own = peak(series_, row, 3);
+      const double by_turning = std::max(peak(series_, row + 3, 3), spin * spin) * length_;
+      const double gravity = model.gravity.norm();
+      const double linear = std::max({own, by_turning, gravity});
+      const ScaleSource source = linear == own          ? ScaleSource::own_peak
+                                 : linear == by_turning ? ScaleSource::lever
+                                                        : ScaleSource::gravity;
+      accelerations_[i] = {linear, linear / length_, source, source};
+      enlarge(acceleration_floor_, accelerations_[i]);
+      modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
+    }
+    // A body that nothing but its modes moves still has the loads of the machine to be compared with.
+    const double by_loads = wrench_floor_.linear / total_mass(model);
+    acceleration_floor_ = {std::max(kScaleFloor * acceleration_floor_.linear, by_loads),
+                           std::max(kScaleFloor * acceleration_floor_.angular, by_loads / length_)};
+  }
+
+  [[nodiscard]] BlockScale wrench_scale(const Quantity& quantity) const {
+    const int block = 2 * quantity.owner + index(quantity.side);
+    switch (quantity.kind) {
+      case Kind::body_sum:
+        return on_body_[quantity.owner];
+      case Kind::element:
+        return elements_[quantity.owner];
+      case Kind::coupling:
+        return couplings_[quantity.owner];
+      case Kind::total:
+      case Kind::driver:
+        return totals_[block];
+      default:
+        return reactions_[block];
+    }
+  }
+
+  const QuantityLayout& layout_;
+  const Series& series_;
+  double length_;
+  std::vector<BlockScale> reactions_;  // joint-major, parent then child
+  std::vector<BlockScale> totals_;
+  std::vector<BlockScale> elements_;
+  std::vector<BlockScale> couplings_;
+  std::vector<BlockScale> on_body_;
+  std::vector<BlockScale> accelerations_;
+  std::vector<double> modal_;
+  BlockScale wrench_floor_;
+  BlockScale acceleration_floor_;
+};
+
+}  // namespace
+
+const char* name_of(ScaleSource source) {
+  switch (source) {
+    case ScaleSource::own_peak:
+      return "peak";
+    case ScaleSource::lever:
+      return "F l";
+    case ScaleSource::gravity:
+      return "g";
+    default:
+      return "floor";
+  }
+}
+
+namespace {
+
+/// Goes over the samples of one quantity.
+void measure_row(const Series& series, const Budget& budget, Eigen::Index row, Measured& measured) {
+  std::optional<Eigen::Index> worst;
+  for (Eigen::Index sample = 0; sample < series.values[0].cols(); ++sample) {
+    if (budget.judged != nullptr && !(*budget.judged)(row, sample)) {
+      ++measured.not_unique;
+      continue;
+    }
+    const double resolution =
+        budget.resolution != nullptr ? (*budget.resolution)(row, sample) : std::numeric_limits<double>::quiet_NaN();
+    const double within = kWithinResolution * resolution;
+    if (within > kCoarsest * measured.machine && measured.machine > 0.0) {
+      ++measured.too_coarse;
+      continue;
+    }
+    ++measured.samples;
+    measured.unresolved = measured.unresolved || within > kCoarsest * measured.scale;
+    const double difference = std::abs(series.values[0](row, sample) - series.values[1](row, sample));
+    const bool is_explained = difference <= within;
+    if (resolution > 0.0) {
+      measured.resolution = std::fmax(measured.resolution, resolution);
+      measured.ratio = std::max(measured.ratio, difference / resolution);
+    }
+    const bool is_worse = !is_explained && difference > measured.unexplained;
+    if (is_worse || !worst || (measured.unexplained == 0.0 && difference > measured.difference)) worst = sample;
+    if (!is_explained) measured.unexplained = std::max(measured.unexplained, difference);
+    measured.difference = std::max(measured.difference, difference);
+  }
+  if (!worst) return;
+  measured.worst = static_cast<std::size_t>(*worst);
+  measured.t = series.times[measured.worst];
+  measured.values = {series.values[0](row, *worst), series.values[1](row, *worst)};
+}
+
+}  // namespace
+
+std::vector<Measured> measure(const QuantityLayout& layout, const Series& series, const Budget& budget) {
+  const Scales scales(layout, series);
+  std::vector<Measured> all(layout.quantities().size());
+  for (std::size_t row = 0; row < all.size(); ++row) {
+    Measured& measured = all[row];
+    scales.assign(layout.quantities()[row], measured);
+    measure_row(series, budget, static_cast<Eigen::Index>(row), measured);
+    measured.digits = matching_digits(measured.difference, measured.scale);
+    measured.unexplained_digits = matching_digits(measured.unexplained, measured.scale);
+  }
+  return all;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/results.h"
+#include "compare/verdict/observe.h"
+
+/// Two solvers' results brought side by side.
+namespace concord::compare {
+
+/// The two solvers, in the order of every pair of values.
+enum class Who { cartesian = 0, relative = 1 };
+
+constexpr int index(Who who) { return static_cast<int>(who); }
+
+inline constexpr std::array kSolverNames{"cartesian", "relative"};
+
+/// What both solvers say at the same times: `values[who]` has a row for each quantity of the layout and a column for
+/// each time. `spin` is each body's largest angular speed over all of them [rad/s].
+struct Series {
+  std::vector<double> times;
+  std::array<MatX, 2> values;
+  std::vector<double> spin;
+};
+
+/// Puts two trajectories on their common grid. Throws IncompleteResult if either has other than `samples` samples, if
+/// the times differ, or if a number is missing or not finite.
+Series align(const QuantityLayout& layout, const std::array<const Trajectory*, 2>& trajectories, int samples);
+
+/// One state, evaluated by both solvers. `row`: the sample of the run that it is taken from, or -1.
+struct SharedState {
+  State state;
+  std::array<Evaluation, 2> evaluations;
+  int row = -1;
+};
+
+/// Evaluations of the same states side by side. Throws IncompleteResult like the other one.
+Series align(const QuantityLayout& layout, const std::vector<SharedState>& states);
+
+/// Angle between two orientations, of A1^T A2 [rad], accurate near zero.
+double angle_between(const Mat3& A1, const Mat3& A2);
+
+/// Agreement of motions over two aligned trajectories: the worst of body origins (relative to the machine's length),
+/// orientations (rad), velocities and angular velocities (relative to the largest of the run), and modal coordinates
+/// (relative to the body's largest). What hardly moves is compared with a thousandth of what the machine's length,
+/// gravity and the time of the run give.
+struct MotionAgreement {
+  double digits = 16.0;
+  double t = 0.0;
+  std::string worst;  // "origin of coupler", "orientation of crank", ...
+};
+MotionAgreement compare_motions(const Model& model, const std::array<const Trajectory*, 2>& trajectories);
+
+}  // namespace concord::compare

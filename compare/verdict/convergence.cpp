@@ -1,0 +1,119 @@
+#include "compare/verdict/convergence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/audit/digits.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// A change from one tolerance to the next is one draw of an error, whose size may be so many times larger.
+constexpr double kOfOneDraw = 10.0;
+
+/// Where one solver's run moves by so many times more than the other's, it is not the motion that is sensitive.
+constexpr double kOneAlone = 1e4;
+
+/// Rows that are judged on a rung and miss their need, those with the fewest digits first.
+std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Rung rung) {
+  std::vector<QuantityRow*> missing;
+  for (auto* rows : {&verdict.rows, &verdict.others}) {
+    for (QuantityRow& row : *rows) {
+      if (row.unique && digits_of(row, rung) && !meets_need(row, rung)) missing.push_back(&row);
+    }
+  }
+  std::stable_sort(missing.begin(), missing.end(), [rung](const QuantityRow* a, const QuantityRow* b) {
+    return detail_of(*a, rung).unexplained < detail_of(*b, rung).unexplained;
+  });
+  return missing;
+}
+
+/// The largest change of a quantity from one tolerance to the other, of each solver [the quantity's unit].
+std::array<double, 2> own_changes(const RunPair& looser, const RunPair& tighter, int row) {
+  std::array<double, 2> changes{};
+  for (std::size_t who = 0; who < 2; ++who) {
+    changes[who] = (looser.series.values[who].row(row) - tighter.series.values[who].row(row)).cwiseAbs().maxCoeff();
+  }
+  return changes;
+}
+
+/// The same of the motions, as digits.
+std::array<double, 2> own_motion_digits(const Model& model, const RunPair& looser, const RunPair& tighter) {
+  std::array<double, 2> digits{};
+  for (std::size_t who = 0; who < 2; ++who) {
+    digits[who] = compare_motions(model, {&*looser.trajectories[who], &*tighter.trajectories[who]}).digits;
+  }
+  return digits;
+}
+
+std::string tell(std::string_view what, double digits, const std::array<double, 2>& own, const RunPair& looser,
+                 const RunPair& tighter, Rung rung) {
+  return fmt::format(
+      "{}: the runs do not converge as far as the verdict needs: {}: the solvers agree to {} digits at rtol {:g}, and "
+      "from rtol {:g} on the cartesian run itself holds {} digits, the relative {}; the difference between the solvers "
+      "is of that size: end the run earlier (--until), or lower the need with a reason",
+      name_of(rung), what, format_digits(digits), tighter.run.rtol, looser.run.rtol, format_digits(own[0]),
+      format_digits(own[1]));
+}
+
+}  // namespace
+
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples) {
+  RunPair first{pair.run, {}, {}, {}, {}};
+  for (std::size_t who = 0; who < 2; ++who) {
+    Trajectory& run = first.trajectories[who].emplace();
+    const std::vector<Sample>& all = pair.trajectories[who]->samples;
+    run.samples.assign(all.begin(), all.begin() + samples);
+  }
+  first.series = align(layout, {&*first.trajectories[0], &*first.trajectories[1]}, samples);
+  return first;
+}
+
+bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
+  if (pair.motion.digits < motion_need) return false;
+  const auto misses = [rung](const QuantityRow& row) {
+    return row.unique && digits_of(row, rung) && !meets_need(row, rung);
+  };
+  return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
+         std::none_of(verdict.others.begin(), verdict.others.end(), misses);
+}
+
+std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
+                                            Rung rung, double motion_need, Verdict& verdict) {
+  const std::vector<QuantityRow*> missing = rows_that_miss(verdict, rung);
+  // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
+  double apart = 0.0;
+  std::array<double, 2> moved{};
+  for (const QuantityRow* row : missing) {
+    const int place = layout.row_of(row->quantity);
+    const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
+    const std::array<double, 2> own = own_changes(looser, tighter, place);
+    apart = std::max(apart, measured.unexplained / measured.scale);
+    for (std::size_t who = 0; who < 2; ++who) moved[who] = std::max(moved[who], own[who] / measured.scale);
+  }
+  if (apart > kOfOneDraw * (moved[0] + moved[1])) return std::nullopt;
+  if (std::max(moved[0], moved[1]) > kOneAlone * std::min(moved[0], moved[1])) return std::nullopt;
+  const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
+  if (tighter.motion.digits < motion_need &&
+      tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - std::log10(kOfOneDraw)) {
+    return std::nullopt;
+  }
+  if (std::abs(of_motions[0] - of_motions[1]) > std::log10(kOneAlone)) return std::nullopt;
+  for (QuantityRow* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
+  if (missing.empty()) {
+    return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);
+  }
+  const Quantity& quantity = missing.front()->quantity;
+  const int place = layout.row_of(quantity);
+  const Measured& measured = tighter.measured[static_cast<std::size_t>(place)];
+  std::array<double, 2> digits = own_changes(looser, tighter, place);
+  for (double& one : digits) one = matching_digits(one, measured.scale);
+  return tell(fmt::format("{}, {}, t = {:.4g} s", describe_owner(layout.model(), quantity),
+                          describe_component(quantity), measured.t),
+              measured.unexplained_digits, digits, looser, tighter, rung);
+}
+
+}  // namespace concord::compare

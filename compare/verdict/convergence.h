@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/verdict.h"
+
+/// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.
+namespace concord::compare {
+
+/// A rung by runs is repeated at tighter tolerances while its needs are missed, but not below this.
+inline constexpr double kTightestRepeat = 1e-13;
+
+/// Both solvers' runs at one tolerance, side by side.
+struct RunPair {
+  RunOptions run;
+  std::array<std::optional<Trajectory>, 2> trajectories;
+  Series series;
+  std::vector<Measured> measured;
+  MotionAgreement motion;
+
+  [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
+};
+
+/// The same runs up to a sample, `samples` of them; not measured.
+RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples);
+
+/// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
+bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
+
+/// Looks at the rows that miss their need on a rung where the same state agrees. If the largest difference among them,
+/// relative to its scale, is of the size, within a factor of ten, of what the solvers' own runs moved by in these rows
+/// from the looser tolerance to the tighter one, and the same holds for the motions, the integration has not converged,
+/// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
+/// worst. Returns nothing, and marks nothing, if the difference is larger, or if one solver alone moves: then its
+/// integration is at fault.
+std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
+                                            Rung rung, double motion_need, Verdict& verdict);
+
+}  // namespace concord::compare

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/audit/places.h"
+
+/// Everything that is compared, as one list of numbers for each state.
+namespace concord::compare {
+
+/// A solver's result lacks something that the model asks for: no verdict is possible.
+class IncompleteResult : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// "F_x", "F_y", "F_z", "T_x", "T_y", "T_z".
+const std::array<std::string, 6>& component_names();
+
+enum class Kind {
+  reaction,         // of a joint on a side, at that side's point, in that side's joint frame
+  reaction_global,  // the same in global axes
+  total,            // total wrench: reaction and coordinate wrenches
+  driver,           // force of driver, spring, actuator and couplings on a joint speed
+  coupling,         // force of a coupling: factor_k times it is its part of what acts on coordinate k
+  element,          // wrench of a force element on a side, at that end's point, in that end's frame
+  acceleration,     // of a body: origin, angular, modal
+  body_sum          // total wrench of all joints on a body, at its origin, global axes: unique even with redundancy
+};
+
+/// One number that both solvers give.
+struct Quantity {
+  Kind kind = Kind::reaction;
+  int owner = 0;            // joint, coupling, force element, or body for accelerations and sums
+  Side side = Side::child;  // of wrenches
+  int component = 0;        // 0..5 for wrenches; joint speed for forces on it; place in [vdot; omegadot; addot]
+
+  friend bool operator==(const Quantity&, const Quantity&) = default;
+};
+
+/// The list of quantities of a model, always in the same order: the rows of every series.
+class QuantityLayout {
+ public:
+  explicit QuantityLayout(const Model& model);
+
+  [[nodiscard]] const Model& model() const { return *model_; }
+  [[nodiscard]] const std::vector<Quantity>& quantities() const { return quantities_; }
+
+  /// Row of a quantity.
+  [[nodiscard]] int row_of(const Quantity& quantity) const;
+  /// First row of the six of a wrench (reaction, reaction_global, total, element, body_sum), or of an acceleration.
+  [[nodiscard]] int first_row(Kind kind, int owner, Side side = Side::child) const;
+
+  /// All quantities of one state. Throws IncompleteResult if a body, a joint, a coupling or a force element is missing.
+  [[nodiscard]] VecX observe(const State& state, const Evaluation& evaluation) const;
+
+ private:
+  void add_block(Kind kind, int owner, Side side, int components);
+
+  const Model* model_;
+  std::vector<Quantity> quantities_;
+};
+
+/// "joint D on slider", "driver of joint A", "spring of joint B", "coupling gear", "force element strut on axle", "body
+/// coupler".
+std::string describe_owner(const Model& model, const Quantity& quantity);
+
+/// "F_x", "tau_1", "vdot_x", "addot_2".
+std::string describe_component(const Quantity& quantity);
+
+/// Place of a coupled coordinate's speed among the speeds of its joint.
+int speed_of(const Model& model, const CouplingTerm& term);
+
+/// The unit of a coupling's force is that of its first term's coordinate force, whose factor counts as a number:
+/// "N", "N m", "m/s2", "rad/s2", or "1/s2" for modal accelerations.
+std::string unit_of(const Model& model, const Quantity& quantity);
+
+/// Speeds of joint k on which a driver, a spring, an actuator or a coupling acts, in the order of the speeds.
+std::vector<int> forced_speeds(const Model& model, int k);
+
+/// Place of a joint's point on one side in global axes, deformed [m].
+Vec3 joint_point(const Model& model, const State& state, const Joint& joint, Side side);
+
+/// Total wrench of all the model's joints on a body at its origin, global axes [N, N m].
+Wrench total_on_body(const Model& model, const State& state, const Evaluation& evaluation, int body);
+
+}  // namespace concord::compare

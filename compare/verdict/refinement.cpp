@@ -1,0 +1,202 @@
+#include "compare/verdict/refinement.h"
+
+#include <algorithm>
+
+#include "compare/audit/digits.h"
+
+namespace concord::compare {
+
+double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightestTolerance)); }
+
+const char* name_of(Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return "same state";
+    case Rung::same_run:
+      return "same run";
+    default:
+      return "refined";
+  }
+}
+
+namespace {
+
+constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return &QuantityRow::same_state;
+    case Rung::same_run:
+      return &QuantityRow::same_run;
+    default:
+      return &QuantityRow::refined;
+  }
+}
+
+RungSummary& summary_of(Verdict& verdict, Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return verdict.same_state;
+    case Rung::same_run:
+      return verdict.same_run;
+    default:
+      return verdict.refined;
+  }
+}
+
+/// The kinds whose worst digits stand for a rung.
+bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
+
+/// Those, and forces on joint speeds: all that there is to judge where no joint constrains anything.
+bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || kind == Kind::coupling; }
+
+}  // namespace
+
+std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
+
+double need_of(const QuantityRow& row, Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return row.need.same_state;
+    case Rung::same_run:
+      return row.need.same_run;
+    default:
+      return row.need.refined;
+  }
+}
+
+bool meets_need(const QuantityRow& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  if (!digits) return false;
+  if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
+  return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+}
+
+const RungDetail& detail_of(const QuantityRow& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
+
+bool is_judged_by_resolution(const QuantityRow& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
+}
+
+bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
+
+void make_rows(const QuantityLayout& layout, Verdict& verdict) {
+  const Model& model = layout.model();
+  for (const Quantity& quantity : layout.quantities()) {
+    QuantityRow row;
+    row.quantity = quantity;
+    row.need = needs_of(model, quantity);
+    if (quantity.kind != Kind::reaction) {
+      verdict.others.push_back(row);
+      continue;
+    }
+    const Joint& joint = model.joints[quantity.owner];
+    if (!joints::carries(*joint.type, quantity.side, quantity.component)) continue;
+    verdict.rows.push_back(row);
+  }
+}
+
+namespace {
+
+/// Whether the rung ran for the row, and double precision or redundancy kept it from being judged there.
+bool is_left_out(const QuantityRow& row, Rung rung) {
+  const RungDetail& detail = detail_of(row, rung);
+  return detail.samples == 0 && detail.not_unique + detail.too_coarse > 0;
+}
+
+RungDetail detail_from(const Measured& found) {
+  RungDetail detail;
+  detail.unexplained = found.unexplained_digits;
+  if (found.resolution > 0.0) detail.resolvable = matching_digits(found.resolution, found.scale);
+  detail.ratio = found.ratio;
+  detail.samples = found.samples;
+  detail.not_unique = found.not_unique;
+  detail.too_coarse = found.too_coarse;
+  detail.unresolved = found.unresolved;
+  return detail;
+}
+
+}  // namespace
+
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
+  const auto& quantities = layout.quantities();
+  std::size_t place = 0;
+  const auto fill = [&](QuantityRow& row) {
+    while (quantities[place] != row.quantity) ++place;  // rows keep the layout's order
+    const Measured& found = measured[place];
+    if (row.scale == 0.0) {
+      row.scale = found.scale;
+      row.source = found.source;
+    }
+    // The first rung that runs says where a row is unique.
+    if (rung == Rung::same_state) row.unique = found.samples + found.too_coarse > 0;
+    RungSummary& summary = summary_of(verdict, rung);
+    summary.carries = summary.carries || (row.unique && found.scale > 0.0 && is_force(row.quantity.kind));
+    if (!judges(rung, row.quantity.kind)) return;
+    (row.*digits_at(rung)).reset();
+    row.detail[static_cast<std::size_t>(rung)] = detail_from(found);
+    if (found.samples == 0) return;
+    row.*digits_at(rung) = found.digits;
+    row.worst_t[static_cast<std::size_t>(rung)] = found.t;
+  };
+  for (QuantityRow& row : verdict.rows) fill(row);
+  place = 0;
+  for (QuantityRow& row : verdict.others) fill(row);
+}
+
+bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
+
+bool has_judged(const Verdict& verdict) {
+  const auto is_judged_force = [](const QuantityRow& row) { return is_force(row.quantity.kind) && is_judged(row); };
+  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force);
+}
+
+bool carries_something(const Verdict& verdict) {
+  const auto carries = [](const QuantityRow& row) {
+    return row.unique && row.scale > 0.0 && is_force(row.quantity.kind);
+  };
+  return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
+         std::any_of(verdict.others.begin(), verdict.others.end(), carries);
+}
+
+namespace {
+
+void sum_up(Rung rung, Verdict& verdict) {
+  RungSummary& summary = summary_of(verdict, rung);
+  summary.climbed = has_judged(verdict);
+  std::optional<double> on_speeds;
+  const auto take = [&](const QuantityRow& row) {
+    if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
+    summary.climbed = summary.climbed && meets_need(row, rung);
+    const auto digits = digits_of(row, rung);
+    if (!digits || !is_force(row.quantity.kind)) return;
+    std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
+    worst = std::min(worst.value_or(kMostDigits), *digits);
+  };
+  for (const QuantityRow& row : verdict.rows) take(row);
+  for (const QuantityRow& row : verdict.others) take(row);
+  if (!summary.digits) summary.digits = on_speeds;
+}
+
+}  // namespace
+
+void judge(Verdict& verdict) {
+  const auto judge_row = [](QuantityRow& row) {
+    if (!is_judged(row)) return;
+    row.judgement = Judgement::agree;
+    for (const Rung rung : kRungs) {
+      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
+      if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
+      // A rung that did not run, or did not converge, decides about no solver.
+      if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
+    }
+  };
+  for (QuantityRow& row : verdict.rows) judge_row(row);
+  for (QuantityRow& row : verdict.others) judge_row(row);
+  verdict.total = static_cast<int>(verdict.rows.size());
+  verdict.judged = static_cast<int>(
+      std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) { return is_judged(row); }));
+  for (const Rung rung : kRungs) sum_up(rung, verdict);
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/verdict.h"
+
+/// From measured digits to judgements, rung by rung.
+namespace concord::compare {
+
+/// Tolerances are divided by this on the refined rung, but not below kTightestTolerance.
+inline constexpr double kTighter = 100.0;
+
+/// Relative tolerance of the refined run.
+double refined_tolerance(double rtol);
+
+/// The rungs at which digits are judged, in their order.
+enum class Rung { same_state, same_run, refined };
+inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
+
+/// "same state", "same run", "refined".
+const char* name_of(Rung rung);
+
+std::optional<double> digits_of(const QuantityRow& row, Rung rung);
+double need_of(const QuantityRow& row, Rung rung);
+const RungDetail& detail_of(const QuantityRow& row, Rung rung);
+
+/// Whether a row misses its need by what double precision cannot resolve there: round-off is no difference.
+bool is_judged_by_resolution(const QuantityRow& row, Rung rung);
+
+/// Whether what a row differs by beyond round-off stays within its need on a rung; refined: its need, or kRefinedRise
+/// above its same run. False if the rung did not run or did not judge the row.
+bool meets_need(const QuantityRow& row, Rung rung);
+
+/// Rungs that judge a quantity: all three, but accelerations at the same state only.
+bool judges(Rung rung, Kind kind);
+
+/// Rows of all quantities: reactions that the joints can carry in `rows`, the rest in `others`.
+void make_rows(const QuantityLayout& layout, Verdict& verdict);
+
+/// Fills the digits of one rung into all rows, and the scale where it is still missing.
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict);
+
+/// Whether a row is judged at all: it is unique in some state, and double precision resolves enough of it.
+bool is_judged(const QuantityRow& row);
+
+/// Whether anything was judged: a reaction component, a force element, or a force on a joint speed (driver, spring,
+/// actuator, coupling) where no joint constrains anything.
+bool has_judged(const Verdict& verdict);
+
+/// Whether any of those that is judged carries more than nothing.
+bool carries_something(const Verdict& verdict);
+
+/// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether they hold.
+void judge(Verdict& verdict);
+
+}  // namespace concord::compare

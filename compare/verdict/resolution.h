@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+
+/// What double precision resolves of each quantity in each state, measured: how far a solver's answer moves when the
+/// state moves by round-off, and when the solver closes it again. A difference between the solvers that is no larger
+/// than a few resolutions is round-off; one that is larger is not.
+namespace concord::compare {
+
+inline constexpr int kDraws = 5;
+/// With fewer valid draws the resolution of a state is unknown there.
+inline constexpr int kFewestDraws = 3;
+/// A closing that moves the state by more than this (relative to the sizes that draws have) found another state.
+inline constexpr double kSameClosing = 1e-11;
+
+/// Resolutions of all quantities (rows of the layout) in all states (columns), in each quantity's unit.
+struct Resolution {
+  /// Of the less resolving solver, with the floor: round-off of the terms that are added up. NaN where it is unknown.
+  MatX both;
+  /// Of each solver alone, without the floor.
+  std::array<MatX, 2> own;
+  /// Closings that were left out because they found another state, and states with too few valid draws.
+  int closings_left_out = 0;
+  int unknown_states = 0;
+  /// Of each state why it is singular within round-off, in the words of a solver that refuses a draw as a singular
+  /// pose; empty for all others.
+  std::vector<std::string> singular;
+};
+
+/// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
+/// m/s, rad/s] and of each body's modal coordinates and rates; and by how much a unit of each mode moves the body.
+struct StateSizes {
+  double place = 0.0;
+  double velocity = 0.0;
+  double turning = 0.0;
+  std::vector<double> modal;
+  std::vector<double> modal_rate;
+  std::vector<VecX> shapes;
+};
+StateSizes sizes_of(const Model& model, const State& state);
+
+/// `state` with every number moved by at most one unit of round-off of its kind's size, the same for the same seed.
+State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed);
+
+/// Size of the terms that a solver adds up to each quantity in a state [the quantity's unit]: loads of the bodies, and
+/// what passes through their joints.
+VecX term_sizes(const QuantityLayout& layout, const SharedState& shared);
+
+/// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
+/// closing by each; over the three components of a force, torque or acceleration the largest; plus the floor, a unit of
+/// round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
+Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
+                              const std::vector<SharedState>& states, const std::vector<Measured>& measured,
+                              std::uint64_t seed);
+
+/// The resolutions in the samples of a run: of each sample the largest over the states taken from it
+/// (SharedState::row), NaN where there is none.
+MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedState>& states, int samples);
+
+}  // namespace concord::compare

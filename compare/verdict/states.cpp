@@ -1,0 +1,237 @@
+#include "compare/verdict/states.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "compare/verdict/chart.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr int kTries = 30;
+constexpr int kTriesAlong = 12;
+/// Each try starts nearer to the run's state than the one before.
+constexpr double kShrink = 0.8;
+/// At least one of so many perturbed states must be found.
+constexpr int kFewestOf = 5;
+/// Deflection [of the machine's length] to shake a mode with that the run never moves.
+constexpr double kQuietDeflection = 1e-4;
+
+}  // namespace
+
+std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& trajectories, int least) {
+  std::vector<OwnedState> states;
+  const auto rows_of = [&](int who) { return trajectories[who] != nullptr ? trajectories[who]->samples.size() : 0; };
+  const std::size_t rows = std::max(rows_of(0), rows_of(1));
+  const bool take_both = rows < static_cast<std::size_t>(least);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const int turn = static_cast<int>(k % 2);
+    for (const int who : {turn, 1 - turn}) {
+      if (k >= rows_of(who)) continue;
+      states.push_back({trajectories[who]->samples[k].state, static_cast<Who>(who), static_cast<int>(k)});
+      if (!take_both) break;
+    }
+  }
+  return states;
+}
+
+StatePerturbation::StatePerturbation(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
+    : draws_(seed), length_(model.length_scale()) {
+  modal_.reserve(model.bodies.size());
+  for (const Body& body : model.bodies) {
+    modal_.push_back(VecX::Zero(body.n_modes()));
+    modal_rate_.push_back(VecX::Zero(body.n_modes()));
+  }
+  for (const OwnedState& owned : run) {
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const BodyState& body = owned.state.bodies[i];
+      speed_ = std::max(speed_, body.v.norm());
+      turning_ = std::max(turning_, body.omega.norm());
+      modal_[i] = modal_[i].cwiseMax(body.a.cwiseAbs());
+      modal_rate_[i] = modal_rate_[i].cwiseMax(body.adot.cwiseAbs());
+    }
+  }
+  // A machine that hardly moves is set in motion as gravity would, or the time of the run.
+  const double until = run.empty() ? 0.0 : run.back().state.t;
+  turning_ = std::max({turning_, speed_ / length_, std::sqrt(model.gravity.norm() / length_)});
+  if (turning_ == 0.0 && until > 0.0) turning_ = 1.0 / until;
+  speed_ = std::max(speed_, turning_ * length_);
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (!model.bodies[i].modal) continue;
+    for (int mode = 0; mode < model.bodies[i].n_modes(); ++mode) {
+      if (modal_[i](mode) > 0.0) continue;
+      double shape = 0.0;
+      for (const MassPoint& point : model.bodies[i].modal->mass_points) {
+        shape = std::max(shape, point.Psi_t_L.col(mode).norm());
+      }
+      modal_[i](mode) = shape > 0.0 ? kQuietDeflection * length_ / shape : 0.0;
+      modal_rate_[i](mode) = modal_[i](mode) * turning_;
+    }
+  }
+}
+
+Vec3 StatePerturbation::uniform3() {
+  Vec3 v;
+  for (double& one : v) one = draws_.next();
+  return v;
+}
+
+VecX StatePerturbation::within(const VecX& largest) {
+  VecX drawn = largest;
+  for (double& one : drawn) one *= draws_.next();
+  return drawn;
+}
+
+State StatePerturbation::perturb(const State& state, double amplitude) {
+  constexpr double kMove = 0.05;
+  constexpr double kTurn = 0.1;
+  State perturbed = state;
+  for (std::size_t i = 1; i < perturbed.bodies.size(); ++i) {
+    BodyState& body = perturbed.bodies[i];
+    body.r += amplitude * kMove * length_ * uniform3();
+    const Vec3 turn = amplitude * kTurn * uniform3();
+    const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
+    const Eigen::Quaterniond after = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * before;
+    body.p << after.w(), after.x(), after.y(), after.z();
+    body.v += amplitude * kTurn * speed_ * uniform3();
+    body.omega += amplitude * kTurn * turning_ * uniform3();
+    body.a = within(modal_[i]);
+    body.adot = within(modal_rate_[i]);
+  }
+  return perturbed;
+}
+
+std::optional<State> StatePerturbation::perturb_along(const Model& model, Solver& solver, const State& state,
+                                                      double amplitude) {
+  constexpr double kMove = 0.01;
+  constexpr double kRate = 0.1;
+  Chart chart(model, solver, state);
+  const VecX ones = VecX::Ones(chart.n());
+  const VecX delta = within(amplitude * kMove * ones);
+  return chart.at(delta, chart.rates_at_origin() + within(amplitude * kRate * turning_ * ones));
+}
+
+namespace {
+
+/// Hands one state to both solvers; what stands in the way goes to `shared`.
+void share_one(const std::array<Solver*, 2>& solvers, const OwnedState& owned, SharedStates& shared) {
+  SharedState both{owned.state, {}, owned.row};
+  bool accepted = true;
+  for (int who = 0; who < 2; ++who) {
+    const bool own = who == index(owned.owner);
+    const auto said = [&](const SolverError& error) {
+      return fmt::format("{} does not accept {} state at t = {:.6g} s: {}", solvers[who]->name(),
+                         own ? "its own" : fmt::format("{}'s", solvers[index(owned.owner)]->name()), owned.state.t,
+                         error.what());
+    };
+    try {
+      both.evaluations[who] = solvers[who]->evaluate(owned.state);
+      continue;
+    } catch (const SingularPose& error) {
+      shared.singular.emplace_back(error.what());
+    } catch (const SolverError& error) {
+      if (own) {
+        shared.failures.push_back(said(error));
+      } else {
+        shared.refusals.push_back({owned, said(error)});
+      }
+    }
+    accepted = false;
+  }
+  if (accepted) shared.states.push_back(std::move(both));
+}
+
+}  // namespace
+
+SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run) {
+  SharedStates shared;
+  shared.states.reserve(run.size());
+  for (const OwnedState& owned : run) share_one(solvers, owned, shared);
+  return shared;
+}
+
+namespace {
+
+/// Whether the solver's own evaluation accepts a state; else Newton's method found another branch.
+bool accepts(Solver& solver, const State& state) {
+  try {
+    solver.evaluate(state);
+    return true;
+  } catch (const SolverError&) {
+    return false;
+  }
+}
+
+/// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
+std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturbation& perturbation, const State& base) {
+  double amplitude = 1.0;
+  for (int attempt = 0; attempt < kTries; ++attempt, amplitude *= kShrink) {
+    std::optional<State> closed = solver.close(perturbation.perturb(base, amplitude));
+    if (closed && accepts(solver, *closed)) return closed;
+  }
+  amplitude = 1.0;
+  for (int attempt = 0; attempt < kTriesAlong; ++attempt, amplitude *= 0.5) {
+    try {
+      std::optional<State> closed = perturbation.perturb_along(model, solver, base, amplitude);
+      if (closed && accepts(solver, *closed)) return closed;
+    } catch (const SolverError&) {  // a pose on the way that the solver refuses
+    }
+  }
+  return std::nullopt;
+}
+
+/// The same by the solver whose turn it is, or by the other one where it finds none.
+std::optional<OwnedState> neighbour_by_either(const Model& model, const std::array<Solver*, 2>& solvers, Who first,
+                                              StatePerturbation& perturbation, const State& base) {
+  for (const Who who : {first, first == Who::cartesian ? Who::relative : Who::cartesian}) {
+    if (auto state = neighbour(model, *solvers[index(who)], perturbation, base))
+      return OwnedState{std::move(*state), who};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SharedStates share_random(const Model& model, const std::array<Solver*, 2>& solvers, const std::vector<OwnedState>& run,
+                          std::uint64_t seed, int count) {
+  SharedStates shared;
+  if (run.empty()) return shared;
+  StatePerturbation perturbation(model, run, seed);
+  for (int k = 0; k < count; ++k) {
+    const auto owner = static_cast<Who>(k % 2);
+    const State& base = run[static_cast<std::size_t>(k) * run.size() / static_cast<std::size_t>(count)].state;
+    SharedStates drawn;
+    for (int draw = 0; draw <= kRedraws && drawn.states.empty(); ++draw) {
+      std::optional<OwnedState> owned = neighbour_by_either(model, solvers, owner, perturbation, base);
+      if (!owned) break;
+      share_one(solvers, *owned, drawn);
+      if (drawn.states.empty()) ++shared.drawn_anew;
+    }
+    if (!drawn.states.empty()) {
+      shared.states.push_back(std::move(drawn.states.front()));
+      continue;
+    }
+    // Singular poses all around say nothing about the closures.
+    if (!drawn.refusals.empty())
+      shared.refusals.push_back(drawn.refusals.back());
+    else if (!drawn.failures.empty())
+      shared.failures.push_back(drawn.failures.back());
+    else if (!drawn.singular.empty())
+      shared.singular.push_back(drawn.singular.back());
+    else
+      ++shared.left_open;
+  }
+  const auto found = static_cast<int>(shared.states.size());
+  if (shared.left_open > 0 && found * kFewestOf < count) {
+    shared.failures.push_back(
+        fmt::format("{} of {} states near those of the run are closed by neither solver in {} tries", shared.left_open,
+                    count, kTries));
+  }
+  return shared;
+}
+
+}  // namespace concord::compare

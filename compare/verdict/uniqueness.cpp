@@ -1,0 +1,246 @@
+#include "compare/verdict/uniqueness.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "common/error.h"
+
+namespace concord::compare {
+
+namespace {
+
+Uniqueness from_flags(bool unique, bool decided) {
+  if (!decided) return Uniqueness::undecided;
+  return unique ? Uniqueness::unique : Uniqueness::not_unique;
+}
+
+/// The flag of one component in `flags`, or in what is decided of it.
+bool flag_of(const JointUniqueness& flags, const Quantity& quantity, int component) {
+  switch (quantity.kind) {
+    case Kind::total:
+      return flags.unique_total[index(quantity.side)][component];
+    case Kind::driver:
+      return flags.unique_tau[component];
+    default:
+      return flags.unique[index(quantity.side)][component];
+  }
+}
+
+Uniqueness of_component(const RankReport& report, const Quantity& quantity, int component) {
+  const auto joint = static_cast<std::size_t>(quantity.owner);
+  const bool decided = report.decided.empty() || flag_of(report.decided.at(joint), quantity, component);
+  return from_flags(flag_of(report.joints.at(joint), quantity, component), decided);
+}
+
+Uniqueness of_coupling(const RankReport& report, int coupling) {
+  const auto k = static_cast<std::size_t>(coupling);
+  const bool independent = report.rank == report.constraints;
+  const bool unique = report.unique_coupling.empty() ? independent : report.unique_coupling.at(k);
+  return from_flags(unique, report.decided_coupling.empty() || report.decided_coupling.at(k));
+}
+
+/// The worse of two: what is not unique is so whatever else is undecided.
+Uniqueness worse(Uniqueness one, Uniqueness other) { return std::max(one, other); }
+
+Uniqueness uniqueness_of(const Model& model, const RankReport& report, const Quantity& quantity) {
+  switch (quantity.kind) {
+    case Kind::reaction:
+    case Kind::total:
+      return of_component(report, quantity, quantity.component);
+    case Kind::reaction_global: {
+      const int first = quantity.component < 3 ? 0 : 3;
+      Uniqueness all = Uniqueness::unique;
+      for (int c = first; c < first + 3; ++c) all = worse(all, of_component(report, quantity, c));
+      return all;
+    }
+    case Kind::driver: {
+      Uniqueness all = of_component(report, quantity, quantity.component);
+      for (std::size_t g = 0; g < model.couplings.size(); ++g) {
+        for (const CouplingTerm& term : model.couplings[g].terms) {
+          if (term.joint == quantity.owner && speed_of(model, term) == quantity.component) {
+            all = worse(all, of_coupling(report, static_cast<int>(g)));
+          }
+        }
+      }
+      return all;
+    }
+    case Kind::coupling:
+      return of_coupling(report, quantity.owner);
+    default:
+      return Uniqueness::unique;
+  }
+}
+
+/// Whether anything can pass along a component: a joint's reaction where the joint forbids motion, its total wrench
+/// also where something acts on its coordinates.
+bool can_carry(const Model& model, const Quantity& quantity) {
+  const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
+  if (!is_wrench || joints::carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
+  return quantity.kind == Kind::total && !forced_speeds(model, quantity.owner).empty();
+}
+
+bool can_be_redundant(Kind kind) {
+  return kind != Kind::element && kind != Kind::acceleration && kind != Kind::body_sum;
+}
+
+}  // namespace
+
+std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report) {
+  std::vector<Uniqueness> all;
+  all.reserve(layout.quantities().size());
+  for (const Quantity& quantity : layout.quantities()) {
+    all.push_back(uniqueness_of(layout.model(), report, quantity));
+  }
+  return all;
+}
+
+RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
+                         std::string& why) {
+  RankReports reports;
+  std::vector<SharedState> kept;
+  for (SharedState& shared : states) {
+    try {
+      std::array<RankReport, 2> both{solvers[0]->rank(shared.state), solvers[1]->rank(shared.state)};
+      reports.push_back(std::move(both));
+      kept.push_back(std::move(shared));
+    } catch (const SolverError& error) {
+      if (dropped++ == 0) why = error.what();
+    }
+  }
+  states = std::move(kept);
+  return reports;
+}
+
+std::array<int, 2> general_ranks(const RankReports& reports) {
+  std::array<int, 2> ranks{};
+  for (const auto& both : reports) {
+    for (std::size_t who = 0; who < 2; ++who) ranks[who] = std::max(ranks[who], both[who].rank);
+  }
+  return ranks;
+}
+
+std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
+                                     const RankReports& reports) {
+  const std::array<int, 2> general = general_ranks(reports);
+  std::vector<std::string> lower(states.size());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for (std::size_t who = 0; who < 2; ++who) {
+      const int rank = reports[k][who].rank;
+      if (rank >= general[who] || !lower[k].empty()) continue;
+      lower[k] =
+          fmt::format("{}: at t = {:.6g} s the pose is singular: the constraints have rank {} there, {} in other poses",
+                      solvers[who]->name(), states[k].state.t, rank, general[who]);
+    }
+  }
+  return lower;
+}
+
+Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
+  Mask mask = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
+                             static_cast<Eigen::Index>(reports.size()), true);
+  for (std::size_t state = 0; state < reports.size(); ++state) {
+    for (const RankReport& report : reports[state]) {
+      const std::vector<Uniqueness> flags = uniqueness_of(layout, report);
+      for (std::size_t row = 0; row < flags.size(); ++row) {
+        if (flags[row] != Uniqueness::unique) {
+          mask(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(state)) = false;
+        }
+      }
+    }
+  }
+  return mask;
+}
+
+namespace {
+
+/// How often the solvers say something different, and where first.
+struct Disagreement {
+  int states = 0;
+  double t = 0.0;
+  std::array<int, 2> counts{};
+  Quantity quantity;
+  bool unique_for_cartesian = false;
+};
+
+void take(Disagreement& found, double t) {
+  if (found.states++ == 0) found.t = t;
+}
+
+std::string in_states(const Disagreement& found, std::size_t total) {
+  return fmt::format("in {} of {} states, first at t = {:.6g} s", found.states, total, found.t);
+}
+
+}  // namespace
+
+std::vector<Finding> compare_uniqueness(const QuantityLayout& layout, const std::vector<SharedState>& states,
+                                        const RankReports& reports) {
+  const Model& model = layout.model();
+  std::array<Disagreement, 2> counts;
+  std::map<std::tuple<Kind, int, Side>, Disagreement> flags;
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const auto& [one, other] = reports[k];
+    const double t = states[k].state.t;
+    if (one.undecided || other.undecided) continue;
+    const std::array<std::array<int, 2>, 2> pairs{{{one.constraints - one.rank, other.constraints - other.rank},
+                                                   {one.degrees_of_freedom, other.degrees_of_freedom}}};
+    for (int what = 0; what < 2; ++what) {
+      if (pairs[what][0] == pairs[what][1]) continue;
+      if (counts[what].states == 0) counts[what].counts = pairs[what];
+      take(counts[what], t);
+    }
+    const std::vector<Uniqueness> of_one = uniqueness_of(layout, one);
+    const std::vector<Uniqueness> of_other = uniqueness_of(layout, other);
+    std::map<std::tuple<Kind, int, Side>, Quantity> here;
+    for (std::size_t row = 0; row < of_one.size(); ++row) {
+      const Quantity& quantity = layout.quantities()[row];
+      if (!can_be_redundant(quantity.kind) || quantity.kind == Kind::reaction_global) continue;
+      if (of_one[row] == Uniqueness::undecided || of_other[row] == Uniqueness::undecided) continue;
+      if (of_one[row] == of_other[row]) continue;
+      if (!can_carry(model, quantity)) continue;
+      const std::tuple place(quantity.kind, quantity.owner, quantity.side);
+      if (!here.emplace(place, quantity).second) continue;
+      Disagreement& found = flags[place];
+      if (found.states == 0) {
+        found.quantity = quantity;
+        found.unique_for_cartesian = of_one[row] == Uniqueness::unique;
+      }
+      take(found, t);
+    }
+  }
+  std::vector<Finding> findings;
+  constexpr std::array kWhat{"redundant constraints", "degrees of freedom"};
+  for (int what = 0; what < 2; ++what) {
+    if (counts[what].states == 0) continue;
+    findings.push_back({fmt::format("rank: cartesian finds {} {}, relative {}, {}", counts[what].counts[0], kWhat[what],
+                                    counts[what].counts[1], in_states(counts[what], reports.size())),
+                        "the solvers do not see the same constraints"});
+  }
+  for (const auto& [place, found] : flags) {
+    findings.push_back(
+        {fmt::format("rank: {}, {} is {} for cartesian, {} for relative, {}", describe_owner(model, found.quantity),
+                     describe_component(found.quantity), found.unique_for_cartesian ? "unique" : "not unique",
+                     found.unique_for_cartesian ? "not unique" : "unique", in_states(found, reports.size())),
+         "the solvers do not see the same redundancy"});
+  }
+  return findings;
+}
+
+Mask mask_of_run(const Mask& mask, const std::vector<SharedState>& states, int samples) {
+  Mask of_run = Mask::Constant(mask.rows(), samples, true);
+  std::vector<bool> is_known(static_cast<std::size_t>(samples), false);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const int row = states[k].row;
+    if (row < 0 || row >= samples) continue;
+    is_known[static_cast<std::size_t>(row)] = true;
+    of_run.col(row) = of_run.col(row) && mask.col(static_cast<Eigen::Index>(k));
+  }
+  for (int row = 0; row < samples; ++row) {
+    if (!is_known[static_cast<std::size_t>(row)]) of_run.col(row).setConstant(false);
+  }
+  return of_run;
+}
+
+}  // namespace concord::compare

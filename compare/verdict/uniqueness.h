@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/verdict.h"
+
+/// Which quantities are unique in which states, as both solvers find it, state by state.
+namespace concord::compare {
+
+/// What one solver says of a quantity in a state.
+enum class Uniqueness { unique, undecided, not_unique };
+
+/// Uniqueness of every quantity of the layout by one solver's report. A reaction in global axes is unique if all three
+/// components of its force, or of its torque, are; accelerations, force elements and sums on bodies always are.
+std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report);
+
+/// The reports of both solvers in the same states.
+using RankReports = std::vector<std::array<RankReport, 2>>;
+
+/// Asks both solvers in every state. States in which a solver finds a singular pose, or cannot say, are dropped from
+/// `states`; their number is returned in `dropped`, the first one's words in `why`.
+RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
+                         std::string& why);
+
+/// The rank of each solver's constraints in a general pose: the largest in any state.
+std::array<int, 2> general_ranks(const RankReports& reports);
+
+/// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
+/// others.
+std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
+                                     const RankReports& reports);
+
+/// Where both find a quantity unique, and nothing is undecided.
+Mask judged_states(const QuantityLayout& layout, const RankReports& reports);
+
+/// What the two solvers say differently of the same state: of redundant constraints, degrees of freedom, uniqueness of
+/// reactions, totals, and forces of drivers and couplings. One finding for each of these and each owner, with the
+/// number of states; what is undecided is no difference.
+std::vector<Finding> compare_uniqueness(const QuantityLayout& layout, const std::vector<SharedState>& states,
+                                        const RankReports& reports);
+
+/// The mask in the samples of a run: a quantity is judged in a sample if it is in all states taken from it.
+Mask mask_of_run(const Mask& mask, const std::vector<SharedState>& states, int samples);
+
+}  // namespace concord::compare

@@ -1,0 +1,48 @@
+#include "compare/verdict/verdict.h"
+
+namespace concord::compare {
+
+std::string to_string(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::agree:
+      return "agree";
+    case Outcome::differ:
+      return "differ";
+    default:
+      return "failed";
+  }
+}
+
+std::string to_string(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::agree:
+      return "agree";
+    case Judgement::differ:
+      return "differ";
+    default:
+      return "not judged";
+  }
+}
+
+int exit_code(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::agree:
+      return 0;
+    case Outcome::differ:
+      return 1;
+    default:
+      return 3;
+  }
+}
+
+ComponentCount count_components(const Verdict& verdict) {
+  ComponentCount count{verdict.judged, verdict.total};
+  for (const QuantityRow& row : verdict.others) {
+    if (row.quantity.kind != Kind::element) continue;
+    ++count.total;
+    if (is_judged(row)) ++count.judged;
+  }
+  return count;
+}
+
+}  // namespace concord::compare

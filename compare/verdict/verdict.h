@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/audit/audit_ledger.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/needs.h"
+#include "compare/verdict/observe.h"
+#include "compare/verdict/third_opinion.h"
+
+/// All that the comparator found about one model.
+namespace concord::compare {
+
+enum class Outcome { agree, differ, failed };
+enum class Judgement { agree, differ, not_judged };
+
+/// "agree", "differ", "failed"; "agree", "differ", "not judged".
+std::string to_string(Outcome outcome);
+std::string to_string(Judgement judgement);
+
+/// 0 agree, 1 differ, 3 could not finish.
+int exit_code(Outcome outcome);
+
+/// What stands behind the digits of one row on one rung.
+struct RungDetail {
+  /// Digits of what exceeds round-off: these are compared with the need.
+  double unexplained = 16.0;
+  /// Digits that double precision resolves, -log10(resolution / scale); missing where that is unknown.
+  std::optional<double> resolvable;
+  /// The largest ratio of a difference to its resolution.
+  double ratio = 0.0;
+  int samples = 0;     // in which the row is judged
+  int not_unique = 0;  // in which it is not unique
+  int too_coarse = 0;  // in which double precision resolves too little to judge
+  bool unresolved = false;
+  /// Differs by no more than what the integration of the solvers leaves, at the tightest tolerance: not judged.
+  bool unconverged = false;
+};
+
+/// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
+struct QuantityRow {
+  Quantity quantity;
+  double scale = 0.0;
+  ScaleSource source = ScaleSource::own_peak;
+  /// Whether it is unique in any state that is judged.
+  bool unique = true;
+  std::array<RungDetail, 3> detail;  // by rung
+  std::optional<double> same_state;
+  std::optional<double> same_run;
+  std::optional<double> refined;
+  std::array<double, 3> worst_t{};  // time of the largest difference at the same state, in the same run, refined [s]
+  Needs need;
+  Judgement judgement = Judgement::not_judged;
+};
+
+/// One rung over all judged components of reactions and of force elements; of forces on joint speeds where there are
+/// none of these.
+struct RungSummary {
+  std::optional<double> digits;  // worst, missing if the rung did not run
+  int samples = 0;
+  bool carries = false;  // whether any force that is judged is not exactly zero
+  bool climbed = false;
+  /// The last time that is judged, where the motion is too sensitive beyond it [s].
+  std::optional<double> horizon;
+};
+
+/// A failing quantity in words: "joint D on slider, T_z, t = ...", and what it looks like.
+struct Finding {
+  std::string what;
+  std::string symptom;
+};
+
+struct SolverSummary {
+  std::string name;
+  std::string integrator;
+  std::vector<std::string> cut_joints;
+  RankReport rank;
+  SolverStatistics statistics;
+  std::optional<double> audit_digits;
+  /// The audit's finding that is farthest below its need, or nearest to it, and that need.
+  std::string audit_worst;
+  double audit_need = kAudit;
+  std::optional<double> energy_error;
+};
+
+/// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
+/// point, in global axes, at t = 0.
+struct PairSum {
+  std::string what;
+  int body = 0;  // on which it acts
+  std::array<Wrench, 2> at_start;
+  int samples = 0;                   // states in which it must be unique, and is judged
+  double digits = 16.0;              // of the largest difference
+  double unexplained_digits = 16.0;  // of the largest that round-off does not explain: this is judged
+};
+
+/// One component against a reference from outside.
+struct ReferenceRow {
+  std::string of;  // "joint D on slider"
+  std::string component;
+  std::string unit;
+  double peak = 0.0;     // of the reference
+  double allowed = 0.0;  // the error that its source states, in the component's unit
+  /// Largest differences of both solvers from it, and the time of the larger one.
+  std::array<double, 2> differences{};
+  double t = 0.0;
+  bool agrees = false;
+  bool is_judged = true;  // false where the component is not unique
+};
+
+struct Verdict {
+  Outcome outcome = Outcome::failed;
+  std::string name;
+  int bodies = 0;
+  int joints = 0;
+  int loops = 0;
+  int modes = 0;
+  RunOptions run;
+  Needs need;
+  std::array<SolverSummary, 2> solvers;
+
+  std::vector<QuantityRow> rows;  // reaction components that the joints can carry
+  std::vector<QuantityRow>
+      others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
+  int judged = 0;
+  int total = 0;
+
+  bool rank_agrees = false;
+  /// States at singular poses, and perturbed states that mean different things to the solvers: left out and counted.
+  int singular_states = 0;
+  int drawn_anew = 0;
+  RungSummary same_state;
+  RungSummary same_run;
+  RungSummary refined;
+  RungSummary audit;
+  std::optional<MotionAgreement> motion;
+  std::optional<MotionAgreement> refined_motion;
+  std::vector<PairSum> pair_sums;
+  std::string reference_file;  // empty: none
+  std::vector<ReferenceRow> references;
+  std::optional<ThirdReport> third;  // what another program says, if one was asked for
+
+  std::vector<Finding> findings;      // differences, worst of each joint first
+  std::vector<std::string> notes;     // what the reader must know, no difference
+  std::vector<std::string> failures;  // why there is no verdict
+
+  /// What both solvers find unique in the samples of these trajectories; missing where the rung did not run.
+  std::optional<Mask> unique;
+  /// Both trajectories of the same run; empty where a solver did not finish.
+  std::array<std::optional<Trajectory>, 2> trajectories;
+};
+
+/// Components of joints' reactions and of force elements: how many are judged, of how many.
+struct ComponentCount {
+  int judged = 0;
+  int total = 0;
+};
+ComponentCount count_components(const Verdict& verdict);
+
+}  // namespace concord::compare

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/solver.h"
+#include "compare/verdict/verdict.h"
+
+/// Two solvers, one model, one verdict.
+namespace concord::compare {
+
+inline constexpr double kRigidRtol = 1e-11;
+inline constexpr double kFlexibleRtol = 1e-9;
+inline constexpr int kSamples = 300;
+
+struct VerifyOptions {
+  /// What is missing comes from the model, then from the defaults above.
+  std::optional<double> until;  // s
+  std::optional<double> rtol;
+  std::optional<int> samples;
+  /// States of the run that are handed to both solvers, at least, and a quarter as many near them; fewer than the
+  /// default kTrajectoryStates blunt the verdict: for many machines in little time.
+  std::optional<int> states;
+  /// Whether the third rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
+  bool refines = true;
+  /// Empty: each solver's own default.
+  std::array<std::string, 2> integrators;
+  /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.
+  ThirdOpinion* third = nullptr;
+  /// Called from several threads, never at the same time: the rung, and the part of it that each solver has done, 0
+  /// to 1.
+  std::function<void(std::string_view rung, const std::array<double, 2>& done)> progress;
+};
+
+/// Settings of a run: the options, else the model's, else the defaults.
+RunOptions run_options(const Model& model, const VerifyOptions& options);
+
+/// The name of the integrator that runs: `asked`, or the solver's default if empty. Throws InputError if the solver
+/// does not know it.
+std::string chosen_integrator(const Model& model, const Solver& solver, const std::string& asked);
+
+/// Takes every rung (compare/README) and returns all findings. An error of a solver is a failure in the verdict;
+/// InputError passes through.
+Verdict verify(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options);
+
+}  // namespace concord::compare

@@ -1,0 +1,41 @@
+#include "compare/report/info.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(InfoTest, TellsWhatBothSolversSee) {
+  const Model model = pendulum_model();
+  FakePendulum solver(model, "cartesian");
+  RankReport rank = solver.rank(solver.assemble());
+  SolverView one{"cartesian", {}, {"rk4", "other"}, rank};
+  rank.joints[0].unique[index(Side::child)][0] = false;
+  rank.joints[0].unique[index(Side::child)][5] = false;  // not carried: not named
+  SolverView other{"relative", {"A"}, {"rk4"}, rank};
+  const std::string text = format_info(model, {one, other});
+  EXPECT_THAT(text, HasSubstr("pendulum: 1 moving body, 1 joint, 0 loops, gravity (0.4, -9.6, 1.1) m/s2\n"));
+  EXPECT_THAT(text, HasSubstr("| bob  |       1.7 |     0 |"));
+  EXPECT_THAT(text, HasSubstr("| A     | revolute | ground | bob   |       0 |       0 | relative |\n"));
+  EXPECT_THAT(text, HasSubstr("cartesian: 5 constraints of rank 5, 1 degrees of freedom, integrators rk4, other\n"
+                              "  every reaction component is unique\n"));
+  EXPECT_THAT(text, HasSubstr("  reactions that are not unique, and not judged:\n    joint A on bob: F_x\n"));
+}
+
+TEST(InfoTest, PeaksNameTheirTimes) {
+  const Model model = pendulum_model();
+  FakePendulum solver(model, "cartesian");
+  Trajectory run = solver.integrate({0.2, 1e-11, 20, ""}, [](double) {});
+  run.samples[5].evaluation.joints[0].reaction[1].in_C.force = {300.0, 0.0, 400.0};
+  run.samples[7].evaluation.joints[0].reaction[0].in_C.torque = {0.0, -70.0, 0.0};
+  const std::string text = format_peaks(model, run);
+  EXPECT_THAT(text, HasSubstr("| A     | bob    |          500 |     0.05 |"));
+  EXPECT_THAT(text, HasSubstr("|             70 |     0.07 |"));
+}
+
+}  // namespace
+}  // namespace concord::compare

@@ -1,0 +1,100 @@
+#include "compare/report/report_json.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "compare/verdict/verify.h"
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::ElementsAre;
+
+std::vector<std::string> keys(const Json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) names.push_back(name);
+  return names;
+}
+
+class ReportJsonTest : public ::testing::Test {
+ protected:
+  Json document() { return Json::parse(format_json(model_, verify(model_, cartesian_, relative_, {}))); }
+
+  Model model_ = pendulum_model();
+  FakePendulum cartesian_{model_, "cartesian"};
+  FakePendulum relative_{model_, "relative"};
+};
+
+TEST_F(ReportJsonTest, HasTheseKeys) {
+  const Json json = document();
+  EXPECT_THAT(keys(json), ElementsAre("format", "verdict", "judged", "total", "same_state", "same_run", "refined",
+                                      "audit", "joints", "solvers"));
+  for (const char* rung : {"same_state", "same_run", "refined", "audit"}) {
+    EXPECT_THAT(keys(json[rung]), ElementsAre("digits"));
+  }
+  EXPECT_THAT(keys(json["joints"][0]),
+              ElementsAre("joint", "side", "component", "scale", "scale_from", "unique", "states", "same_state_digits",
+                          "same_state_resolvable_digits", "same_run_digits", "refined_digits", "need",
+                          "judged_by_resolution", "verdict"));
+  EXPECT_THAT(keys(json["joints"][0]["states"]), ElementsAre("judged", "not_unique", "too_coarse"));
+  EXPECT_THAT(keys(json["joints"][0]["need"]), ElementsAre("same_state", "same_run", "refined"));
+  EXPECT_THAT(keys(json["solvers"]), ElementsAre("cartesian", "relative"));
+  EXPECT_THAT(keys(json["solvers"]["relative"]),
+              ElementsAre("wall_s", "steps", "evaluations", "max_constraint", "energy_error"));
+}
+
+TEST_F(ReportJsonTest, SaysWhatWasFound) {
+  const Json json = document();
+  EXPECT_EQ(json["format"], 1);
+  EXPECT_EQ(json["verdict"], "agree");
+  EXPECT_EQ(json["judged"], 10);
+  EXPECT_EQ(json["total"], 10);
+  EXPECT_EQ(json["joints"].size(), 10U);
+  EXPECT_EQ(json["same_state"]["digits"], 16.0);
+  EXPECT_GE(json["audit"]["digits"], 9.0);
+  EXPECT_EQ(json["joints"][0]["joint"], "A");
+  EXPECT_EQ(json["joints"][0]["side"], "parent");
+  EXPECT_EQ(json["joints"][9]["component"], "T_y");
+  EXPECT_EQ(json["joints"][9]["verdict"], "agree");
+}
+
+TEST_F(ReportJsonTest, WorstDigitsAreTheWorstOfTheRows) {
+  relative_.drift = 300.0;
+  const Json json = document();
+  double worst = 16.0;
+  for (const Json& row : json["joints"]) worst = std::min(worst, row["same_run_digits"].get<double>());
+  EXPECT_EQ(json["same_run"]["digits"], worst);
+  EXPECT_LT(worst, 10.0);
+}
+
+TEST_F(ReportJsonTest, WhatIsNotUniqueIsNotJudged) {
+  const auto redundant = [](RankReport& report) { report.joints[0].unique[0][0] = false; };
+  cartesian_.spoil_rank = relative_.spoil_rank = redundant;
+  const Json json = document();
+  EXPECT_EQ(json["joints"][0]["unique"], false);
+  EXPECT_EQ(json["joints"][0]["verdict"], "not_judged");
+  EXPECT_TRUE(json["joints"][0]["same_state_digits"].is_null());
+  EXPECT_EQ(json["judged"], 9);
+}
+
+TEST_F(ReportJsonTest, AFailedRunIsStillADocument) {
+  relative_.cannot_integrate = true;
+  const Json json = document();
+  EXPECT_EQ(json["verdict"], "failed");
+  EXPECT_TRUE(json["same_run"]["digits"].is_null());
+  EXPECT_TRUE(json["solvers"]["relative"]["energy_error"].is_null());
+}
+
+TEST_F(ReportJsonTest, SeveralCasesStandUnderTheirNames) {
+  const Verdict verdict = verify(model_, cartesian_, relative_, {});
+  Verdict other = verdict;
+  other.name = "second";
+  const Json json = Json::parse(format_json({{&model_, &verdict}, {&model_, &other}}));
+  EXPECT_THAT(keys(json), ElementsAre("pendulum", "second"));
+}
+
+}  // namespace
+}  // namespace concord::compare

@@ -1,0 +1,153 @@
+#include "compare/verdict/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+class RefinementTest : public ::testing::Test {
+ protected:
+  RefinementTest() {
+    for (SolverSummary& solver : verdict_.solvers) solver.rank.joints.resize(1);
+  }
+
+  void record_all(Rung rung, double digits) {
+    std::vector<Measured> measured(layout_.quantities().size());
+    for (Measured& one : measured) {
+      one.digits = one.unexplained_digits = digits;
+      one.scale = 2.0;
+      one.samples = 3;
+    }
+    record(layout_, measured, rung, verdict_);
+  }
+
+  Model model_ = pendulum_model();
+  QuantityLayout layout_{model_};
+  Verdict verdict_;
+};
+
+TEST_F(RefinementTest, RowsAreWhatTheJointCarries) {
+  make_rows(layout_, verdict_);
+  ASSERT_EQ(verdict_.rows.size(), 10U);
+  for (const QuantityRow& row : verdict_.rows) EXPECT_NE(row.quantity.component, 5);
+}
+
+TEST_F(RefinementTest, AllRungsMustBeClimbed) {
+  make_rows(layout_, verdict_);
+  record_all(Rung::same_state, 13.0);
+  record_all(Rung::same_run, 7.5);
+  record_all(Rung::refined, 8.0);
+  judge(verdict_);
+  EXPECT_FALSE(verdict_.refined.climbed);
+  EXPECT_TRUE(verdict_.same_run.climbed);
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
+  record_all(Rung::refined, 9.0);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::agree);
+  EXPECT_EQ(verdict_.rows[0].scale, 2.0);
+  EXPECT_EQ(verdict_.judged, 10);
+}
+
+TEST_F(RefinementTest, TolerancesFallAHundredTimesUntilRoundOff) {
+  EXPECT_DOUBLE_EQ(refined_tolerance(1e-9), 1e-11);
+  EXPECT_DOUBLE_EQ(refined_tolerance(1e-13), 1e-14);
+  EXPECT_DOUBLE_EQ(refined_tolerance(3e-15), 3e-15);
+}
+
+TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {
+  QuantityRow row;
+  row.need = default_needs(model_);
+  const auto set = [&](double same_run, double refined) {
+    row.same_run = same_run;
+    row.refined = refined;
+    row.detail[static_cast<std::size_t>(Rung::refined)].unexplained = refined;
+  };
+  set(3.0, 4.4);
+  EXPECT_FALSE(meets_need(row, Rung::refined));
+  set(3.0, 4.5);
+  EXPECT_TRUE(meets_need(row, Rung::refined));
+  set(8.4, 8.5);
+  EXPECT_TRUE(meets_need(row, Rung::refined));
+}
+
+TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
+  make_rows(layout_, verdict_);
+  record_all(Rung::same_state, 13.0);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged);
+  EXPECT_FALSE(verdict_.same_run.climbed);
+  record_all(Rung::same_state, 3.0);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
+}
+
+TEST_F(RefinementTest, WhatIsNotUniqueAnywhereIsNotJudged) {
+  make_rows(layout_, verdict_);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.digits = one.unexplained_digits = 13.0;
+    one.scale = 2.0;
+    one.samples = 3;
+  }
+  Measured& redundant = measured[layout_.row_of(verdict_.rows[1].quantity)];
+  redundant.samples = 0;
+  redundant.not_unique = 3;
+  record(layout_, measured, Rung::same_state, verdict_);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.judged, 9);
+  EXPECT_FALSE(verdict_.rows[1].unique);
+  EXPECT_FALSE(is_judged(verdict_.rows[1]));
+  EXPECT_FALSE(verdict_.rows[1].same_state.has_value());
+  EXPECT_TRUE(verdict_.same_state.climbed);
+}
+
+TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
+  make_rows(layout_, verdict_);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.digits = 9.7;
+    one.unexplained_digits = 16.0;
+    one.resolution = 2e-11;
+    one.scale = 2.0;
+    one.samples = 3;
+  }
+  record(layout_, measured, Rung::same_state, verdict_);
+  EXPECT_TRUE(meets_need(verdict_.rows[0], Rung::same_state));
+  EXPECT_TRUE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
+  EXPECT_DOUBLE_EQ(*detail_of(verdict_.rows[0], Rung::same_state).resolvable, 11.0);
+  for (Measured& one : measured) one.unexplained_digits = 9.7;
+  record(layout_, measured, Rung::same_state, verdict_);
+  EXPECT_FALSE(meets_need(verdict_.rows[0], Rung::same_state));
+  EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
+}
+
+TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
+  make_rows(layout_, verdict_);
+  std::vector<Measured> measured(layout_.quantities().size());
+  for (Measured& one : measured) {
+    one.samples = 0;
+    one.too_coarse = 4;
+    one.scale = 2.0;
+  }
+  record(layout_, measured, Rung::same_state, verdict_);
+  judge(verdict_);
+  EXPECT_EQ(verdict_.judged, 0);
+  EXPECT_TRUE(verdict_.rows[0].unique);
+  EXPECT_FALSE(has_judged(verdict_));
+}
+
+TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {
+  make_rows(layout_, verdict_);
+  for (const Rung rung : kRungs) record_all(rung, 13.0);
+  for (const QuantityRow& row : verdict_.others) {
+    EXPECT_EQ(row.same_run.has_value(), row.quantity.kind != Kind::acceleration);
+  }
+  judge(verdict_);
+  EXPECT_TRUE(verdict_.same_run.climbed);
+  EXPECT_EQ(*verdict_.same_run.digits, 13.0);
+}
+
+}  // namespace
+}  // namespace concord::compare

@@ -1,0 +1,200 @@
+#include "compare/verdict/resolution.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "common/reading/model_file.h"
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+
+/// A number in [-1, 1) that any change of `x` changes: what round-off does to an ill-conditioned answer.
+double noise_from(double x) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &x, sizeof bits);
+  bits = (bits ^ (bits >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+  bits = (bits ^ (bits >> 27U)) * 0x94d049bb133111ebULL;
+  return std::ldexp(static_cast<double>(bits >> 11U), -52) - 1.0;
+}
+
+class ResolutionTest : public ::testing::Test {
+ protected:
+  ResolutionTest() {
+    const Trajectory run = cartesian_.integrate({0.2, 1e-11, 8, ""}, [](double) {});
+    for (std::size_t k = 0; k < run.samples.size(); ++k) {
+      const State& state = run.samples[k].state;
+      states_.push_back({state, {cartesian_.evaluate(state), relative_.evaluate(state)}, static_cast<int>(k)});
+    }
+  }
+
+  Resolution measure_all() {
+    for (SharedState& one : states_) one.evaluations[1] = relative_.evaluate(one.state);
+    return measure_resolution(layout_, {&cartesian_, &relative_}, states_, measure(layout_, align(layout_, states_)),
+                              7);
+  }
+
+  [[nodiscard]] int row(int component) const { return layout_.row_of({Kind::reaction, 0, Side::child, component}); }
+
+  Model model_ = pendulum_model();
+  QuantityLayout layout_{model_};
+  FakePendulum cartesian_{model_, "cartesian"};
+  FakePendulum relative_{model_, "relative"};
+  std::vector<SharedState> states_;
+};
+
+TEST_F(ResolutionTest, DrawsMoveEveryNumberByRoundOffOfItsKindAndRepeat) {
+  const State& state = states_[3].state;
+  const StateSizes sizes = sizes_of(model_, state);
+  const State drawn = draw_within_roundoff(state, sizes, 11);
+  const BodyState& before = state.bodies[1];
+  const BodyState& after = drawn.bodies[1];
+  EXPECT_LE((after.r - before.r).cwiseAbs().maxCoeff(), 1.01 * kEps * sizes.place);
+  EXPECT_LE((after.omega - before.omega).cwiseAbs().maxCoeff(), 2.0 * kEps * sizes.turning);
+  EXPECT_GT((after.p - before.p).norm(), 0.0);
+  EXPECT_GT((after.v - before.v).norm(), 0.0);
+  EXPECT_TRUE(after.v == draw_within_roundoff(state, sizes, 11).bodies[1].v);
+  EXPECT_FALSE(after.v == draw_within_roundoff(state, sizes, 12).bodies[1].v);
+}
+
+TEST_F(ResolutionTest, ZeroesAreMovedToo) {
+  State state = states_[0].state;
+  state.bodies[1].v(1) = 0.0;
+  EXPECT_NE(draw_within_roundoff(state, sizes_of(model_, state), 3).bodies[1].v(1), 0.0);
+}
+
+TEST_F(ResolutionTest, AWellConditionedMachineResolvesNearlyAllDigits) {
+  const Resolution resolution = measure_all();
+  EXPECT_EQ(resolution.unknown_states, 0);
+  EXPECT_EQ(resolution.closings_left_out, 0);
+  const double force = states_[0].evaluations[0].joints[0].total_on(Side::child).in_C.force.norm();
+  EXPECT_TRUE((resolution.both.array() > 0.0).all());
+  EXPECT_LT(resolution.both.row(row(0)).maxCoeff(), 1e-13 * force);
+}
+
+TEST_F(ResolutionTest, AnAnswerThatIsNoiseIsResolvedToThatNoiseInItsWholeForce) {
+  relative_.spoil = [](const State& state, Evaluation& evaluation) {
+    evaluation.joints[0].reaction[index(Side::child)].in_C.force(1) += 1e-7 * noise_from(state.bodies[1].omega(2));
+  };
+  const Resolution resolution = measure_all();
+  for (Eigen::Index k = 0; k < resolution.both.cols(); ++k) {
+    EXPECT_GT(resolution.both(row(1), k), 1e-9);
+    EXPECT_LT(resolution.both(row(1), k), 3e-7);
+    EXPECT_EQ(resolution.own[1](row(0), k), resolution.own[1](row(1), k)) << "one force, one resolution";
+    EXPECT_LT(resolution.own[0](row(1), k), 1e-12) << "the other solver's own is its own";
+  }
+}
+
+TEST_F(ResolutionTest, AnErrorThatDoesNotMoveBuysNoTolerance) {
+  relative_.spoil = [](const State&, Evaluation& evaluation) {
+    evaluation.joints[0].reaction[index(Side::child)].in_C.force(1) += 1e-7;
+  };
+  EXPECT_LT(measure_all().both.row(row(1)).maxCoeff(), 1e-12);
+}
+
+TEST_F(ResolutionTest, TermsThatCancelCountThoughNothingIsLeft) {
+  // Hinge force along an axis that carries nothing: the floor is round-off of what was added up.
+  const VecX terms = term_sizes(layout_, states_[2]);
+  const double weight = 1.7 * pendulum_model().gravity.norm();
+  for (int c = 0; c < 6; ++c) EXPECT_GE(terms(row(c)), 0.3 * weight);
+  EXPECT_GT(terms(layout_.first_row(Kind::acceleration, 1)), 5.0);
+}
+
+/// Two balanced discs on hinges, coupled 3 to -5, the first one driven; at rest but for the second, which turns at 4
+/// rad/s.
+SharedState state_of_coupled_discs(const Model& model) {
+  SharedState shared;
+  shared.state.bodies.resize(model.bodies.size());
+  shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
+  for (Evaluation& evaluation : shared.evaluations) {
+    evaluation.bodies.resize(model.bodies.size());
+    evaluation.joints.resize(model.joints.size());
+    for (JointWrenches& joint : evaluation.joints) joint.tau = VecX::Zero(1);
+    evaluation.couplings = {0.0};
+  }
+  return shared;
+}
+
+TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledWithIt) {
+  const Model model = parse_model(R"(
+    format = 1
+    [[body]]
+    name = "light"
+    mass = 0.1
+    inertia = [1e-6, 1e-6, 1e-6]
+    [[body]]
+    name = "heavy"
+    mass = 7.0
+    inertia = [0.4, 0.5, 0.6]
+    [[joint]]
+    name = "A"
+    type = "revolute"
+    parent = "ground"
+    child = "light"
+    drive.turn_z = { law = "constant_speed", speed = 0 }
+    [[joint]]
+    name = "B"
+    type = "revolute"
+    parent = { body = "ground", point = [0.2, 0, 0] }
+    child = "heavy"
+    [[coupling]]
+    name = "gears"
+    terms = [
+      { joint = "A", coordinate = "turn_z", factor = 3 }, { joint = "B", coordinate = "turn_z", factor = -5 }]
+  )",
+                                  "discs.toml");
+  const QuantityLayout layout(model);
+  const VecX terms = term_sizes(layout, state_of_coupled_discs(model));
+  constexpr double kOfHeavy = 0.6 * 4.0 * 4.0;  // N m
+  EXPECT_NEAR(terms(layout.row_of({Kind::driver, 1, Side::child, 0})), kOfHeavy, 1e-12);
+  EXPECT_NEAR(terms(layout.row_of({Kind::coupling, 0, Side::child, 0})), kOfHeavy / 5.0, 1e-12);
+  EXPECT_NEAR(terms(layout.row_of({Kind::driver, 0, Side::child, 0})), kOfHeavy * 3.0 / 5.0, 1e-12);
+  EXPECT_EQ(terms(layout.row_of({Kind::total, 0, Side::child, 0})), 0.0) << "a torque brings no force";
+}
+
+TEST_F(ResolutionTest, StatesThatNoDrawIsAcceptedInAreUnknown) {
+  const double t = states_[4].state.t;
+  const Resolution before = measure_all();
+  relative_.spoil = [t, calls = 0](const State& state, Evaluation&) mutable {
+    if (state.t == t && calls++ > 0) throw SolverError("relative: not closed");
+  };
+  const Resolution resolution = measure_all();
+  EXPECT_EQ(resolution.unknown_states, 1);
+  EXPECT_TRUE(std::isnan(resolution.both(row(0), 4)));
+  EXPECT_FALSE(std::isnan(resolution.both(row(0), 5)));
+  EXPECT_FALSE(std::isnan(before.both(row(0), 4)));
+}
+
+TEST_F(ResolutionTest, AStateIsSingularWhereADrawIsRefusedAsASingularPose) {
+  const double t = states_[4].state.t;
+  relative_.spoil = [t, calls = 0](const State& state, Evaluation&) mutable {
+    if (state.t == t && calls++ == 2) throw SingularPose("relative: the loop of joint 'A' is singular");
+  };
+  const Resolution resolution = measure_all();
+  ASSERT_EQ(resolution.singular.size(), states_.size());
+  for (std::size_t k = 0; k < states_.size(); ++k) {
+    EXPECT_EQ(resolution.singular[k], k == 4 ? "relative: the loop of joint 'A' is singular" : "") << k;
+  }
+}
+
+TEST_F(ResolutionTest, OfARunTakesTheLargestOfTheStatesOfEachSample) {
+  Resolution resolution;
+  resolution.both = MatX::Constant(2, 3, 1.0);
+  resolution.both(0, 1) = 4.0;
+  std::vector<SharedState> states(3);
+  states[0].row = 0;
+  states[1].row = 0;
+  states[2].row = 2;
+  const MatX of_run = resolution_of_run(resolution, states, 3);
+  EXPECT_EQ(of_run(0, 0), 4.0);
+  EXPECT_TRUE(std::isnan(of_run(0, 1)));
+  EXPECT_EQ(of_run(1, 2), 1.0);
+}
+
+}  // namespace
+}  // namespace concord::compare
