@@ -34,7 +34,7 @@ SingularityWatch::SingularityWatch(Equations& equations, Assembly& assembly)
 
 SingularityWatch::Record SingularityWatch::record(const Coordinates& coordinates) const {
   Record found{coordinates, VecX::Zero(equations_->topology().n_q), {}, 1.0};
-  found.sigma = assembly_->factor_rows(found.at, found.Phi);
+  found.sigma = assembly_->closure_rank().factor_rows(found.at, found.Phi);
   equations_->compute_qdot(found.qdot);
   return found;
 }
@@ -94,7 +94,7 @@ void SingularityWatch::search(const Record& a, const Record& b) const {
   const double singular = std::min(kSingular, kFallen * std::max(a.sigma, b.sigma));
   Record inner = probe(a, b, part);
   for (int count = 0; count < kMostProbes; ++count) {
-    if (inner.sigma <= singular) assembly_->throw_singular(inner.at, "reach or pass a pose where they ");
+    if (inner.sigma <= singular) assembly_->closure_rank().throw_singular(inner.at, "reach or pass a pose where they ");
     const bool is_low_regular = is_regular(low, inner);
     const bool is_high_regular = is_regular(inner, high);
     if (is_low_regular && is_high_regular) return;
@@ -144,7 +144,7 @@ void SingularityWatch::pass(const Coordinates& coordinates) {
   if (last_.size() > 3) last_.erase(last_.begin());
   const double sigma = last_.back().sigma;
   largest_sigma_ = std::max(largest_sigma_, sigma);
-  if (sigma <= std::min(kSingular, kFallen * largest_sigma_)) assembly_->throw_singular(coordinates, "");
+  if (sigma <= std::min(kSingular, kFallen * largest_sigma_)) assembly_->closure_rank().throw_singular(coordinates, "");
   const std::size_t n = last_.size();
   if (n >= 2 && may_pass_zero(last_[n - 2], last_[n - 1])) search(last_[n - 2], last_[n - 1]);
   if (n == 3 && may_pass_zero(last_[0], last_[1])) search(last_[0], last_[1]);

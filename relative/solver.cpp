@@ -66,10 +66,10 @@ class RelativeSolver final : public Solver {
     try {
       equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
     } catch (const SingularPose&) {
-      assembly_.throw_singular(coordinates, "");
+      assembly_.closure_rank().throw_singular(coordinates, "");
     }
-    assembly_.require_general_rank(coordinates);
-    assembly_.require_agreeing_rows(coordinates);
+    assembly_.closure_rank().require_general(coordinates);
+    assembly_.closure_rank().require_agreeing_rows(coordinates);
     equations_.compute_reactions();
     require_modal_balance(equations_, state.t);
     return states_.write_evaluation();

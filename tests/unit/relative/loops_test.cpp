@@ -86,7 +86,7 @@ TEST(Loops, RefusesAPoseOfLowerRankByName) {
   EXPECT_EQ(equations.loops().rank(), 2);
   try {
     equations.compute_accelerations(0.0, folded.q, folded.u);
-    assembly.require_general_rank(folded);
+    assembly.closure_rank().require_general(folded);
     FAIL() << "a folded four-bar was accepted";
   } catch (const SingularPose& error) {
     const std::string text = error.what();

@@ -1,0 +1,102 @@
+#include "relative/closing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/decompositions.h"
+#include "common/error.h"
+
+namespace concord::relative {
+
+namespace {
+
+constexpr int kMostIterations = 60;
+constexpr double kFarthestStep = 0.5;      // in machine units: half a radian, half the length
+constexpr double kDependentRow = 1e-10;    // singular value, of the largest, or of 1, the size of a row, if all vanish
+constexpr double kClosedByNewton = 1e-13;  // of the largest coordinate or speed, at least of 1
+
+/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
+/// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
+/// values below the damping hardly used (R65).
+VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
+                   const VecX& misfit, double damping) {
+  const MatX Phi = select_columns(scaled.scales().scaled(closure.Phi_u(), closure).topRows(misfit.size()), columns);
+  VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
+  if (Phi.size() == 0) return step;
+  const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
+  const VecX& sigma = svd.singularValues();
+  VecX filter = VecX::Zero(sigma.size());
+  for (Eigen::Index i = 0; i < sigma.size(); ++i) {
+    if (sigma(i) > kDependentRow * std::max(sigma(0), 1.0))
+      filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
+  }
+  const VecX solution = -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit_in_units);
+  for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
+  return step;
+}
+
+}  // namespace
+
+double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
+  scaled.equations().move(coordinates.t, coordinates.q, coordinates.u);
+  closure.measure(coordinates.q, coordinates.u);
+  return largest_entry(closure.position_residual().cwiseQuotient(closure.row_units().head(closure.n_position_rows())));
+}
+
+double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
+  try {
+    return measure(scaled, coordinates, closure);
+  } catch (const SolverError&) {
+    return HUGE_VAL;
+  }
+}
+
+bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,
+                     Modes modes) {
+  Closure closure(scaled.equations().kinematics(), prescribed);
+  if (closure.n_position_rows() == 0) return true;
+  const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
+  double residual = measure(scaled, coordinates, closure);
+  for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
+    VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), std::min(1e-3, residual));
+    step *= std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
+    step = step.cwiseProduct(scaled.scales().speeds().head(step.size()));
+    bool improved = false;
+    for (int halvings = 0; halvings < 12 && !improved; ++halvings) {
+      Coordinates trial = coordinates;
+      scaled.advance(trial.q, step);
+      const double trial_residual = try_to_measure(scaled, trial, closure);
+      improved = trial_residual < residual;
+      step *= 0.5;
+      if (!improved) continue;
+      coordinates = std::move(trial);
+      residual = trial_residual;
+    }
+    if (!improved) break;
+  }
+  measure(scaled, coordinates, closure);
+  // Round-off adds up along a loop, which has at most all links.
+  const double longest = 0.01 * static_cast<double>(scaled.equations().topology().links.size());
+  return residual < kClosedByNewton * std::max({1.0, scaled.size_of_q(coordinates.q), longest});
+}
+
+bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,
+                      Modes modes) {
+  Closure closure(scaled.equations().kinematics(), prescribed);
+  if (closure.n_rows() == 0) return true;
+  const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
+  const double size = std::max(scaled.rate(), scaled.size_of_u(coordinates.u));
+  double residual = 0.0;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    measure(scaled, coordinates, closure);
+    residual = largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units()));
+    const VecX step = smallest_step(scaled, closure, columns, closure.velocity_residual(), 0.0);
+    coordinates.u.head(step.size()) += step.cwiseProduct(scaled.scales().speeds().head(step.size()));
+  }
+  measure(scaled, coordinates, closure);
+  residual = std::min(residual, largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units())));
+  return residual <= kClosedByNewton * std::max(size, scaled.size_of_u(coordinates.u));
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "relative/scaled_closure.h"
+
+/// Closing a machine from afar by Newton's method, with any of its coordinates prescribed.
+namespace concord::relative {
+
+/// Moves the machine and measures its cut joints with a closure of its own; returns the largest position residual in
+/// machine units.
+double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure);
+/// The same; infinite where the machine has no such pose.
+double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure);
+
+/// Newton's method with damping and halved steps, until round-off stops it. Prescribed coordinates stay. False if the
+/// loops do not close.
+[[nodiscard]] bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates,
+                                   const PrescribedMask& prescribed, Modes modes);
+/// The smallest change of the speeds that are not prescribed with which the closed machine keeps its constraints. False
+/// if there is none.
+[[nodiscard]] bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates,
+                                    const PrescribedMask& prescribed, Modes modes);
+
+}  // namespace concord::relative

@@ -1,0 +1,107 @@
+#include "relative/closure_rank.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "common/error.h"
+#include "relative/closing.h"
+#include "relative/row_factors.h"
+
+namespace concord::relative {
+
+namespace {
+
+/// By how much coordinates of the tree are moved in search of a general pose: their units, modes a twentieth of it.
+VecX exploring_steps(const Scales& scales, const Topology& topology) {
+  VecX steps = scales.speeds();
+  for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
+  return steps;
+}
+
+}  // namespace
+
+/// Joints alone close a machine as far as its loops leave the modes free; others must move too. In a pose
+/// that is not closed, dependent rows look independent, so that the ranks must be taken in a closed one.
+void ClosureRank::decide_modes(const Coordinates& closed) {
+  const auto rank_with = [&](Modes modes) { return scaled_->rank(closed, ClosureRows::of_velocities, modes); };
+  const bool restricted =
+      scaled_->equations().model().is_flexible() && rank_with(Modes::moving) > rank_with(Modes::kept);
+  closing_modes_ = restricted ? Modes::moving : Modes::kept;
+}
+
+void ClosureRank::decide_near(const Coordinates& closed) {
+  const int n_rows = scaled_->closure().n_rows();
+  int most = scaled_->rank(closed, ClosureRows::of_velocities, Modes::moving);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> spread(-0.2, 0.2);
+  const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
+  Closure free(scaled_->equations().kinematics(), nothing);
+  const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
+  const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
+  decide_modes(closed);
+  for (int trial = 0; trial < 4 && most < n_rows; ++trial) {
+    Coordinates nearby = closed;
+    VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
+    for (const int c : columns) step(c) = spread(random) * steps(c);
+    scaled_->advance(nearby.q, step);
+    if (try_to_measure(*scaled_, nearby, free) == HUGE_VAL ||
+        !close_positions(*scaled_, nearby, nothing, Modes::moving))
+      continue;
+    const int found = scaled_->rank(nearby, ClosureRows::of_velocities, Modes::moving);
+    if (found <= most) continue;
+    most = found;
+    decide_modes(nearby);
+  }
+  is_decided_ = true;
+  scaled_->equations().loops().set_rank(most);
+}
+
+void ClosureRank::require_general(const Coordinates& coordinates) const {
+  // Pivots in the metric of the inverse inertia are squares of sines between rows: above this no row depends.
+  constexpr double kSurelyIndependent = 1e-10;
+  if (scaled_->closure().n_rows() == 0 || scaled_->equations().loops().least_pivot() > kSurelyIndependent) return;
+  if (scaled_->rank(coordinates, ClosureRows::of_velocities, Modes::moving) < rank()) throw_singular(coordinates, "");
+}
+
+void ClosureRank::require_agreeing_rows(const Coordinates& coordinates) const {
+  constexpr double kContradiction = 1e-7;  // of the machine's accelerations
+  const Loops& loops = scaled_->equations().loops();
+  if (loops.rank() == scaled_->closure().n_rows()) return;
+  const auto speeds = coordinates.u.cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
+  const auto rates = scaled_->equations().udot().cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
+  double largest = scaled_->rate() * scaled_->rate();
+  if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
+  const int row = loops.contradicted_row(kContradiction * largest);
+  if (row < 0) return;
+  const Closure& closure = scaled_->closure();
+  throw SingularPose(fmt::format(
+      "relative: at t = {:.6g} s no accelerations close everything: rows at {} depend on others in this pose "
+      "and contradict them: the pose is singular, or a driver moves what the loops hold",
+      coordinates.t, closure.worst_place(VecX::Unit(closure.n_rows(), row))));
+}
+
+void ClosureRank::throw_singular(const Coordinates& coordinates, const std::string& passing) const {
+  scaled_->equations().move(coordinates.t, coordinates.q, coordinates.u);
+  const Closure& closure = scaled_->closure();
+  RowFactors factors;
+  factors.compute(scaled_->rows(scaled_->free_columns()));
+  throw SingularPose(fmt::format(
+      "relative: at t = {:.6g} s the {} closure rows{} {}lose rank: {} of {} at {}: the pose is singular and the "
+      "motion may branch",
+      coordinates.t, closure.n_rows(),
+      closure.speed_constraints().empty() ? "" : " of loops, couplings and rolling contacts", passing,
+      std::min(factors.rank(), rank() - 1), rank(), closure.worst_place(factors.weakest_combination(rank()))));
+}
+
+double ClosureRank::factor_rows(Coordinates& coordinates, MatX& Phi) const {
+  scaled_->move(coordinates);
+  Phi = scaled_->rows(scaled_->free_columns());
+  RowFactors factors;
+  factors.compute(Phi);
+  return factors.singular_value(rank());
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,93 @@
+#include "relative/scaled_closure.h"
+
+#include <algorithm>
+
+#include "common/decompositions.h"
+
+namespace concord::relative {
+
+double largest_entry(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
+
+MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
+  MatX selected(matrix.rows(), columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = matrix.col(columns[c]);
+  return selected;
+}
+
+int rank_of_rows(const MatX& scaled) {
+  constexpr double kRankThreshold = 1e-10;
+  if (scaled.size() == 0) return 0;
+  const VecX sigma = singular_values(scaled);
+  return static_cast<int>((sigma.array() > kRankThreshold * std::max(sigma(0), 1.0)).count());
+}
+
+ScaledClosure::ScaledClosure(Equations& equations)
+    : equations_(&equations),
+      scales_(equations.model(), equations.topology()),
+      rate_(machine_rate(equations.model())),
+      coordinate_units_(scales_.coordinates(equations.model(), equations.topology())),
+      free_columns_(moving_columns(equations.driven(), Modes::moving)) {}
+
+std::vector<int> ScaledClosure::moving_columns(const PrescribedMask& prescribed, Modes modes) const {
+  std::vector<char> moves(equations_->topology().n_tree_u, 1);
+  for (std::size_t c = 0; c < moves.size(); ++c) moves[c] = prescribed[c] == 0 ? 1 : 0;
+  if (modes == Modes::kept) {
+    for (const Span& span : equations_->topology().modes) {
+      std::fill_n(moves.begin() + span.first_u, span.n_u, static_cast<char>(0));
+    }
+  }
+  std::vector<int> columns;
+  for (std::size_t c = 0; c < moves.size(); ++c) {
+    if (moves[c] != 0) columns.push_back(static_cast<int>(c));
+  }
+  return columns;
+}
+
+void ScaledClosure::advance(VecX& q, const VecX& step) const {
+  const Topology& topology = equations_->topology();
+  for (const Link& link : topology.links) {
+    const Span& joint = topology.joints[link.joint];
+    equations_->kinematics().mobilizer(link.joint).advance(q.data() + joint.first_q, step.data() + joint.first_u);
+    const Span& modes = topology.modes[link.body];
+    q.segment(modes.first_q, modes.n_q) += step.segment(modes.first_u, modes.n_u);
+  }
+}
+
+void ScaledClosure::move(Coordinates& coordinates) const {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  coordinates.q = equations_->q();
+  coordinates.u = equations_->u();
+}
+
+void ScaledClosure::normalize(VecX& q) const {
+  const Topology& topology = equations_->topology();
+  for (std::size_t k = 0; k < topology.joints.size(); ++k) {
+    equations_->kinematics().mobilizer(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
+  }
+}
+
+double ScaledClosure::position_residual() const {
+  const Closure& measured = closure();
+  return largest_entry(
+      measured.position_residual().cwiseQuotient(measured.row_units().head(measured.n_position_rows())));
+}
+
+double ScaledClosure::velocity_residual() const {
+  return largest_entry(closure().velocity_residual().cwiseQuotient(closure().row_units()));
+}
+
+double ScaledClosure::size_of_q(const VecX& q) const { return largest_entry(q.cwiseQuotient(coordinate_units_)); }
+double ScaledClosure::size_of_u(const VecX& u) const { return largest_entry(u.cwiseQuotient(scales_.speeds())); }
+
+MatX ScaledClosure::rows(const std::vector<int>& columns) const {
+  return select_columns(scales_.scaled(closure().Phi_u(), closure()), columns);
+}
+
+int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes modes) const {
+  equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  const MatX Phi = rows(moving_columns(equations_->driven(), modes));
+  return rank_of_rows(
+      Phi.topRows(which == ClosureRows::of_positions ? closure().n_position_rows() : closure().n_rows()));
+}
+
+}  // namespace concord::relative

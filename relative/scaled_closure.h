@@ -1,0 +1,70 @@
+#pragma once
+
+#include <vector>
+
+#include "relative/coordinates.h"
+#include "relative/equations.h"
+#include "relative/scales.h"
+
+/// The closure of a machine in its own units: what closing, projecting and the choice of rows are measured by.
+namespace concord::relative {
+
+/// Whether modal coordinates move where a machine is closed.
+enum class Modes { kept, moving };
+/// The closure rows that hold for positions, or all rows, which hold for velocities.
+enum class ClosureRows { of_positions, of_velocities };
+
+/// Largest absolute value; 0 of none.
+double largest_entry(const VecX& values);
+MatX select_columns(const MatX& matrix, const std::vector<int>& columns);
+/// Number of singular values above 1e-10 of the largest, or of 1, the size of a row, if all vanish.
+int rank_of_rows(const MatX& scaled);
+
+/// Residuals, sizes and rows of the equations' closure as parts of the machine's length, of radians and of its rate.
+/// After Equations::move, unless a function says that it moves the machine itself.
+class ScaledClosure {
+ public:
+  /// The equations must outlive this object.
+  explicit ScaledClosure(Equations& equations);
+
+  [[nodiscard]] Equations& equations() const { return *equations_; }
+  [[nodiscard]] const Closure& closure() const { return equations_->closure(); }
+  [[nodiscard]] const Scales& scales() const { return scales_; }
+  /// The rate of the machine, machine_rate [1/s].
+  [[nodiscard]] double rate() const { return rate_; }
+  /// One for each entry of q.
+  [[nodiscard]] const VecX& coordinate_units() const { return coordinate_units_; }
+
+  /// Columns of the tree that are not prescribed, with or without those of modes.
+  [[nodiscard]] std::vector<int> moving_columns(const PrescribedMask& prescribed, Modes modes) const;
+  /// Those that no driver prescribes, modes included.
+  [[nodiscard]] const std::vector<int>& free_columns() const { return free_columns_; }
+
+  /// Moves the tree's coordinates by a finite step along the speeds (n_tree_u numbers, SI).
+  void advance(VecX& q, const VecX& step) const;
+  /// Moves the machine and completes the coordinates by what follows there.
+  void move(Coordinates& coordinates) const;
+  /// Makes Euler parameters of the coordinates unit.
+  void normalize(VecX& q) const;
+
+  /// Largest residual of positions, and of velocities.
+  [[nodiscard]] double position_residual() const;
+  [[nodiscard]] double velocity_residual() const;
+  /// Largest coordinate and speed.
+  [[nodiscard]] double size_of_q(const VecX& q) const;
+  [[nodiscard]] double size_of_u(const VecX& u) const;
+
+  /// Phi_u over the given columns, rows and columns in the units of the machine (R63).
+  [[nodiscard]] MatX rows(const std::vector<int>& columns) const;
+  /// Moves the machine there and takes the rank of its rows over the free columns, with or without modal ones.
+  [[nodiscard]] int rank(const Coordinates& coordinates, ClosureRows rows, Modes modes) const;
+
+ private:
+  Equations* equations_;
+  Scales scales_;
+  double rate_;
+  VecX coordinate_units_;
+  std::vector<int> free_columns_;
+};
+
+}  // namespace concord::relative
