@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cartesian/ida_unknowns.h"
+
+namespace concord::cartesian {
+
+/// dF/dx + c dF/dxdot of the residual (C56) without the terms that a short step makes small (how M, S and the direction
+/// of the constraint forces change with position): enough for Newton's method (C57). The pattern is frozen.
+class IdaJacobian {
+ public:
+  /// The equations and places must outlive this object. `q`, `Y`: a motion in which the machine is defined.
+  IdaJacobian(Equations& equations, const IdaUnknowns& places, const VecX& q, const VecX& Y);
+
+  /// Compressed columns, rows ascending.
+  [[nodiscard]] const std::vector<int>& column_starts() const { return starts_; }
+  [[nodiscard]] const std::vector<int>& row_indices() const { return rows_; }
+
+  /// Writes the entries, as many as row_indices(), for the unknowns x; `rate` is that of the machine [1/s]. The
+  /// equations hold the same motion before and after; joints and actors are displaced meanwhile. Throws SolverError
+  /// where a force element is not defined.
+  void write(double t, double c, const Eigen::Ref<const VecX>& x, double rate, double* values);
+
+ private:
+  /// Derivatives of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and
+  /// pushed side.
+  struct ForceSlopes {
+    std::array<std::array<MatX, 2>, 2> over_q;
+    std::array<std::array<MatX, 2>, 2> over_Y;
+  };
+
+  ForceSlopes make_slopes(const Actor& actor) const;
+  void lay_out(const VecX& q, const VecX& Y);
+  void differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y);
+  void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates);
+  void differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y);
+  void differentiate_forces(Actor& actor, Side moved, double t, double rate, const VecX& q,
+                            const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes);
+  template <class Visit>
+  void each_entry(double c, const Eigen::Ref<const VecX>& x, const Visit& visit) const;
+  template <class Q, class V, class Visit>
+  void each_body_entry(int i, double c, const Q& q, const V& Y, const Visit& visit) const;
+  template <class Q, class Visit>
+  void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const;
+  template <class Q, class Visit>
+  void each_force_entry(const Actor& actor, const ForceSlopes& slopes, const Q& q, const Visit& visit) const;
+
+  Equations& equations_;
+  const Layout& layout_;
+  const IdaUnknowns& places_;
+  std::vector<ForceSlopes> slopes_;  // by actor
+  std::vector<MatX> rates_over_q_;   // by block of rows: rows x (6 + m)
+  VecX unit_q_;
+  VecX displaced_q_;
+  VecX displaced_Y_;
+  std::vector<int> slots_;  // by visited entry: its place among the entries
+  std::vector<int> starts_;
+  std::vector<int> rows_;
+};
+
+}  // namespace concord::cartesian
