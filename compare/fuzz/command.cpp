@@ -253,10 +253,22 @@ class Fuzz {
   int code_ = kAgree;
 };
 
+/// As drawn, not shrunk. Modes files are files of their own, so that they need a folder.
 int print_machine(const FuzzCommand& command, const Console& console) {
-  const ModelText text = write_machine(draw_machine(command.seed, command.first, style_of(command.style)));
+  const Machine machine = draw_machine(command.seed, command.first, style_of(command.style));
+  const ModelText text = write_machine(machine);
+  if (!command.keep.empty()) {
+    for (const auto& [name, content] : text.beside) write_file(command.keep / name, content);
+    write_file(command.keep / (machine.name + ".toml"), text.model);
+    console.out << fmt::format("{}\n", (command.keep / (machine.name + ".toml")).string());
+    return kAgree;
+  }
   console.out << text.model;
-  for (const auto& [name, content] : text.beside) console.out << fmt::format("\n# {}\n", name) << content;
+  if (!text.beside.empty()) {
+    console.err << fmt::format("the model names {} that {} not printed: --keep FOLDER writes all files\n",
+                               plural(static_cast<int>(text.beside.size()), "modes file", "modes files"),
+                               text.beside.size() == 1 ? "is" : "are");
+  }
   return kAgree;
 }
 

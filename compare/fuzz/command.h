@@ -20,7 +20,7 @@ struct FuzzCommand {
   int jobs = 0;                     // worker processes; 0: one for each processor
   std::filesystem::path keep = {};  // folder for failing machines, reduced; empty: none
   std::string style = "mixed";
-  bool print = false;     // print the machine `first` instead of trying any
+  bool print = false;     // print the machine `first`, or keep it, instead of trying any
   double seconds = 60.0;  // limits of one machine
   double megabytes = 1024.0;
 };

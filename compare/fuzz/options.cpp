@@ -19,7 +19,8 @@ CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
       ->check(CLI::Range(0.1, 1e4));
   fuzz->add_option("--megabytes", command.megabytes, "Memory that one machine may use; default: 1024")
       ->check(CLI::Range(16.0, 1e6));
-  fuzz->add_flag("--print", command.print, "Print the first machine as a model instead");
+  fuzz->add_flag("--print", command.print,
+                 "Print the first machine as a model instead; with --keep: write it there, modes files too");
   return fuzz;
 }
 

@@ -13,7 +13,10 @@
 
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
+#include "common/reading/toml_reader.h"
+#include "compare/fuzz/writer.h"
 #include "relative/solver.h"
+#include "tests/unit/temporary_folder.h"
 
 using namespace concord;
 using namespace concord::compare;
@@ -140,4 +143,22 @@ TEST(FuzzCommand, OneMachineIsPrintedAsAModelThatReads) {
   const Told told = fuzz_with(command, kReal);
   EXPECT_EQ(told.code, 0);
   EXPECT_THAT(told.out, HasSubstr("format = 1\nname = \"fuzz_4\"\n"));
+}
+
+TEST(FuzzCommand, AMachineWithModesFilesIsWrittenWholeOrSaidToLackThem) {
+  FuzzCommand command;
+  command.print = true;
+  command.style = "flexible";
+  command.seed = 77;
+  while (write_machine(draw_machine(command.seed, command.first, Style::flexible)).beside.empty()) {
+    ++command.first;
+  }
+  const Told printed = fuzz_with(command, kReal);
+  EXPECT_THAT(printed.err, HasSubstr("not printed: --keep FOLDER writes all files"));
+  EXPECT_NO_THROW(static_cast<void>(parse_toml(printed.out, "printed.toml")));
+  const TemporaryFolder folder;
+  command.keep = folder.path();
+  const Told kept = fuzz_with(command, kReal);
+  EXPECT_EQ(kept.code, 0);
+  EXPECT_FALSE(read_model(kept.out.substr(0, kept.out.find('\n'))).bodies.empty());
 }
