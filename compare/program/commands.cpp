@@ -10,12 +10,14 @@
 #include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "compare/audit/digits.h"
+#include "compare/page/page.h"
 #include "compare/report/files.h"
 #include "compare/report/info.h"
 #include "compare/report/interrupt.h"
 #include "compare/report/junit.h"
 #include "compare/report/plots.h"
 #include "compare/report/report_json.h"
+#include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/verdict/not_expressible.h"
@@ -59,6 +61,7 @@ void write_results(const std::filesystem::path& folder, const Case& one, const s
                    const Console& console) {
   StagedFolder staged(folder);
   write_file(staged.path() / (one.model.name + ".table.txt"), table);
+  write_file(staged.path() / (one.model.name + ".result.json"), format_result(one.model, one.verdict));
   const auto& runs = one.verdict.trajectories;
   const std::array<std::string_view, 2> names{one.verdict.solvers[0].name, one.verdict.solvers[1].name};
   for (std::size_t who = 0; who < 2; ++who) {
@@ -203,6 +206,20 @@ std::vector<JunitCase> junit_cases(const std::vector<std::filesystem::path>& fil
   return all;
 }
 
+/// Of models that could not be read the page says why.
+void write_page(const CompareCommand& command, const std::vector<std::optional<Case>>& cases,
+                const std::vector<std::string>& troubles) {
+  std::vector<page::ReportedCase> reported;
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    if (cases[k]) {
+      reported.push_back({cases[k]->verdict.name, &cases[k]->model, &cases[k]->verdict, ""});
+    } else {
+      reported.push_back({command.models[k].stem().string(), nullptr, nullptr, troubles[k]});
+    }
+  }
+  write_file(command.report, page::format_page(reported));
+}
+
 void write_json(const std::filesystem::path& file, const std::vector<std::optional<Case>>& cases) {
   if (cases.size() == 1) {
     if (cases[0]) write_file(file, format_json(cases[0]->model, cases[0]->verdict));
@@ -215,17 +232,23 @@ void write_json(const std::filesystem::path& file, const std::vector<std::option
   if (!found.empty()) write_file(file, format_json(found));
 }
 
+void require_two_files(const std::filesystem::path& one, const std::filesystem::path& other, const char* complaint) {
+  if (one.empty() || other.empty() || !is_same_file(one, other)) return;
+  throw InputError({one.string(), 0, 0}, complaint);
+}
+
 /// Refuses what cannot be written, and removes what an earlier run wrote there.
 void prepare_outputs(const CompareCommand& command) {
   std::vector<std::filesystem::path> inputs = command.models;
   if (!command.reference.empty()) inputs.push_back(command.reference);
   check_output(command.json, inputs);
   check_output(command.junit, inputs);
-  if (!command.json.empty() && !command.junit.empty() && is_same_file(command.json, command.junit)) {
-    throw InputError({command.json.string(), 0, 0}, "cannot be both the JSON file and the JUnit file");
-  }
+  check_output(command.report, inputs);
+  require_two_files(command.json, command.junit, "cannot be both the JSON file and the JUnit file");
+  require_two_files(command.report, command.json, "cannot be both the page and the JSON file");
+  require_two_files(command.report, command.junit, "cannot be both the page and the JUnit file");
   if (!command.out.empty()) check_target_folder(command.out);
-  for (const auto& stale : {command.json, command.junit}) {
+  for (const auto& stale : {command.json, command.junit, command.report}) {
     if (!stale.empty()) std::filesystem::remove(stale);
   }
 }
@@ -254,6 +277,12 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
   if (!command.json.empty()) {
     codes.push_back(guarded(console, [&] {
       write_json(command.json, cases);
+      return static_cast<int>(kAgree);
+    }));
+  }
+  if (!command.report.empty()) {
+    codes.push_back(guarded(console, [&] {
+      write_page(command, cases, troubles);
       return static_cast<int>(kAgree);
     }));
   }

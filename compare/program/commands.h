@@ -25,6 +25,7 @@ struct CompareCommand {
   std::filesystem::path out;        // empty: write no result files
   std::filesystem::path json;       // empty: write no JSON
   std::filesystem::path junit;      // empty: write no JUnit XML
+  std::filesystem::path report;     // empty: write no page
   std::filesystem::path reference;  // empty: none; of one model only
   ThirdOpinionMaker make_third;     // empty: no third opinion
   std::string third_name;
@@ -39,8 +40,8 @@ struct RunCommand {
 
 /// Compares each model and prints its table; with several models a summary of all, a failing one included. Returns the
 /// worst exit code. Writes nothing about a model that cannot be read but its error into the JUnit file. Refuses outputs
-/// that cannot be written before any work; JSON and JUnit files of an earlier run are removed then, because they would
-/// pass for this one's.
+/// that cannot be written before any work; JSON and JUnit files and a page of an earlier run are removed then, because
+/// they would pass for this one's.
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console);
 
 /// Integrates one model with one solver and prints the peak reactions.

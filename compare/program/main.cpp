@@ -16,6 +16,7 @@
 #include "compare/joint_check/command.h"
 #include "compare/nightly/options.h"
 #include "compare/nightly/origin.h"
+#include "compare/page/command.h"
 #include "compare/program/commands.h"
 #include "compare/report/interrupt.h"
 #ifdef CONCORD_HAS_SIMBODY
@@ -39,6 +40,8 @@ constexpr const char* kEpilogue = R"(Examples:
       all models, a summary at the end, the verdicts for other programs
   concord compare my.toml --until 0.5 --rtol 1e-10 --all --out results
       all components; NetCDF, CSV, plots and the table in results/
+  concord compare my.toml --report my.html
+      a page with table, curves and the machine in motion
   concord run my.toml --solver relative --out results
       one solver alone
   concord info my.toml
@@ -104,6 +107,7 @@ struct CommandLine {
   std::string oracle;
   compare::joint_check::JointCommand joint;
   compare::fuzz::FuzzCommand fuzz;
+  compare::page::ReportCommand report;
 };
 
 CLI::App* add_compare(CLI::App& program, CommandLine& line) {
@@ -120,6 +124,8 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
   command->add_option("--json", line.compare.json, "File for the verdict as JSON");
   command->add_option("--junit", line.compare.junit,
                       "File for the verdict as JUnit XML, a test case for each judged row");
+  command->add_option("--report", line.compare.report,
+                      "File for the verdict as an HTML page: table, curves and the machine in motion");
   command->add_option("--reference", line.compare.reference,
                       "CSV file of reference values from another source, with their stated error (compare/README)");
   command
@@ -158,6 +164,13 @@ CLI::App* add_joint(CLI::App& program, CommandLine& line) {
   command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--out", line.joint.out, "Folder for the sheets, as text and as JSON");
+  return command;
+}
+
+CLI::App* add_report(CLI::App& program, CommandLine& line) {
+  CLI::App* command = program.add_subcommand("report", "Write the results of a folder as one HTML page");
+  command->add_option("FOLDER", line.report.folder, "Folder that `concord compare --out` wrote")->required();
+  command->add_option("-o,--output", line.report.out, "File for the page")->required();
   return command;
 }
 
@@ -253,6 +266,7 @@ int run_program(int argc, char** argv) {
   const CLI::App* run_command = add_run(program, line);
   const CLI::App* joint_command = add_joint(program, line);
   const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
+  const CLI::App* report_command = add_report(program, line);
   add_info(program, line);
   AnalysisCommands analyses(program, line);
   const compare::nightly::NightlyCommands nights(program);
@@ -274,6 +288,7 @@ int run_program(int argc, char** argv) {
     return compare::run_model(line.run, makers, console);
   }
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
+  if (report_command->parsed()) return compare::page::write_report(line.report, console);
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
   if (const auto code = nights.run(makers, console)) return *code;
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);

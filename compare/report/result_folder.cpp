@@ -18,7 +18,7 @@ std::vector<std::string> run_file_names(const Model& model, std::string_view sol
 }
 
 std::vector<std::string> result_file_names(const Model& model, const std::array<std::string_view, 2>& solvers) {
-  std::vector<std::string> names{model.name + ".table.txt"};
+  std::vector<std::string> names{model.name + ".table.txt", model.name + ".result.json"};
   for (const std::string_view solver : solvers) {
     for (std::string& name : run_file_names(model, solver)) names.push_back(std::move(name));
   }

@@ -1,0 +1,95 @@
+#include "compare/page/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "compare/page/packing.h"
+#include "compare/page/page_parts.h"
+#include "compare/report/result_document.h"
+
+namespace concord::compare::page {
+
+namespace {
+
+using PageJson = nlohmann::ordered_json;
+
+constexpr std::size_t kBytesOfCurves = 2500000;
+constexpr std::size_t kLeastBytes = 60000;  // of one machine
+
+std::size_t bytes_for_each(std::size_t machines) {
+  return std::max(kLeastBytes, kBytesOfCurves / std::max<std::size_t>(1, machines));
+}
+
+PageJson without_result(const ReportedCase& one) {
+  std::string words = one.words;
+  while (!words.empty() && words.back() == '\n') words.pop_back();
+  return {{"model", one.name}, {"outcome", "failed"}, {"sentence", fmt::format("There is no verdict: {}", words)}};
+}
+
+MachineResult result_of(const ReportedCase& one) {
+  MachineResult result;
+  result.document = format_result(*one.model, *one.verdict);
+  for (std::size_t who = 0; who < 2; ++who) {
+    const auto& run = one.verdict->trajectories[who];
+    if (run) result.runs[who] = curves_of(*one.model, one.verdict->solvers[who].name, *run);
+  }
+  return result;
+}
+
+std::string title_of(const PageJson& machines) {
+  if (machines.size() != 1) return fmt::format("concord: {} machines", machines.size());
+  return fmt::format("concord: {}, {}", machines[0]["model"].get<std::string>(),
+                     machines[0]["outcome"].get<std::string>());
+}
+
+/// The template with its places filled, each once: what is put in is not searched again.
+std::string filled(const std::string& html, const std::vector<std::pair<std::string_view, std::string>>& places) {
+  std::string page;
+  std::string_view rest = html;
+  while (!rest.empty()) {
+    std::size_t first = rest.size();
+    const std::pair<std::string_view, std::string>* found = nullptr;
+    for (const auto& place : places) {
+      const std::size_t at = rest.find(place.first);
+      if (at < first) {
+        first = at;
+        found = &place;
+      }
+    }
+    page += rest.substr(0, first);
+    if (found == nullptr) break;
+    page += found->second;
+    rest.remove_prefix(first + found->first.size());
+  }
+  return page;
+}
+
+std::string format(PageJson machines) {
+  const std::string title = escape_html(title_of(machines));
+  const PageJson data{{"made", "Made by concord " CONCORD_VERSION ". Units are SI and radians."},
+                      {"machines", std::move(machines)}};
+  const std::string json = safe_in_script(data.dump(-1, ' ', false, PageJson::error_handler_t::replace));
+  return filled(html_template(),
+                {{"@TITLE@", title}, {"@STYLE@", style_text()}, {"@DATA@", json}, {"@SCRIPT@", script_text()}});
+}
+
+}  // namespace
+
+std::string format_page(const std::vector<ReportedCase>& cases) {
+  PageJson machines = PageJson::array();
+  for (const ReportedCase& one : cases) {
+    const bool is_there = one.model != nullptr && one.verdict != nullptr;
+    machines.push_back(is_there ? machine_data(result_of(one), bytes_for_each(cases.size())) : without_result(one));
+  }
+  return format(std::move(machines));
+}
+
+std::string format_page(const std::vector<MachineResult>& results) {
+  PageJson machines = PageJson::array();
+  for (const MachineResult& result : results) machines.push_back(machine_data(result, bytes_for_each(results.size())));
+  return format(std::move(machines));
+}
+
+}  // namespace concord::compare::page

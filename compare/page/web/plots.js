@@ -1,0 +1,110 @@
+"use strict";
+// Six components of one wrench by both solvers, and below each the difference on a logarithmic scale.
+concord.Plots = class {
+  constructor(hover) {
+    this.hover = hover;
+    this.charts = document.getElementById("charts");
+    this.made = [];
+    this.width = 0;
+    new ResizeObserver(() => {
+      if (Math.abs(this.charts.clientWidth - this.width) > 8) this.draw();
+    }).observe(this.charts);
+  }
+
+  load(machine) {
+    this.machine = machine;
+    this.runs = machine.runs;
+  }
+
+  show(kind, owner, side) {
+    this.chosen = { kind, owner, side };
+    this.draw();
+  }
+
+  rowOf(component) {
+    const { kind, owner, side } = this.chosen;
+    return this.machine.rows.find((r) => r.kind === kind && r.owner === owner && r.side === side && r.component === component);
+  }
+
+  draw() {
+    for (const plot of this.made) plot.destroy();
+    this.made = [];
+    this.charts.replaceChildren();
+    this.width = this.charts.clientWidth;
+    if (!this.chosen) return;
+    if (!this.runs) {
+      this.charts.append(concord.element("p", { text: "No solver finished a run: there is nothing to draw." }));
+      return;
+    }
+    const { kind, owner, side } = this.chosen;
+    const curves = (kind === "element" ? this.runs.elements : this.runs.joints)[owner][side];
+    curves.forEach((curve, component) => this.addChart(curve, component));
+  }
+
+  addChart(curve, component) {
+    const row = this.rowOf(component);
+    const unit = component < 3 ? "N" : "N m";
+    const verdict = row ? row.verdict : "carries nothing";
+    const kind = row ? (verdict === "not judged" ? "open" : verdict) : "";
+    const box = concord.element("div", { class: "chart" }, concord.element("h3", {},
+      concord.element("span", { text: `${concord.components[component]} [${unit}]` }),
+      concord.element("span", { class: kind, text: row ? `${verdict}${row.digits[1] === null ? "" : ", " + concord.digits(row.digits[1]) + " digits"}` : verdict })));
+    this.charts.append(box);
+    if (!curve) {
+      box.append(concord.element("p", { text: "Zero throughout." }));
+      return;
+    }
+    const values = concord.element("p", { class: "values" });
+    const t = this.runs.t;
+    const a = concord.numbers(curve.a);
+    const b = concord.numbers(curve.b);
+    const width = box.clientWidth - 18;
+    const lines = [{}, { stroke: concord.colour("--one"), width: 1.6 }, { stroke: concord.colour("--two"), width: 1.6, dash: [6, 5] }];
+    const data = [t, a || t.map(() => null), b || t.map(() => null)];
+    const scales = { y: { range: (u, least, most) => (least === most ? [least - 1, most + 1] : uPlot.rangeNum(least, most, 0.1, true)) } };
+    this.made.push(new uPlot(this.optionsOf(width, 150, lines, scales, (at) => {
+      values.textContent = at === null ? "" : `t = ${concord.short(t[at])} s: ${concord.short(a && a[at])}, ${concord.short(b && b[at])} ${unit}`;
+    }), data.map((column) => Array.from(column)), box));
+    box.append(values);
+    if (curve.d) this.addDifference(box, width, concord.numbers(curve.d), row, unit);
+  }
+
+  addDifference(box, width, d, row, unit) {
+    const t = this.runs.thinned ? this.runs.t.filter((_, k) => k % 2 === 0) : this.runs.t;
+    const floor = row && row.scale > 0 ? row.scale * 1e-17 : 1e-300;
+    // Exponents on a linear scale: the library's logarithmic one does not go below 1e-16.
+    const sizes = Array.from(d, (value) => (Number.isNaN(value) ? null : Math.log10(Math.max(value, floor))));
+    const need = row && row.scale > 0 ? row.scale * 10 ** -row.need[1] : null;
+    const lines = [{}, { stroke: concord.colour("--ink"), width: 1.2 }, { stroke: concord.colour("--bad"), width: 1, dash: [2, 3] }];
+    box.append(concord.element("p", { class: "values", text: `|difference| [${unit}]` + (need === null ? "" : `, need of the same run ${concord.short(need)}`) }));
+    const scales = { y: { range: (u, least, most) => [Math.floor(least - 0.2), Math.ceil(most + 0.2)] } };
+    const options = this.optionsOf(width, 110, lines, scales, null);
+    options.axes[1].values = (u, ticks) => ticks.map((v) => (Number.isInteger(v) ? `1e${v}` : ""));
+    options.axes[1].incrs = [1, 2, 3, 5, 10, 20, 50, 100];
+    options.axes[1].space = 18;
+    this.made.push(new uPlot(options, [Array.from(t), sizes, t.map(() => (need === null ? null : Math.log10(need)))], box));
+  }
+
+  optionsOf(width, height, series, scales, tell) {
+    const axis = { stroke: concord.colour("--quiet"), grid: { stroke: concord.colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
+    return {
+      width: Math.max(120, width), height, series, legend: { show: false },
+      scales: { x: { time: false }, ...scales },
+      axes: [{ ...axis, size: 24, values: (u, ticks) => ticks.map(concord.short) },
+             { ...axis, size: 58, values: (u, ticks) => ticks.map((v) => (v === null ? "" : concord.tick(v))) }],
+      cursor: { sync: { key: "time" }, y: false, points: { size: 5 }, drag: { x: true, y: false } },
+      hooks: { setCursor: [(u) => {
+        if (tell) tell(u.cursor.idx === undefined ? null : u.cursor.idx);
+        if (this.isMoved || u.cursor.idx === null || u.cursor.idx === undefined || u.cursor.left < 0) return;
+        this.hover(u.data[0][u.cursor.idx]);
+      }] },
+    };
+  }
+
+  /** Puts the cursor of all plots at a time, without telling the view. */
+  mark(t) {
+    this.isMoved = true;
+    for (const plot of this.made) plot.setCursor({ left: plot.valToPos(t, "x"), top: 10 }, true, false);
+    this.isMoved = false;
+  }
+};

@@ -1,0 +1,228 @@
+#include "compare/report/result_document.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/overloaded.h"
+#include "compare/report/report_json.h"
+#include "compare/verdict/refinement.h"
+
+namespace concord::compare {
+
+namespace {
+
+using ResultJson = nlohmann::ordered_json;
+
+/// A flexible body is drawn through no more points than these.
+constexpr std::size_t kDrawnPoints = 60;
+
+template <class Matrix>
+ResultJson numbers(const Matrix& matrix) {
+  ResultJson list = ResultJson::array();
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) list.push_back(matrix(row, column));
+  }
+  return list;
+}
+
+ResultJson or_null(const std::optional<double>& value) { return value ? ResultJson(*value) : ResultJson(); }
+
+/// The box of even density that has a body's mass and inertia: its axes as columns, and half of its edges.
+ResultJson inertia_box(const Body& body) {
+  if (!(body.mass > 0.0) || body.inertia_L.isZero(0.0)) return nullptr;
+  const Eigen::SelfAdjointEigenSolver<Mat3> principal(body.inertia_L);
+  if (principal.info() != Eigen::Success) return nullptr;
+  Mat3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
+  const Vec3 moments = principal.eigenvalues();
+  const double sum = moments.sum() / 2.0;  // of m x^2, m y^2, m z^2
+  const Vec3 half = (3.0 / body.mass * (sum - moments.array())).max(0.0).sqrt();
+  return {{"axes", numbers(axes)}, {"half", numbers(half)}};
+}
+
+/// Points through which a flexible body is drawn: undeformed place and translation rows of the modes.
+ResultJson drawn_points(const ModalData& modal) {
+  ResultJson points = ResultJson::array();
+  const bool has_nodes = modal.nodes.size() >= 2;
+  const std::size_t count = has_nodes ? modal.nodes.size() : modal.mass_points.size();
+  const std::size_t shown = std::min(count, kDrawnPoints);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const std::size_t from = shown < 2 ? 0 : k * (count - 1) / (shown - 1);
+    const auto add = [&](const auto& point) {
+      points.push_back({{"point", numbers(point.s0_L)}, {"modes", numbers(point.Psi_t_L)}});
+    };
+    has_nodes ? add(modal.nodes[from]) : add(modal.mass_points[from]);
+  }
+  return points;
+}
+
+Vec3 center_of(const Body& body) {
+  if (!body.modal) return body.center_of_mass_L;
+  const MatX& G = body.modal->G;
+  return G(0, 0) > 0.0 ? Vec3(G.block<3, 1>(1, 0) / G(0, 0)) : Vec3(Vec3::Zero());
+}
+
+ResultJson body_json(const Body& body) {
+  ResultJson said{{"name", body.name}, {"mass", body.modal ? body.modal->G(0, 0) : body.mass}};
+  said["center"] = numbers(center_of(body));
+  said["box"] = inertia_box(body);
+  said["modes"] = body.n_modes();
+  if (body.modal) said["points"] = drawn_points(*body.modal);
+  return said;
+}
+
+ResultJson end_json(const Attachment& end) {
+  return {{"body", end.body},
+          {"point", numbers(end.point_L)},
+          {"frame", numbers(end.C)},
+          {"modes", numbers(end.Psi_t_L)},
+          {"turns", numbers(end.Psi_r_L)}};
+}
+
+const char* type_name_of(const ForceElement& element) {
+  return std::visit(Overloaded{[](const Load&) { return "load"; }, [](const LineSpring&) { return "spring"; },
+                               [](const TurnSpring&) { return "turn_spring"; },
+                               [](const Bushing&) { return "bushing"; }, [](const Tire&) { return "tire"; }},
+                    element.what);
+}
+
+ResultJson machine_json(const Model& model) {
+  ResultJson bodies = ResultJson::array();
+  for (const Body& body : model.bodies) bodies.push_back(body_json(body));
+  ResultJson joints = ResultJson::array();
+  for (const Joint& joint : model.joints) {
+    joints.push_back({{"name", joint.name},
+                      {"type", joint.type->name},
+                      {"parent", end_json(joint.on(Side::parent))},
+                      {"child", end_json(joint.on(Side::child))}});
+  }
+  ResultJson elements = ResultJson::array();
+  for (const ForceElement& element : model.elements) {
+    const Attachment* parent = end_of(element, Side::parent);
+    const Attachment* child = end_of(element, Side::child);
+    elements.push_back({{"name", element.name},
+                        {"type", type_name_of(element)},
+                        {"parent", parent != nullptr ? end_json(*parent) : ResultJson()},
+                        {"child", child != nullptr ? end_json(*child) : ResultJson()}});
+  }
+  return {{"length", model.length_scale()},
+          {"gravity", numbers(model.gravity)},
+          {"bodies", std::move(bodies)},
+          {"joints", std::move(joints)},
+          {"elements", std::move(elements)}};
+}
+
+/// The row of a joint's reaction or of a force element's wrench, by places in the machine, not by names.
+ResultJson result_row(const Model& model, const QuantityRow& row) {
+  ResultJson digits = ResultJson::array();
+  ResultJson resolvable = ResultJson::array();
+  ResultJson needs = ResultJson::array();
+  const bool is_shown = is_judged(row);
+  for (const Rung rung : kRungs) {
+    digits.push_back(is_shown ? or_null(digits_of(row, rung)) : ResultJson());
+    resolvable.push_back(is_shown ? or_null(detail_of(row, rung).resolvable) : ResultJson());
+    needs.push_back(need_of(row, rung));
+  }
+  const RungDetail& detail = detail_of(row, Rung::same_state);
+  return {
+      {"kind", row.quantity.kind == Kind::element ? "element" : "joint"},
+      {"owner", row.quantity.owner},
+      {"side", index(row.quantity.side)},
+      {"component", row.quantity.component},
+      {"unit", unit_of(model, row.quantity)},
+      {"scale", row.scale},
+      {"scale_from", name_of(row.source)},
+      {"digits", std::move(digits)},
+      {"resolvable", std::move(resolvable)},
+      {"need", std::move(needs)},
+      {"because", row.need.because},
+      {"worst_t", row.worst_t},
+      {"states", {{"judged", detail.samples}, {"not_unique", detail.not_unique}, {"too_coarse", detail.too_coarse}}},
+      {"unique", row.unique},
+      {"by_resolution", is_judged_by_resolution(row, Rung::same_state)},
+      {"verdict", to_string(row.judgement)}};
+}
+
+ResultJson result_rows(const Model& model, const Verdict& verdict) {
+  ResultJson rows = ResultJson::array();
+  for (const QuantityRow& row : verdict.rows) rows.push_back(result_row(model, row));
+  for (const QuantityRow& row : verdict.others) {
+    if (row.quantity.kind == Kind::element) rows.push_back(result_row(model, row));
+  }
+  return rows;
+}
+
+ResultJson result_solver(const SolverSummary& solver) {
+  return {{"name", solver.name},
+          {"integrator", solver.integrator},
+          {"cut_joints", solver.cut_joints},
+          {"constraints", solver.rank.constraints},
+          {"rank", solver.rank.rank},
+          {"degrees_of_freedom", solver.rank.degrees_of_freedom},
+          {"steps", solver.statistics.steps},
+          {"evaluations", solver.statistics.evaluations},
+          {"wall_s", solver.statistics.wall_s},
+          {"max_constraint", solver.statistics.max_constraint},
+          {"audit_digits", or_null(solver.audit_digits)},
+          {"audit_worst", solver.audit_worst},
+          {"audit_need", solver.audit_need},
+          {"energy_error", or_null(solver.energy_error)}};
+}
+
+ResultJson result_rung(const char* name, const RungSummary& rung) {
+  return {{"name", name},
+          {"digits", or_null(rung.digits)},
+          {"states", rung.samples},
+          {"climbed", rung.climbed},
+          {"horizon_s", or_null(rung.horizon)}};
+}
+
+ResultJson result_rungs(const Verdict& verdict) {
+  ResultJson rungs = ResultJson::array();
+  rungs.push_back({{"name", "rank"}, {"digits", nullptr}, {"climbed", verdict.rank_agrees}});
+  rungs.push_back(result_rung("same state", verdict.same_state));
+  rungs.push_back(result_rung("same run", verdict.same_run));
+  rungs.push_back(result_rung("refined", verdict.refined));
+  rungs.push_back(result_rung("audit", verdict.audit));
+  return rungs;
+}
+
+}  // namespace
+
+std::string format_result(const Model& model, const Verdict& verdict) {
+  ResultJson findings = ResultJson::array();
+  for (const Finding& finding : verdict.findings) {
+    findings.push_back({{"what", finding.what}, {"symptom", finding.symptom}});
+  }
+  ResultJson solvers = ResultJson::array();
+  for (const SolverSummary& solver : verdict.solvers) solvers.push_back(result_solver(solver));
+  const ComponentCount count = count_components(verdict);
+  const ResultJson said{{"kind", "concord result"},
+                        {"format", kResultFormat},
+                        {"program", "concord " CONCORD_VERSION},
+                        {"model", verdict.name},
+                        {"outcome", to_string(verdict.outcome)},
+                        {"judged", count.judged},
+                        {"total", count.total},
+                        {"bodies", verdict.bodies},
+                        {"joints", verdict.joints},
+                        {"loops", verdict.loops},
+                        {"modes", verdict.modes},
+                        {"run",
+                         {{"until", verdict.run.until},
+                          {"rtol", verdict.run.rtol},
+                          {"energy_allowed", kEnergyPerTolerance * verdict.run.rtol}}},
+                        {"rungs", result_rungs(verdict)},
+                        {"solvers", std::move(solvers)},
+                        {"findings", std::move(findings)},
+                        {"notes", verdict.notes},
+                        {"failures", verdict.failures},
+                        {"rows", result_rows(model, verdict)},
+                        {"machine", machine_json(model)},
+                        {"verdict", ResultJson::parse(format_json(model, verdict))}};
+  return said.dump(-1, ' ', false, ResultJson::error_handler_t::replace) + '\n';
+}
+
+}  // namespace concord::compare
