@@ -263,6 +263,7 @@ Sample take_sample(Run& run, States& states, double t, const Eigen::Ref<const Ve
     run.assembly.project(run.coordinates);
     run.equations.compute_accelerations(t, run.coordinates.q, run.coordinates.u);
     run.assembly.closure_rank().require_general(run.coordinates);
+    run.assembly.closure_rank().require_agreeing_rows(run.coordinates);
     sample.state = states.write(t, before);
     (void)states.read_closed(sample.state);
   } catch (const SolverError& error) {
@@ -361,7 +362,6 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
     run.last_reason.clear();
     if (i > 0 && advance_over_breaks(t_end) < 0) throw_stopped(t, run, messages.last);
     Sample sample = take_sample(run, states, t_end, sundials::view(y.get()), before);
-    if (i == 0) assembly.closure_rank().require_agreeing_rows(start);
     before = sample.state;
     StateMisfit misfit;
     (void)states.read(sample.state, misfit);

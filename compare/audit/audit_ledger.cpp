@@ -13,7 +13,7 @@ namespace concord::compare {
 namespace {
 
 constexpr double kLeastShare = 1e-6;  // of the machine's largest
-/// Round-off of a sum in which the machine's largest take part: no residual below it is a breach.
+/// Round-off of a sum in which the largest terms take part: no residual below it is a breach.
 constexpr double kRoundOff = 100.0 * std::numeric_limits<double>::epsilon();
 
 bool is_worse(const AuditFinding& one, const AuditFinding& other) {
@@ -81,7 +81,7 @@ void AuditEntity::take(const VecX& residuals, const AuditScales& scales, double 
   }
 }
 
-AuditFinding AuditEntity::worst(AuditRule rule, const AuditScales& largest) const {
+AuditFinding AuditEntity::worst(AuditRule rule, const AuditScales& largest, const AuditScales& terms) const {
   AuditFinding found;
   found.rule = rule;
   found.where = name;
@@ -89,7 +89,7 @@ AuditFinding AuditEntity::worst(AuditRule rule, const AuditScales& largest) cons
     if (row.rule != rule) continue;
     const double floor = (is_idle ? 1.0 : kLeastShare) * largest[index(row.unit)];
     const double scale = std::max(row.scale, floor);
-    const double breach = std::max(0.0, row.residual - kRoundOff * largest[index(row.unit)]);
+    const double breach = std::max(0.0, row.residual - kRoundOff * terms[index(row.unit)]);
     keep_worse(found,
                {matching_digits(breach, scale), row.residual, scale, row.t, rule, name, row.name, row.scale < floor});
   }

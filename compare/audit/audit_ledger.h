@@ -93,8 +93,9 @@ struct AuditEntity {
 
   /// Residuals of all rows in their order, at a time, with the scales of each unit there.
   void take(const VecX& residuals, const AuditScales& scales, double at_t);
-  /// The worst of a rule's rows, given the machine's largest scales.
-  [[nodiscard]] AuditFinding worst(AuditRule rule, const AuditScales& largest) const;
+  /// The worst of a rule's rows, given the machine's largest scales, and the sizes of the terms that were summed
+  /// somewhere in it, whose round-off is no breach.
+  [[nodiscard]] AuditFinding worst(AuditRule rule, const AuditScales& largest, const AuditScales& terms) const;
   [[nodiscard]] int count(AuditRule rule) const;
   /// Raises the largest scales to those of the rows; `own` stays 0.
   void raise(AuditScales& largest) const;

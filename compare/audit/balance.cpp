@@ -383,15 +383,27 @@ AuditScales Auditor::largest_scales() const {
   return largest;
 }
 
+/// A light body on a place that shakes has next to no load, but whoever finds its acceleration from that of the place
+/// sums terms as large as all masses would be there.
+AuditScales Auditor::largest_terms(const AuditScales& largest) const {
+  AuditScales terms = largest;
+  double& force = terms[index(AuditUnit::force)];
+  double& torque = terms[index(AuditUnit::torque)];
+  force = std::max(force, motions_.mass() * largest[index(AuditUnit::acceleration)]);
+  torque = std::max(torque, force * length_);
+  return terms;
+}
+
 AuditReport Auditor::report() const {
   AuditReport report;
   report.states = states_;
   const AuditScales largest = largest_scales();
+  const AuditScales terms = largest_terms(largest);
   for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
   // The worst of an entity's own rules, which count for the whole too.
   const auto judge = [&](const AuditEntity& entity, AuditFinding& worst) {
     for (int k = 0; k < kAuditRules; ++k) {
-      const AuditFinding finding = entity.worst(static_cast<AuditRule>(k), largest);
+      const AuditFinding finding = entity.worst(static_cast<AuditRule>(k), largest, terms);
       report.rows[k] += entity.count(finding.rule);
       keep_worse(report.rules[k], finding);
       keep_worse(report.worst, finding);

@@ -57,6 +57,7 @@ class Auditor {
   void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
   void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
   [[nodiscard]] AuditScales largest_scales() const;
+  [[nodiscard]] AuditScales largest_terms(const AuditScales& largest) const;
 
   const Model& model_;
   double length_;

@@ -112,8 +112,16 @@ void raise(LineAndTurn& sizes, const LineAndTurn& others) {
   sizes.turn = std::max(sizes.turn, others.turn);
 }
 
-/// What of a_rel is neither permitted nor Sdot u, and the joint accelerations.
-void difference(const JointAlongMotion& joint, const VecX& expected_udot, double length, JointKinematics& found) {
+/// A difference along the motion: what of a_rel is neither permitted nor Sdot u, and the joint accelerations, are
+/// expected to be so; their sizes; and the first step [s].
+struct Question {
+  VecX expected;
+  VecX scales;
+  double step = 0.0;
+};
+
+Question question_of(const JointAlongMotion& joint, const VecX& expected_udot, double length,
+                     const JointKinematics& found) {
   // The time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in which the
   // accelerations do so. That both bodies travel together matters to nothing here.
   double rate =
@@ -132,12 +140,62 @@ void difference(const JointAlongMotion& joint, const VecX& expected_udot, double
   VecX scales = VecX::Constant(6 + n_u, rate * rate);
   scales.head<3>() *= length;
   for (Eigen::Index k = 0; k < n_u; ++k) scales(6 + k) *= turns[static_cast<std::size_t>(k)] ? 1.0 : length;
-  const SlopeMisfit misfit =
-      slope_misfit([&](double h) { return joint.after(h); }, expected, scales, kLookAhead / rate, kGoodRate);
-  found.acceleration = misfit.slope.head(6);
-  found.udot = misfit.slope.tail(n_u);
-  found.doubt_of_acceleration = misfit.doubt.head(6);
-  found.doubt_of_udot = misfit.doubt.tail(n_u);
+  return {std::move(expected), std::move(scales), kLookAhead / rate};
+}
+
+SlopeMisfit answer(const Question& question, const JointAlongMotion& joint) {
+  return slope_misfit([&](double h) { return joint.after(h); }, question.expected, question.scales, question.step,
+                      kGoodRate);
+}
+
+/// Whether the joint's speeds follow from the motion with more than ten times its errors, lengths in units of the
+/// machine's.
+bool magnifies(const joints::JointType& type, const JointMotion& motion, double length) {
+  constexpr double kPlain = 0.1;
+  if (motion.S.cols() == 0) return false;
+  Mat6X directions = motion.S;
+  directions.topRows(3) /= length;
+  const std::vector<bool> turns = turning_speeds(type);
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    if (!turns[k]) directions.col(static_cast<Eigen::Index>(k)) *= length;
+  }
+  return singular_values(directions).minCoeff() < kPlain;
+}
+
+/// The state with one of its bodies off by as much as solvers leave states open: by a part of the length, of 1 rad, and
+/// of the joint's speeds, in the k-th of twelve ways.
+State nudged(State state, int body, int k, double length, const LineAndTurn& speed) {
+  constexpr double kClosed = 1e-13;
+  BodyState& moved = state.bodies[static_cast<std::size_t>(body)];
+  const Vec3 axis = Vec3::Unit(k % 3);
+  if (k < 3) {
+    moved.r += kClosed * length * axis;
+  } else if (k < 6) {
+    const Vec3 e = moved.p.tail<3>();
+    const Vec3 w = 0.5 * kClosed * axis;
+    moved.p += Vec4(-w.dot(e), 0.0, 0.0, 0.0);
+    moved.p.tail<3>() += moved.p(0) * w + w.cross(e);
+  } else if (k < 9) {
+    moved.v += kClosed * speed.line * axis;
+  } else {
+    moved.omega += kClosed * speed.turn * axis;
+  }
+  return state;
+}
+
+/// Adds what such states leave open in the joint's coordinates, speeds and accelerations.
+void doubt_magnified(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                     double length, const Question& question, JointKinematics& found) {
+  const int child = joint.on(Side::child).body;
+  const int body = child != 0 ? child : joint.on(Side::parent).body;
+  for (int k = 0; k < 12; ++k) {
+    const State off = nudged(state, body, k, length, found.speed);
+    const JointAlongMotion moved(joint, off, evaluation, hint, length);
+    const JointMotion motion = read_motion(*joint.type, moved.relative_after(0.0), hint);
+    found.doubt_of_q += (motion.q - found.motion.q).cwiseAbs();
+    found.doubt_of_u += (motion.u - found.motion.u).cwiseAbs();
+    found.doubt_of_udot += (answer(question, moved).slope.tail(found.udot.size()) - found.udot).cwiseAbs();
+  }
 }
 
 }  // namespace
@@ -155,7 +213,18 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
     raise(found.speed, sizes.speed);
     raise(found.rate_of_speed, sizes.rate_of_speed);
   }
-  difference(on_its_way, expected_udot, length, found);
+  const Question question = question_of(on_its_way, expected_udot, length, found);
+  const SlopeMisfit misfit = answer(question, on_its_way);
+  found.acceleration = misfit.slope.head(6);
+  found.udot = misfit.slope.tail(expected_udot.size());
+  found.doubt_of_acceleration = misfit.doubt.head(6);
+  found.doubt_of_udot = misfit.doubt.tail(expected_udot.size());
+  found.doubt_of_q = VecX::Zero(found.motion.q.size());
+  found.doubt_of_u = VecX::Zero(found.motion.u.size());
+  const bool is_asked = !expected_udot.array().isNaN().all();
+  if (is_asked && magnifies(*joint.type, found.motion, length)) {
+    doubt_magnified(joint, state, evaluation, hint, length, question, found);
+  }
   return found;
 }
 

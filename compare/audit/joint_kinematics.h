@@ -29,10 +29,13 @@ struct JointKinematics {
   Vec6 acceleration = Vec6::Zero();
   /// Accelerations of the joint's speeds, udot, by differences.
   VecX udot;
-  /// How uncertain these differences are, by entry: near a pose where a coordinate has no meaning round-off is
-  /// magnified.
+  /// How uncertain these differences are, by entry.
   Vec6 doubt_of_acceleration = Vec6::Zero();
   VecX doubt_of_udot;
+  /// Near a pose where a coordinate has no meaning its reading magnifies by how much a state is closed at best: what
+  /// that leaves open in q and u, by entry; zero elsewhere. doubt_of_udot has it too.
+  VecX doubt_of_q;
+  VecX doubt_of_u;
   /// Coordinates, speeds and permitted directions of the joint, and where its child is.
   JointMotion motion;
   RelativeMotion relative;

@@ -152,8 +152,9 @@ void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation&
     const Driver& driver = joint.drivers[d];
     const Moving law = drivers_[k][d].at(state.t);
     const int u = driven_speed_of(joint, driver);
-    take(found.motion.q(first_q(*joint.type, driver.word) + driver.component) - law.value, law.value);
-    take(found.motion.u(u) - law.rate, law.rate);
+    const int q = first_q(*joint.type, driver.word) + driver.component;
+    take(found.motion.q(q) - law.value, law.value, found.doubt_of_q(q));
+    take(found.motion.u(u) - law.rate, law.rate, found.doubt_of_u(u));
     take(found.udot(u) - law.rate_of_rate, law.rate_of_rate, found.doubt_of_udot(u));
   }
   if (next == rows.size()) return;
@@ -169,7 +170,7 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
   double place = -coupling.offset;
   double speed = 0.0;
   double acceleration = 0.0;
-  double doubt = 0.0;
+  std::array<double, 3> doubts{};
   std::array<double, 3> sizes{std::abs(coupling.offset), 0.0, 0.0};
   for (const CouplingTerm& term : coupling.terms) {
     const joints::JointType& type = *model_.joints[term.joint].type;
@@ -177,20 +178,23 @@ void MotionAudit::add_coupling(std::size_t c, double t) {
     const AuditScales& scales = scales_[term.joint];
     const int u = first_u(type, term.word) + term.component;
     const bool turns = turning_speeds(type)[static_cast<std::size_t>(u)];
-    const double q = found.motion.q(first_q(type, term.word) + term.component);
+    const int place_of_q = first_q(type, term.word) + term.component;
+    const double q = found.motion.q(place_of_q);
     place += term.factor * q;
     speed += term.factor * found.motion.u(u);
     acceleration += term.factor * found.udot(u);
-    doubt += std::abs(term.factor) * found.doubt_of_udot(u);
     const double size = std::abs(term.factor);
+    doubts[0] += size * found.doubt_of_q(place_of_q);
+    doubts[1] += size * found.doubt_of_u(u);
+    doubts[2] += size * found.doubt_of_udot(u);
     sizes[0] += size * std::max(std::abs(q), scales[index(unit_of_position(turns))]);
     sizes[1] += size * scales[index(unit_of_speed(turns))];
     sizes[2] += size * scales[index(unit_of_acceleration(turns))];
   }
   std::vector<AuditRow>& rows = couplings_[c].rows;
-  rows[0].take(std::abs(place), sizes[0], t);
-  rows[1].take(std::abs(speed), sizes[1], t);
-  rows[2].take(beyond(acceleration, doubt), sizes[2], t);
+  rows[0].take(beyond(place, doubts[0]), sizes[0], t);
+  rows[1].take(beyond(speed, doubts[1]), sizes[1], t);
+  rows[2].take(beyond(acceleration, doubts[2]), sizes[2], t);
 }
 
 }  // namespace concord::compare

@@ -20,6 +20,8 @@ class MotionAudit {
   void add(const State& state, const Evaluation& evaluation);
 
   [[nodiscard]] const std::vector<AuditEntity>& joints() const { return joints_; }
+  /// Of all bodies [kg].
+  [[nodiscard]] double mass() const { return mass_; }
   [[nodiscard]] const std::vector<AuditEntity>& couplings() const { return couplings_; }
 
  private:

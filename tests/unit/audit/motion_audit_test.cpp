@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
@@ -84,7 +85,7 @@ struct TwoHinges {
     AuditFinding worst;
     const AuditScales none{};
     for (const auto* entities : {&audit.joints(), &audit.couplings()}) {
-      for (const AuditEntity& entity : *entities) keep_worse(worst, entity.worst(rule, none));
+      for (const AuditEntity& entity : *entities) keep_worse(worst, entity.worst(rule, none, none));
     }
     return worst;
   }
@@ -145,6 +146,72 @@ TEST(MotionAudit, ADrivenCoordinateFollowsItsLawAndBothItsRates) {
   expect_row(driven_by(law_of(-7.1 + 1e-4, -1.6, 3.2)), rule, "B", "turn_z");
   expect_row(driven_by(law_of(-7.1, -1.6 + 1e-4, 3.2)), rule, "B", "speed of turn_z");
   expect_row(driven_by(law_of(-7.1, -1.6, 3.2 + 1e-3)), rule, "B", "acceleration of turn_z");
+}
+
+/// A rod on two turns about one place of ground, its free end on the tip: near the axis of its first turn that turn is
+/// read from next to nothing. `off`: by how much the tip is off its place [of a metre].
+AuditFinding finding_near_a_gimbal_pose(double away, double off, double udot_off) {
+  Model model;
+  model.bodies.resize(2);
+  model.bodies[0].name = "ground";
+  model.bodies[1].name = "tip";
+  model.bodies[1].mass = 1.3;
+  model.bodies[1].inertia_L = Vec3(0.2, 0.3, 0.4).asDiagonal();
+  model.joints.resize(1);
+  Joint& joint = model.joints[0];
+  joint.name = "rod";
+  joint.own_type =
+      std::make_shared<const joints::JointType>(joints::find("universal_spherical")->with_parameters({0.5}));
+  joint.type = joint.own_type.get();
+  joint.sides = {Attachment{0, Vec3(0.3, -0.4, 0.2), rotation_about(Vec3(1, 2, 2) / 3.0, 0.6)},
+                 Attachment{1, Vec3::Zero(), Mat3::Identity()}};
+  // The link's direction: turned about y by q0, then about z by q1, both steadily but for what the law says of q0.
+  const double q0 = 0.4;
+  const double q1 = std::asin(1.0) - away;
+  const double u0 = 0.7;
+  const double u1 = -2.0;
+  const double udot0 = 3.0;
+  const Mat3 C = joint.sides[0].C;
+  const Mat3 Ry = rotation_about(Axis::y, q0);
+  const Vec3 link = Ry * rotation_about(Axis::z, q1) * Vec3(0.5, 0.0, 0.0);
+  const Vec3 w0 = u0 * Vec3::UnitY();
+  const Vec3 w1 = u1 * (Ry * Vec3::UnitZ());
+  const Vec3 w = w0 + w1;
+  const Vec3 wdot = udot0 * Vec3::UnitY() + w0.cross(w1);
+  State state;
+  state.t = TwoHinges::kTime;
+  state.bodies.resize(2);
+  Evaluation evaluation;
+  evaluation.bodies.resize(2);
+  evaluation.joints.resize(1);
+  for (int body = 0; body < 2; ++body) {
+    state.bodies[body].a = state.bodies[body].adot = evaluation.bodies[body].addot = VecX(0);
+  }
+  BodyState& tip = state.bodies[1];
+  tip.r = joint.sides[0].point_L + C * (link + off * Vec3(0.6, 0.0, 0.8));
+  tip.v = C * w.cross(link);
+  evaluation.bodies[1].vdot = C * (wdot.cross(link) + w.cross(w.cross(link)));
+  state.q = {VecX::Zero(joint.type->n_q())};
+  state.u = {VecX::Zero(joint.type->n_u())};
+  const double t = state.t;
+  const double law_udot = udot0 + udot_off;
+  joint.drivers = {{0, Polynomial{{q0 - u0 * t + 0.5 * law_udot * t * t, u0 - law_udot * t, 0.5 * law_udot}}}};
+  MotionAudit audit(model);
+  audit.add(state, evaluation);
+  AuditFinding worst;
+  const AuditScales none{};
+  for (const AuditEntity& entity : audit.joints()) keep_worse(worst, entity.worst(AuditRule::driver_law, none, none));
+  return worst;
+}
+
+TEST(MotionAudit, AReadingThatMagnifiesHowAStateIsClosedIsNoBreach) {
+  const AuditFinding plain = finding_near_a_gimbal_pose(0.8, 0.0, 0.0);
+  EXPECT_GT(plain.digits, 10.0) << plain.text();
+  const AuditFinding near = finding_near_a_gimbal_pose(1e-3, 1e-13, 0.0);
+  EXPECT_TRUE(near.holds()) << near.text();
+  const AuditFinding wrong = finding_near_a_gimbal_pose(1e-3, 0.0, 2.0);
+  EXPECT_FALSE(wrong.holds()) << wrong.text();
+  EXPECT_FALSE(finding_near_a_gimbal_pose(0.8, 0.0, 1e-4).holds());
 }
 
 TEST(MotionAudit, CoupledCoordinatesKeepTheirRelation) {
