@@ -1,0 +1,126 @@
+#include "compare/page/page.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/error.h"
+#include "compare/page/command.h"
+#include "compare/report/files.h"
+#include "compare/report/result_document.h"
+#include "compare/report/result_folder.h"
+#include "compare/verdict/verify.h"
+#include "tests/unit/fake_pendulum.h"
+#include "tests/unit/temporary_folder.h"
+
+namespace concord::compare::page {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+struct Compared {
+  Model model = sprung_pendulum_model();
+  Verdict verdict;
+
+  explicit Compared(const std::string& name = "sprung") {
+    model.name = name;
+    FakePendulum cartesian(model, "cartesian");
+    FakePendulum relative(model, "relative");
+    VerifyOptions options;
+    options.refines = false;
+    verdict = verify(model, cartesian, relative, options);
+  }
+
+  [[nodiscard]] ReportedCase reported() const { return {verdict.name, &model, &verdict, ""}; }
+
+  void write_into(const std::filesystem::path& folder) const {
+    write_runs(folder, model,
+               {{"cartesian", &*verdict.trajectories[0], nullptr}, {"relative", &*verdict.trajectories[1], nullptr}});
+    write_file(folder / (model.name + ".result.json"), format_result(model, verdict));
+  }
+};
+
+/// The data of a page, as its script reads them.
+nlohmann::json data_of(const std::string& page) {
+  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t from = page.find(start) + start.size();
+  return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(Page, SaysTheVerdictAndHoldsTheMachineInMotion) {
+  const Compared one;
+  const std::string page = format_page({one.reported()});
+  EXPECT_THAT(page, HasSubstr("<title>concord: sprung, agree</title>"));
+  const nlohmann::json machine = data_of(page).at("machines").at(0);
+  EXPECT_THAT(machine.at("sentence").get<std::string>(), HasSubstr("Both solvers agree on "));
+  EXPECT_EQ(machine.at("machine").at("joints").at(0).at("type"), "revolute");
+  EXPECT_EQ(machine.at("runs").at("samples"), one.verdict.trajectories[0]->samples.size());
+  EXPECT_FALSE(machine.at("runs").at("joints").at(0).at(1).at(0).at("a").get<std::string>().empty());
+  EXPECT_FALSE(machine.at("rows").empty());
+}
+
+TEST(Page, AllowsItsOwnScriptAndStyleAlone) {
+  const std::string page = format_page({Compared().reported()});
+  EXPECT_THAT(page, HasSubstr("default-src 'none'; style-src 'sha256-"));
+  EXPECT_THAT(page, Not(HasSubstr("@POLICY@")));
+  EXPECT_THAT(page, Not(HasSubstr("unsafe-inline")));
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+}
+
+TEST(Page, NamesAreTextWhateverTheyHold) {
+  const std::string name = "</script><img src=x onerror=alert(1)> \"quoted\" & \xd0\xbc\xd0\xbe\xd1\x81\xd1\x82";
+  const std::string page = format_page({Compared(name).reported()});
+  EXPECT_THAT(page, Not(HasSubstr("<img")));
+  EXPECT_EQ(data_of(page).at("machines").at(0).at("model"), name);
+}
+
+TEST(Page, AModelThatCannotBeReadHasItsWords) {
+  const std::string page = format_page({{"broken", nullptr, nullptr, "broken.toml:3:1: error: missing key 'mass'\n"}});
+  const nlohmann::json machine = data_of(page).at("machines").at(0);
+  EXPECT_EQ(machine.at("outcome"), "failed");
+  EXPECT_EQ(machine.at("sentence"), "There is no verdict: broken.toml:3:1: error: missing key 'mass'");
+}
+
+TEST(Page, OfAFolderIsThatOfTheComparison) {
+  const Compared one;
+  const TemporaryFolder folder;
+  one.write_into(folder.path());
+  nlohmann::json of_folder = data_of(format_page(read_results(folder.path())));
+  nlohmann::json at_once = data_of(format_page({one.reported()}));
+  EXPECT_EQ(of_folder, at_once);
+}
+
+TEST(ReportCommand, RefusesWhatHoldsNoResults) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "empty");
+  write_file(folder.path() / "other" / "notes.txt", "nothing");
+  const auto said_of = [&](const std::string& name) {
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(write_report({folder.path() / name, folder.path() / "page.html"}, {out, err}), kBadInput);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "page.html"));
+    return err.str();
+  };
+  EXPECT_THAT(said_of("empty"), HasSubstr("holds no results: it is empty; files MODEL.result.json"));
+  EXPECT_THAT(said_of("other"), HasSubstr("it holds notes.txt"));
+  EXPECT_THAT(said_of("missing"), HasSubstr("cannot be read"));
+  write_file(folder.path() / "future" / "a.result.json", R"({"kind": "concord result", "format": 99})");
+  EXPECT_THAT(said_of("future"), HasSubstr("has format 99, but format 1 was expected"));
+  write_file(folder.path() / "strange" / "a.result.json", "[1, 2]");
+  EXPECT_THAT(said_of("strange"), HasSubstr("is no result that `concord compare --out` wrote"));
+}
+
+TEST(ReportCommand, RefusesADamagedOrForeignRun) {
+  const Compared one;
+  const TemporaryFolder folder;
+  one.write_into(folder.path());
+  write_file(folder.path() / "sprung.relative.nc", "no NetCDF file");
+  EXPECT_THROW(static_cast<void>(read_results(folder.path())), InputError);
+}
+
+}  // namespace
+}  // namespace concord::compare::page
