@@ -205,10 +205,11 @@ class RunData {
   std::vector<std::size_t> frames_;
 };
 
-/// The rung on which the digits have the least margin above what is asked, of the rows that are judged.
-std::string nearest_to_need(const DataJson& document) {
+/// The rung on which the digits have the least margin above what is asked, of the rows that are judged; `below`: only
+/// if it misses that.
+std::string nearest_to_need(const DataJson& document, bool below) {
   constexpr std::array<const char*, 3> kNames{"at the same state", "in the same run", "refined"};
-  double least = 1e300;
+  double least = below ? 0.0 : 1e300;
   std::string text;
   for (const DataJson& row : document.at("rows")) {
     for (std::size_t rung = 0; rung < kNames.size(); ++rung) {
@@ -249,7 +250,7 @@ std::string sentence_of(const DataJson& document) {
   const auto name = document.at("model").get<std::string>();
   const auto judged = document.at("judged").get<int>();
   const auto total = document.at("total").get<int>();
-  const std::string nearest = nearest_to_need(document);
+  const std::string nearest = nearest_to_need(document, outcome != "agree");
   if (outcome == "agree") {
     const std::string count = judged == total ? fmt::format("all {}", total) : fmt::format("{} of {}", judged, total);
     return fmt::format("Both solvers agree on {} load components of {}{}.", count, name,
@@ -257,7 +258,7 @@ std::string sentence_of(const DataJson& document) {
   }
   if (outcome == "differ") {
     const std::size_t count = document.at("findings").size();
-    return fmt::format("The solvers differ on {}: {} {}{}.", name, count, count == 1 ? "finding" : "findings",
+    return fmt::format("The results on {} differ: {} {}{}.", name, count, count == 1 ? "finding" : "findings",
                        nearest.empty() ? "" : "; farthest below its need: " + nearest);
   }
   const DataJson& failures = document.at("failures");

@@ -61,7 +61,8 @@ concord.Plots = class {
     const width = box.clientWidth - 18;
     const lines = [{}, { stroke: concord.colour("--one"), width: 1.6 }, { stroke: concord.colour("--two"), width: 1.6, dash: [6, 5] }];
     const data = [t, a || t.map(() => null), b || t.map(() => null)];
-    const scales = { y: { range: (u, least, most) => (least === most ? [least - 1, most + 1] : uPlot.rangeNum(least, most, 0.1, true)) } };
+    const isFlat = (least, most) => !(most - least > Math.max(1e-30, 1e-12 * Math.max(Math.abs(least), Math.abs(most))));
+    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - 1, most + 1] : uPlot.rangeNum(least, most, 0.1, true)) } };
     this.made.push(new uPlot(this.optionsOf(width, 150, lines, scales, (at) => {
       values.textContent = at === null ? "" : `t = ${concord.short(t[at])} s: ${concord.short(a && a[at])}, ${concord.short(b && b[at])} ${unit}`;
     }), data.map((column) => Array.from(column)), box));
@@ -71,7 +72,8 @@ concord.Plots = class {
 
   addDifference(box, width, d, row, unit) {
     const t = this.runs.thinned ? this.runs.t.filter((_, k) => k % 2 === 0) : this.runs.t;
-    const floor = row && row.scale > 0 ? row.scale * 1e-17 : 1e-300;
+    const largest = d.reduce((most, value) => Math.max(most, value || 0), 0);
+    const floor = row && row.scale > 0 ? row.scale * 1e-17 : Math.max(1e-300, 1e-4 * largest);
     // Exponents on a linear scale: the library's logarithmic one does not go below 1e-16.
     const sizes = Array.from(d, (value) => (Number.isNaN(value) ? null : Math.log10(Math.max(value, floor))));
     const need = row && row.scale > 0 ? row.scale * 10 ** -row.need[1] : null;

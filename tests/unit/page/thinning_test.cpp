@@ -18,7 +18,9 @@ TEST(Thinning, FewSamplesStayAsTheyAre) {
 }
 
 TEST(Thinning, NoPeakIsLostHoweverFewThePoints) {
-  const auto curve = [](std::size_t k) { return k == 617 ? 5.0 : k == 84 ? -7.0 : std::sin(0.01 * static_cast<double>(k)); };
+  const auto curve = [](std::size_t k) {
+    return k == 617 ? 5.0 : k == 84 ? -7.0 : std::sin(0.01 * static_cast<double>(k));
+  };
   for (const std::size_t points : {2U, 10U, 100U}) {
     const Bins bins(1000, points);
     const std::vector<double> found = thin(bins, curve);
