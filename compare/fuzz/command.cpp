@@ -122,6 +122,8 @@ class Fuzz {
       seconds_ += report.seconds;
       if (report.seconds > slowest_.seconds) slowest_ = {number, report.seconds};
       ++outcomes_.try_emplace({outcome.sort, outcome.kind}, Met{0, number}).first->second.count;
+      if (outcome.ratios.largest > ratios_.largest) machine_of_largest_ratio_ = number;
+      ratios_.add(outcome.ratios);
       const Machine drawn = machine(number);
       coverage_.add(drawn);
       if (drawn.is_regular && !drawn.is_redundant) {
@@ -228,6 +230,12 @@ class Fuzz {
     for (const auto& [kind, count] : regular_refused_) refused += count;
     text += fmt::format("\nof {} regular machines {} refused\n", regular_, share(refused, regular_));
     for (const auto& [kind, count] : regular_refused_) text += fmt::format("  {}: {}\n", kind, share(count, regular_));
+    if (ratios_.count() > 0) {
+      text += fmt::format(
+          "\ndifference over resolution at the same state, {} components: 99 % up to {:g}, 99.99 % up to {:g}, largest "
+          "{:.3g} (machine {})\n",
+          ratios_.count(), ratios_.edge_of(0.99), ratios_.edge_of(0.9999), ratios_.largest, machine_of_largest_ratio_);
+    }
     return text;
   }
 
@@ -243,6 +251,8 @@ class Fuzz {
   ScratchFolder scratch_;
   workers::Pool pool_;
   long tried_ = 0;
+  ResolutionRatios ratios_;
+  std::uint64_t machine_of_largest_ratio_ = 0;
   double seconds_ = 0.0;
   Slowest slowest_;
   long regular_ = 0;

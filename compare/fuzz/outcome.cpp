@@ -1,10 +1,14 @@
 #include "compare/fuzz/outcome.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <limits>
+#include <numeric>
+#include <sstream>
 #include <vector>
 
 namespace concord::compare::fuzz {
@@ -62,6 +66,17 @@ std::string differ_kind(const Finding& finding) {
 
 constexpr std::array<std::string_view, 5> kSorts{"agree", "refusal", "differ", "stop", "lost"};
 
+ResolutionRatios ratios_in(const Verdict& verdict) {
+  ResolutionRatios ratios;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      const RungDetail& detail = row.detail[0];
+      if (row.same_state && detail.resolvable && detail.samples > 0) ratios.add(detail.ratio);
+    }
+  }
+  return ratios;
+}
+
 }  // namespace
 
 std::vector<std::string> refusal_kinds() {
@@ -114,21 +129,64 @@ Outcome outcome_of(const Verdict& verdict) {
     const Finding& first = verdict.findings.front();
     std::string text;
     for (const Finding& finding : verdict.findings) text += fmt::format("{}\n  {}\n", finding.what, finding.symptom);
-    return {Sort::differ, "differ: " + differ_kind(first), text};
+    return {Sort::differ, "differ: " + differ_kind(first), text, ratios_in(verdict)};
   }
   std::vector<Outcome> failures;
   for (const std::string& failure : verdict.failures) failures.push_back(outcome_of_error(failure));
   Outcome worst;
   for (const Outcome& one : failures) {
-    // Where one solver says on a rung what is with the machine, the other's stop there needs no other reason.
+    // Where one solver says on a rung what is with the machine, the other's stop there needs no other reason; nor does
+    // a run that stops where a state of it is a singular pose.
     const auto explains = [&one](const Outcome& other) {
-      return other.sort == Sort::refusal && up_to(other.text, ":") == up_to(one.text, ":");
+      if (other.sort != Sort::refusal) return false;
+      const std::string_view where = up_to(other.text, ":");  // a rung, or a solver that was asked in a state
+      const bool is_state = where == "cartesian" || where == "relative";
+      return where == up_to(one.text, ":") || (is_state && other.kind == "singular pose");
     };
     if (one.sort == Sort::stop && std::any_of(failures.begin(), failures.end(), explains)) continue;
     if (worst.sort == Sort::agree || (worst.sort == Sort::refusal && one.sort == Sort::stop)) worst = one;
   }
+  worst.ratios = ratios_in(verdict);
   return worst;
 }
+
+void ResolutionRatios::add(double ratio) {
+  const auto edge = std::lower_bound(kEdges.begin(), kEdges.end(), ratio);
+  ++counts[static_cast<std::size_t>(edge - kEdges.begin())];
+  largest = std::max(largest, ratio);
+}
+
+void ResolutionRatios::add(const ResolutionRatios& others) {
+  for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += others.counts[k];
+  largest = std::max(largest, others.largest);
+}
+
+long ResolutionRatios::count() const { return std::accumulate(counts.begin(), counts.end(), 0L); }
+
+double ResolutionRatios::edge_of(double share) const {
+  long found = 0;
+  for (std::size_t k = 0; k < kEdges.size(); ++k) {
+    found += counts[k];
+    if (static_cast<double>(found) >= share * static_cast<double>(count())) return kEdges[k];
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+namespace {
+
+std::string format_ratios(const ResolutionRatios& ratios) {
+  return fmt::format("{:.3g} {}", ratios.largest, fmt::join(ratios.counts, " "));
+}
+
+ResolutionRatios parse_ratios(const std::string& line) {
+  ResolutionRatios ratios;
+  std::istringstream numbers(line);
+  numbers >> ratios.largest;
+  for (long& count : ratios.counts) numbers >> count;
+  return ratios;
+}
+
+}  // namespace
 
 Outcome outcome_of(const workers::Report& report) {
   if (report.end == workers::End::threw) return outcome_of_error(report.answer);
@@ -141,13 +199,16 @@ Outcome outcome_of(const workers::Report& report) {
   Outcome outcome;
   const auto sort = std::find(kSorts.begin(), kSorts.end(), report.answer.substr(0, first));
   outcome.sort = static_cast<Sort>(sort - kSorts.begin());
+  const std::size_t third = report.answer.find('\n', second + 1);
   outcome.kind = report.answer.substr(first + 1, second - first - 1);
-  outcome.text = report.answer.substr(second + 1);
+  outcome.ratios = parse_ratios(report.answer.substr(second + 1, third - second - 1));
+  outcome.text = report.answer.substr(third + 1);
   return outcome;
 }
 
 std::string format_outcome(const Outcome& outcome) {
-  return fmt::format("{}\n{}\n{}", kSorts[static_cast<std::size_t>(outcome.sort)], outcome.kind, outcome.text);
+  return fmt::format("{}\n{}\n{}\n{}", kSorts[static_cast<std::size_t>(outcome.sort)], outcome.kind,
+                     format_ratios(outcome.ratios), outcome.text);
 }
 
 }  // namespace concord::compare::fuzz

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,10 +19,26 @@ enum class Sort {
   lost      // crashed, hung or out of memory: exit code 3
 };
 
+/// How often differences at the same state were how large a part of what double precision resolves there: of each
+/// component the largest over its states.
+struct ResolutionRatios {
+  static constexpr std::array<double, 8> kEdges{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+
+  void add(double ratio);
+  void add(const ResolutionRatios& others);
+  [[nodiscard]] long count() const;
+  /// The least edge that at least this share of the ratios keep to; infinite if none is.
+  [[nodiscard]] double edge_of(double share) const;
+
+  std::array<long, kEdges.size() + 1> counts{};  // up to each edge, and beyond the last
+  double largest = 0.0;
+};
+
 struct Outcome {
   Sort sort = Sort::agree;
   std::string kind;  // what a shrunk machine must keep; the same for machines with the same trouble
   std::string text;  // what was said
+  ResolutionRatios ratios = {};
   [[nodiscard]] bool is_wrong() const { return sort != Sort::agree && sort != Sort::refusal; }
 };
 

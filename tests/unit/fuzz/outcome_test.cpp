@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace concord::compare;
 using namespace concord::compare::fuzz;
 
@@ -33,6 +35,8 @@ TEST(Outcome, AStopThatTheOtherSolverExplainsIsARefusal) {
   EXPECT_EQ(outcome_of(verdict).kind, "singular pose");
   verdict.failures[1] = "refined: relative: the pose is singular";
   EXPECT_EQ(outcome_of(verdict).sort, Sort::stop) << "another rung";
+  verdict.failures[1] = "relative: at t = 0 s no accelerations close everything: the pose is singular";
+  EXPECT_EQ(outcome_of(verdict).kind, "singular pose") << "a state of the run";
 }
 
 TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
@@ -48,12 +52,29 @@ TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
 
 TEST(Outcome, GoesThroughTextAndComesBack) {
   for (const Sort sort : {Sort::agree, Sort::refusal, Sort::differ, Sort::stop}) {
-    const fuzz::Outcome outcome{sort, sort == Sort::agree ? "" : "some kind", "line one\nline two\n"};
+    fuzz::Outcome outcome{sort, sort == Sort::agree ? "" : "some kind", "line one\nline two\n"};
+    for (const double ratio : {0.03, 0.7, 3.0, 25.0}) outcome.ratios.add(ratio);
     const fuzz::Outcome back = outcome_of(workers::Report{workers::End::answered, 0, format_outcome(outcome), ""});
     EXPECT_EQ(back.sort, outcome.sort);
     EXPECT_EQ(back.kind, outcome.kind);
     EXPECT_EQ(back.text, outcome.text);
+    EXPECT_EQ(back.ratios.counts, outcome.ratios.counts);
+    EXPECT_EQ(back.ratios.largest, 25.0);
   }
+}
+
+TEST(Outcome, RatiosAreCountedByEdges) {
+  ResolutionRatios ratios;
+  for (int k = 0; k < 99; ++k) ratios.add(0.3);
+  ratios.add(7.0);
+  ResolutionRatios all;
+  all.add(ratios);
+  EXPECT_EQ(all.count(), 100);
+  EXPECT_EQ(all.edge_of(0.99), 0.5);
+  EXPECT_EQ(all.edge_of(1.0), 10.0);
+  all.add(1e9);
+  EXPECT_TRUE(std::isinf(all.edge_of(1.0)));
+  EXPECT_EQ(all.largest, 1e9);
 }
 
 TEST(Outcome, LostWorkersAreTold) {
