@@ -153,7 +153,7 @@ concord.Scene = class {
 
   project(point) {
     const from = concord.minus(point, this.centre);
-    const size = Math.min(this.width, this.height) * 0.42 * this.zoom / this.reach;
+    const size = Math.min(this.width, this.height) * 0.55 * this.zoom / this.reach;
     return [this.width / 2 + size * concord.dot(from, this.eye.right), this.height / 2 - size * concord.dot(from, this.eye.above), concord.dot(from, this.eye.toward)];
   }
 

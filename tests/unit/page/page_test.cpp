@@ -114,6 +114,19 @@ TEST(ReportCommand, RefusesWhatHoldsNoResults) {
   EXPECT_THAT(said_of("strange"), HasSubstr("is no result that `concord compare --out` wrote"));
 }
 
+TEST(ReportCommand, ReplacesNoInput) {
+  const Compared one;
+  const TemporaryFolder folder;
+  one.write_into(folder.path());
+  std::ostringstream out;
+  std::ostringstream err;
+  const auto input = folder.path() / "." / "sprung.result.json";
+  const std::string before = bytes_of(input);
+  EXPECT_EQ(write_report({folder.path(), input}, {out, err}), kBadInput);
+  EXPECT_THAT(err.str(), HasSubstr("it is an input of the page"));
+  EXPECT_EQ(bytes_of(input), before);
+}
+
 TEST(ReportCommand, RefusesADamagedOrForeignRun) {
   const Compared one;
   const TemporaryFolder folder;
