@@ -268,7 +268,6 @@ std::string sentence_of(const DataJson& document) {
 
 DataJson machine_data(const MachineResult& result, std::size_t bytes) {
   DataJson document = DataJson::parse(result.document);
-  document.erase("verdict");  // for other programs: the page reads what stands beside it
   document["sentence"] = sentence_of(document);
   document["runs"] = RunData(result, bytes).data();
   return document;

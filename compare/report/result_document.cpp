@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/overloaded.h"
-#include "compare/report/report_json.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -163,7 +162,6 @@ ResultJson result_solver(const SolverSummary& solver) {
           {"degrees_of_freedom", solver.rank.degrees_of_freedom},
           {"steps", solver.statistics.steps},
           {"evaluations", solver.statistics.evaluations},
-          {"wall_s", solver.statistics.wall_s},
           {"max_constraint", solver.statistics.max_constraint},
           {"audit_digits", or_null(solver.audit_digits)},
           {"audit_worst", solver.audit_worst},
@@ -220,8 +218,7 @@ std::string format_result(const Model& model, const Verdict& verdict) {
                         {"notes", verdict.notes},
                         {"failures", verdict.failures},
                         {"rows", result_rows(model, verdict)},
-                        {"machine", machine_json(model)},
-                        {"verdict", ResultJson::parse(format_json(model, verdict))}};
+                        {"machine", machine_json(model)}};
   return said.dump(-1, ' ', false, ResultJson::error_handler_t::replace) + '\n';
 }
 

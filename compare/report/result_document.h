@@ -11,9 +11,9 @@ namespace concord::compare {
 inline constexpr int kResultFormat = 1;
 
 /// All that was found about one model but the curves, and what a picture of the machine needs, as JSON text on lines of
-/// their own, ending with a line feed: `--out` writes it beside the NetCDF files, and `concord report` reads it. Keys:
-/// compare/README. Lengths in m, inertia boxes and frames in body axes, angles in rad; matrices row by row. Everything
-/// but `wall_s` is the same from run to run.
+/// their own, ending with a line feed: `--out` writes it beside the NetCDF files, and `concord report` reads it.
+/// Lengths in m, inertia boxes and frames in body axes, angles in rad; matrices row by row. All of it
+/// is the same from run to run.
 std::string format_result(const Model& model, const Verdict& verdict);
 
 }  // namespace concord::compare

@@ -325,8 +325,8 @@ TEST_CASE("Results of an earlier comparison do not stand beside the table of one
   CHECK(told.code == 3);
   CHECK(contains(told.out, "is turned by 175"));
   CHECK(contains(read(desk.work() / "results" / "pendulum.table.txt"), "failed pendulum"));
-  CHECK(desk.left_behind() ==
-        std::vector<std::string>{"pendulum.toml", "results", "results/note.txt", "results/pendulum.table.txt"});
+  CHECK(desk.left_behind() == std::vector<std::string>{"pendulum.toml", "results", "results/note.txt",
+                                                       "results/pendulum.result.json", "results/pendulum.table.txt"});
 }
 
 TEST_CASE("Several models: the summary survives a failing one, the exit code is the worst", "[program]") {
