@@ -15,6 +15,20 @@ concord.dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 concord.cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 concord.unit = (a) => { const n = Math.sqrt(concord.dot(a, a)); return n > 0 ? concord.scaled(1 / n, a) : [0, 0, 1]; };
 
+/** The box around some points. */
+concord.Extent = class {
+  constructor() {
+    this.least = [Infinity, Infinity, Infinity];
+    this.most = [-Infinity, -Infinity, -Infinity];
+  }
+
+  take(point) { point.forEach((v, k) => { this.least[k] = Math.min(this.least[k], v); this.most[k] = Math.max(this.most[k], v); }); }
+  join(other) { if (!other.isEmpty()) { this.take(other.least); this.take(other.most); } }
+  isEmpty() { return !(this.most[0] >= this.least[0]); }
+  centre() { return this.least.map((v, k) => (v + this.most[k]) / 2); }
+  reach() { return this.isEmpty() ? 0 : Math.hypot(...this.least.map((v, k) => (this.most[k] - v) / 2)); }
+};
+
 /** Poses of one solver between the frames of the data. */
 concord.Poses = class {
   constructor(frames, run) {
@@ -106,26 +120,36 @@ concord.Scene = class {
     return most;
   }
 
-  /** Looks at all places that bodies and joints reach. */
+  /** Looks at all places that bodies and joints reach; follows a machine that travels farther than it is large. */
   fit() {
-    const least = [Infinity, Infinity, Infinity];
-    const most = [-Infinity, -Infinity, -Infinity];
-    const take = (point) => point.forEach((v, k) => { least[k] = Math.min(least[k], v); most[k] = Math.max(most[k], v); });
+    const all = new concord.Extent();
+    let largest = 0;
     const poses = this.poses.find(Boolean);
     const steps = poses ? Math.min(40, poses.n) : 0;
     for (let s = 0; s < steps; ++s) {
       const where = poses.at(this.start + (this.end - this.start) * s / Math.max(1, steps - 1));
       const bodies = this.machine.bodies.map((_, i) => poses.body(i, where));
-      this.machine.bodies.forEach((body, i) => { if (i > 0) take(this.inSpace(bodies[i], body.center)); });
-      this.ends().forEach((end) => take(this.pointOf(bodies[end.body], end)));
+      largest = Math.max(largest, this.extentOf(bodies).reach());
+      this.ends().forEach((end) => all.take(this.pointOf(bodies[end.body], end)));
+      all.join(this.extentOf(bodies));
     }
-    if (!(most[0] >= least[0])) { take([-1, -1, -1]); take([1, 1, 1]); }
-    this.centre = least.map((v, k) => (v + most[k]) / 2);
-    this.reach = Math.max(1e-12, Math.hypot(...least.map((v, k) => (most[k] - v) / 2)));
+    if (all.isEmpty()) { all.take([-1, -1, -1]); all.take([1, 1, 1]); }
+    this.centre = all.centre();
+    this.reach = Math.max(1e-12, all.reach());
+    this.follows = largest > 0 && this.reach > 3 * largest;
+    if (this.follows) this.reach = 1.2 * largest;
     this.azimuth = 0.7;
     this.elevation = 0.45;
     this.zoom = 1;
     this.draw();
+  }
+
+  /** Of the bodies themselves in one pose, without ground. */
+  extentOf(bodies) {
+    const extent = new concord.Extent();
+    this.machine.bodies.forEach((body, i) => { if (i > 0) extent.take(this.inSpace(bodies[i], body.center)); });
+    this.ends().forEach((end) => { if (end.body > 0) extent.take(this.pointOf(bodies[end.body], end)); });
+    return extent;
   }
 
   ends() {
@@ -185,6 +209,7 @@ concord.Scene = class {
     if (!first) return;
     const where = first.at(this.t);
     const bodies = this.machine.bodies.map((_, i) => first.body(i, where));
+    if (this.follows) this.centre = this.extentOf(bodies).centre();
     this.drawBodies(bodies, concord.colour("--one"), concord.colour("--body"), null);
     if (both && this.poses[0] && this.poses[1]) {
       const other = this.poses[1].at(this.t);
