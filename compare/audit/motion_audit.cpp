@@ -51,10 +51,15 @@ AuditScales scales_of(const JointKinematics& found, const State& state, const Jo
   scales[index(AuditUnit::angle)] = 1.0;
   // A machine at rest that nothing moves has speeds that are round-off.
   constexpr double kSpeedOfRest = 1e-12;  // of the length in the time of the run
-  const double speed = std::max({found.speed.line, std::sqrt(least * length), kSpeedOfRest * reach / until});
+  // A rotor whose places all lie on its axis moves none of them: they are held against a part of its rim.
+  constexpr double kPartOfTurn = 1e-6;
+  const double of_turn = kPartOfTurn * length * found.speed.turn;
+  const double speed = std::max({found.speed.line, std::sqrt(least * length), of_turn, kSpeedOfRest * reach / until});
   scales[index(AuditUnit::speed)] = speed;
   scales[index(AuditUnit::turning_speed)] = std::max(found.speed.turn, speed / length);
-  const double acceleration = std::max({found.rate_of_speed.line, least, kSpeedOfRest * reach / (until * until)});
+  const double acceleration =
+      std::max({found.rate_of_speed.line, least, kPartOfTurn * length * found.rate_of_speed.turn,
+                kSpeedOfRest * reach / (until * until)});
   scales[index(AuditUnit::acceleration)] = acceleration;
   scales[index(AuditUnit::turning_acceleration)] = std::max(found.rate_of_speed.turn, acceleration / length);
   return scales;

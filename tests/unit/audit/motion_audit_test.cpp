@@ -240,6 +240,22 @@ TEST(MotionAudit, AMachineAtRestIsHeldAgainstItsWeight) {
   EXPECT_GT(bench.finding(AuditRule::kinematics).digits, 13.0);
 }
 
+TEST(MotionAudit, ABalancedRotorWithoutWeightHasAScale) {
+  TwoHinges bench;
+  bench.model.gravity.setZero();
+  for (Joint& joint : bench.model.joints) {
+    for (Attachment& side : joint.sides) side.point_L.setZero();
+  }
+  bench.hinge(0, 1, 0.8, 40.0, -4.5);
+  bench.hinge(1, 2, -7.1, -16.0, 3.2);
+  bench.state.bodies[2].v.y() += 5e-17;
+  bench.evaluation.bodies[2].vdot.z() -= 5e-16;
+  const AuditFinding found = bench.finding(AuditRule::kinematics);
+  EXPECT_TRUE(found.holds()) << found.text();
+  bench.state.bodies[2].v.y() += 1e-7;
+  EXPECT_FALSE(bench.finding(AuditRule::kinematics).holds());
+}
+
 TEST(MotionAudit, FarFromTheOriginItResolvesAsMuch) {
   TwoHinges bench;
   for (int body = 1; body < 3; ++body) bench.state.bodies[body].v += Vec3(3e4, 1e4, -2e4);
