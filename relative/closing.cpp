@@ -11,16 +11,14 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kFarthestStep = 0.5;      // in machine units: half a radian, half the length
-constexpr double kDependentRow = 1e-10;    // singular value, of the largest, or of 1, the size of a row, if all vanish
-constexpr double kClosedByNewton = 1e-13;  // of the largest coordinate or speed, at least of 1
+constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
 /// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
 /// values below the damping hardly used (R65).
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                    const VecX& misfit, double damping) {
-  const MatX Phi = select_columns(scaled.scales().scaled(closure.Phi_u(), closure).topRows(misfit.size()), columns);
+  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
   VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
   if (Phi.size() == 0) return step;
   const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -28,7 +26,7 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   const VecX& sigma = svd.singularValues();
   VecX filter = VecX::Zero(sigma.size());
   for (Eigen::Index i = 0; i < sigma.size(); ++i) {
-    if (sigma(i) > kDependentRow * std::max(sigma(0), 1.0))
+    if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
       filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
   }
   const VecX solution = -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit_in_units);
@@ -78,7 +76,7 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   measure(scaled, coordinates, closure);
   // Round-off adds up along a loop, which has at most all links.
   const double longest = 0.01 * static_cast<double>(scaled.equations().topology().links.size());
-  return residual < kClosedByNewton * std::max({1.0, scaled.size_of_q(coordinates.q), longest});
+  return residual < kClosedPart * std::max({1.0, scaled.size_of_q(coordinates.q), longest});
 }
 
 bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,
@@ -96,7 +94,7 @@ bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, con
   }
   measure(scaled, coordinates, closure);
   residual = std::min(residual, largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units())));
-  return residual <= kClosedByNewton * std::max(size, scaled.size_of_u(coordinates.u));
+  return residual <= kClosedPart * std::max(size, scaled.size_of_u(coordinates.u));
 }
 
 }  // namespace concord::relative

@@ -10,7 +10,6 @@ namespace concord::relative {
 
 namespace {
 
-constexpr double kProjected = 1e-13;           // of the largest coordinate, at least of 1
 constexpr double kNearlyClosed = 1e-7;         // a position residual that does not change Phi_u enough for speeds
 constexpr double kNoRoundOff = 1e-9;           // of the largest speed: what no dependent row explains
 constexpr double kRoundOffOfSpeed = 1e-15;     // of the largest speed
@@ -58,7 +57,7 @@ VecX Projection::step_against(const VecX& misfit) const {
 /// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the residual.
 void Projection::project_positions(Coordinates& coordinates) {
   const Closure& closure = scaled_->closure();
-  const double allowed = kProjected * std::max(1.0, scaled_->size_of_q(coordinates.q));
+  const double allowed = kClosedPart * std::max(1.0, scaled_->size_of_q(coordinates.q));
   double residual = scaled_->position_residual();
   if (residual <= kRoundOffOfPosition * std::max(1.0, scaled_->size_of_q(coordinates.q))) return;
   bool is_fresh = true;

@@ -8,17 +8,10 @@ namespace concord::relative {
 
 double largest_entry(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
 
-MatX select_columns(const MatX& matrix, const std::vector<int>& columns) {
-  MatX selected(matrix.rows(), columns.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = matrix.col(columns[c]);
-  return selected;
-}
-
 int rank_of_rows(const MatX& scaled) {
-  constexpr double kRankThreshold = 1e-10;
   if (scaled.size() == 0) return 0;
   const VecX sigma = singular_values(scaled);
-  return static_cast<int>((sigma.array() > kRankThreshold * std::max(sigma(0), 1.0)).count());
+  return static_cast<int>((sigma.array() > kDependentPart * std::max(sigma(0), 1.0)).count());
 }
 
 ScaledClosure::ScaledClosure(Equations& equations)
@@ -79,8 +72,11 @@ double ScaledClosure::velocity_residual() const {
 double ScaledClosure::size_of_q(const VecX& q) const { return largest_entry(q.cwiseQuotient(coordinate_units_)); }
 double ScaledClosure::size_of_u(const VecX& u) const { return largest_entry(u.cwiseQuotient(scales_.speeds())); }
 
-MatX ScaledClosure::rows(const std::vector<int>& columns) const {
-  return select_columns(scales_.scaled(closure().Phi_u(), closure()), columns);
+MatX ScaledClosure::rows(const Closure& measured, const std::vector<int>& columns) const {
+  const MatX all = scales_.scaled(measured.Phi_u(), measured);
+  MatX selected(all.rows(), columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = all.col(columns[c]);
+  return selected;
 }
 
 int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes modes) const {

@@ -14,10 +14,15 @@ enum class Modes { kept, moving };
 /// The closure rows that hold for positions, or all rows, which hold for velocities.
 enum class ClosureRows { of_positions, of_velocities };
 
+/// A machine is closed where its residuals are below this part of the largest coordinate or speed, at least of 1.
+inline constexpr double kClosedPart = 1e-13;
+/// Rows depend on others where a singular value is below this part of the largest, or of 1, the size of a row, if all
+/// vanish.
+inline constexpr double kDependentPart = 1e-10;
+
 /// Largest absolute value; 0 of none.
 double largest_entry(const VecX& values);
-MatX select_columns(const MatX& matrix, const std::vector<int>& columns);
-/// Number of singular values above 1e-10 of the largest, or of 1, the size of a row, if all vanish.
+/// Number of singular values above kDependentPart.
 int rank_of_rows(const MatX& scaled);
 
 /// Residuals, sizes and rows of the equations' closure as parts of the machine's length, of radians and of its rate.
@@ -54,8 +59,10 @@ class ScaledClosure {
   [[nodiscard]] double size_of_q(const VecX& q) const;
   [[nodiscard]] double size_of_u(const VecX& u) const;
 
-  /// Phi_u over the given columns, rows and columns in the units of the machine (R63).
-  [[nodiscard]] MatX rows(const std::vector<int>& columns) const;
+  /// Phi_u over the given columns, rows and columns in the units of the machine (R63): of the equations' closure, or of
+  /// one with other prescribed coordinates.
+  [[nodiscard]] MatX rows(const std::vector<int>& columns) const { return rows(closure(), columns); }
+  [[nodiscard]] MatX rows(const Closure& measured, const std::vector<int>& columns) const;
   /// Moves the machine there and takes the rank of its rows over the free columns, with or without modal ones.
   [[nodiscard]] int rank(const Coordinates& coordinates, ClosureRows rows, Modes modes) const;
 

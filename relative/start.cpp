@@ -161,7 +161,7 @@ void Start::require_independent(const Coordinates& coordinates, const Prescribed
   measure(*scaled_, copy, closure);
   const std::vector<int> columns = scaled_->moving_columns(prescribed, Modes::kept);
   const int n_rows = rows == ClosureRows::of_positions ? closure.n_position_rows() : closure.n_rows();
-  const MatX Phi = select_columns(scaled_->scales().scaled(closure.Phi_u(), closure).topRows(n_rows), columns);
+  const MatX Phi = scaled_->rows(closure, columns).topRows(n_rows);
   if (rank_of_rows(Phi) == static_cast<int>(columns.size())) return;
   throw InputError(where_kept(prescribed),
                    fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
