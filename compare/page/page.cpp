@@ -23,7 +23,7 @@ std::size_t bytes_for_each(std::size_t machines) {
 }
 
 PageJson without_result(const ReportedCase& one) {
-  std::string words = one.words;
+  std::string words = one.trouble;
   while (!words.empty() && words.back() == '\n') words.pop_back();
   return {{"model", one.name}, {"outcome", "failed"}, {"sentence", fmt::format("There is no verdict: {}", words)}};
 }

@@ -4,18 +4,10 @@
 #include <vector>
 
 #include "compare/page/machine_data.h"
-#include "compare/verdict/verdict.h"
+#include "compare/report/reported_case.h"
 
 /// A report as one HTML page that needs nothing else: no network, no other file.
 namespace concord::compare::page {
-
-/// What a page shows of one model that was compared.
-struct ReportedCase {
-  std::string name;
-  const Model* model = nullptr;      // null: it could not be read, or a solver refused it
-  const Verdict* verdict = nullptr;  // null: as above
-  std::string words;                 // why
-};
 
 /// The page of models that were compared just now. Curves are thinned until all of them have about 2.5 MB.
 std::string format_page(const std::vector<ReportedCase>& cases);

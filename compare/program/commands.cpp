@@ -192,10 +192,10 @@ void require_one_model(const CompareCommand& command) {
                    fmt::format("a reference belongs to one model, but {} are compared", command.models.size()));
 }
 
-std::vector<JunitCase> junit_cases(const std::vector<std::filesystem::path>& files,
-                                   const std::vector<std::optional<Case>>& cases,
-                                   const std::vector<std::string>& troubles) {
-  std::vector<JunitCase> all;
+std::vector<ReportedCase> reported_cases(const std::vector<std::filesystem::path>& files,
+                                         const std::vector<std::optional<Case>>& cases,
+                                         const std::vector<std::string>& troubles) {
+  std::vector<ReportedCase> all;
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (cases[k]) {
       all.push_back({cases[k]->verdict.name, &cases[k]->model, &cases[k]->verdict, ""});
@@ -204,20 +204,6 @@ std::vector<JunitCase> junit_cases(const std::vector<std::filesystem::path>& fil
     }
   }
   return all;
-}
-
-/// Of models that could not be read the page says why.
-void write_page(const CompareCommand& command, const std::vector<std::optional<Case>>& cases,
-                const std::vector<std::string>& troubles) {
-  std::vector<page::ReportedCase> reported;
-  for (std::size_t k = 0; k < cases.size(); ++k) {
-    if (cases[k]) {
-      reported.push_back({cases[k]->verdict.name, &cases[k]->model, &cases[k]->verdict, ""});
-    } else {
-      reported.push_back({command.models[k].stem().string(), nullptr, nullptr, troubles[k]});
-    }
-  }
-  write_file(command.report, page::format_page(reported));
 }
 
 void write_json(const std::filesystem::path& file, const std::vector<std::optional<Case>>& cases) {
@@ -282,13 +268,13 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
   }
   if (!command.report.empty()) {
     codes.push_back(guarded(console, [&] {
-      write_page(command, cases, troubles);
+      write_file(command.report, page::format_page(reported_cases(command.models, cases, troubles)));
       return static_cast<int>(kAgree);
     }));
   }
   if (!command.junit.empty()) {
     codes.push_back(guarded(console, [&] {
-      write_file(command.junit, format_junit(junit_cases(command.models, cases, troubles)));
+      write_file(command.junit, format_junit(reported_cases(command.models, cases, troubles)));
       return static_cast<int>(kAgree);
     }));
   }

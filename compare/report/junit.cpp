@@ -83,7 +83,7 @@ void add_other_differences(const Verdict& verdict, std::vector<TestCase>& tests)
   }
 }
 
-std::vector<TestCase> tests_of(const JunitCase& one) {
+std::vector<TestCase> tests_of(const ReportedCase& one) {
   if (one.verdict == nullptr) return {{"verdict", TestCase::Result::error, one.trouble}};
   const Verdict& verdict = *one.verdict;
   std::vector<TestCase> tests;
@@ -122,9 +122,9 @@ std::string format_test(const std::string& suite, const TestCase& test) {
 
 }  // namespace
 
-std::string format_junit(const std::vector<JunitCase>& cases) {
+std::string format_junit(const std::vector<ReportedCase>& cases) {
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"concord\">\n";
-  for (const JunitCase& one : cases) {
+  for (const ReportedCase& one : cases) {
     const std::vector<TestCase> tests = tests_of(one);
     const auto count = [&](TestCase::Result result) {
       return std::count_if(tests.begin(), tests.end(), [&](const TestCase& test) { return test.result == result; });
