@@ -432,10 +432,6 @@ class ModeJudge {
   Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
 };
 
-}  // namespace
-
-namespace {
-
 /// Accelerations are differenced along the directions that are permitted in the state: what the turning of these
 /// directions adds, gyroscopic and centrifugal terms, is not in the matrices. Says so where a body turns.
 std::string turning_text(const Model& model, const State& state, const Linearization& found) {

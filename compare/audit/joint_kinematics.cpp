@@ -16,6 +16,18 @@ constexpr double kLookAhead = 1.5e-3;
 /// A quotient that errs by less than this part of the terms is good enough.
 constexpr double kGoodRate = 1e-11;
 
+/// Euler parameters after a rotation vector in global axes [rad].
+Vec4 turned(const Vec4& p, const Vec3& turn) {
+  const Vec3 half_turn = 0.5 * turn;
+  const double angle = half_turn.norm();
+  const double sinc = angle < 1e-4 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
+  const Vec3 w = sinc * half_turn;
+  const Vec3 e = p.tail<3>();
+  Vec4 after;
+  after << std::cos(angle) * p(0) - w.dot(e), std::cos(angle) * e + p(0) * w + w.cross(e);
+  return after;
+}
+
 /// A body `h` seconds on, with velocities that change at constant rates, seen from a frame that moves like the origin
 /// of `parent`: exact to first order, which is all that a derivative needs.
 struct BodyAlongMotion {
@@ -27,12 +39,7 @@ struct BodyAlongMotion {
     const Vec3 v = body.v - parent.body.v;
     moved.r = body.r - parent.body.r + h * v;
     moved.v = v + h * (rates.vdot - parent.rates.vdot);
-    const Vec3 half_turn = 0.5 * h * body.omega;
-    const double angle = half_turn.norm();
-    const double sinc = angle < 1e-4 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
-    const Vec3 w = sinc * half_turn;
-    const Vec3 e = body.p.tail<3>();
-    moved.p << std::cos(angle) * body.p(0) - w.dot(e), std::cos(angle) * e + body.p(0) * w + w.cross(e);
+    moved.p = turned(body.p, h * body.omega);
     moved.omega = body.omega + h * rates.omegadot;
     moved.a = body.a + h * body.adot;
     moved.adot = body.adot;
@@ -171,10 +178,7 @@ State nudged(State state, int body, int k, double length, const LineAndTurn& spe
   if (k < 3) {
     moved.r += kClosed * length * axis;
   } else if (k < 6) {
-    const Vec3 e = moved.p.tail<3>();
-    const Vec3 w = 0.5 * kClosed * axis;
-    moved.p += Vec4(-w.dot(e), 0.0, 0.0, 0.0);
-    moved.p.tail<3>() += moved.p(0) * w + w.cross(e);
+    moved.p = turned(moved.p, kClosed * axis);
   } else if (k < 9) {
     moved.v += kClosed * speed.line * axis;
   } else {

@@ -60,6 +60,12 @@ Style style_of(const std::string& name) {
   throw InputError({"command line", 0, 0}, fmt::format("no style '{}': {}", name, suggestion(name, names, "styles")));
 }
 
+/// Writes a machine's model under a header, and its modes files beside it.
+void write_model(const std::filesystem::path& file, const ModelText& text, const std::string& header = "") {
+  for (const auto& [name, content] : text.beside) write_file(file.parent_path() / name, content);
+  write_file(file, header + text.model);
+}
+
 /// A machine that ended wrongly.
 struct Casualty {
   std::uint64_t number = 0;
@@ -193,13 +199,12 @@ class Fuzz {
     smallest.name = fmt::format("fuzz_{}_{}", command_.seed, one.number);
     const ModelText text = write_machine(smallest);
     const std::filesystem::path file = command_.keep / (smallest.name + ".toml");
-    for (const auto& [name, content] : text.beside) write_file(command_.keep / name, content);
     std::string header =
         fmt::format("# {}\n# concord compare {}\n# Machine {} of seed {}, style {}, shrunk:\n", one.outcome.kind,
                     file.filename().string(), one.number, command_.seed, command_.style);
     for (const char c : one.outcome.text) header += header.back() == '\n' ? std::string("# ") + c : std::string(1, c);
     if (header.back() != '\n') header += '\n';
-    write_file(file, header + text.model);
+    write_model(file, text, header);
     return file;
   }
 
@@ -268,9 +273,9 @@ int print_machine(const FuzzCommand& command, const Console& console) {
   const Machine machine = draw_machine(command.seed, command.first, style_of(command.style));
   const ModelText text = write_machine(machine);
   if (!command.keep.empty()) {
-    for (const auto& [name, content] : text.beside) write_file(command.keep / name, content);
-    write_file(command.keep / (machine.name + ".toml"), text.model);
-    console.out << fmt::format("{}\n", (command.keep / (machine.name + ".toml")).string());
+    const std::filesystem::path file = command.keep / (machine.name + ".toml");
+    write_model(file, text);
+    console.out << fmt::format("{}\n", file.string());
     return kAgree;
   }
   console.out << text.model;
