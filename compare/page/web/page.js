@@ -99,12 +99,20 @@
   find("fit").addEventListener("click", () => scene.fit());
   find("time").addEventListener("input", (event) => { scene.stop(); scene.go(scene.start + (scene.end - scene.start) * Number(event.target.value) / 1000); });
   for (const id of ["show-loads", "show-both", "show-names"]) find(id).addEventListener("change", () => scene.draw());
-  find("theme").addEventListener("click", () => {
-    const dark = getComputedStyle(document.documentElement).colorScheme.includes("dark") && !getComputedStyle(document.documentElement).colorScheme.includes("light");
-    const isDark = document.documentElement.dataset.theme ? dark : matchMedia("(prefers-color-scheme: dark)").matches;
-    document.documentElement.dataset.theme = isDark ? "light" : "dark";
+  // The system's choice, until the reader makes another one.
+  const root = document.documentElement;
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  let isChosen = false;
+  function setTheme(isDark) {
+    root.dataset.theme = isDark ? "dark" : "light";
     plots.draw();
     scene.draw();
+  }
+  setTheme(system.matches);
+  system.addEventListener("change", () => { if (!isChosen) setTheme(system.matches); });
+  find("theme").addEventListener("click", () => {
+    isChosen = true;
+    setTheme(root.dataset.theme !== "dark");
   });
   find("made").textContent = data.made;
   const worst = data.machines.findIndex((one) => one.outcome !== "agree");

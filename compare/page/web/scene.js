@@ -129,9 +129,10 @@ concord.Scene = class {
     for (let s = 0; s < steps; ++s) {
       const where = poses.at(this.start + (this.end - this.start) * s / Math.max(1, steps - 1));
       const bodies = this.machine.bodies.map((_, i) => poses.body(i, where));
-      largest = Math.max(largest, this.extentOf(bodies).reach());
-      this.ends().forEach((end) => all.take(this.pointOf(bodies[end.body], end)));
-      all.join(this.extentOf(bodies));
+      const extent = this.extentOf(bodies);
+      largest = Math.max(largest, extent.reach());
+      all.join(extent);
+      this.ends().forEach((end) => { if (end.body === 0) all.take(this.pointOf(bodies[0], end)); });
     }
     if (all.isEmpty()) { all.take([-1, -1, -1]); all.take([1, 1, 1]); }
     this.centre = all.centre();
