@@ -41,30 +41,6 @@ int driven_speed_of(const Joint& joint, const Driver& driver) {
   return first_u(*joint.type, driver.word) + driver.component;
 }
 
-/// Scales of a joint's rows: the sizes of the terms, at least `least` [m/s2] and what it gives along the length.
-AuditScales scales_of(const JointKinematics& found, const State& state, const Joint& joint, double least, double length,
-                      double until) {
-  double reach = length;
-  for (const Attachment& side : joint.sides) reach = std::max(reach, state.bodies[side.body].r.norm());
-  AuditScales scales{};
-  scales[index(AuditUnit::length)] = reach;
-  scales[index(AuditUnit::angle)] = 1.0;
-  // A machine at rest that nothing moves has speeds that are round-off.
-  constexpr double kSpeedOfRest = 1e-12;  // of the length in the time of the run
-  // A rotor whose places all lie on its axis moves none of them: they are held against a part of its rim.
-  constexpr double kPartOfTurn = 1e-6;
-  const double of_turn = kPartOfTurn * length * found.speed.turn;
-  const double speed = std::max({found.speed.line, std::sqrt(least * length), of_turn, kSpeedOfRest * reach / until});
-  scales[index(AuditUnit::speed)] = speed;
-  scales[index(AuditUnit::turning_speed)] = std::max(found.speed.turn, speed / length);
-  const double acceleration =
-      std::max({found.rate_of_speed.line, least, kPartOfTurn * length * found.rate_of_speed.turn,
-                kSpeedOfRest * reach / (until * until)});
-  scales[index(AuditUnit::acceleration)] = acceleration;
-  scales[index(AuditUnit::turning_acceleration)] = std::max(found.rate_of_speed.turn, acceleration / length);
-  return scales;
-}
-
 }  // namespace
 
 MotionAudit::MotionAudit(const Model& model) : model_(model), length_(model.length_scale()) {
@@ -114,15 +90,50 @@ void MotionAudit::lay_out(const Joint& joint) {
 }
 
 void MotionAudit::add(const State& state, const Evaluation& evaluation) {
-  const double least = least_acceleration(evaluation);
+  const LeastScales least = least_scales(state, evaluation);
   for (std::size_t k = 0; k < joints_.size(); ++k) add_joint(k, state, evaluation, least);
   for (std::size_t c = 0; c < couplings_.size(); ++c) add_coupling(c, state.t);
 }
 
-/// What gravity does, and what the largest force would do to the machine's mass [m/s2].
-double MotionAudit::least_acceleration(const Evaluation& evaluation) const {
-  const double by_force = mass_ > 0.0 ? largest_force_in(evaluation) / mass_ : 0.0;
-  return std::max(model_.gravity.norm(), by_force);
+/// Of forces: what gravity does, and what the largest force would do to the machine's mass. A rotor whose places all
+/// lie on its axis moves none of them, and a bearing at rest sees none of what it spins: they are held against a part
+/// of the fastest body's rim.
+MotionAudit::LeastScales MotionAudit::least_scales(const State& state, const Evaluation& evaluation) const {
+  constexpr double kPartOfFastest = 1e-6;
+  LeastScales least;
+  least.of_forces = std::max(model_.gravity.norm(), mass_ > 0.0 ? largest_force_in(evaluation) / mass_ : 0.0);
+  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
+    const double turn = state.bodies[i].omega.norm();
+    const BodyAcceleration& rates = evaluation.bodies[i];
+    least.speed = std::max({least.speed, length_ * turn, state.bodies[i].v.norm()});
+    least.acceleration =
+        std::max({least.acceleration, length_ * (turn * turn + rates.omegadot.norm()), rates.vdot.norm()});
+  }
+  least.speed *= kPartOfFastest;
+  least.acceleration *= kPartOfFastest;
+  return least;
+}
+
+/// Scales of a joint's rows: the sizes of the terms, at least what `least` gives along the length.
+AuditScales MotionAudit::scales_of(const JointKinematics& found, const State& state, const Joint& joint,
+                                   const LeastScales& least) const {
+  const double until = model_.run.until;
+  double reach = length_;
+  for (const Attachment& side : joint.sides) reach = std::max(reach, state.bodies[side.body].r.norm());
+  AuditScales scales{};
+  scales[index(AuditUnit::length)] = reach;
+  scales[index(AuditUnit::angle)] = 1.0;
+  // A machine at rest that nothing moves has speeds that are round-off.
+  constexpr double kSpeedOfRest = 1e-12;  // of the length in the time of the run
+  const double speed =
+      std::max({found.speed.line, std::sqrt(least.of_forces * length_), least.speed, kSpeedOfRest * reach / until});
+  scales[index(AuditUnit::speed)] = speed;
+  scales[index(AuditUnit::turning_speed)] = std::max(found.speed.turn, speed / length_);
+  const double acceleration =
+      std::max({found.rate_of_speed.line, least.of_forces, least.acceleration, kSpeedOfRest * reach / (until * until)});
+  scales[index(AuditUnit::acceleration)] = acceleration;
+  scales[index(AuditUnit::turning_acceleration)] = std::max(found.rate_of_speed.turn, acceleration / length_);
+  return scales;
 }
 
 VecX MotionAudit::expected_udot(std::size_t joint, double t) const {
@@ -135,13 +146,12 @@ VecX MotionAudit::expected_udot(std::size_t joint, double t) const {
   return expected;
 }
 
-void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation& evaluation,
-                            double least_acceleration) {
+void MotionAudit::add_joint(std::size_t k, const State& state, const Evaluation& evaluation, const LeastScales& least) {
   const Joint& joint = model_.joints[k];
   const VecX hint = k < state.q.size() ? state.q[k] : VecX();
   JointKinematics& found = kinematics_[k];
   found = read_kinematics(joint, state, evaluation, hint, expected_udot(k, state.t), length_);
-  scales_[k] = scales_of(found, state, joint, least_acceleration, length_, model_.run.until);
+  scales_[k] = scales_of(found, state, joint, least);
 
   std::vector<AuditRow>& rows = joints_[k].rows;
   std::size_t next = 0;

@@ -12,7 +12,8 @@ namespace concord::compare {
 
 /// The third opinion on motions: do positions, velocities and accelerations obey joints, drivers and couplings, and are
 /// the derivatives of joints by functions right? Scales are the speeds and accelerations of a joint's two places, at
-/// least what gravity and the largest force give to the machine's mass along its length. The model must outlive it.
+/// least what gravity and the largest force give to the machine's mass along its length, and a part of the fastest
+/// body's: solvers close a machine as well as its largest speed lets them. The model must outlive it.
 class MotionAudit {
  public:
   explicit MotionAudit(const Model& model);
@@ -26,10 +27,19 @@ class MotionAudit {
 
  private:
   void lay_out(const Joint& joint);
-  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation, double least_acceleration);
+  /// What scales are at least.
+  struct LeastScales {
+    double of_forces = 0.0;     // m/s2
+    double speed = 0.0;         // m/s
+    double acceleration = 0.0;  // m/s2
+  };
+
+  void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation, const LeastScales& least);
   void add_coupling(std::size_t coupling, double t);
   [[nodiscard]] VecX expected_udot(std::size_t joint, double t) const;
-  [[nodiscard]] double least_acceleration(const Evaluation& evaluation) const;
+  [[nodiscard]] LeastScales least_scales(const State& state, const Evaluation& evaluation) const;
+  [[nodiscard]] AuditScales scales_of(const JointKinematics& found, const State& state, const Joint& joint,
+                                      const LeastScales& least) const;
 
   const Model& model_;
   double length_;

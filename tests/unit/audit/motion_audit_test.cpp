@@ -256,6 +256,20 @@ TEST(MotionAudit, ABalancedRotorWithoutWeightHasAScale) {
   EXPECT_FALSE(bench.finding(AuditRule::kinematics).holds());
 }
 
+TEST(MotionAudit, ABearingAtRestIsHeldAgainstTheRotorInIt) {
+  TwoHinges bench;
+  bench.model.gravity.setZero();
+  bench.hinge(0, 1, 0.8, 0.0, 0.0);
+  bench.hinge(1, 2, -7.1, -160.0, 3.2);
+  bench.state.bodies[1].v.y() += 5e-15;
+  bench.state.bodies[2].v.y() += 5e-15;
+  const AuditFinding found = bench.finding(AuditRule::kinematics);
+  EXPECT_TRUE(found.holds()) << found.text();
+  bench.state.bodies[1].v.y() += 1e-9;
+  bench.state.bodies[2].v.y() += 1e-9;
+  EXPECT_FALSE(bench.finding(AuditRule::kinematics).holds());
+}
+
 TEST(MotionAudit, FarFromTheOriginItResolvesAsMuch) {
   TwoHinges bench;
   for (int body = 1; body < 3; ++body) bench.state.bodies[body].v += Vec3(3e4, 1e4, -2e4);
