@@ -432,21 +432,18 @@ class ModeJudge {
   Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
 };
 
-/// Accelerations are differenced along the directions that are permitted in the state: what the turning of these
-/// directions adds, gyroscopic and centrifugal terms, is not in the matrices. Says so where a body turns.
-std::string turning_text(const Model& model, const State& state, const Linearization& found) {
-  constexpr double kToldApart = 1e-8;  // of the fastest eigenvalue
-  double fastest = 0.0;
-  for (const Mode& mode : found.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
-  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
-    const double turns = state.bodies[i].omega.norm();
-    if (turns <= kToldApart * fastest) continue;
-    return fmt::format(
-        "note: body '{}' turns at {:.4g} rad/s in this state; gyroscopic and centrifugal terms of its turning are not "
-        "in the matrices: modes are those of a state at rest\n",
-        model.bodies[i].name, turns);
+/// About a motion that is not steady, modes say how the machine behaves as if it stayed as it is now.
+std::string steadiness_text(const Model& model, Solver& solver, const Linearization& found) {
+  constexpr double kChanges = 1e-3;
+  const Steadiness steadiness = steadiness_of(model, solver, found);
+  if (steadiness.accelerates) {
+    return "note: the machine accelerates in this state: modes are those of the machine frozen in it\n";
   }
-  return "";
+  if (steadiness.change <= kChanges) return "";
+  return fmt::format(
+      "note: the motion is not steady: in a radian of it the matrices change by {:.2g} of the fastest rate; modes are "
+      "those of the machine frozen in this state\n",
+      steadiness.change);
 }
 
 }  // namespace
@@ -470,7 +467,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
     result.linearizations[index(who)] = linearize(held, solver, states[index(who)].samples[0].state);
   }
   Judge(held, solvers, result).judge_wrenches(states, at_equilibrium);
-  result.text += turning_text(held, states[0].samples[0].state, *result.linearizations[0]);
+  result.text += steadiness_text(held, *solvers[0], *result.linearizations[0]);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
   ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
   conclude(result);

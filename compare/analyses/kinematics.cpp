@@ -34,7 +34,30 @@ void refuse_freedom(const Model& model, Solver& solver, const State& start) {
                                freedom));
 }
 
-/// The motion goes on by its velocities and accelerations for a time h [s].
+/// The sample at time t from the one before, in as many steps as Newton's method needs.
+Sample go_to(const Model& model, Solver& solver, const Sample& from, double t) {
+  double h = t - from.state.t;
+  for (int halvings = 0; halvings <= kHalvings; ++halvings, h *= 0.5) {
+    const int steps = 1 << halvings;
+    Sample at = from;
+    bool closed = true;
+    for (int step = 1; step <= steps && closed; ++step) {
+      State guess = predict(model, at, h);
+      guess.t = step == steps ? t : from.state.t + step * h;
+      const auto state = solver.close(guess);
+      closed = state.has_value();
+      if (closed) at = {*state, solver.evaluate(*state), 0.0};
+    }
+    if (closed) return at;
+  }
+  throw SolverError(
+      fmt::format("{}: kinematics: the machine cannot be closed between t = {:.6g} s and t = {:.6g} s; "
+                  "the drivers lead it out of reach or into a singular pose",
+                  solver.name(), from.state.t, t));
+}
+
+}  // namespace
+
 State predict(const Model& model, const Sample& now, double h) {
   State guess = now.state;
   guess.t += h;
@@ -62,30 +85,6 @@ State predict(const Model& model, const Sample& now, double h) {
   }
   return guess;
 }
-
-/// The sample at time t from the one before, in as many steps as Newton's method needs.
-Sample go_to(const Model& model, Solver& solver, const Sample& from, double t) {
-  double h = t - from.state.t;
-  for (int halvings = 0; halvings <= kHalvings; ++halvings, h *= 0.5) {
-    const int steps = 1 << halvings;
-    Sample at = from;
-    bool closed = true;
-    for (int step = 1; step <= steps && closed; ++step) {
-      State guess = predict(model, at, h);
-      guess.t = step == steps ? t : from.state.t + step * h;
-      const auto state = solver.close(guess);
-      closed = state.has_value();
-      if (closed) at = {*state, solver.evaluate(*state), 0.0};
-    }
-    if (closed) return at;
-  }
-  throw SolverError(
-      fmt::format("{}: kinematics: the machine cannot be closed between t = {:.6g} s and t = {:.6g} s; "
-                  "the drivers lead it out of reach or into a singular pose",
-                  solver.name(), from.state.t, t));
-}
-
-}  // namespace
 
 Trajectory run_kinematics(const Model& model, Solver& solver, const RunOptions& options) {
   Trajectory trajectory;

@@ -11,6 +11,8 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "compare/analyses/deviations.h"
+#include "compare/analyses/kinematics.h"
 #include "compare/analyses/statics.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
@@ -26,16 +28,13 @@ constexpr double kLeastRateStep = 1e-7;
 constexpr double kStray = 1e-6;
 constexpr double kNoDamping = 1e-11;  // of the largest frequency
 
-/// Derivatives of the chart's accelerations with respect to its rates.
-MatX damping_matrix(Chart& chart, Solver& solver, double rate) {
+/// Derivatives of the accelerations of deviations with respect to their rates.
+MatX damping_matrix(Deviations& deviations, const Solver& solver, double rate) {
+  const Chart& chart = deviations.chart();
+  const VecX none = VecX::Zero(chart.n());
   MatX B(chart.n(), chart.n());
-  const VecX now = chart.rates_at_origin();
   for (int k = 0; k < chart.n(); ++k) {
-    const auto along = [&](double step) -> std::optional<VecX> {
-      const auto state = chart.at(VecX::Zero(chart.n()), now + step * VecX::Unit(chart.n(), k));
-      if (!state) return std::nullopt;
-      return chart.accelerations(*state, solver.evaluate(*state));
-    };
+    const auto along = [&](double step) { return deviations.accelerations_at(none, step * VecX::Unit(chart.n(), k)); };
     const auto column = derivative_at_zero(along, kRateStep * rate, kLeastRateStep * rate, rate);
     if (!column) {
       throw SingularPose(fmt::format(
@@ -262,8 +261,8 @@ double Mode::damping_ratio() const { return is_free ? 0.0 : 0.0 - eigenvalue.rea
 namespace {
 
 /// Accelerations that velocities and forces cause [1/s2].
-double size_of_accelerations(const Model& model, Solver& solver, const State& state, const VecX& rates) {
-  return std::max(reference_acceleration(model, solver.evaluate(state)), rates.squaredNorm());
+double size_of_accelerations(const Model& model, Solver& solver, const State& state, double speed) {
+  return std::max(reference_acceleration(model, solver.evaluate(state)), speed * speed);
 }
 
 /// The rate at which derivatives with respect to rates are taken: the machine's largest, else that of its motions in
@@ -309,18 +308,23 @@ void add_modes(const Model& model, const Chart& chart, const Eigenpairs& pairs, 
 }  // namespace
 
 Linearization linearize(const Model& model, Solver& solver, const State& state) {
-  Chart chart(model, solver, state);
   Linearization result;
   result.state = state;
+  Deviations deviations(model, solver, state);
+  const Chart& chart = deviations.chart();
   if (chart.n() == 0) return result;
-  const VecX rates = chart.rates_at_origin();
-  const double reference = size_of_accelerations(model, solver, state, rates);
-  result.A = stiffness_matrix(chart, solver, rates, reference);
+  const VecX none = VecX::Zero(chart.n());
+  const double reference = size_of_accelerations(model, solver, state, deviations.speed());
+  result.directions = deviations.directions();
+  result.rate = deviations.speed();
+  if (reference > 0.0) result.unsteadiness = deviations.accelerations().norm() / reference;
+  const auto held = [&](const VecX& delta) { return deviations.accelerations_at(delta, none); };
+  result.A = stiffness_matrix(chart, solver, held, reference);
   const StiffnessSplit split(chart, result.A, reference);
   result.resolution = std::sqrt(split.least());
   const double rate = typical_rate(reference, split, result.A);
   const double frequency = std::max(std::sqrt(result.A.norm()), rate);
-  result.B = damping_matrix(chart, solver, rate);
+  result.B = damping_matrix(deviations, solver, rate);
   const Motions motions(split);
   const bool is_undamped = result.B.norm() <= kNoDamping * frequency;
   add_free_modes(model, chart, motions.free, result.modes);
@@ -335,6 +339,27 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
   }
   std::stable_sort(result.modes.begin(), result.modes.end(), comes_first);
   return result;
+}
+
+Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found) {
+  constexpr double kAccelerates = 1e-8;
+  constexpr double kMovesBy = 1e-4;  // rad, or of the length: the prediction errs by its square
+  Steadiness steadiness;
+  steadiness.accelerates = found.unsteadiness > kAccelerates;
+  if (steadiness.accelerates || found.rate <= found.resolution) return steadiness;
+  const Sample now{found.state, solver.evaluate(found.state), 0.0};
+  const auto later = solver.close(predict(model, now, kMovesBy / found.rate));
+  if (!later) return steadiness;
+  const Linearization there = linearize(model, solver, *later);
+  if (there.directions.cols() != found.directions.cols()) return steadiness;
+  const MatX to_here = least_squares(found.directions, there.directions);
+  const MatX from_here = least_squares(there.directions, found.directions);
+  double fastest = found.rate;
+  for (const Mode& mode : found.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
+  steadiness.change = std::max((to_here * there.A * from_here - found.A).norm() / (fastest * fastest),
+                               (to_here * there.B * from_here - found.B).norm() / fastest) /
+                      kMovesBy;
+  return steadiness;
 }
 
 }  // namespace concord::compare::analyses

@@ -33,13 +33,19 @@ struct Mode {
 
 struct Linearization {
   State state;
-  /// deltaddot = A delta + B deltadot about the state, time held, in coordinates of the permitted motions.
+  /// deltaddot = A delta + B deltadot: deviations from the motion through the state, see Deviations.
   MatX A;
   MatX B;
+  /// Speeds of joints and modes, in units of the machine, that the coordinates' rates are: a column for each.
+  MatX directions;
   /// Ordered by |lambda|, then by its real part.
   std::vector<Mode> modes;
   /// Eigenvalues are told apart from zero above this [1/s].
   double resolution = 0.0;
+  /// Size of that motion's speeds [1/s], and of its accelerations as a part of what its forces and speeds cause: zero
+  /// if it is steady.
+  double rate = 0.0;
+  double unsteadiness = 0.0;
 };
 
 /// Modes of two linearizations of one machine that belong to each other, in the order of the first one, and places of
@@ -50,12 +56,22 @@ struct ModePairs {
 };
 ModePairs pair_modes(const Linearization& one, const Linearization& other);
 
-/// Linearizes a machine about a closed state, at its time, on the manifold of its constraints: derivatives by
-/// extrapolated central differences of evaluate() in closed neighbouring states. A mode is free where it meets no
+/// Linearizes a machine about the motion through a closed state, frozen there, in the coordinates of its joints:
+/// derivatives by extrapolated central differences of evaluate() in closed neighbouring states. About a steady motion,
+/// such as that of a balanced rotor, eigenvalues are those of the machine; about another one, those of the machine
+/// frozen in the state (see steadiness_of()). A mode is free where it meets no
 /// stiffness (see StiffnessSplit) and, as a rate, no damping above `resolution`: decided on subspaces of the matrices,
-/// not on eigenvalues, which of two equal zeros stray by the root of the round-off. About a state that is no
-/// equilibrium, eigenvalues are those of the machine frozen there. Throws SingularPose, as Chart and stiffness_matrix()
-/// do.
+/// not on eigenvalues, which of two equal zeros stray by the root of the round-off. Throws SingularPose, as Chart and
+/// stiffness_matrix() do.
 Linearization linearize(const Model& model, Solver& solver, const State& state);
+
+/// By how much the motion of a linearization fails to be steady: 0, or why its modes are those of a frozen machine.
+struct Steadiness {
+  bool accelerates = false;  // some joint's speed changes
+  /// By how much the matrices change in a radian of motion, as a part of the fastest rate and its square; 0 where the
+  /// machine rests or accelerates.
+  double change = 0.0;
+};
+Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found);
 
 }  // namespace concord::compare::analyses

@@ -139,14 +139,11 @@ VecX StiffnessSplit::unmet(const VecX& f) const {
   return beyond_ * (unmet_projector_ * (beyond_.transpose() * f));
 }
 
-MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double reference) {
+MatX stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
+                      double reference) {
   MatX J(chart.n(), chart.n());
   for (int k = 0; k < chart.n(); ++k) {
-    const auto along = [&](double step) -> std::optional<VecX> {
-      const auto state = chart.at(step * VecX::Unit(chart.n(), k), rates);
-      if (!state) return std::nullopt;
-      return chart.accelerations(*state, solver.evaluate(*state));
-    };
+    const auto along = [&](double step) { return accelerations(step * VecX::Unit(chart.n(), k)); };
     const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
     if (!column) {
       throw SingularPose(fmt::format(
@@ -183,11 +180,11 @@ class PseudoTransientContinuation {
     evaluation_ = solver_.evaluate(state_);
     Chart chart(model_, solver_, state_);
     if (chart.n() == 0) return true;
-    const VecX rest = VecX::Zero(chart.n());
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
     const double reference = reference_acceleration(model_, evaluation_);
-    const MatX J = stiffness_matrix(chart, solver_, rest, reference);
+    const MatX J = stiffness_matrix(
+        chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
     const StiffnessSplit split(chart, J, reference);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
@@ -201,6 +198,12 @@ class PseudoTransientContinuation {
     last_step_ = newton.norm();
     move(chart, by_newton ? newton : flow_step(J, f));
     return false;
+  }
+
+  [[nodiscard]] std::optional<VecX> at_rest(Chart& chart, const VecX& delta) const {
+    const auto state = chart.at(delta, VecX::Zero(chart.n()));
+    if (!state) return std::nullopt;
+    return chart.accelerations(*state, solver_.evaluate(*state));
   }
 
   /// Newton's steps have become round-off.

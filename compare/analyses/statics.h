@@ -70,9 +70,12 @@ class StiffnessSplit {
   double least_ = 0.0;
 };
 
-/// Derivatives of the chart's accelerations with respect to its coordinates, rates held, by differences over as much as
-/// changes the accelerations by ten times `reference`. Throws SingularPose if no closed states are found along one.
-MatX stiffness_matrix(Chart& chart, Solver& solver, const VecX& rates, double reference);
+/// Accelerations in the chart's coordinates where these are delta [1/s2]; nothing if there is no closed state there.
+using AccelerationsAt = std::function<std::optional<VecX>(const VecX& delta)>;
+
+/// Derivatives of accelerations with respect to the chart's coordinates, by differences over as much as changes them by
+/// ten times `reference`. Throws SingularPose, as found by `solver`, if there are none along one.
+MatX stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations, double reference);
 
 /// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
 /// a body per mass (a torque counts as its force at the machine's length), over the machine's length.

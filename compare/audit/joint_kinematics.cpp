@@ -67,6 +67,9 @@ class JointAlongMotion {
     return both;
   }
 
+  /// The joint speeds h seconds on.
+  [[nodiscard]] VecX speeds_after(double h) const { return read_motion(*joint_.type, relative_after(h), hint_).u; }
+
   [[nodiscard]] const joints::JointType& type() const { return *joint_.type; }
 
   [[nodiscard]] RelativeMotion relative_after(double h) const {
@@ -119,6 +122,34 @@ void raise(LineAndTurn& sizes, const LineAndTurn& others) {
   sizes.turn = std::max(sizes.turn, others.turn);
 }
 
+/// The inverse of the time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in
+/// which the accelerations do so. That both bodies travel together matters to nothing here.
+double rate_of(const joints::JointType& type, const JointKinematics& found, double length) {
+  double rate =
+      std::max({found.speed.turn, found.relative.v_rel.head<3>().norm() / length, std::sqrt(found.rate_of_speed.turn)});
+  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
+  if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
+  // Near a pose where a coordinate has no meaning the coordinate hurries more than the bodies do.
+  const std::vector<bool> turns = turning_speeds(type);
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    const double speed = std::abs(found.motion.u(static_cast<Eigen::Index>(k)));
+    rate = std::max(rate, turns[k] ? speed : speed / length);
+  }
+  return rate;
+}
+
+/// Where the joint is and how large what moves it is.
+void measure(const JointAlongMotion& on_its_way, const Joint& joint, const State& state, const Evaluation& evaluation,
+             const VecX& hint, JointKinematics& found) {
+  found.relative = on_its_way.relative_after(0.0);
+  found.motion = read_motion(*joint.type, found.relative, hint);
+  for (const Attachment& side : joint.sides) {
+    const Sizes sizes = sizes_at(side, state.bodies[side.body], evaluation.bodies[side.body]);
+    raise(found.speed, sizes.speed);
+    raise(found.rate_of_speed, sizes.rate_of_speed);
+  }
+}
+
 /// A difference along the motion: what of a_rel is neither permitted nor Sdot u, and the joint accelerations, are
 /// expected to be so; their sizes; and the first step [s].
 struct Question {
@@ -129,18 +160,8 @@ struct Question {
 
 Question question_of(const JointAlongMotion& joint, const VecX& expected_udot, double length,
                      const JointKinematics& found) {
-  // The time in which something turns by 1 rad or the joint moves by the machine's length; at rest, in which the
-  // accelerations do so. That both bodies travel together matters to nothing here.
-  double rate =
-      std::max({found.speed.turn, found.relative.v_rel.head<3>().norm() / length, std::sqrt(found.rate_of_speed.turn)});
-  if (!(rate > 0.0)) rate = std::sqrt(found.rate_of_speed.line / length);
-  if (!(rate > 0.0) || !std::isfinite(rate)) rate = 1.0;
-  // Near a pose where a coordinate has no meaning the coordinate hurries more than the bodies do.
+  const double rate = rate_of(joint.type(), found, length);
   const std::vector<bool> turns = turning_speeds(joint.type());
-  for (std::size_t k = 0; k < turns.size(); ++k) {
-    const double speed = std::abs(found.motion.u(static_cast<Eigen::Index>(k)));
-    rate = std::max(rate, turns[k] ? speed : speed / length);
-  }
   const auto n_u = expected_udot.size();
   VecX expected(6 + n_u);
   expected << Vec6::Zero(), expected_udot;
@@ -208,15 +229,9 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
                                 const VecX& expected_udot, double length) {
   const JointAlongMotion on_its_way(joint, state, evaluation, hint, length);
   JointKinematics found;
-  found.relative = on_its_way.relative_after(0.0);
-  found.motion = read_motion(*joint.type, found.relative, hint);
+  measure(on_its_way, joint, state, evaluation, hint, found);
   found.place << found.relative.d - found.motion.d, rotation_vector_of(found.relative.R * found.motion.R.transpose());
   found.velocity = on_its_way.not_permitted(found.motion, found.relative.v_rel);
-  for (const Attachment& side : joint.sides) {
-    const Sizes sizes = sizes_at(side, state.bodies[side.body], evaluation.bodies[side.body]);
-    raise(found.speed, sizes.speed);
-    raise(found.rate_of_speed, sizes.rate_of_speed);
-  }
   const Question question = question_of(on_its_way, expected_udot, length, found);
   const SlopeMisfit misfit = answer(question, on_its_way);
   found.acceleration = misfit.slope.head(6);
@@ -230,6 +245,20 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
     doubt_magnified(joint, state, evaluation, hint, length, question, found);
   }
   return found;
+}
+
+VecX joint_accelerations(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                         double length) {
+  constexpr double kStep = 0.03;  // rad: errs by its eighth power over 630
+  constexpr double kWeights[] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
+  const JointAlongMotion on_its_way(joint, state, evaluation, hint, length);
+  JointKinematics found;
+  measure(on_its_way, joint, state, evaluation, hint, found);
+  const double h = kStep / rate_of(*joint.type, found, length);
+  VecX udot = VecX::Zero(found.motion.u.size());
+  for (int k = 1; k <= 4; ++k)
+    udot += kWeights[k - 1] / h * (on_its_way.speeds_after(k * h) - on_its_way.speeds_after(-k * h));
+  return udot;
 }
 
 }  // namespace concord::compare

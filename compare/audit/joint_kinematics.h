@@ -50,4 +50,9 @@ struct JointKinematics {
 JointKinematics read_kinematics(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
                                 const VecX& expected_udot, double length);
 
+/// Accelerations of the joint's speeds, udot, in a machine that moves smoothly: by one quotient of eighth order along
+/// the motion, good to some 1e-14 of the size of the terms.
+VecX joint_accelerations(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
+                         double length);
+
 }  // namespace concord::compare

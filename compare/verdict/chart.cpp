@@ -47,6 +47,15 @@ Vec4 turned(const Vec4& p, const Vec3& by) {
   return {after.w(), after.x(), after.y(), after.z()};
 }
 
+State at_rest(State state) {
+  for (BodyState& body : state.bodies) {
+    body.v.setZero();
+    body.omega.setZero();
+    body.adot.setZero();
+  }
+  return state;
+}
+
 /// The rotation vector from one orientation to another, global axes.
 Vec3 rotation_between(const Vec4& from, const Vec4& to) {
   return rotation_vector_of(rotation_of(to) * rotation_of(from).transpose());
@@ -128,7 +137,7 @@ VecX Chart::coordinates_of(const VecX& velocities) const { return V_.transpose()
 
 std::string Chart::describe(const VecX& delta) const { return describe_motion(model_, origin_, velocities(delta)); }
 
-VecX Chart::rates(const State& state) const {
+VecX Chart::own_rates(const State& state) const {
   VecX scaled(weights_.size());
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
     const BodyState& body = state.bodies[i];
@@ -167,7 +176,7 @@ std::optional<State> Chart::exactly_at(const VecX& delta) {
   return std::nullopt;
 }
 
-VecX Chart::rates_at_origin() const { return rates(origin_); }
+VecX Chart::rates_at_origin() const { return own_rates(origin_); }
 
 VecX Chart::accelerations(const State& state, const Evaluation& evaluation) const {
   VecX scaled(weights_.size());
@@ -192,7 +201,18 @@ void Chart::add_velocity(const VecX& scaled, State& state) const {
   });
 }
 
+State Chart::origin_moving(const VecX& delta) const {
+  State state = at_rest(origin_);
+  add_velocity(V_ * delta, state);
+  return state;
+}
+
 std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
+  return at(
+      delta, [this](const State& state) { return own_rates(state); }, deltadot);
+}
+
+std::optional<State> Chart::at(const VecX& delta, const Rates& rates, const VecX& wanted) {
   const VecX moved = velocities(delta);
   State guess = origin_;
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
@@ -207,12 +227,7 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
   const MatX tangent = scaled_tangent(*closed);
   MatX map(V_.cols(), tangent.cols());
   for (Eigen::Index k = 0; k < tangent.cols(); ++k) {
-    State unit = *closed;
-    for (BodyState& body : unit.bodies) {
-      body.v.setZero();
-      body.omega.setZero();
-      body.adot.setZero();
-    }
+    State unit = at_rest(*closed);
     add_velocity(tangent.col(k), unit);
     map.col(k) = rates(unit);
   }
@@ -220,7 +235,7 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
   Eigen::ColPivHouseholderQR<MatX> onto_chart(map);
   onto_chart.setThreshold(kSameDirection);
   if (tangent.cols() > V_.cols() || onto_chart.rank() < V_.cols()) return std::nullopt;
-  add_velocity(tangent * onto_chart.solve(deltadot - rates(*closed)), *closed);
+  add_velocity(tangent * onto_chart.solve(wanted - rates(*closed)), *closed);
   return solver_.close(*closed);
 }
 

@@ -34,6 +34,14 @@ class Chart {
   /// its coordinates differ from delta in second order. Nothing if the solver finds no closed state.
   [[nodiscard]] std::optional<State> at(const VecX& delta, const VecX& deltadot);
 
+  /// n numbers, linear in the velocities of a state.
+  using Rates = std::function<VecX(const State&)>;
+  /// The same, but moving so that `rates` of it are as wanted.
+  [[nodiscard]] std::optional<State> at(const VecX& delta, const Rates& rates, const VecX& wanted);
+
+  /// The places of the origin with no velocities but velocities(delta).
+  [[nodiscard]] State origin_moving(const VecX& delta) const;
+
   /// The closed state whose coordinates are exactly delta, at rest where drivers are: the same for every solver.
   /// Nothing if it is not found.
   [[nodiscard]] std::optional<State> exactly_at(const VecX& delta);
@@ -57,7 +65,7 @@ class Chart {
   [[noreturn]] void refuse_singular_origin(const MatX& map) const;
   [[nodiscard]] MatX scaled_tangent(const State& state) const;
   [[nodiscard]] VecX coordinates(const State& state) const;
-  [[nodiscard]] VecX rates(const State& state) const;
+  [[nodiscard]] VecX own_rates(const State& state) const;
   void add_velocity(const VecX& scaled, State& state) const;
 
   const Model& model_;

@@ -50,13 +50,19 @@ inline Wrench rotated(const Mat3& A, const Wrench& wrench) { return {A * wrench.
 
 /// The same machine in a world turned by Q, gravity with it.
 inline Model turn_world(Model model, const Mat3& Q) {
-  model.gravity = Q * model.gravity;
-  for (Joint& joint : model.joints) {
-    for (Attachment& side : joint.sides) {
-      if (side.body != kGround) continue;
-      side.point_L = Q * side.point_L;
-      side.C = Q * side.C;
+  const auto turn = [&](std::array<Attachment, 2>& ends) {
+    for (Attachment& end : ends) {
+      if (end.body != kGround) continue;
+      end.point_L = Q * end.point_L;
+      end.C = Q * end.C;
     }
+  };
+  model.gravity = Q * model.gravity;
+  for (Joint& joint : model.joints) turn(joint.sides);
+  for (ForceElement& element : model.elements) {
+    if (auto* spring = std::get_if<LineSpring>(&element.what)) turn(spring->ends);
+    if (auto* spring = std::get_if<TurnSpring>(&element.what)) turn(spring->ends);
+    if (auto* bushing = std::get_if<Bushing>(&element.what)) turn(bushing->ends);
   }
   return model;
 }

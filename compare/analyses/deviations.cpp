@@ -1,0 +1,138 @@
+#include "compare/analyses/deviations.h"
+
+#include <algorithm>
+
+#include "common/decompositions.h"
+#include "common/joints/joint_type.h"
+#include "compare/audit/joint_kinematics.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// The first speed of a joint's ball; -1 without one.
+int ball_of(const joints::JointType& type) {
+  for (std::size_t word = 0; word < type.permits.size(); ++word) {
+    if (std::holds_alternative<joints::Ball>(type.permits[word])) return first_u(type, static_cast<int>(word));
+  }
+  return -1;
+}
+
+PlacedFrame place_of(const Joint& joint, Side side, const State& state) {
+  const Attachment& attachment = joint.on(side);
+  return place(attachment, state.bodies[static_cast<std::size_t>(attachment.body)]);
+}
+
+RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
+  return relative_motion(place_of(joint, Side::parent, state), place_of(joint, Side::child, state));
+}
+
+}  // namespace
+
+Deviations::Deviations(const Model& model, Solver& solver, const State& state)
+    : model_(model), solver_(solver), chart_(model, solver, state) {
+  if (chart_.n() == 0) return;
+  choose_axes(state);
+  find_weights();
+  directions_.resize(weights_.size(), chart_.n());
+  for (int k = 0; k < chart_.n(); ++k) {
+    directions_.col(k) = speeds(chart_.origin_moving(VecX::Unit(chart_.n(), k)));
+  }
+  scaled_directions_ = weights_.asDiagonal() * directions_;
+  inverse_ = least_squares(scaled_directions_, MatX(weights_.asDiagonal()));
+  speeds_ = speeds(state);
+  speed_rates_ = speed_rates(state, solver_.evaluate(state));
+  rates_ = inverse_ * speeds_;
+  accelerations_ = inverse_ * speed_rates_;
+}
+
+void Deviations::choose_axes(const State& state) {
+  constexpr double kClearlySlower = 1.0 - 1e-6;
+  Eigen::Index row = 0;
+  for (const Joint& joint : model_.joints) {
+    const double parent = place_of(joint, Side::parent, state).omega_joint.norm();
+    const double child = place_of(joint, Side::child, state).omega_joint.norm();
+    by_child_.push_back(child < kClearlySlower * parent);
+    const int ball = ball_of(*joint.type);
+    if (ball >= 0) balls_.push_back({row + ball, by_child_.back() ? 1.0 : -1.0});
+    row += joint.type->n_u();
+  }
+}
+
+void Deviations::find_weights() {
+  std::vector<double> weights;
+  const double length = model_.length_scale();
+  for (const Joint& joint : model_.joints) {
+    for (const bool turns : turning_speeds(*joint.type)) weights.push_back(turns ? 1.0 : 1.0 / length);
+  }
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+    if (model_.bodies[i].n_modes() == 0) continue;
+    for (const double deflection : largest_deflections(model_.bodies[i])) weights.push_back(deflection / length);
+  }
+  weights_ = Eigen::Map<const VecX>(weights.data(), static_cast<Eigen::Index>(weights.size()));
+}
+
+VecX Deviations::speeds(const State& state) const {
+  VecX rows(weights_.size());
+  Eigen::Index next = 0;
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    const Joint& joint = model_.joints[k];
+    const RelativeMotion relative = relative_motion_of(joint, state);
+    VecX u = read_motion(*joint.type, relative, state.q[k]).u;
+    const int ball = ball_of(*joint.type);
+    if (ball >= 0 && by_child_[k]) u.segment<3>(ball) = relative.R.transpose() * Vec3(u.segment<3>(ball));
+    rows.segment(next, u.size()) = u;
+    next += u.size();
+  }
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+    const VecX& adot = state.bodies[i].adot;
+    rows.segment(next, adot.size()) = adot;
+    next += adot.size();
+  }
+  return rows;
+}
+
+VecX Deviations::speed_rates(const State& state, const Evaluation& evaluation) const {
+  VecX rows(weights_.size());
+  Eigen::Index next = 0;
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    const Joint& joint = model_.joints[k];
+    VecX udot = joint_accelerations(joint, state, evaluation, state.q[k], model_.length_scale());
+    const int ball = ball_of(*joint.type);
+    // d/dt (R^T omega_rel) = R^T omegadot_rel.
+    if (ball >= 0 && by_child_[k]) {
+      udot.segment<3>(ball) = relative_motion_of(joint, state).R.transpose() * Vec3(udot.segment<3>(ball));
+    }
+    rows.segment(next, udot.size()) = udot;
+    next += udot.size();
+  }
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+    const VecX& addot = evaluation.bodies[i].addot;
+    rows.segment(next, addot.size()) = addot;
+    next += addot.size();
+  }
+  return rows;
+}
+
+VecX Deviations::turned_with(const VecX& deviation, const VecX& values) const {
+  VecX rows = VecX::Zero(values.size());
+  for (const BallRows& ball : balls_) {
+    const Vec3 eps = deviation.segment<3>(ball.first);
+    rows.segment<3>(ball.first) = ball.sign * eps.cross(Vec3(values.segment<3>(ball.first)));
+  }
+  return rows;
+}
+
+std::optional<VecX> Deviations::accelerations_at(const VecX& delta, const VecX& deltadot) {
+  const VecX moved = directions_ * delta;
+  // epsdot = omega - omega* -+ eps x omega*: the speeds are as asked where those of the machine are so.
+  const VecX wanted = rates_ + deltadot - inverse_ * turned_with(moved, speeds_);
+  const auto state = chart_.at(
+      delta, [&](const State& s) { return VecX(inverse_ * speeds(s)); }, wanted);
+  if (!state) return std::nullopt;
+  const VecX rate = speeds(*state) - speeds_ + turned_with(moved, speeds_);
+  return VecX(inverse_ * (speed_rates(*state, solver_.evaluate(*state)) - speed_rates_ + turned_with(rate, speeds_) +
+                          turned_with(moved, speed_rates_)));
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,270 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "compare/analyses/judge.h"
+#include "compare/analyses/report.h"
+
+/// Small motions about motions that go on for ever: rotors, turntables, conical pendulums.
+namespace concord::verification {
+namespace {
+
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
+using compare::analyses::judge_linearization;
+
+const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
+const Mat3 kTurnedWorld = rotation_about(Vec3(Vec3(2.0, 1.0, -0.6).normalized()), 1.1);
+
+/// Frequencies [rad/s] of the motions that oscillate, lowest first, by both solvers, which must agree.
+std::vector<double> frequencies_of(const std::string& text, std::size_t free) {
+  const Model model = turn_world(parse(text), kTurnedWorld);
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  CHECK(result.text.find("note") == std::string::npos);
+  std::vector<double> found;
+  std::size_t n_free = 0;
+  for (const auto& mode : result.linearizations[1]->modes) {
+    if (mode.is_free) ++n_free;
+    if (mode.oscillates()) found.push_back(mode.eigenvalue.imag());
+    CHECK(std::abs(mode.eigenvalue.real()) < 1e-9 * std::abs(mode.eigenvalue) + 1e-12);
+  }
+  CHECK(n_free == free);
+  return found;
+}
+
+bool holds(const std::vector<double>& found, double frequency) {
+  return std::any_of(found.begin(), found.end(),
+                     [&](double one) { return std::abs(one - frequency) < 1e-8 * frequency; });
+}
+
+/// A housing of 2 kg on a bushing, in it an axisymmetric rotor of 5 kg; `rotor`: how it sits and turns there.
+std::string rotor_on_bushing(const std::string& rotor) {
+  return R"toml(format = 1
+[[body]]
+name = "rotor"
+mass = 5
+center_of_mass = [0, 0, 0]
+inertia = [0.02, 0.02, 0.035]
+[[body]]
+name = "housing"
+mass = 2
+center_of_mass = [0, 0, 0]
+inertia = [0.01, 0.01, 0.012]
+[[bushing]]
+name = "mount"
+parent = "ground"
+child = "housing"
+stiffness = [1e4, 1e4, 2e4, 100, 100, 150]
+)toml" + rotor;
+}
+
+const std::string kFreeHousing = R"toml([[joint]]
+name = "housing"
+type = "free"
+parent = "ground"
+child = "housing"
+start.slide_x = { keep = 0, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = 0, keep_speed = 0 }
+start.ball = { keep = { axis = [1, 0, 0], angle = 0 }, keep_speed = [0, 0, 0] }
+)toml";
+
+/// A w^2 -+ C W w - k = 0: both whirls of a rotor whose support weighs nothing more than A.
+void check_whirl(const std::vector<double>& found, double A, double C, double k, double spin) {
+  const double root = std::sqrt(C * spin * C * spin + 4.0 * A * k);
+  CHECK(holds(found, (C * spin + root) / (2.0 * A)));
+  CHECK(holds(found, (root - C * spin) / (2.0 * A)));
+}
+
+TEST_CASE("A rotor in a housing on a bushing whirls forward and backward by its gyroscopic torque",
+          "[analyses][quick]") {
+  const std::string spin = GENERATE("drive.turn_z = { law = \"constant_speed\", speed = 200 }",
+                                    "start.turn_z = { keep = 0.4, keep_speed = 200 }");
+  const bool is_kept = spin.find("keep") != std::string::npos;
+  const bool is_reversed = GENERATE(false, true);
+  const auto found =
+      frequencies_of(rotor_on_bushing(kFreeHousing) +
+                         fmt::format("[[joint]]\nname = \"spin\"\ntype = \"revolute\"\nparent = "
+                                     "\"{}\"\nchild = \"{}\"\n{}\n",
+                                     is_reversed ? "rotor" : "housing", is_reversed ? "housing" : "rotor", spin),
+                     is_kept ? 2 : 0);
+  check_whirl(found, 0.03, 0.035, 100.0, 200.0);
+}
+
+TEST_CASE("A rotor whose spin is part of a ball whirls like one on a shaft", "[analyses][quick]") {
+  const bool is_reversed = GENERATE(false, true);
+  const auto found = frequencies_of(fmt::format(R"toml(format = 1
+[[body]]
+name = "rotor"
+mass = 5
+center_of_mass = [0, 0, 0]
+inertia = [0.02, 0.02, 0.035]
+[[bushing]]
+name = "mount"
+parent = "ground"
+child = "rotor"
+stiffness = [1e4, 1e4, 2e4, 100, 100, 0]
+[[joint]]
+name = "rotor"
+type = "spherical"
+parent = "{}"
+child = "{}"
+start.ball = {{ keep = {{ axis = [1, 0, 0], angle = 0 }}, keep_speed = [0, 0, 30] }}
+)toml",
+                                                is_reversed ? "rotor" : "ground", is_reversed ? "ground" : "rotor"),
+                                    2);
+  check_whirl(found, 0.02, 0.035, 100.0, 30.0);
+}
+
+TEST_CASE("A gyroscope on two springs in a gimbal nutates and precesses", "[analyses][quick]") {
+  const auto found = frequencies_of(R"toml(format = 1
+[[body]]
+name = "rotor"
+mass = 5
+center_of_mass = [0, 0, 0]
+inertia = [0.02, 0.02, 0.035]
+[[body]]
+name = "gimbal"
+mass = 2
+center_of_mass = [0, 0, 0]
+inertia = [0.01, 0.01, 0.01]
+[[joint]]
+name = "gimbal"
+type = "universal"
+parent = "ground"
+child = "gimbal"
+start.turn_x = { keep = 0, keep_speed = 0 }
+start.turn_y = { keep = 0, keep_speed = 0 }
+spring.turn_x = { stiffness = 100 }
+spring.turn_y = { stiffness = 100 }
+[[joint]]
+name = "spin"
+type = "revolute"
+parent = "gimbal"
+child = "rotor"
+start.turn_z = { keep = 0, keep_speed = 200 }
+)toml",
+                                    2);
+  check_whirl(found, 0.03, 0.035, 100.0, 200.0);
+}
+
+/// 0.5 kg on a radial spring of 100 N/m, free at 0.1 m, 0.2 m out on an arm that turns at 10 rad/s.
+std::string slider_on_arm(const std::string& turn) {
+  return fmt::format(R"toml(format = 1
+[[body]]
+name = "arm"
+mass = 1
+center_of_mass = [0, 0, 0]
+inertia = [0.01, 0.01, 0.01]
+[[body]]
+name = "slider"
+mass = 0.5
+center_of_mass = [0, 0, 0]
+inertia = [1e-4, 1e-4, 1e-4]
+[[joint]]
+name = "arm"
+type = "revolute"
+parent = "ground"
+child = "arm"
+{}
+[[joint]]
+name = "rail"
+type = "translational"
+parent = {{ body = "arm", axis = [0, 1, 0], angle = "90 deg" }}
+child = {{ body = "slider", axis = [0, 1, 0], angle = "90 deg" }}
+start.slide_z = {{ keep = 0.2, keep_speed = 0 }}
+spring.slide_z = {{ stiffness = 100, free = 0.1 }}
+)toml",
+                     turn);
+}
+
+TEST_CASE("A slider on a turning arm swings at the root of k/m - W^2", "[analyses][quick]") {
+  const auto found = frequencies_of(slider_on_arm("drive.turn_z = { law = \"constant_speed\", speed = 10 }"), 0);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == Approx(10.0).epsilon(1e-9));
+}
+
+TEST_CASE("A slider on an arm that turns freely swings as its angular momentum stays", "[analyses][quick]") {
+  const auto found = frequencies_of(slider_on_arm("start.turn_z = { keep = 0.3, keep_speed = 10 }"), 2);
+  REQUIRE(found.size() == 1);
+  const double I = 0.0101 + 0.5 * 0.2 * 0.2;
+  CHECK(found[0] == Approx(std::sqrt(100.0 + 4.0 * 100.0 * 0.5 * 0.04 / I)).epsilon(1e-8));
+}
+
+TEST_CASE("A conical pendulum driven round nods at W sin(theta)", "[analyses][quick]") {
+  const double cosine = 9.81 / (64.0 * 0.4);
+  const auto found = frequencies_of(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "shaft"
+mass = 1
+center_of_mass = [0, 0, 0]
+inertia = [0.01, 0.01, 0.01]
+[[body]]
+name = "bob"
+mass = 1
+center_of_mass = [0, 0, -0.4]
+inertia = [0, 0, 0]
+[[joint]]
+name = "shaft"
+type = "revolute"
+parent = "ground"
+child = "shaft"
+drive.turn_z = {{ law = "constant_speed", speed = 8 }}
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = {{ body = "shaft", x = [0, 0, 1], z = [0, 1, 0] }}
+child = {{ body = "bob", x = [0, 0, 1], z = [0, 1, 0] }}
+start.turn_z = {{ keep = {:.17g}, keep_speed = 0 }}
+)toml",
+                                                -std::acos(cosine)),
+                                    0);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == Approx(8.0 * std::sqrt(1.0 - cosine * cosine)).epsilon(1e-9));
+}
+
+/// The same pendulum on one universal joint whose outer axis is the vertical: its inner angle nods, the outer one
+/// turns.
+TEST_CASE("A conical pendulum on a universal joint nods at W sin(theta)", "[analyses][quick]") {
+  const double cosine = 9.81 / (64.0 * 0.4);
+  const auto found = frequencies_of(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "bob"
+mass = 1
+center_of_mass = [0, 0, -0.4]
+inertia = [0, 0, 0]
+[[joint]]
+name = "cross"
+type = "universal"
+parent = {{ body = "ground", x = [0, 0, 1], z = [1, 0, 0] }}
+child = {{ body = "bob", x = [0, 0, 1], z = [1, 0, 0] }}
+drive.turn_x = {{ law = "constant_speed", speed = 8 }}
+start.turn_y = {{ keep = {:.17g}, keep_speed = 0 }}
+)toml",
+                                                std::acos(cosine)),
+                                    0);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == Approx(8.0 * std::sqrt(1.0 - cosine * cosine)).epsilon(1e-9));
+}
+
+TEST_CASE("A rotor with two unequal inertias across its axis is not steady, and so it is said", "[analyses][quick]") {
+  std::string text = rotor_on_bushing(kFreeHousing) + R"toml([[joint]]
+name = "spin"
+type = "revolute"
+parent = "housing"
+child = "rotor"
+drive.turn_z = { law = "constant_speed", speed = 200 }
+)toml";
+  text.replace(text.find("0.02, 0.02"), 10, "0.02, 0.03");
+  const AnalysisVerdict result = judge_linearization(parse(text), kMakers, false);
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  CHECK(result.text.find("the motion is not steady") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace concord::verification
