@@ -129,11 +129,40 @@ class ExtrapolationStepper : public Stepper {
       reached_ = stop;
       return;
     }
-    check(ERKStepSetStopTime(memory_.get(), stop), "ERKStepSetStopTime", messages_);
-    const int code = ERKStepEvolve(memory_.get(), stop, y_.get(), &reached_, ARK_ONE_STEP);
+    const double begin = reached_;
+    int code = try_step(stop);
+    if (code == ARK_UNREC_RHSFUNC_ERR) code = try_shorter_steps(begin, stop);
     if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last + (why_.empty() ? "" : "; " + why_));
     ++steps_;
     read(view(y_.get()), motion_);
+  }
+
+  int try_step(double stop) {
+    check(ERKStepSetStopTime(memory_.get(), stop), "ERKStepSetStopTime", messages_);
+    return ERKStepEvolve(memory_.get(), stop, y_.get(), &reached_, ARK_ONE_STEP);
+  }
+
+  /// Where a stage of a step cannot be evaluated, ERKStep gives up: it lies too far ahead. The step is made anew from
+  /// its begin, in `motion_`, with less and less of its length.
+  int try_shorter_steps(double begin, double stop) {
+    constexpr double kLeast = 1e-13;
+    double h = std::min(last_try(), stop - begin);
+    int code = ARK_UNREC_RHSFUNC_ERR;
+    while (code == ARK_UNREC_RHSFUNC_ERR && h > kLeast * stop) {
+      h *= 0.1;
+      restart(begin);
+      reached_ = begin;
+      check(ERKStepSetInitStep(memory_.get(), h), "ERKStepSetInitStep", messages_);
+      code = try_step(stop);
+    }
+    check(ERKStepSetInitStep(memory_.get(), 0.0), "ERKStepSetInitStep", messages_);
+    return code;
+  }
+
+  [[nodiscard]] double last_try() {
+    double h = 0.0;
+    check(ERKStepGetCurrentStep(memory_.get(), &h), "ERKStepGetCurrentStep", messages_);
+    return h > 0.0 ? h : HUGE_VAL;
   }
 
   template <class Numbers>

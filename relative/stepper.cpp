@@ -54,7 +54,7 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
 
 Stepper::Stepper(const std::string& name, N_Vector y, const StepperCallbacks& callbacks,
                  const sundials::Context& context, sundials::MessageRecord& messages)
-    : calls_(name == "dirk" ? &kArk : &kErk) {
+    : calls_(name == "dirk" ? &kArk : &kErk), before_(N_VClone(y)) {
   if (name != "dirk") {
     memory_ = make_erk(y, callbacks, context, messages);
     return;
@@ -69,11 +69,33 @@ Stepper::~Stepper() {
 }
 
 int Stepper::advance(double t_end, N_Vector y, double& t) {
-  const int code = calls_->set_stop_time(memory_, t_end);
-  return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_NORMAL);
+  int code = 0;
+  while (t < t_end && code >= 0) code = step(t_end, y, t);
+  return code;
 }
 
 int Stepper::step(double t_end, N_Vector y, double& t) {
+  constexpr int kMostTries = 20;
+  constexpr double kShorter = 0.25;
+  const double t_before = t;
+  N_VScale(1.0, y, before_.get());
+  double h = 0.0;
+  int code = calls_->current_step(memory_, &h);
+  if (code < 0) return code;
+  if (!(h > 0.0) || h > t_end - t) h = t_end - t;
+  code = try_step(t_end, y, t);
+  for (int k = 1; k < kMostTries && code == ARK_UNREC_RHSFUNC_ERR; ++k) {
+    h *= kShorter;
+    t = t_before;
+    N_VScale(1.0, before_.get(), y);
+    const int restarted = restart(t, y, h);
+    if (restarted < 0) return restarted;
+    code = try_step(t_end, y, t);
+  }
+  return code;
+}
+
+int Stepper::try_step(double t_end, N_Vector y, double& t) {
   const int code = calls_->set_stop_time(memory_, t_end);
   return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_ONE_STEP);
 }

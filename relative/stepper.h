@@ -29,9 +29,10 @@ class Stepper {
   Stepper(const Stepper&) = delete;
   Stepper& operator=(const Stepper&) = delete;
 
-  /// Advances y to t_end exactly.
+  /// Advances y from t to t_end exactly.
   int advance(double t_end, N_Vector y, double& t);
-  /// Makes one step, at most to t_end.
+  /// Makes one step from y and t, at most to t_end. A step in which the right side could not be evaluated is tried
+  /// again, shorter: ERKStep itself gives up there.
   int step(double t_end, N_Vector y, double& t);
   /// The state at a time within the last step, by the cubic through states and rates at its ends.
   int interpolate(double t, N_Vector y) const;
@@ -58,7 +59,10 @@ class Stepper {
   };
 
  private:
+  int try_step(double t_end, N_Vector y, double& t);
+
   const Calls* calls_;
+  sundials::Vector before_;  // the last step
   sundials::Matrix matrix_;
   sundials::LinearSolver linear_;
   void* memory_ = nullptr;
