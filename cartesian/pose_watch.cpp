@@ -311,7 +311,7 @@ PoseWatch::PoseSample PoseWatch::sample_between(const PoseSample& before, const 
   layout.normalize(middle.q);
   try {
     equations_.update(t, middle.q, middle.Y);
-    const RowChoice choice = choose_rows(equations_, generic_rank_);
+    const RowChoice choice = choose_rows_beside(equations_, generic_rank_);
     if (choice.rank < generic_rank_) refuse(t, weakest_row_);
     equations_.use_rows(choice.independent);
     equations_.solve(true);

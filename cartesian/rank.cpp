@@ -397,6 +397,26 @@ RowChoice choose_rows(const Equations& equations, int expected) {
   return {decision.rank, std::move(decision.independent)};
 }
 
+RowChoice choose_rows_beside(const Equations& equations, int expected) {
+  RowChoice choice = choose_rows(equations, expected);
+  if (choice.rank <= expected) return choice;
+  constexpr double kHigher = 10.0;
+  const SparseMatrix transposed = scaled_jacobian(equations).matrix.transpose();
+  std::vector<bool> rows;
+  const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);
+  double tolerance = kRankThreshold;
+  RowSelection selection = select_rows(transposed, goes_first, tolerance);
+  while (selection.live > expected) {
+    tolerance *= kHigher;
+    RowSelection fewer = select_rows(transposed, goes_first, tolerance);
+    if (fewer.live < expected) break;
+    selection = std::move(fewer);
+  }
+  choice = {expected, std::vector<bool>(static_cast<std::size_t>(transposed.cols()), false)};
+  for (int k = 0; k < expected; ++k) choice.independent[selection.order[k]] = true;
+  return choice;
+}
+
 std::vector<bool> independent_rows(const Equations& equations) { return choose_rows(equations, -1).independent; }
 
 MatX permitted_velocities(const Equations& equations) {

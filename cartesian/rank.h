@@ -54,6 +54,9 @@ struct RowChoice {
   std::vector<bool> independent;
 };
 RowChoice choose_rows(const Equations& equations, int expected);
+/// The same of a pose that is not closed, where rows that depend on each other on the motion do not quite do so: at
+/// most `expected` rows, those that are most independent.
+RowChoice choose_rows_beside(const Equations& equations, int expected);
 std::vector<bool> independent_rows(const Equations& equations);
 
 /// Orthonormal columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows

@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "compare/audit/balance.h"
+#include "judged_machines.h"
+
+/// Linkages whose constraints depend on each other on the motion, and only there: beside it their Jacobian has a larger
+/// rank.
+namespace concord::verification {
+namespace {
+
+/// Opposite links equal, a / sin(alpha) = b / sin(beta): moves although it has four hinges in space.
+Model bennett_linkage(double guess) {
+  return parse_model(fmt::format(R"toml(format = 1
+gravity = [0, -9.81, 0]
+[parameters]
+a = 0.3
+al = "40 deg"
+be = "70 deg"
+b = "a*sin(be)/sin(al)"
+[[body]]
+name = "first"
+mass = 1
+center_of_mass = ["a/2", 0, 0]
+inertia = [1e-3, 8e-3, 8e-3]
+[[body]]
+name = "coupler"
+mass = 1.2
+center_of_mass = ["b/2", 0.02, 0]
+inertia = [1e-3, 1e-2, 1e-2]
+[[body]]
+name = "last"
+mass = 1
+center_of_mass = ["a/2", 0, 0.01]
+inertia = [1e-3, 8e-3, 8e-3]
+[[joint]]
+name = "J1"
+type = "revolute"
+parent = "ground"
+child = "first"
+start.turn_z = {{ keep = "60 deg", keep_speed = 2 }}
+[[joint]]
+name = "J2"
+type = "revolute"
+parent = {{ body = "first", point = ["a", 0, 0], axis = [1, 0, 0], angle = "al" }}
+child = "coupler"
+start.turn_z = {{ guess = "{} deg" }}
+[[joint]]
+name = "J3"
+type = "revolute"
+parent = {{ body = "coupler", point = ["b", 0, 0], axis = [1, 0, 0], angle = "be" }}
+child = "last"
+start.turn_z = {{ guess = "-60 deg" }}
+[[joint]]
+name = "J4"
+type = "revolute"
+parent = {{ body = "last", point = ["a", 0, 0], axis = [1, 0, 0], angle = "al" }}
+child = {{ body = "ground", sequence = "xxx", angles = ["-be", 0, 0], point = ["-b", 0, 0] }}
+)toml",
+                                 guess),
+                     "bennett.toml");
+}
+
+TEST_CASE("A Bennett linkage turns through its whole cycle, opposite angles alike, by every integrator", "[closure]") {
+  const Model model = bennett_linkage(GENERATE(100.0, 150.0));
+  for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
+    const auto solver = make(model);
+    for (const std::string& integrator : solver->integrators()) {
+      INFO(solver->name() << ", " << integrator);
+      const Trajectory run = solver->integrate({1.0, 1e-11, 300, integrator}, {});
+      double apart = 0.0;
+      for (const Sample& sample : run.samples) {
+        const auto& q = sample.state.q;
+        const double opposite = q[0](0) + q[2](0);
+        const double others = q[1](0) + q[3](0);
+        apart = std::max({apart, std::abs(std::remainder(opposite, 2.0 * std::numbers::pi)),
+                          std::abs(std::remainder(others, 2.0 * std::numbers::pi))});
+      }
+      CHECK(apart < 1e-11);
+      // What the other integrators' steps lose adds up.
+      const double allowed = integrator == solver->integrators().front() ? 1e-8 : 1e-6;
+      CHECK(compare::audit_energy(model, run).relative() < allowed);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace concord::verification
