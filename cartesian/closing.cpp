@@ -322,6 +322,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   if (!closing.closed) return closing;
   if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
     closing.closed = false;
+    closing.is_off_branch = true;
     closing.joints_left_open = {equations.model().joints[joint].name};
     return closing;
   }

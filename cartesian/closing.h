@@ -13,6 +13,7 @@ struct Closing {
   double position_residual = 0.0;
   double velocity_residual = 0.0;
   std::vector<std::string> joints_left_open;  // those with the largest residuals, if not closed
+  bool is_off_branch = false;                 // closed, but with a joint half a turn from where it means to be
   std::vector<std::string> couplings_left_open;
 };
 

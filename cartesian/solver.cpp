@@ -90,13 +90,7 @@ class CartesianSolver : public Solver {
       if (is_right(coarse)) kept = coarse;
     }
     refuse_wrong_count(kept, closing);
-    if (!closing.closed) {
-      throw InputError(first_place(closing.joints_left_open),
-                       fmt::format("the start values contradict each other: with what is kept and driven, {} do "
-                                   "not close (position residual {:.2g}, velocity residual {:.2g}); correct the kept "
-                                   "values, or give guesses that choose the branch",
-                                   named_open(closing), closing.position_residual, closing.velocity_residual));
-    }
+    if (!closing.closed) refuse_open_start(closing);
     refuse_dependent(kept);
     State state = packed(0.0, turns);
     decide_for_the_machine(state);
@@ -252,6 +246,20 @@ class CartesianSolver : public Solver {
       names += fmt::format("{}coupling '{}'", names.empty() ? "" : " and ", coupling);
     }
     return names;
+  }
+
+  [[noreturn]] void refuse_open_start(const Closing& closing) const {
+    const std::string why =
+        closing.is_off_branch
+            ? fmt::format("joint {} closes turned round: axes that should point the same way point against each other",
+                          closing.joints_left_open.front())
+            : fmt::format("{} do not close (position residual {:.2g}, velocity residual {:.2g})", named_open(closing),
+                          closing.position_residual, closing.velocity_residual);
+    throw InputError(
+        first_place(closing.joints_left_open),
+        fmt::format("the start values contradict each other: with what is kept and driven, {}; correct the "
+                    "kept values, or give guesses that choose the branch",
+                    why));
   }
 
   static bool is_right(const KeptCount& kept) {

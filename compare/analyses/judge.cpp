@@ -15,6 +15,7 @@
 #include "compare/report/info.h"
 #include "compare/report/table.h"
 #include "compare/verdict/agreement.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/findings.h"
 #include "compare/verdict/refinement.h"
@@ -25,13 +26,16 @@ namespace concord::compare::analyses {
 
 namespace {
 
-using Solvers = std::array<std::unique_ptr<Solver>, 2>;
 using Lines = std::vector<std::vector<std::string>>;
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
 
-Solvers make_solvers(const Model& model, const SolverMakers& makers) {
-  return {makers.cartesian(model), makers.relative(model)};
+/// Both solvers on one branch, which is told in the result if the guesses left it open.
+Solvers make_solvers(Model& model, const SolverMakers& makers, AnalysisVerdict& result) {
+  std::string note;
+  Solvers solvers = make_solvers_on_one_branch(model, makers, note);
+  if (!note.empty()) result.text += "note: " + note + '\n';
+  return solvers;
 }
 
 /// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
@@ -297,10 +301,10 @@ void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict&
 }  // namespace
 
 AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
-  const Model held = held_at_start(model);
-  const Solvers solvers = make_solvers(held, makers);
+  Model held = held_at_start(model);
   AnalysisVerdict result;
   result.analysis = "statics";
+  const Solvers solvers = make_solvers(held, makers, result);
   const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
   Judge(held, solvers, result)
       .judge_wrenches(
@@ -317,8 +321,9 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
 
 Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note) {
   if (!model.run.from_equilibrium) return model;
-  const Model held = held_at_start(model);
-  const Solvers solvers = make_solvers(held, makers);
+  Model held = held_at_start(model);
+  std::string branch;
+  const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
   const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
   const std::array<Trajectory, 2> states{one_sample(found[0].state, found[0].evaluation),
                                          one_sample(found[1].state, found[1].evaluation)};
@@ -330,6 +335,7 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
                     agreement.worst, format_digits(agreement.digits), own_need(model)));
   }
   note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
+  if (!branch.empty()) note += "; " + branch;
   for (const FreeDirection& direction : found[0].free) {
     note += fmt::format("{} {}",
                         &direction == &found[0].free.front() ? "; without stiffness, left where they started:" : ",",
@@ -449,10 +455,10 @@ std::string steadiness_text(const Model& model, Solver& solver, const Linearizat
 }  // namespace
 
 AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium) {
-  const Model held = at_equilibrium ? held_at_start(model) : model;
-  const Solvers solvers = make_solvers(held, makers);
+  Model held = at_equilibrium ? held_at_start(model) : model;
   AnalysisVerdict result;
   result.analysis = "linearize";
+  const Solvers solvers = make_solvers(held, makers, result);
   std::array<Trajectory, 2> states;
   for (const Who who : kWho) {
     Solver& solver = *solvers[index(who)];
@@ -474,17 +480,18 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   return result;
 }
 
-AnalysisVerdict judge_kinematics(const Model& model, const SolverMakers& makers, const VerifyOptions& options) {
-  const Solvers solvers = make_solvers(model, makers);
-  const RunOptions run = run_options(model, options);
+AnalysisVerdict judge_kinematics(const Model& asked, const SolverMakers& makers, const VerifyOptions& options) {
+  Model model = asked;
   AnalysisVerdict result;
   result.analysis = "kinematics";
+  const Solvers solvers = make_solvers(model, makers, result);
+  const RunOptions run = run_options(model, options);
   result.wrenches.run = run;
   std::array<Trajectory, 2> found;
   for (const Who who : kWho) found[index(who)] = run_kinematics(model, *solvers[index(who)], run);
   Judge(model, solvers, result).judge_wrenches(found, false);
-  result.text = fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
-                            format_peaks(model, found[0]));
+  result.text += fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
+                             format_peaks(model, found[0]));
   conclude(result);
   return result;
 }
@@ -513,10 +520,10 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
                               const std::vector<AskedAcceleration>& asked) {
   const std::vector<Prescribed> coordinates = prescribed_coordinates(model, asked);
   const State start = makers.cartesian(model)->assemble();
-  const Model driven = driven_through(model, start, coordinates);
-  const Solvers solvers = make_solvers(driven, makers);
+  Model driven = driven_through(model, start, coordinates);
   AnalysisVerdict result;
   result.analysis = "inverse";
+  const Solvers solvers = make_solvers(driven, makers, result);
   std::array<Evaluation, 2> there;
   for (const Who who : kWho) there[index(who)] = solvers[index(who)]->evaluate(start);
   Judge(driven, solvers, result).judge_wrenches({one_sample(start, there[0]), one_sample(start, there[1])}, false);
@@ -532,8 +539,8 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
                      fmt::format("{:.12g}", tau(Who::cartesian)), fmt::format("{:.12g}", tau(Who::relative)),
                      turn ? "N m" : "N", format_digits(digits)});
   }
-  result.text = "forces that make the machine move as asked:\n" +
-                format_table(lines, {false, true, true, true, false, true}) + '\n';
+  result.text += "forces that make the machine move as asked:\n" +
+                 format_table(lines, {false, true, true, true, false, true}) + '\n';
   for (const Who who : kWho) {
     const Model actuated = actuated_by(model, there[index(who)], coordinates);
     for (const Who by : kWho) {

@@ -55,24 +55,6 @@ Model held_at_start(const Model& model) {
   return held;
 }
 
-Model started_at(const Model& model, const State& state) {
-  Model started = model;
-  for (std::size_t k = 0; k < started.joints.size(); ++k) {
-    Joint& joint = started.joints[k];
-    for (std::size_t word = 0; word < joint.start.size(); ++word) {
-      WordStart& start = joint.start[word];
-      if (start.q.size() == 0) continue;  // an arm
-      start.q = state.q[k].segment(first_q(*joint.type, static_cast<int>(word)), start.q.size());
-      start.role_q = std::max(start.role_q, StartRole::guess);
-    }
-  }
-  for (std::size_t i = 1; i < started.bodies.size(); ++i) {
-    started.bodies[i].pose_guess = Pose{state.bodies[i].r, rotation_of(state.bodies[i].p)};
-    started.bodies[i].a_start = state.bodies[i].a;
-  }
-  return started;
-}
-
 double reference_acceleration(const Model& model, const Evaluation& evaluation) {
   const double length = model.length_scale();
   std::vector<double> forces(model.bodies.size(), 0.0);

@@ -35,10 +35,6 @@ struct Equilibrium {
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
 
-/// The model with the places and modal coordinates of a state as its start: kept coordinates keep those of the state,
-/// the others are guesses near it. Speeds stay what the model says.
-Model started_at(const Model& model, const State& state);
-
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
  public:

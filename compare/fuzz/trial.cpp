@@ -5,6 +5,7 @@
 
 #include "common/reading/model_file.h"
 #include "compare/report/files.h"
+#include "compare/verdict/branch.h"
 
 namespace concord::compare::fuzz {
 
@@ -40,12 +41,12 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
                     bool refines) {
   Outcome outcome;
   tell_rung("reading");
-  const std::optional<Model> model = read_text(text, folder, outcome);
+  std::optional<Model> model = read_text(text, folder, outcome);
   if (!model) return outcome;
   try {
     tell_rung("start");
-    const auto cartesian = makers.cartesian(*model);
-    const auto relative = makers.relative(*model);
+    std::string note;
+    const auto [cartesian, relative] = make_solvers_on_one_branch(*model, makers, note);
     VerifyOptions options;
     options.states = kStates;
     options.samples = kStates - 1;

@@ -17,6 +17,7 @@
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/trial.h"
 #include "compare/joint_check/coupling_check.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::nightly {
@@ -192,9 +193,8 @@ void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
 
 void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   std::string note;
-  const Model model = analyses::as_it_starts(model_of(one), makers, note);
-  const auto cartesian = makers.cartesian(model);
-  const auto relative = makers.relative(model);
+  Model model = analyses::as_it_starts(model_of(one), makers, note);
+  const auto [cartesian, relative] = make_solvers_on_one_branch(model, makers, note);
   VerifyOptions options = one.options;
   std::string last;
   options.progress = [&](std::string_view rung, const std::array<double, 2>&) {

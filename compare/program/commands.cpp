@@ -20,6 +20,7 @@
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
@@ -116,8 +117,8 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   }
   std::string note;
   one.model = analyses::as_it_starts(one.model, makers, note);
-  const auto cartesian = makers.cartesian(one.model);
-  const auto relative = makers.relative(one.model);
+  std::string branch;
+  const auto [cartesian, relative] = make_solvers_on_one_branch(one.model, makers, branch);
   check_results(command.out, result_file_names(one.model, {cartesian->name(), relative->name()}));
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
@@ -132,7 +133,9 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
     one.verdict = verify(one.model, *cartesian, *relative, options);
   }
   if (silent) one.verdict.third = silent;
-  if (!note.empty()) one.verdict.notes.push_back(note);
+  for (const std::string& one_note : {note, branch}) {
+    if (!one_note.empty()) one.verdict.notes.push_back(one_note);
+  }
   if (reference) judge_reference(one.model, *reference, one.verdict);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "compare/verdict/solver_makers.h"
+
+/// Loops close in more than one way. Both solvers start in the same one, or the model is refused.
+namespace concord::compare {
+
+using Solvers = std::array<std::unique_ptr<Solver>, 2>;  // by Who
+
+/// The model with the places and modal coordinates of a state as its start: kept coordinates keep those of the state,
+/// the others are guesses near it. Speeds stay what the model says.
+Model started_at(const Model& model, const State& state);
+
+/// Both solvers for a model. Where they assemble different branches from its guesses, or where one of them finds none,
+/// `model` gets the better start as its guess, and both are made anew: the branch that is nearer to the guesses, and if
+/// those do not tell, nearer to zero in the coordinates of which nothing is said. `note` then says so. Throws
+/// InputError if the model is wrong for both, or if they still part. `model` must outlive the solvers.
+Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std::string& note);
+
+}  // namespace concord::compare

@@ -1,0 +1,114 @@
+#include "compare/verdict/branch.h"
+
+#include <gmock/gmock.h>
+
+#include "common/error.h"
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A pendulum that closes at two angles, and finds the one or the other from its guess.
+class TwoWays : public FakePendulum {
+ public:
+  using Choice = std::function<double(double guess)>;
+  TwoWays(const Model& model, std::string name, Choice choice)
+      : FakePendulum(model, std::move(name)), model_(model), choice_(std::move(choice)) {}
+
+  State assemble() override {
+    const double found = choice_(model_.joints[0].start[0].q(0));
+    if (std::isnan(found)) throw InputError({"two_ways.toml", 3, 1}, "the start does not close");
+    Model there = model_;
+    there.joints[0].start[0].q(0) = found;
+    return FakePendulum(there, "there").assemble();
+  }
+
+ private:
+  const Model& model_;
+  Choice choice_;
+};
+
+constexpr double kNear = 0.4;
+constexpr double kFar = 2.6;
+
+double nearest(double guess) { return std::abs(guess - kNear) < std::abs(guess - kFar) ? kNear : kFar; }
+
+class BranchTest : public ::testing::Test {
+ protected:
+  Solvers make(TwoWays::Choice cartesian, TwoWays::Choice relative) {
+    const SolverMakers makers{
+        [=](const Model& model) { return std::make_unique<TwoWays>(model, "cartesian", cartesian); },
+        [=](const Model& model) { return std::make_unique<TwoWays>(model, "relative", relative); }};
+    return make_solvers_on_one_branch(model_, makers, note_);
+  }
+  void guess(double q, StartRole role = StartRole::guess) {
+    WordStart& word = model_.joints[0].start[0];
+    word.q(0) = q;
+    word.role_q = role;
+  }
+  static void expect_starts(const Solvers& solvers, double q) {
+    for (const auto& solver : solvers) EXPECT_NEAR(solver->assemble().q[0](0), q, 1e-15);
+  }
+
+  Model model_ = pendulum_model();
+  std::string note_;
+};
+
+/// Goes far from a guess that is not near enough.
+double timid(double guess) { return std::abs(guess - kNear) < 0.1 ? kNear : kFar; }
+double refuses(double guess) { return std::abs(guess - kNear) < 0.1 ? kNear : std::nan(""); }
+
+TEST_F(BranchTest, OneBranchIsLeftAsItIs) {
+  guess(0.7);
+  expect_starts(make(nearest, nearest), kNear);
+  EXPECT_EQ(note_, "");
+  EXPECT_EQ(model_.joints[0].start[0].q(0), 0.7);
+}
+
+TEST_F(BranchTest, OfTwoTheOneThatIsNearerToTheGuessIsTaken) {
+  guess(0.7);
+  expect_starts(make(timid, nearest), kNear);
+  EXPECT_THAT(note_, HasSubstr("turn_z of A 148.969 and 22.9183 deg"));
+  EXPECT_THAT(note_, HasSubstr("both start from that of relative"));
+  guess(0.7);
+  expect_starts(make(nearest, timid), kNear);
+  EXPECT_THAT(note_, HasSubstr("both start from that of cartesian"));
+}
+
+TEST_F(BranchTest, WithoutAGuessTheOneThatIsNearerToZeroIsTaken) {
+  guess(0.0, StartRole::unsaid);
+  expect_starts(make(timid, nearest), kNear);
+}
+
+TEST_F(BranchTest, ABranchThatOneSolverFindsIsShownToTheOther) {
+  guess(0.7);
+  expect_starts(make(nearest, refuses), kNear);
+  EXPECT_THAT(note_, HasSubstr("relative finds no start; both start from that of cartesian"));
+}
+
+TEST_F(BranchTest, AModelThatBothRefuseIsRefused) {
+  guess(0.7);
+  EXPECT_THROW(make(refuses, refuses), InputError);
+}
+
+TEST_F(BranchTest, SolversThatPartFromOneGuessAreRefused) {
+  guess(0.7);
+  const auto stubborn = [](double) { return kFar; };
+  try {
+    make(nearest, stubborn);
+    FAIL() << "no refusal";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the guesses do not choose a branch of the machine"));
+  }
+}
+
+TEST_F(BranchTest, WholeTurnsAreBranchesToo) {
+  guess(0.7);
+  const auto turned = [](double guess) { return guess == kNear ? kNear : kNear - 4.0 * M_PI; };
+  expect_starts(make(turned, nearest), kNear);
+}
+
+}  // namespace
+}  // namespace concord::compare

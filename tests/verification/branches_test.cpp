@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "closed_forms.h"
+#include "common/error.h"
+#include "compare/verdict/branch.h"
+#include "judged_machines.h"
+
+/// Machines whose guesses leave open how their loops close.
+namespace concord::verification {
+namespace {
+
+/// A spherical four-bar, links of 40, 80, 70 and 75 degrees, all axes through one point.
+std::string spherical_four_bar(const std::string& coupler, const std::string& rocker, const std::string& last) {
+  const auto guess = [](const std::string& value) {
+    return value.empty() ? "" : fmt::format("start.turn_z = {{ guess = \"{} deg\" }}\n", value);
+  };
+  return fmt::format(R"toml(format = 1
+gravity = [0.3, -1, -9.7]
+[[body]]
+name = "crank"
+mass = 1
+center_of_mass = [0.1, 0, 0.2]
+inertia = [0.01, 0.012, 0.008]
+[[body]]
+name = "coupler"
+mass = 1.5
+center_of_mass = [0, 0.1, 0.2]
+inertia = [0.02, 0.015, 0.01]
+[[body]]
+name = "rocker"
+mass = 1.2
+center_of_mass = [0.05, 0.02, 0.2]
+inertia = [0.01, 0.013, 0.011]
+[[joint]]
+name = "J1"
+type = "revolute"
+parent = "ground"
+child = "crank"
+start.turn_z = {{ keep = "60 deg", keep_speed = 20 }}
+[[joint]]
+name = "J2"
+type = "revolute"
+parent = {{ body = "crank", axis = [1, 0, 0], angle = "40 deg" }}
+child = "coupler"
+{}[[joint]]
+name = "J3"
+type = "revolute"
+parent = {{ body = "coupler", axis = [1, 0, 0], angle = "80 deg" }}
+child = "rocker"
+{}[[joint]]
+name = "J4"
+type = "revolute"
+parent = {{ body = "rocker", axis = [1, 0, 0], angle = "70 deg" }}
+child = {{ body = "ground", axis = [1, 0, 0], angle = "-75 deg" }}
+{}[run]
+until = 0.5
+)toml",
+                     guess(coupler), guess(rocker), guess(last));
+}
+
+TEST_CASE("Whatever the guesses are, both solvers start on one branch, the one next to them if one is", "[closure]") {
+  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  int noted = 0;
+  int refused = 0;
+  for (const int coupler : {-150, -60, 30, 150}) {
+    for (const int rocker : {-120, -60, 60, 120}) {
+      for (const int last : {-100, 60, 170}) {
+        INFO(coupler << ", " << rocker << ", " << last);
+        Model model =
+            parse(spherical_four_bar(fmt::format("{}", coupler), fmt::format("{}", rocker), fmt::format("{}", last)));
+        std::string note;
+        compare::Solvers solvers;
+        try {
+          solvers = compare::make_solvers_on_one_branch(model, makers, note);
+        } catch (const InputError&) {
+          ++refused;  // for both solvers the joints close turned round
+          continue;
+        }
+        const State one = solvers[0]->assemble();
+        const State other = solvers[1]->assemble();
+        noted += note.empty() ? 0 : 1;
+        for (std::size_t k = 0; k < 4; ++k) CHECK((one.q[k] - other.q[k]).norm() < 1e-12);
+        CHECK(one.q[0](0) == Approx(std::numbers::pi / 3.0).epsilon(1e-14));
+      }
+    }
+  }
+  CHECK(noted > 0);     // else this test tries nothing
+  CHECK(refused < 16);  // of 48
+}
+
+TEST_CASE("A linkage without guesses that one solver cannot close starts from what the other one finds", "[closure]") {
+  Model model = parse(spherical_four_bar("", "", ""));
+  std::string note;
+  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  const compare::Solvers solvers = compare::make_solvers_on_one_branch(model, makers, note);
+  CHECK((solvers[0]->assemble().q[2] - solvers[1]->assemble().q[2]).norm() < 1e-12);
+}
+
+}  // namespace
+}  // namespace concord::verification
