@@ -217,7 +217,6 @@ void Equations::fill_matrix() {
 
 void Equations::solve(bool fresh_pivots) {
   constexpr double kGoodEnoughBetweenSteps = 1e-12;  // and with pivots chosen at another state
-  constexpr double kMagnified = 1e-13;
   constraints_.write_gamma(t_, gamma_);
   fill_matrix();
   const auto fill_right_side = [&] {
@@ -232,7 +231,7 @@ void Equations::solve(bool fresh_pivots) {
   if (!good) {
     fill_right_side();
     good = matrix_->factor() && matrix_->solve_refined(unknowns_, 0.0);
-    magnifies_ = matrix_->first_correction() > kMagnified;
+    magnifies_ = good && magnifies_round_off();
     has_new_rows_ = false;
   }
   if (!good) {
@@ -245,6 +244,22 @@ void Equations::solve(bool fresh_pivots) {
   lambda_ = unknowns_.tail(constraints_.n_rows());
 }
 
+/// The largest of what gravity, speeds and forces cause, in the machine's units [1/s2].
+double Equations::typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const {
+  const double rate = natural_rate();
+  return std::max(
+      {rate * rate, Y_.cwiseQuotient(units_).cwiseAbs2().maxCoeff(), Ydot.cwiseQuotient(units_).cwiseAbs().maxCoeff()});
+}
+
+/// Whether the last solution needed correcting. A body far lighter than those that lead it has tiny equations: what
+/// they blur is seen in its accelerations alone.
+bool Equations::magnifies_round_off() const {
+  constexpr double kMagnified = 1e-13;
+  const auto n_Y = layout_.n_Y();
+  const double acceleration = typical_acceleration(unknowns_.head(n_Y));
+  return (matrix_->first_correction().head(n_Y).cwiseQuotient(units_).array().abs() > kMagnified * acceleration).any();
+}
+
 int Equations::contradicted_row() {
   constexpr double kContradiction = 1e-7;
   if (std::all_of(active_.begin(), active_.end(), [](bool is_active) { return is_active; })) return -1;
@@ -252,10 +267,7 @@ int Equations::contradicted_row() {
   solution << Ydot_, lambda_;
   unknowns_ << forces_, gamma_;
   matrix_->subtract_product(solution, unknowns_);
-  const double rate = natural_rate();
-  const double acceleration = std::max({rate * rate, Y_.cwiseQuotient(units_).cwiseAbs2().maxCoeff(),
-                                        Ydot_.cwiseQuotient(units_).cwiseAbs().maxCoeff()});
-  double worst = kContradiction * acceleration;
+  double worst = kContradiction * typical_acceleration(Ydot_);
   int found = -1;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     if (active_[row] || !(row_sizes()(row) > 0.0)) continue;

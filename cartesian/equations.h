@@ -117,6 +117,8 @@ class Equations {  // (C40)
   void write_mass_times(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> product) const;
 
  private:
+  [[nodiscard]] bool magnifies_round_off() const;
+  [[nodiscard]] double typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const;
   void lay_out();
   void measure_rows() const;
   void find_entries();

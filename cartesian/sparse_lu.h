@@ -46,9 +46,9 @@ class SparseLu {
   /// at most `good_enough` of the scaled right side. False if the corrections do not fall: the matrix is singular for
   /// double precision, or the pivots have gone bad.
   bool solve_refined(VecX& x, double good_enough);
-  /// Size of the first correction of the last solve_refined() relative to the solution, a measure of how the condition
-  /// magnifies round-off; 0 if there was none.
-  [[nodiscard]] double first_correction() const { return first_correction_; }
+  /// The first correction of the last solve_refined(), a measure of how the condition magnifies round-off; zeros if
+  /// there was none.
+  [[nodiscard]] const VecX& first_correction() const { return first_correction_; }
   /// y -= matrix x, idle rows and columns as they stand in values().
   void subtract_product(const VecX& x, VecX& y) const;
 
@@ -77,7 +77,7 @@ class SparseLu {
   VecX solution_;
   VecX residual_;
   std::vector<double> rounding_;
-  double first_correction_ = 0.0;
+  VecX first_correction_;
 };
 
 }  // namespace concord::cartesian
