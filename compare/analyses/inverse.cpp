@@ -23,6 +23,12 @@ void check_asked(const Model& model, const std::vector<AskedAcceleration>& asked
     const std::string name = fmt::format("{} of {}", one.coordinate, one.joint);
     const bool is_kept = std::any_of(coordinates.begin(), coordinates.end(),
                                      [&](const Prescribed& kept) { return kept.name(model) == name; });
+    const auto same = [&](const AskedAcceleration& other) {
+      return other.joint == one.joint && other.coordinate == one.coordinate;
+    };
+    if (std::count_if(asked.begin(), asked.end(), same) > 1) {
+      throw InputError({"command line", 0, 0}, fmt::format("inverse: two accelerations are asked for {}", name));
+    }
     if (is_kept) continue;
     std::vector<std::string> names;
     for (const Prescribed& kept : coordinates) names.push_back(kept.name(model));

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -11,6 +12,7 @@
 
 #include "cartesian/solver.h"
 #include "common/reading/magnitude.h"
+#include "common/reading/spelling.h"
 #include "compare/analyses/command.h"
 #include "compare/fuzz/options.h"
 #include "compare/joint_check/command.h"
@@ -79,16 +81,34 @@ const CLI::Validator kNumber(
     },
     "");
 
+/// A number in a range, said as a person writes it.
+CLI::Validator number_in(double least, double most) {
+  return CLI::Validator(
+      [=](std::string& text) {
+        const std::string complaint = kNumber(text);
+        if (!complaint.empty()) return complaint;
+        const double value = std::stod(text);
+        return value >= least && value <= most ? std::string()
+                                               : fmt::format("{} is not between {:g} and {:g}", text, least, most);
+      },
+      "");
+}
+
+const CLI::Validator kPositive(
+    [](std::string& text) {
+      const std::string complaint = kNumber(text);
+      if (!complaint.empty()) return complaint;
+      return std::stod(text) > 0.0 ? std::string() : fmt::format("{} is not above zero", text);
+    },
+    "");
+
 void add_run_options(CLI::App& command, compare::VerifyOptions& options) {
-  command.add_option("--until", options.until, "End of the run [s]; default: what the model says")
-      ->check(kNumber)
-      ->check(CLI::PositiveNumber);
+  command.add_option("--until", options.until, "End of the run [s]; default: what the model says")->check(kPositive);
   command
       .add_option(
           "--rtol", options.rtol,
           "Relative tolerance of the integrators; default: what the model says, else 1e-11 rigid, 1e-9 flexible")
-      ->check(kNumber)
-      ->check(CLI::Range(kTightestTolerance, kLoosestTolerance));
+      ->check(number_in(kTightestTolerance, kLoosestTolerance));
   command
       .add_option("--samples", options.samples,
                   "Equal intervals of the output grid; default: what the model says, else 300; `compare` takes a "
@@ -255,6 +275,15 @@ int code_if_told(int code) {
   return compare::kCouldNotFinish;
 }
 
+/// Names a first word that is no command; CLI11 says only that a command is missing.
+void require_known_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+  throw CLI::ValidationError(fmt::format("no command '{}': {}", argv[1], suggestion(argv[1], names, "commands")));
+}
+
 /// Reads the command line and does what it says.
 int run_program(int argc, char** argv) {
   CLI::App program(kAbout, "concord");
@@ -271,6 +300,7 @@ int run_program(int argc, char** argv) {
   AnalysisCommands analyses(program, line);
   const compare::nightly::NightlyCommands nights(program);
   try {
+    require_known_command(program, argc, argv);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
