@@ -116,14 +116,16 @@ class PairOfBodies {
   }
 
   [[nodiscard]] std::optional<Resolved> resolved_on(int body, Eigen::Index column) const {
-    Resolved resolved = resolution_of(layout_.first_row(Kind::body_sum, body), column);
+    const int sum_row = layout_.first_row(Kind::body_sum, body);
+    if (!is_judged(sum_row, column)) return std::nullopt;
+    Resolved resolved = resolution_of(sum_row, column);
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
       const auto joint = static_cast<int>(k);
       if (std::find(joints_.begin(), joints_.end(), joint) != joints_.end()) continue;
       for (const Side side : kSides) {
         if (model_.joints[k].on(side).body != body) continue;
         const int row = layout_.first_row(Kind::total, joint, side);
-        if (budget_.judged != nullptr && !budget_.judged->block(row, column, 6, 1).all()) return std::nullopt;
+        if (!is_judged(row, column)) return std::nullopt;
         const Resolved of_joint = resolution_of(row, column);
         resolved.force += of_joint.force;
         resolved.torque += of_joint.torque;
@@ -131,6 +133,10 @@ class PairOfBodies {
     }
     resolved.torque += resolved.force * model_.length_scale();  // moved to another point
     return resolved;
+  }
+
+  [[nodiscard]] bool is_judged(int row, Eigen::Index column) const {
+    return budget_.judged == nullptr || budget_.judged->block(row, column, 6, 1).all();
   }
 
   [[nodiscard]] Resolved resolution_of(int row, Eigen::Index column) const {

@@ -109,6 +109,20 @@ TEST_F(SumsTest, ASumThatOtherJointsLeaveOpenIsNotJudged) {
   EXPECT_EQ(samples(), 0);
 }
 
+TEST_F(SumsTest, WhereNothingIsJudgedNoSumIs) {
+  Evaluation wrong = shared_out({-40.0, 11.0, 5.0});
+  wrong.joints[1].total[index(Side::parent)].in_global.force(0) += 1e-3;
+  const QuantityLayout layout(model_);
+  const std::vector<Measured> measured(layout.quantities().size());
+  const auto n = static_cast<Eigen::Index>(measured.size());
+  const MatX resolutions = MatX::Constant(n, 1, 1e-15);
+  const Mask singular = Mask::Constant(n, 1, false);
+  const auto sums =
+      compare_pair_sums(layout, {{state_, {shared_out({3.0, -2.0, 7.0}), wrong}}}, measured, {&resolutions, &singular});
+  EXPECT_EQ(sums.at(0).samples, 0);
+  EXPECT_EQ(sums.at(0).unexplained_digits, 16.0);
+}
+
 TEST_F(SumsTest, SingleJointsHaveNoSum) {
   const Model single = pendulum_model();
   EXPECT_TRUE(compare_pair_sums(QuantityLayout(single), {}, {}).empty());
