@@ -251,10 +251,11 @@ double Equations::typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const
       {rate * rate, Y_.cwiseQuotient(units_).cwiseAbs2().maxCoeff(), Ydot.cwiseQuotient(units_).cwiseAbs().maxCoeff()});
 }
 
-/// Whether the last solution needed correcting. A body far lighter than those that lead it has tiny equations: what
-/// they blur is seen in its accelerations alone.
+/// Whether the last solution needed correcting: as a whole, or the accelerations alone, which is where the tiny
+/// equations of a body far lighter than those that lead it are seen.
 bool Equations::magnifies_round_off() const {
   constexpr double kMagnified = 1e-13;
+  if (matrix_->relative_correction() > kMagnified) return true;
   const auto n_Y = layout_.n_Y();
   const double acceleration = typical_acceleration(unknowns_.head(n_Y));
   return (matrix_->first_correction().head(n_Y).cwiseQuotient(units_).array().abs() > kMagnified * acceleration).any();

@@ -215,6 +215,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
   constexpr double kFalling = 0.5;
   constexpr int kMaxRounds = 6;
   first_correction_.setZero(size());
+  relative_correction_ = 0.0;
   if (size() == 0) return true;
   const auto largest = [](const VecX& vector) { return vector.lpNorm<Eigen::Infinity>(); };
   right_side_ = x.cwiseProduct(row_scales_);
@@ -236,6 +237,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
       const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
       if (round == 0) {
         first_correction_ = residual_.cwiseProduct(column_scales_);
+        relative_correction_ = correction;
         is_good = correction <= kFirstAllowed;
       }
       if (!is_good || !(correction < kFalling * last)) break;

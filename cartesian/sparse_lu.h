@@ -49,6 +49,8 @@ class SparseLu {
   /// The first correction of the last solve_refined(), a measure of how the condition magnifies round-off; zeros if
   /// there was none.
   [[nodiscard]] const VecX& first_correction() const { return first_correction_; }
+  /// Its size relative to the solution, both scaled.
+  [[nodiscard]] double relative_correction() const { return relative_correction_; }
   /// y -= matrix x, idle rows and columns as they stand in values().
   void subtract_product(const VecX& x, VecX& y) const;
 
@@ -78,6 +80,7 @@ class SparseLu {
   VecX residual_;
   std::vector<double> rounding_;
   VecX first_correction_;
+  double relative_correction_ = 0.0;
 };
 
 }  // namespace concord::cartesian
