@@ -1,5 +1,7 @@
 #include "compare/verdict/verdict.h"
 
+#include "compare/verdict/refinement.h"
+
 namespace concord::compare {
 
 std::string to_string(Outcome outcome) {
