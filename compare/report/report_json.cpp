@@ -42,6 +42,7 @@ Json wrench_row(const char* owner, const std::string& name, const QuantityRow& r
       {"states", {{"judged", detail.samples}, {"not_unique", detail.not_unique}, {"too_coarse", detail.too_coarse}}},
       {"same_state_digits", judged(row.same_state)},
       {"same_state_resolvable_digits", judged(detail.resolvable)},
+      {"same_state_resolutions", detail.ratio},
       {"same_run_digits", judged(row.same_run)},
       {"refined_digits", judged(row.refined)},
       {"need", std::move(need)},

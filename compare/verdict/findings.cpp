@@ -88,7 +88,11 @@ std::vector<Finding> find_differences(const QuantityLayout& layout, const Series
     known.push_back(quantity);
     const int row = layout.row_of(quantity);
     const bool is_integration = rung != Rung::same_state && meets_need(*shortfall.row, Rung::same_state);
-    findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)),
+    const std::string beyond =
+        is_beyond_round_off(*shortfall.row, rung)
+            ? fmt::format(", up to {:.2g} times what double precision resolves there", measured[row].ratio)
+            : "";
+    findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)) + beyond,
                         fmt::format("{}: {}{}", name_of(rung), diagnose(layout, series, row),
                                     is_integration ? "; the same state agrees: the motions part" : "")});
   }

@@ -64,9 +64,13 @@ double need_of(const QuantityRow& row, Rung rung) {
   }
 }
 
+bool is_beyond_round_off(const QuantityRow& row, Rung rung) {
+  return rung == Rung::same_state && row.need.because.empty() && detail_of(row, rung).ratio > kBeyondRoundOff;
+}
+
 bool meets_need(const QuantityRow& row, Rung rung) {
   const std::optional<double> digits = digits_of(row, rung);
-  if (!digits) return false;
+  if (!digits || is_beyond_round_off(row, rung)) return false;
   if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
   return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
 }

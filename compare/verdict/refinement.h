@@ -28,8 +28,12 @@ const RungDetail& detail_of(const QuantityRow& row, Rung rung);
 /// Whether a row misses its need by what double precision cannot resolve there: round-off is no difference.
 bool is_judged_by_resolution(const QuantityRow& row, Rung rung);
 
-/// Whether what a row differs by beyond round-off stays within its need on a rung; refined: its need, or kRefinedRise
-/// above its same run. False if the rung did not run or did not judge the row.
+/// Whether a row differs in some state by so many resolutions that it is no round-off, however small the difference is;
+/// never where the model lowered the need, and in the same state only: runs differ by integration errors.
+bool is_beyond_round_off(const QuantityRow& row, Rung rung);
+
+/// Whether what a row differs by beyond round-off stays within its need on a rung, and is not beyond all round-off;
+/// refined: its need, or kRefinedRise above its same run. False if the rung did not run or did not judge the row.
 bool meets_need(const QuantityRow& row, Rung rung);
 
 /// Rungs that judge a quantity: all three, but accelerations at the same state only.

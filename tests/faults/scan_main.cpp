@@ -35,8 +35,8 @@ namespace {
 /// By model, fault and solver: the smallest size seen.
 using Frozen = std::map<std::tuple<std::string, std::string, std::string>, double>;
 
-Frozen read_frozen(const char* file) {
-  Frozen frozen;
+/// Later files replace what earlier ones say.
+void read_frozen(const char* file, Frozen& frozen) {
   std::ifstream lines(file);
   std::string line;
   std::getline(lines, line);  // names of the columns
@@ -46,7 +46,6 @@ Frozen read_frozen(const char* file) {
     for (std::string& one : cell) std::getline(cells, one, ',');
     if (cell[3] != "never") frozen[{cell[0], cell[1], cell[2]}] = std::stod(cell[3]);
   }
-  return frozen;
 }
 
 /// Prints every fault of a model with the smallest size seen.
@@ -81,15 +80,16 @@ int count_unseen(const Model& model, const Frozen& frozen) {
 }  // namespace
 }  // namespace concord::compare
 
-/// parameter_scan MODEL...: "model,fault,solver,smallest size seen" for each. parameter_scan --against FILE MODEL...:
-/// ends with 1 if any fault is not seen at the size that FILE holds.
+/// parameter_scan MODEL...: "model,fault,solver,smallest size seen" for each. parameter_scan --against FILE EXCEPTIONS
+/// MODEL...: ends with 1 if any fault is not seen at the size that FILE holds, or EXCEPTIONS if it stands there.
 int main(int argc, char** argv) {
   using namespace concord;
   using namespace concord::compare;
-  const bool against = argc > 2 && std::string(argv[1]) == "--against";
-  const Frozen frozen = against ? read_frozen(argv[2]) : Frozen();
+  const bool against = argc > 3 && std::string(argv[1]) == "--against";
+  Frozen frozen;
+  for (int k = 2; against && k < 4; ++k) read_frozen(argv[k], frozen);
   int unseen = 0;
-  for (int k = against ? 3 : 1; k < argc; ++k) {
+  for (int k = against ? 4 : 1; k < argc; ++k) {
     const Model model = read_model(argv[k]);
     if (against) {
       unseen += count_unseen(model, frozen);

@@ -123,6 +123,28 @@ TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
   EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
 }
 
+/// A need of 12 digits must not hide a difference that is a thousand resolutions and still tiny; a lowered need may,
+/// and in a run resolution says nothing of integration errors.
+TEST_F(RefinementTest, WhatIsBeyondAllRoundOffDiffersWhateverTheNeed) {
+  QuantityRow row;
+  row.need = default_needs(model_);
+  row.same_state = row.same_run = 13.0;
+  const auto set_ratio = [&](double ratio) {
+    for (const Rung rung : {Rung::same_state, Rung::same_run}) {
+      RungDetail& detail = row.detail[static_cast<std::size_t>(rung)];
+      detail.unexplained = 13.0;
+      detail.ratio = ratio;
+    }
+  };
+  set_ratio(0.9 * kBeyondRoundOff);
+  EXPECT_TRUE(meets_need(row, Rung::same_state));
+  set_ratio(1.1 * kBeyondRoundOff);
+  EXPECT_FALSE(meets_need(row, Rung::same_state));
+  EXPECT_TRUE(meets_need(row, Rung::same_run));
+  row.need.because = "a table of five digits";
+  EXPECT_TRUE(meets_need(row, Rung::same_state));
+}
+
 TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
   make_rows(layout_, verdict_);
   std::vector<Measured> measured(layout_.quantities().size());
