@@ -316,29 +316,46 @@ void Auditor::add(const State& state, const Evaluation& evaluation) {
   motions_.add(state, evaluation);
 }
 
-void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
+namespace {
+
+/// d'Alembert's sum on a body in global axes.
+Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
+                   const Evaluation& evaluation) {
   const BodyState& motion = state.bodies[body];
-  Balance balance =
-      inertia_and_stiffness(model_.bodies[body], mass_points_[body], model_.gravity, motion, evaluation.bodies[body]);
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+  Balance balance = inertia_and_stiffness(model.bodies[body], points, model.gravity, motion, evaluation.bodies[body]);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : kSides) {
-      const Attachment& attachment = model_.joints[k].on(side);
+      const Attachment& attachment = model.joints[k].on(side);
       if (attachment.body != body) continue;
       subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, balance);
     }
   }
-  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
     for (const Side side : kSides) {
-      const Attachment* end = end_of(model_.elements[k], side);
+      const Attachment* end = end_of(model.elements[k], side);
       if (end == nullptr || end->body != body) continue;
       subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
     }
   }
+  return balance;
+}
+
+}  // namespace
+
+void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
+  const Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
   std::vector<AuditRow>& rows = bodies_[body].rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto row = static_cast<Eigen::Index>(r);
     rows[r].take(std::abs(balance.rows(row)), balance.scales(row), state.t);
   }
+}
+
+OutOfBalance Auditor::out_of_balance(int body, const State& state, const Evaluation& evaluation) const {
+  Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
+  const Mat3 to_body = rotation_of(state.bodies[body].p).transpose();
+  for (const int first : {0, 3}) balance.rows.segment<3>(first) = (to_body * balance.rows.segment<3>(first)).eval();
+  return {std::move(balance.rows), std::move(balance.scales)};
 }
 
 void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Evaluation& evaluation) {
@@ -402,19 +419,27 @@ AuditReport Auditor::report() const {
   for (int rule = 0; rule < kAuditRules; ++rule) report.rules[rule].rule = static_cast<AuditRule>(rule);
   // The worst of an entity's own rules, which count for the whole too.
   const auto judge = [&](const AuditEntity& entity, AuditFinding& worst) {
+    AuditedPlace& place = report.places.back();
     for (int k = 0; k < kAuditRules; ++k) {
       const AuditFinding finding = entity.worst(static_cast<AuditRule>(k), largest, terms);
+      keep_worse(place.rules[k], finding);
       report.rows[k] += entity.count(finding.rule);
       keep_worse(report.rules[k], finding);
       keep_worse(report.worst, finding);
       keep_worse(worst, finding);
     }
   };
+  const auto begin = [&](AuditedPlace::Kind kind, std::size_t number) {
+    AuditedPlace& place = report.places.emplace_back(AuditedPlace{kind, static_cast<int>(number), {}});
+    for (int rule = 0; rule < kAuditRules; ++rule) place.rules[rule].rule = static_cast<AuditRule>(rule);
+  };
   for (const AuditEntity& body : bodies_) {
+    begin(AuditedPlace::Kind::body, report.bodies.size());
     report.bodies.emplace_back().where = body.name;
     judge(body, report.bodies.back());
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
+    begin(AuditedPlace::Kind::joint, k);
     AuditFinding& joint = report.joints.emplace_back();
     joint.where = joints_[k].name;
     for (const Attachment& side : model_.joints[k].sides) keep_worse(joint, report.bodies[side.body]);
@@ -422,10 +447,12 @@ AuditReport Auditor::report() const {
     judge(motions_.joints()[k], joint);
   }
   for (const AuditEntity& element : elements_) {
+    begin(AuditedPlace::Kind::element, report.elements.size());
     report.elements.emplace_back().where = element.name;
     judge(element, report.elements.back());
   }
   for (const AuditEntity& coupling : motions_.couplings()) {
+    begin(AuditedPlace::Kind::coupling, report.couplings.size());
     report.couplings.emplace_back().where = coupling.name;
     judge(coupling, report.couplings.back());
   }

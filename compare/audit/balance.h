@@ -15,6 +15,23 @@
 /// or multipliers are used, and no evaluator of a law that the solvers call.
 namespace concord::compare {
 
+/// What every rule found at one body, joint, force element or coupling.
+struct AuditedPlace {
+  enum class Kind { body, joint, element, coupling };
+  Kind kind = Kind::body;
+  int number = 0;  // in the model
+  std::array<AuditFinding, kAuditRules> rules;
+
+  [[nodiscard]] const AuditFinding& by(AuditRule rule) const { return rules[static_cast<std::size_t>(rule)]; }
+};
+
+/// What a body's forces leave over: six rigid rows [N, N m about its origin] and its modal ones, in the body's axes,
+/// and the sizes of what was added up to them.
+struct OutOfBalance {
+  VecX rows;
+  VecX scales;
+};
+
 struct AuditReport {
   long states = 0;
   /// The finding that is farthest below its need, or nearest to it; 16 digits if nothing was added.
@@ -30,6 +47,8 @@ struct AuditReport {
   /// For every force element, and for every coupling, in the order of the model, the worst of its own rules.
   std::vector<AuditFinding> elements;
   std::vector<AuditFinding> couplings;
+  /// Rule by rule: all bodies, joints, force elements and couplings, in this order and that of the model.
+  std::vector<AuditedPlace> places;
 
   [[nodiscard]] double digits() const { return worst.digits; }
   /// Whether every rule reaches its need.
@@ -48,6 +67,9 @@ class Auditor {
   void add(const State& state, const Evaluation& evaluation);
 
   [[nodiscard]] AuditReport report() const;
+
+  /// d'Alembert's sum on one body in one state, which is zero for a right answer; nothing is recorded.
+  [[nodiscard]] OutOfBalance out_of_balance(int body, const State& state, const Evaluation& evaluation) const;
 
  private:
   void lay_out_body(const Body& body);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/attribution/attribution.h"
 #include "compare/audit/audit_ledger.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -113,6 +114,16 @@ struct ReferenceRow {
   bool is_judged = true;  // false where the component is not unique
 };
 
+/// A difference told apart: each solver's equations evaluated on each solver's motion, for the component that differs
+/// most [the component's unit]. Index: whose motion, or whose equations.
+struct TwoByTwo {
+  std::string of;
+  std::string unit;
+  int samples = 0;
+  std::array<double, 2> formulation{};  // between both equations on one motion
+  std::array<double, 2> integration{};  // by one solver's equations between both motions
+};
+
 struct Verdict {
   Outcome outcome = Outcome::failed;
   std::string name;
@@ -144,6 +155,10 @@ struct Verdict {
   std::string reference_file;  // empty: none
   std::vector<ReferenceRow> references;
   std::optional<ThirdReport> third;  // what another program says, if one was asked for
+
+  /// Of a difference: who is to blame, where and for which term; and whether motions or equations differ.
+  std::optional<Attribution> attribution;
+  std::optional<TwoByTwo> two_by_two;
 
   std::vector<Finding> findings;      // differences, worst of each joint first
   std::vector<std::string> notes;     // what the reader must know, no difference

@@ -7,7 +7,9 @@
 #include <future>
 #include <limits>
 #include <mutex>
+#include <utility>
 
+#include "compare/attribution/attribution.h"
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/geometric_stiffness.h"
@@ -19,6 +21,7 @@
 #include "compare/verdict/states.h"
 #include "compare/verdict/sums.h"
 #include "compare/verdict/third_words.h"
+#include "compare/verdict/two_by_two.h"
 #include "compare/verdict/weighed_states.h"
 
 namespace concord::compare {
@@ -42,6 +45,8 @@ std::string chosen_integrator(const Model& model, const Solver& solver, const st
 namespace {
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
+/// Perturbed states that are drawn to tell a body's terms apart: more than any family has terms, for a few modes.
+constexpr int kStatesOfTerms = 120;
 
 /// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
 int run_rows(int samples, int states) {
@@ -84,6 +89,7 @@ class Verification {
       audit(pair.trajectories);
       tell_geometric_stiffness(pair.trajectories);
       keep(pair.trajectories);
+      attribute();
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
@@ -549,6 +555,34 @@ class Verification {
     if (weighed_run_.mask.cols() == 0) return;
     Mask& unique = verdict_.unique.emplace(weighed_run_.mask.rows(), asked_samples_ + 1);
     for (int k = 0; k <= asked_samples_; ++k) unique.col(k) = weighed_run_.mask.col(k * static_cast<int>(stride));
+  }
+
+  /// A difference is told apart: whose it is, where, which term. Asks both solvers in more states, because families of
+  /// terms can be told apart only where they differ.
+  void attribute() {
+    judge(verdict_);
+    if (verdict_.findings.empty()) return;
+    report("attribution");
+    std::vector<OwnedState> run;
+    for (const SharedState& one : weighed_.states) {
+      if (one.row >= 0) run.push_back({one.state, Who::cartesian, one.row});
+    }
+    std::vector<SharedState> drawn;
+    try {
+      if (!run.empty()) drawn = share_random(model_, solvers_, run, kSeed + 1, kStatesOfTerms).states;
+      verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
+    } catch (const SolverError&) {
+      // The difference stands without its explanation.
+    }
+    Evidence evidence{model_, {auditors_[0].report(), auditors_[1].report()}, {}, {&starts_[0], &starts_[1]}};
+    for (const auto* states : {&std::as_const(weighed_.states), &std::as_const(drawn)}) {
+      for (const SharedState& one : *states) {
+        evidence.states.push_back({&one.state, {&one.evaluations[0], &one.evaluations[1]}});
+      }
+    }
+    verdict_.attribution = find_cause(evidence);
+    if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
+    if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
   }
 
   void conclude() {

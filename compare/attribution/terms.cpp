@@ -1,0 +1,257 @@
+#include "compare/attribution/terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "common/decompositions.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare {
+
+const char* name_of(Term term) {
+  switch (term) {
+    case Term::inertia:
+      return "inertia";
+    case Term::gyroscopic:
+      return "gyroscopic and Coriolis";
+    case Term::modal_coupling:
+      return "modal coupling";
+    case Term::elastic:
+      return "elastic";
+    case Term::damping:
+      return "damping";
+    case Term::applied:
+      return "applied";
+    case Term::reaction:
+      return "reaction";
+    case Term::jacobian:
+      return "Jacobian";
+    case Term::bias:
+      return "bias";
+    case Term::driver:
+      return "driver";
+    case Term::side:
+      return "side";
+    case Term::point:
+      return "point";
+    case Term::frame:
+      return "frame";
+    case Term::subtraction:
+      return "subtraction";
+    case Term::start:
+      return "start";
+    default:
+      return "unknown";
+  }
+}
+
+namespace {
+
+/// A family whose terms leave less than this over explains a fault; one that leaves more than kNothing explains
+/// nothing.
+constexpr double kExplained = 1e-3;
+constexpr double kNothing = 0.3;
+
+/// All that the terms of one body are made of, in one state and in the body's axes.
+struct Ingredients {
+  Vec3 vdot, omegadot, omega, g;
+  VecX a, adot, addot;
+};
+
+Ingredients ingredients_of(const Model& model, int body, const State& state, const Evaluation& evaluation) {
+  const BodyState& motion = state.bodies[body];
+  const BodyAcceleration& rates = evaluation.bodies[body];
+  const Mat3 to_body = rotation_of(motion.p).transpose();
+  return {to_body * rates.vdot,
+          to_body * rates.omegadot,
+          to_body * motion.omega,
+          to_body * model.gravity,
+          motion.a,
+          motion.adot,
+          rates.addot};
+}
+
+/// Numbers put together one after the other.
+class Terms {
+ public:
+  Terms& operator<<(const Eigen::Ref<const VecX>& more) {
+    values_.insert(values_.end(), more.data(), more.data() + more.size());
+    return *this;
+  }
+  [[nodiscard]] VecX vector() const {
+    return Eigen::Map<const VecX>(values_.data(), static_cast<Eigen::Index>(values_.size()));
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+/// All products of an entry of x with one of y.
+VecX products(const VecX& x, const VecX& y) {
+  const MatX outer = x * y.transpose();
+  return outer.reshaped();
+}
+
+/// The six products of two components.
+VecX squares(const Vec3& w) {
+  return (VecX(6) << w(0) * w(0), w(1) * w(1), w(2) * w(2), w(0) * w(1), w(0) * w(2), w(1) * w(2)).finished();
+}
+
+/// Terms of a family in the rigid rows and in the modal ones.
+struct FamilyTerms {
+  VecX rigid;
+  VecX modal;
+};
+FamilyTerms alike(const VecX& terms) { return {terms, terms}; }
+
+struct Family {
+  Term term;
+  std::string whose;
+  std::function<FamilyTerms(const EvaluatedState&)> terms;
+};
+
+/// A wrench in a body's axes.
+VecX wrench_in(const Mat3& to_body, const Wrench& wrench) {
+  return (VecX(6) << to_body * wrench.force, to_body * wrench.torque).finished();
+}
+
+/// The families of a body's own terms; each is tried before those that hold more.
+std::vector<Family> own_families(const Model& model, int body, int solver) {
+  using Maker = std::function<FamilyTerms(const Ingredients&)>;
+  std::vector<Family> families;
+  const auto add = [&](Term term, Maker make) {
+    families.push_back({term, "", [&model, body, solver, make = std::move(make)](const EvaluatedState& one) {
+                          return make(ingredients_of(model, body, *one.state, *one.by[solver]));
+                        }});
+  };
+  const bool bends = model.bodies[body].n_modes() > 0;
+  if (bends) {
+    add(Term::damping, [](const Ingredients& x) { return alike(x.adot); });
+    add(Term::elastic, [](const Ingredients& x) { return alike(x.a); });
+  }
+  add(Term::applied, [](const Ingredients& x) { return alike((Terms() << x.g << products(x.a, x.g)).vector()); });
+  add(Term::gyroscopic,
+      [](const Ingredients& x) { return alike((Terms() << squares(x.omega) << products(x.omega, x.adot)).vector()); });
+  if (bends) {
+    const auto coupled = [](const Ingredients& x) {
+      const VecX rigid = (Terms() << x.vdot << x.omegadot).vector();
+      return FamilyTerms{x.addot, rigid};
+    };
+    add(Term::modal_coupling, coupled);
+    add(Term::gyroscopic, [](const Ingredients& x) {
+      const VecX turning = squares(x.omega);
+      return alike((Terms() << turning << products(x.omega, x.adot) << products(turning, x.a)).vector());
+    });
+  }
+  add(Term::inertia, [](const Ingredients& x) { return alike((Terms() << x.vdot << x.omegadot << x.addot).vector()); });
+  add(Term::inertia, [](const Ingredients& x) {
+    return alike((Terms() << x.vdot - x.g << x.omegadot << x.addot << squares(x.omega)).vector());
+  });
+  return families;
+}
+
+/// The wrenches on a body: one family for each joint side and each end of a force element.
+std::vector<Family> wrench_families(const Model& model, int body, int solver) {
+  std::vector<Family> families;
+  const auto add = [&](Term term, const std::string& whose, auto wrench) {
+    families.push_back({term, whose, [body, wrench, solver](const EvaluatedState& one) {
+                          const Mat3 to_body = rotation_of(one.state->bodies[body].p).transpose();
+                          return alike(wrench_in(to_body, wrench(*one.by[solver])));
+                        }});
+  };
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end == nullptr || end->body != body) continue;
+      add(Term::applied, "force element " + model.elements[k].name,
+          [k, side](const Evaluation& evaluation) { return evaluation.elements[k].on_side(side).in_global; });
+    }
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      if (model.joints[k].on(side).body != body) continue;
+      add(Term::reaction, "joint " + model.joints[k].name,
+          [k, side](const Evaluation& evaluation) { return evaluation.joints[k].total_on(side).in_global; });
+    }
+  }
+  return families;
+}
+
+/// Columns of unit length; those of zeros stay.
+MatX normalized(MatX terms) {
+  for (Eigen::Index c = 0; c < terms.cols(); ++c) {
+    const double size = terms.col(c).norm();
+    if (size > 0.0) terms.col(c) /= size;
+  }
+  return terms;
+}
+
+/// Squares of what `terms` (states x terms) leave of `rows` (states x rows).
+double squares_left(const MatX& terms, const MatX& rows) {
+  if (terms.cols() == 0 || rows.cols() == 0) return rows.squaredNorm();
+  constexpr double kDependent = 1e-10;
+  return (rows - terms * smallest_least_squares(terms, rows, kDependent)).squaredNorm();
+}
+
+/// The part of `rows` that a family leaves over; 1 where it has too many terms to be held against so few states.
+double part_left(const Family& family, const std::vector<EvaluatedState>& states, const MatX& rows) {
+  MatX rigid;
+  MatX modal;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const FamilyTerms terms = family.terms(states[k]);
+    if (k == 0) {
+      rigid.resize(rows.rows(), terms.rigid.size());
+      modal.resize(rows.rows(), terms.modal.size());
+    }
+    rigid.row(static_cast<Eigen::Index>(k)) = terms.rigid.transpose();
+    modal.row(static_cast<Eigen::Index>(k)) = terms.modal.transpose();
+  }
+  if (3 * std::max(rigid.cols(), modal.cols()) > 2 * rows.rows()) return 1.0;
+  const double left = squares_left(normalized(rigid), rows.leftCols(6)) +
+                      squares_left(normalized(modal), rows.rightCols(rows.cols() - 6));
+  return std::sqrt(left / rows.squaredNorm());
+}
+
+/// What the body leaves over in every state (states x rows), each kind of row in parts of its scale.
+MatX left_over(const Auditor& auditor, int body, const std::vector<EvaluatedState>& states, int solver) {
+  MatX rows;
+  VecX scales;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const OutOfBalance one = auditor.out_of_balance(body, *states[k].state, *states[k].by[solver]);
+    if (k == 0) {
+      rows.resize(static_cast<Eigen::Index>(states.size()), one.rows.size());
+      scales = one.scales;
+    }
+    rows.row(static_cast<Eigen::Index>(k)) = one.rows.transpose();
+    scales = scales.cwiseMax(one.scales);
+  }
+  for (Eigen::Index r = 0; r < rows.cols(); ++r) {
+    if (scales(r) > 0.0) rows.col(r) /= scales(r);
+  }
+  return rows;
+}
+
+}  // namespace
+
+TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std::vector<EvaluatedState>& states,
+                 int solver) {
+  TermFit best;
+  if (states.empty()) return best;
+  const MatX rows = left_over(auditor, body, states, solver);
+  if (rows.norm() == 0.0) return best;
+  std::vector<Family> families = own_families(model, body, solver);
+  for (Family& family : wrench_families(model, body, solver)) families.push_back(std::move(family));
+  std::vector<double> left;
+  for (const Family& family : families) left.push_back(part_left(family, states, rows));
+  const double least = *std::min_element(left.begin(), left.end());
+  if (least > kNothing) return best;
+  // The first, and so the smallest, family that is about as good as the best one.
+  for (std::size_t k = 0; k < families.size(); ++k) {
+    if (left[k] > std::max(kExplained, 3.0 * least)) continue;
+    return {families[k].term, families[k].whose, left[k]};
+  }
+  return best;
+}
+
+}  // namespace concord::compare

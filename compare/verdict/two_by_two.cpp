@@ -1,0 +1,79 @@
+#include "compare/verdict/two_by_two.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "compare/verdict/refinement.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr std::size_t kTableSamples = 41;
+
+/// The row that misses its need by most on the first rung that differs; reactions before what follows from them.
+const QuantityRow* row_that_differs(const Verdict& verdict) {
+  for (const Rung rung : kRungs) {
+    for (const auto* rows : {&verdict.rows, &verdict.others}) {
+      const QuantityRow* worst = nullptr;
+      double missing = -1e300;
+      for (const QuantityRow& row : *rows) {
+        if (!is_judged(row) || !digits_of(row, rung) || meets_need(row, rung)) continue;
+        const double misses = need_of(row, rung) - *digits_of(row, rung);
+        if (misses <= missing) continue;
+        missing = misses;
+        worst = &row;
+      }
+      if (worst != nullptr) return worst;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::optional<TwoByTwo> two_by_two(const Model& model, const std::array<Solver*, 2>& solvers, const Verdict& verdict) {
+  const QuantityRow* row = row_that_differs(verdict);
+  if (row == nullptr || !verdict.trajectories[0] || !verdict.trajectories[1]) return std::nullopt;
+  const QuantityLayout layout(model);
+  const int place = layout.row_of(row->quantity);
+  const auto& runs = verdict.trajectories;
+  const std::size_t samples = std::min(runs[0]->samples.size(), runs[1]->samples.size());
+  const std::size_t stride = std::max<std::size_t>(1, samples / kTableSamples);
+  TwoByTwo table;
+  table.of = describe_owner(model, row->quantity) + ", " + describe_component(row->quantity);
+  table.unit = unit_of(model, row->quantity);
+  for (std::size_t k = 0; k < samples; k += stride) {
+    std::array<std::array<double, 2>, 2> value{};  // by algebra, by motion
+    try {
+      for (int motion = 0; motion < 2; ++motion) {
+        const State& state = runs[motion]->samples[k].state;
+        for (int algebra = 0; algebra < 2; ++algebra) {
+          value[algebra][motion] = layout.observe(state, solvers[algebra]->evaluate(state))(place);
+        }
+      }
+    } catch (const SolverError&) {
+      continue;  // a state that one solver's constraints do not accept
+    }
+    ++table.samples;
+    for (int who = 0; who < 2; ++who) {
+      table.formulation[who] = std::max(table.formulation[who], std::abs(value[0][who] - value[1][who]));
+      table.integration[who] = std::max(table.integration[who], std::abs(value[who][0] - value[who][1]));
+    }
+  }
+  if (table.samples == 0) return std::nullopt;
+  return table;
+}
+
+std::string describe(const TwoByTwo& table) {
+  return fmt::format(
+      "{}, largest over {} samples: formulation {:.2e} {} on cartesian's motion, {:.2e} on relative's; integration "
+      "{:.2e} {} by cartesian's equations, {:.2e} by relative's",
+      table.of, table.samples, table.formulation[0], table.unit, table.formulation[1], table.integration[0], table.unit,
+      table.integration[1]);
+}
+
+}  // namespace concord::compare
