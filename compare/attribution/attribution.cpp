@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "compare/attribution/reports.h"
 #include "compare/audit/digits.h"
@@ -59,105 +61,179 @@ std::vector<Breach> breaches_of(const Evidence& evidence, AuditRule rule) {
 }
 
 std::string words_of(const Breach& breach) {
-  return fmt::format("{} {} ({} digits)", kNames[breach.solver], breach_of(breach.finding->rule),
-                     format_digits(breach.finding->digits));
+  return fmt::format("breaks the audit's rule \"{}\" by {} ({} digits)", name_of(breach.finding->rule),
+                     breach.finding->row, format_digits(breach.finding->digits));
 }
 
-/// Force elements and springs on joints that do not follow their laws.
-std::optional<Attribution> blame_law(const Evidence& evidence) {
+Attribution at(const Evidence& evidence, const Breach& breach, Term term) {
+  return {breach.solver, term, name_of_place(evidence.model, *breach.place), words_of(breach)};
+}
+
+/// A force element that does not follow its law: its wrench follows from the state alone, all else from it.
+std::optional<Attribution> blame_element(const Evidence& evidence) {
+  for (const Breach& breach : breaches_of(evidence, AuditRule::force_law)) {
+    if (breach.place->kind == AuditedPlace::Kind::element) return at(evidence, breach, Term::applied);
+  }
+  return std::nullopt;
+}
+
+/// Springs, actuators and couplings on joints that do not follow theirs.
+std::optional<Attribution> blame_joint_law(const Evidence& evidence) {
   const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::force_law);
-  const auto on_element = std::find_if(breaches.begin(), breaches.end(), [](const Breach& breach) {
-    return breach.place->kind == AuditedPlace::Kind::element;
-  });
-  const auto chosen = on_element != breaches.end() ? on_element : breaches.begin();
-  if (chosen == breaches.end()) return std::nullopt;
-  return Attribution{chosen->solver, Term::applied, name_of_place(evidence.model, *chosen->place), words_of(*chosen)};
+  if (breaches.empty()) return std::nullopt;
+  return at(evidence, breaches.front(), Term::applied);
 }
 
-/// Places and velocities of bodies that a joint does not permit, drivers that are not followed, and then accelerations:
-/// what is wrong in a velocity is wrong in its rate too.
-std::optional<Attribution> blame_motion(const Evidence& evidence) {
+/// A joint whose bodies do not move as it permits. What is wrong in a velocity is wrong in its rate too; where
+/// accelerations alone are wrong, the misfit grows with accelerations (Jacobian) or with speeds (bias).
+std::optional<Attribution> blame_joint_motion(const Evidence& evidence) {
   if (const auto stated = breaches_of(evidence, AuditRule::derivatives); !stated.empty()) {
-    return Attribution{stated[0].solver, Term::jacobian, name_of_place(evidence.model, *stated[0].place),
-                       words_of(stated[0])};
+    return at(evidence, stated.front(), Term::jacobian);
   }
   const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::kinematics);
+  if (breaches.empty()) return std::nullopt;
   const auto is_of_rate = [](const Breach& breach) { return breach.finding->row.starts_with("acceleration"); };
   const auto of_pose = std::find_if_not(breaches.begin(), breaches.end(), is_of_rate);
-  const auto chosen = of_pose != breaches.end() ? of_pose : breaches.begin();
-  if (chosen != breaches.end()) {
-    const Term term = is_of_rate(*chosen) ? Term::bias : Term::jacobian;
-    return Attribution{chosen->solver, term, name_of_place(evidence.model, *chosen->place),
-                       words_of(*chosen) + ": " + chosen->finding->row};
-  }
-  const std::vector<Breach> driven = breaches_of(evidence, AuditRule::driver_law);
-  if (driven.empty()) return std::nullopt;
-  const bool is_coupling = driven[0].place->kind == AuditedPlace::Kind::coupling;
-  const bool is_rate = driven[0].finding->row.find("acceleration") != std::string::npos;
-  const Term term = !is_coupling ? Term::driver : is_rate ? Term::bias : Term::jacobian;
-  return Attribution{driven[0].solver, term, name_of_place(evidence.model, *driven[0].place),
-                     words_of(driven[0]) + ": " + driven[0].finding->row};
+  if (of_pose != breaches.end()) return at(evidence, *of_pose, Term::jacobian);
+  const Breach& worst = breaches.front();
+  const int solver = worst.solver == kBoth ? 0 : worst.solver;
+  return at(evidence, worst, fit_joint_misfit(evidence.model, worst.place->number, evidence.states, solver));
 }
 
-/// A body whose forces do not add up: the term that does, or would, close the sum.
-std::optional<Attribution> blame_dynamics(const Evidence& evidence) {
-  const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::free_body);
+/// A driver or a coupling that is not followed.
+std::optional<Attribution> blame_driver(const Evidence& evidence) {
+  const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::driver_law);
   if (breaches.empty()) return std::nullopt;
+  const bool is_rate = breaches[0].finding->row.find("acceleration") != std::string::npos;
+  if (breaches[0].place->kind != AuditedPlace::Kind::coupling) return at(evidence, breaches[0], Term::driver);
+  return at(evidence, breaches[0], is_rate ? Term::bias : Term::jacobian);
+}
+
+/// A body that is out of balance, and the term that would close its sum.
+struct BodyFit {
+  const Breach* breach = nullptr;
+  TermFit fit;
+};
+
+/// The term that closes the sums of most bodies, where it does so best: what all bodies share is wrong in all of them.
+const BodyFit* most_told(const std::vector<BodyFit>& fits) {
+  const auto count = [&](Term term) {
+    return std::count_if(fits.begin(), fits.end(), [&](const BodyFit& one) { return one.fit.term == term; });
+  };
+  const BodyFit* best = nullptr;
+  for (const BodyFit& one : fits) {
+    if (best == nullptr || std::pair(-count(one.fit.term), one.fit.unexplained) <
+                               std::pair(-count(best->fit.term), best->fit.unexplained)) {
+      best = &one;
+    }
+  }
+  return best;
+}
+
+/// A body whose forces do not add up. `sharp`: only if some term closes the sum well.
+std::optional<Attribution> blame_dynamics(const Evidence& evidence, bool sharp) {
+  constexpr double kSharp = 1e-2;
+  const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::free_body);
   const Auditor auditor(evidence.model);
-  std::optional<Attribution> first;
-  double least = 1.0;
+  std::vector<BodyFit> fits;
+  std::vector<BodyFit> sharp_ones;
   for (const Breach& breach : breaches) {
     const int solver = breach.solver == kBoth ? 0 : breach.solver;
     const TermFit fit = fit_term(evidence.model, auditor, breach.place->number, evidence.states, solver);
-    if (first && fit.unexplained >= least) continue;
-    least = fit.unexplained;
-    std::string where = name_of_place(evidence.model, *breach.place);
-    std::string because = words_of(breach);
-    if (fit.term != Term::unknown) {
-      because += fmt::format("; a term of this kind{} explains all but {:.1e} of what {} leaves over",
-                             fit.whose.empty() ? "" : " with the wrench of " + fit.whose, fit.unexplained, where);
-    }
-    if (fit.term == Term::reaction) where = fit.whose;
-    first = Attribution{breach.solver, fit.term, std::move(where), std::move(because)};
+    fits.push_back({&breach, fit});
+    if (fit.unexplained <= kSharp) sharp_ones.push_back(fits.back());
   }
-  return first;
+  const BodyFit* chosen = most_told(sharp_ones);
+  if (chosen == nullptr && !sharp) chosen = most_told(fits);
+  if (chosen == nullptr) return std::nullopt;
+  Attribution found = at(evidence, *chosen->breach, chosen->fit.term);
+  if (found.term != Term::unknown) {
+    found.because += fmt::format("; a term of this kind{} explains all but {:.1e} of what {} leaves over",
+                                 chosen->fit.whose.empty() ? "" : " with the wrench of " + chosen->fit.whose,
+                                 chosen->fit.unexplained, found.where);
+  }
+  if (found.term == Term::reaction) found.where = chosen->fit.whose;
+  return found;
+}
+
+/// What each solver's own report contradicts: axes, or the other side.
+std::optional<Attribution> blame_own_report(const Evidence& evidence) {
+  for (const Breach& breach : breaches_of(evidence, AuditRule::two_frames)) {
+    if (breach.solver != kBoth) return at(evidence, breach, Term::frame);
+  }
+  for (const Breach& breach : breaches_of(evidence, AuditRule::both_sides)) {
+    if (breach.solver == kBoth) continue;
+    return at(evidence, breach, breach.finding->row.starts_with("F_") ? Term::side : Term::point);
+  }
+  return std::nullopt;
+}
+
+/// The solver whose reports break a rule, and how; both if neither is clearly worse.
+std::pair<int, std::string> who_reports_wrongly(const Evidence& evidence) {
+  for (const AuditRule rule : {AuditRule::drivers, AuditRule::workless, AuditRule::force_law, AuditRule::free_body}) {
+    for (const Breach& breach : breaches_of(evidence, rule)) {
+      if (breach.solver != kBoth) return {breach.solver, "; " + words_of(breach)};
+    }
+  }
+  return {kBoth, ""};
 }
 
 /// Bodies move alike and wrenches differ.
 std::optional<Attribution> blame_report(const Evidence& evidence) {
-  std::optional<Breach> worst;
-  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless,
-                               AuditRule::force_law, AuditRule::free_body}) {
-    const std::vector<Breach> breaches = breaches_of(evidence, rule);
-    if (!breaches.empty() && !worst) worst = breaches.front();
+  const std::vector<ReportFault> faults = find_report_faults(evidence.model, evidence.states);
+  if (faults.empty()) return blame_own_report(evidence);
+  const ReportFault* fault = &faults.front();
+  if (fault->term != Term::subtraction && faults.back().term == Term::reaction) {
+    // Wrenches that are found one from the other are wrong together: the body that is out of balance knows the first.
+    const std::optional<Attribution> of_body = blame_dynamics(evidence, true);
+    if (of_body && of_body->term == Term::reaction) return of_body;
+    if (auto own = blame_own_report(evidence)) return own;
+    fault = &faults.back();
   }
-  const std::optional<ReportFault> fault = find_report_fault(evidence.model, evidence.states);
-  if (!fault) return std::nullopt;
-  const int solver = worst ? worst->solver : kBoth;
-  std::string where = "joint " + evidence.model.joints[fault->joint].name;
-  std::string because = fault->because;
-  if (worst) because += "; " + words_of(*worst);
-  return Attribution{solver, fault->term, std::move(where), std::move(because)};
+  auto [solver, words] = who_reports_wrongly(evidence);
+  return Attribution{solver, fault->term, "joint " + evidence.model.joints[fault->joint].name, fault->because + words};
 }
 
-/// Starts that differ although states are answered alike.
+/// Directions that a joint permits and in which it pushes all the same, for both solvers: its page contradicts itself.
+std::optional<Attribution> blame_page(const Evidence& evidence) {
+  for (const Breach& breach : breaches_of(evidence, AuditRule::workless)) {
+    if (breach.solver == kBoth) return at(evidence, breach, Term::jacobian);
+  }
+  return std::nullopt;
+}
+
+/// How far a start is from a speed or coordinate that the model keeps; the largest of a joint, in parts of its size.
+double off_what_is_kept(const Joint& joint, const VecX& q, const VecX& u) {
+  double off = 0.0;
+  for (std::size_t w = 0; w < joint.start.size(); ++w) {
+    const WordStart& word = joint.start[w];
+    const auto hold = [&](const VecX& kept, const VecX& all, int first) {
+      if (first + kept.size() > all.size()) return;
+      off = std::max(off, (all.segment(first, kept.size()) - kept).norm() / std::max(1.0, kept.norm()));
+    };
+    if (word.role_q == StartRole::keep && word.q.size() == word.u.size())
+      hold(word.q, q, first_q(*joint.type, static_cast<int>(w)));
+    if (word.role_u == StartRole::keep) hold(word.u, u, first_u(*joint.type, static_cast<int>(w)));
+  }
+  return off;
+}
+
+/// Starts that are not where the model wants them, although states are answered alike.
 std::optional<Attribution> blame_start(const Evidence& evidence) {
-  if (evidence.starts[0] == nullptr || evidence.starts[1] == nullptr) return std::nullopt;
   constexpr double kSameStart = 1e-9;
+  if (evidence.starts[0] == nullptr || evidence.starts[1] == nullptr) return std::nullopt;
   double largest = kSameStart;
   std::optional<Attribution> found;
   for (std::size_t k = 0; k < evidence.model.joints.size(); ++k) {
-    for (const auto part : {&State::q, &State::u}) {
-      const auto& one = evidence.starts[0]->*part;
-      const auto& other = evidence.starts[1]->*part;
-      if (k >= one.size() || k >= other.size() || one[k].size() != other[k].size()) continue;
-      const double size = std::max({1.0, one[k].norm(), other[k].norm()});
-      const double apart = (one[k] - other[k]).norm() / size;
-      if (apart <= largest) continue;
-      largest = apart;
-      found = Attribution{kBoth, Term::start, "joint " + evidence.model.joints[k].name,
-                          fmt::format("the starts differ by {:.1e} in the joint's {}", apart,
-                                      part == &State::q ? "coordinates" : "speeds")};
+    const Joint& joint = evidence.model.joints[k];
+    for (int solver = 0; solver < 2; ++solver) {
+      const State& start = *evidence.starts[solver];
+      if (k >= start.q.size() || k >= start.u.size()) continue;
+      const double off = off_what_is_kept(joint, start.q[k], start.u[k]);
+      if (off <= largest) continue;
+      largest = off;
+      found = Attribution{solver, Term::start, "joint " + joint.name,
+                          fmt::format("starts {:.1e} off what the model keeps there", off)};
     }
   }
   return found;
@@ -166,22 +242,24 @@ std::optional<Attribution> blame_start(const Evidence& evidence) {
 }  // namespace
 
 std::optional<Attribution> find_cause(const Evidence& evidence) {
+  using Rule = std::function<std::optional<Attribution>(const Evidence&)>;
+  const Rule sharp = [](const Evidence& all) { return blame_dynamics(all, true); };
+  const Rule blunt = [](const Evidence& all) { return blame_dynamics(all, false); };
   const bool alike = !evidence.states.empty() && move_alike(evidence.states);
-  if (!alike) {
-    if (auto law = blame_law(evidence)) return law;
-    if (auto motion = blame_motion(evidence)) return motion;
-    if (auto dynamics = blame_dynamics(evidence)) return dynamics;
-    return blame_start(evidence);
+  // From causes to what follows from them. Where the bodies move alike, it is the report that differs.
+  const std::vector<Rule> where_alike{blame_element, blame_report,    blame_page, blame_joint_motion,
+                                      blame_driver,  blame_joint_law, blunt,      blame_start};
+  const std::vector<Rule> where_not{blame_element, sharp,           blame_joint_motion, blame_driver,
+                                    blunt,         blame_joint_law, blame_start};
+  for (const Rule& rule : alike ? where_alike : where_not) {
+    if (auto found = rule(evidence)) return found;
   }
-  if (auto report = blame_report(evidence)) return report;
-  if (auto law = blame_law(evidence)) return law;
-  if (auto motion = blame_motion(evidence)) return motion;
-  if (auto dynamics = blame_dynamics(evidence)) return dynamics;
-  return blame_start(evidence);
+  return std::nullopt;
 }
 
 std::string describe(const Attribution& blame) {
-  return fmt::format("{}: {}, term {}: {}", kNames[blame.solver], blame.where, name_of(blame.term), blame.because);
+  return fmt::format("{}, at {}, in the term \"{}\": {}", kNames[blame.solver], blame.where, name_of(blame.term),
+                     blame.because);
 }
 
 }  // namespace concord::compare

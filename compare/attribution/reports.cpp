@@ -1,6 +1,7 @@
 #include "compare/attribution/reports.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/decompositions.h"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double kAlike = 1e-9;  // of the largest in all states
 
-/// Largest difference between two solvers and largest size, over all states.
+/// Largest difference between two solvers and largest size, over all states; a size is at least `floor`.
 struct Spread {
   double difference = 0.0;
   double size = 0.0;
@@ -20,64 +21,96 @@ struct Spread {
     difference = std::max(difference, (one - other).norm());
     size = std::max({size, one.norm(), other.norm()});
   }
-  [[nodiscard]] double part() const { return size > 0.0 ? difference / size : 0.0; }
-  [[nodiscard]] bool is_alike() const { return part() <= kAlike; }
+  [[nodiscard]] bool is_alike(double floor = 0.0) const { return difference <= kAlike * std::max(size, floor); }
 };
 
-/// One wrench of a joint in all states, as both solvers give it: the force first, then the torque.
-using Reader = Wrench (*)(const JointWrenches&, Side);
+/// One wrench of a joint in all states, as both solvers give it.
+using Reader = const Wrench& (*)(const JointWrenches&, Side);
 
-Wrench total_in_global(const JointWrenches& joint, Side side) { return joint.total_on(side).in_global; }
-Wrench reaction_in_global(const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_global; }
-Wrench total_in_frame(const JointWrenches& joint, Side side) { return joint.total_on(side).in_C; }
+const Wrench& total_in_global(const JointWrenches& joint, Side side) { return joint.total_on(side).in_global; }
+const Wrench& reaction_in_global(const JointWrenches& joint, Side side) { return joint.reaction_on(side).in_global; }
+const Wrench& total_in_frame(const JointWrenches& joint, Side side) { return joint.total_on(side).in_C; }
+
+/// What forces and torques of a joint are held against at least: next to nothing is round-off of what is large
+/// elsewhere.
+struct Floors {
+  double force = 0.0;
+  double length = 0.0;
+};
 
 struct WrenchSpread {
   Spread force;
   Spread torque;
+  Floors floors;
 
-  [[nodiscard]] bool is_alike() const { return force.is_alike() && torque.is_alike(); }
-  [[nodiscard]] double part() const { return std::max(force.part(), torque.part()); }
+  [[nodiscard]] bool forces_alike() const { return force.is_alike(floors.force); }
+  [[nodiscard]] bool is_alike() const {
+    return forces_alike() && torque.is_alike(std::max(force.size, floors.force) * floors.length);
+  }
 };
 
-WrenchSpread spread_of(const std::vector<EvaluatedState>& states, std::size_t joint, Side side, Reader read) {
-  WrenchSpread spread;
+/// The first solver's wrench on `side` against the second one's on `other`.
+WrenchSpread spread_of(const std::vector<EvaluatedState>& states, std::size_t joint, Side side, Side other, Reader read,
+                       const Floors& floors) {
+  WrenchSpread spread{{}, {}, floors};
   for (const EvaluatedState& one : states) {
-    const Wrench a = read(one.by[0]->joints[joint], side);
-    const Wrench b = read(one.by[1]->joints[joint], side);
+    const Wrench& a = read(one.by[0]->joints[joint], side);
+    const Wrench& b = read(one.by[1]->joints[joint], other);
     spread.force.take(a.force, b.force);
     spread.torque.take(a.torque, b.torque);
   }
   return spread;
 }
 
+Floors floors_of(const Model& model, const std::vector<EvaluatedState>& states) {
+  constexpr double kSmallest = 1e-6;
+  double largest = 0.0;
+  for (const EvaluatedState& one : states) {
+    for (const JointWrenches& joint : one.by[0]->joints) {
+      largest = std::max(largest, joint.total_on(Side::child).in_global.force.norm());
+    }
+    for (const ElementWrenches& element : one.by[0]->elements) {
+      largest = std::max(largest, element.on_side(Side::child).in_global.force.norm());
+    }
+  }
+  return {kSmallest * largest, model.length_scale()};
+}
+
 /// The kinds of wrong reports of one joint, from the most telling one on.
-std::optional<ReportFault> fault_of(const std::vector<EvaluatedState>& states, std::size_t joint) {
+std::optional<ReportFault> fault_of(const std::vector<EvaluatedState>& states, std::size_t joint,
+                                    const Floors& floors) {
   std::array<WrenchSpread, 2> total;
   std::array<WrenchSpread, 2> reaction;
   std::array<WrenchSpread, 2> in_frame;
+  bool is_swapped = true;
   for (const Side side : kSides) {
-    total[index(side)] = spread_of(states, joint, side, total_in_global);
-    reaction[index(side)] = spread_of(states, joint, side, reaction_in_global);
-    in_frame[index(side)] = spread_of(states, joint, side, total_in_frame);
+    const Side other = side == Side::child ? Side::parent : Side::child;
+    total[index(side)] = spread_of(states, joint, side, side, total_in_global, floors);
+    reaction[index(side)] = spread_of(states, joint, side, side, reaction_in_global, floors);
+    in_frame[index(side)] = spread_of(states, joint, side, side, total_in_frame, floors);
+    is_swapped = is_swapped && spread_of(states, joint, side, other, total_in_global, floors).forces_alike();
   }
+  const auto both_alike = [](const std::array<WrenchSpread, 2>& sides) {
+    return sides[0].is_alike() && sides[1].is_alike();
+  };
   const auto number = static_cast<int>(joint);
-  const bool totals_alike = total[0].is_alike() && total[1].is_alike();
-  const bool reactions_alike = reaction[0].is_alike() && reaction[1].is_alike();
-  const bool frames_alike = in_frame[0].is_alike() && in_frame[1].is_alike();
-  if (totals_alike && reactions_alike && frames_alike) return std::nullopt;
-  if (totals_alike && reactions_alike) {
+  if (both_alike(total) && both_alike(reaction)) {
+    if (both_alike(in_frame)) return std::nullopt;
     return ReportFault{Term::frame, number, "the vectors agree in global axes and differ in the joint's axes"};
   }
-  if (totals_alike || reactions_alike) {
+  if (both_alike(total)) {
     return ReportFault{Term::subtraction, number,
-                       totals_alike ? "the totals agree and what is left without drivers and springs differs"
-                                    : "the reactions agree and the totals differ"};
+                       "the totals agree and what is left without drivers and springs differs"};
   }
-  if (total[0].is_alike() != total[1].is_alike()) {
-    return ReportFault{Term::side, number, "the wrench agrees on one body and differs on the other one"};
+  if (both_alike(reaction)) {
+    return ReportFault{Term::subtraction, number, "the reactions agree and the totals differ"};
   }
-  if (total[0].force.is_alike() && total[1].force.is_alike()) {
+  if (total[0].forces_alike() && total[1].forces_alike()) {
     return ReportFault{Term::point, number, "the forces agree on both bodies and the torques differ"};
+  }
+  if (is_swapped) return ReportFault{Term::side, number, "each body has the other one's wrench"};
+  if (total[0].forces_alike() != total[1].forces_alike()) {
+    return ReportFault{Term::side, number, "the force agrees on one body and differs on the other one"};
   }
   return ReportFault{Term::reaction, number, "the motions agree and the wrench differs on both bodies"};
 }
@@ -100,25 +133,19 @@ bool move_alike(const std::vector<EvaluatedState>& states) {
   return linear.is_alike() && angular.is_alike() && modal.is_alike();
 }
 
-std::optional<ReportFault> find_report_fault(const Model& model, const std::vector<EvaluatedState>& states) {
-  // A wrong wrench of one joint makes others wrong that are found from it: those kinds that concern one joint alone
-  // come first.
-  std::optional<ReportFault> found;
-  const auto comes_before = [](Term one, Term other) {
-    const auto order = [](Term term) {
-      return term == Term::subtraction ? 0
-             : term == Term::frame     ? 1
-             : term == Term::side      ? 2
-             : term == Term::point     ? 3
-                                       : 4;
-    };
-    return order(one) < order(other);
+std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states) {
+  constexpr std::array kOrder{Term::subtraction, Term::frame, Term::side, Term::point, Term::reaction};
+  const auto order_of = [&](const ReportFault& fault) {
+    return std::find(kOrder.begin(), kOrder.end(), fault.term) - kOrder.begin();
   };
+  const Floors floors = floors_of(model, states);
+  std::vector<ReportFault> faults;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const std::optional<ReportFault> one = fault_of(states, k);
-    if (one && (!found || comes_before(one->term, found->term))) found = one;
+    if (const auto one = fault_of(states, k, floors)) faults.push_back(*one);
   }
-  return found;
+  std::stable_sort(faults.begin(), faults.end(),
+                   [&](const ReportFault& a, const ReportFault& b) { return order_of(a) < order_of(b); });
+  return faults;
 }
 
 }  // namespace concord::compare

@@ -19,9 +19,9 @@ struct ReportFault {
   std::string because;
 };
 
-/// The joint that the solvers report differently, the most telling kind of difference first: only after what drivers
-/// and springs do was subtracted, only in the joint's axes, on one side only, in torques by a lever times the force, or
-/// the wrench itself. Nothing if all joints agree.
-std::optional<ReportFault> find_report_fault(const Model& model, const std::vector<EvaluatedState>& states);
+/// The joints that the solvers report differently, the most telling kinds of difference first: only after what drivers
+/// and springs do was subtracted, only in the joint's axes, on the other side or on one side only, in torques alone, or
+/// the wrench itself.
+std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states);
 
 }  // namespace concord::compare

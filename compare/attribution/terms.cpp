@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "common/decompositions.h"
+#include "compare/audit/joint_kinematics.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -41,6 +43,8 @@ const char* name_of(Term term) {
       return "subtraction";
     case Term::start:
       return "start";
+    case Term::statement:
+      return "statement";
     default:
       return "unknown";
   }
@@ -50,7 +54,7 @@ namespace {
 
 /// A family whose terms leave less than this over explains a fault; one that leaves more than kNothing explains
 /// nothing.
-constexpr double kExplained = 1e-3;
+constexpr double kExplained = 1e-6;
 constexpr double kNothing = 0.3;
 
 /// All that the terms of one body are made of, in one state and in the body's axes.
@@ -148,6 +152,12 @@ std::vector<Family> own_families(const Model& model, int body, int solver) {
   add(Term::inertia, [](const Ingredients& x) {
     return alike((Terms() << x.vdot - x.g << x.omegadot << x.addot << squares(x.omega)).vector());
   });
+  if (bends) {
+    add(Term::inertia, [](const Ingredients& x) {
+      const VecX rigid = (Terms() << x.vdot - x.g << x.omegadot).vector();
+      return alike((Terms() << rigid << x.addot << squares(x.omega) << products(x.a, rigid)).vector());
+    });
+  }
   return families;
 }
 
@@ -156,8 +166,9 @@ std::vector<Family> wrench_families(const Model& model, int body, int solver) {
   std::vector<Family> families;
   const auto add = [&](Term term, const std::string& whose, auto wrench) {
     families.push_back({term, whose, [body, wrench, solver](const EvaluatedState& one) {
-                          const Mat3 to_body = rotation_of(one.state->bodies[body].p).transpose();
-                          return alike(wrench_in(to_body, wrench(*one.by[solver])));
+                          const BodyState& motion = one.state->bodies[body];
+                          const VecX here = wrench_in(rotation_of(motion.p).transpose(), wrench(*one.by[solver]));
+                          return alike((Terms() << here << products(here, motion.a)).vector());
                         }});
   };
   for (std::size_t k = 0; k < model.elements.size(); ++k) {
@@ -176,6 +187,35 @@ std::vector<Family> wrench_families(const Model& model, int body, int solver) {
     }
   }
   return families;
+}
+
+/// All that is applied to a body at once: force elements, and what drivers and springs exert in its joints.
+Family all_applied(const Model& model, int body, int solver) {
+  return {Term::applied, "", [&model, body, solver](const EvaluatedState& one) {
+            const Evaluation& evaluation = *one.by[solver];
+            const BodyState& motion = one.state->bodies[body];
+            const Mat3 to_body = rotation_of(motion.p).transpose();
+            Terms terms;
+            const auto add = [&](const Wrench& wrench) {
+              const VecX here = wrench_in(to_body, wrench);
+              terms << here << products(here, motion.a);
+            };
+            for (std::size_t k = 0; k < model.elements.size(); ++k) {
+              for (const Side side : kSides) {
+                const Attachment* end = end_of(model.elements[k], side);
+                if (end != nullptr && end->body == body) add(evaluation.elements[k].on_side(side).in_global);
+              }
+            }
+            for (std::size_t k = 0; k < model.joints.size(); ++k) {
+              for (const Side side : kSides) {
+                if (model.joints[k].on(side).body != body) continue;
+                const Wrench& total = evaluation.joints[k].total_on(side).in_global;
+                const Wrench& reaction = evaluation.joints[k].reaction_on(side).in_global;
+                add({total.force - reaction.force, total.torque - reaction.torque});
+              }
+            }
+            return alike(terms.vector());
+          }};
 }
 
 /// Columns of unit length; those of zeros stay.
@@ -242,16 +282,67 @@ TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std
   if (rows.norm() == 0.0) return best;
   std::vector<Family> families = own_families(model, body, solver);
   for (Family& family : wrench_families(model, body, solver)) families.push_back(std::move(family));
+  families.push_back(all_applied(model, body, solver));
   std::vector<double> left;
   for (const Family& family : families) left.push_back(part_left(family, states, rows));
   const double least = *std::min_element(left.begin(), left.end());
   if (least > kNothing) return best;
   // The first, and so the smallest, family that is about as good as the best one.
   for (std::size_t k = 0; k < families.size(); ++k) {
-    if (left[k] > std::max(kExplained, 3.0 * least)) continue;
+    if (left[k] > std::max(kExplained, 4.0 * least)) continue;
     return {families[k].term, families[k].whose, left[k]};
   }
   return best;
+}
+
+namespace {
+
+/// All products of two entries of x, each once.
+VecX pairs(const VecX& x) {
+  VecX all(x.size() * (x.size() + 1) / 2);
+  Eigen::Index next = 0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    for (Eigen::Index j = i; j < x.size(); ++j) all(next++) = x(i) * x(j);
+  }
+  return all;
+}
+
+/// How the two bodies of a joint move, in the axes of its parent's frame: rates of velocities, or velocities.
+VecX seen_from(const Mat3& axes, const Vec3& linear, const Vec3& angular) {
+  return (VecX(6) << axes.transpose() * linear, axes.transpose() * angular).finished();
+}
+
+}  // namespace
+
+Term fit_joint_misfit(const Model& model, int joint, const std::vector<EvaluatedState>& states, int solver) {
+  const Joint& stated = model.joints[joint];
+  const std::array<int, 2> bodies{stated.on(Side::parent).body, stated.on(Side::child).body};
+  const auto n = static_cast<Eigen::Index>(states.size());
+  const VecX unknown = VecX::Constant(stated.type->n_u(), std::numeric_limits<double>::quiet_NaN());
+  MatX misfits(n, 6);
+  MatX rates(n, 12);
+  MatX speeds(n, 45);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const EvaluatedState& one = states[static_cast<std::size_t>(k)];
+    const State& state = *one.state;
+    const auto j = static_cast<std::size_t>(joint);
+    const VecX hint = j < state.q.size() ? state.q[j] : VecX();
+    const JointKinematics found = read_kinematics(stated, state, *one.by[solver], hint, unknown, model.length_scale());
+    misfits.row(k) = found.acceleration.transpose();
+    const Mat3 axes = place(stated.on(Side::parent), state.bodies[bodies[0]]).A_joint;
+    for (int side = 0; side < 2; ++side) {
+      const BodyAcceleration& rate = one.by[solver]->bodies[bodies[side]];
+      rates.block(k, 6 * side, 1, 6) = seen_from(axes, rate.vdot, rate.omegadot).transpose();
+    }
+    const VecX moving = (VecX(9) << found.relative.v_rel, axes.transpose() * state.bodies[bodies[0]].omega).finished();
+    speeds.row(k) = pairs(moving).transpose();
+  }
+  // A wrong Jacobian brings a wrong bias with it: what counts is what accelerations explain beyond the speeds.
+  constexpr double kExplainMuch = 0.1;
+  MatX all(n, rates.cols() + speeds.cols());
+  all << rates, speeds;
+  const double by_speeds = squares_left(normalized(speeds), misfits);
+  return squares_left(normalized(all), misfits) < kExplainMuch * by_speeds ? Term::jacobian : Term::bias;
 }
 
 }  // namespace concord::compare

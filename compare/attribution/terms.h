@@ -31,8 +31,9 @@ enum class Term {
   point,
   frame,
   subtraction,
-  // of the start
+  // of the start, and of what is told to both solvers
   start,
+  statement,
   unknown
 };
 
@@ -57,5 +58,9 @@ struct TermFit {
 /// Fits one solver's out-of-balance of a body (not ground) over all states.
 TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std::vector<EvaluatedState>& states,
                  int solver);
+
+/// Of a joint whose bodies' accelerations it does not permit: Term::jacobian if the misfit goes with accelerations,
+/// Term::bias if it goes with products of speeds.
+Term fit_joint_misfit(const Model& model, int joint, const std::vector<EvaluatedState>& states, int solver);
 
 }  // namespace concord::compare

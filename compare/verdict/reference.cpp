@@ -348,6 +348,22 @@ void check_times(const Reference& reference, const RunOptions& run) {
   samples_at(reference, run.until, static_cast<std::size_t>(run.samples));
 }
 
+namespace {
+
+/// Solvers and audit agree, and the reference does not: what all three are told is wrong, or the reference.
+void blame_statement(Verdict& verdict) {
+  const auto row = std::find_if(verdict.references.begin(), verdict.references.end(),
+                                [](const ReferenceRow& one) { return one.is_judged && !one.agrees; });
+  const std::string where = row->of.substr(0, row->of.find(" on "));
+  verdict.attribution =
+      Attribution{2, Term::statement, where,
+                  "they agree with each other and with the audit: the model file, how it is read, or the "
+                  "reference"};
+  verdict.notes.push_back("to blame: " + describe(*verdict.attribution));
+}
+
+}  // namespace
+
 void judge_reference(const Model& model, const Reference& reference, Verdict& verdict) {
   verdict.reference_file = std::filesystem::path(reference.file).filename().string();
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
@@ -378,7 +394,9 @@ void judge_reference(const Model& model, const Reference& reference, Verdict& ve
   }
   const bool any_off = std::any_of(verdict.references.begin(), verdict.references.end(),
                                    [](const ReferenceRow& row) { return row.is_judged && !row.agrees; });
-  if (any_off && verdict.outcome == Outcome::agree) verdict.outcome = Outcome::differ;
+  if (!any_off || verdict.outcome != Outcome::agree) return;
+  verdict.outcome = Outcome::differ;
+  blame_statement(verdict);
 }
 
 }  // namespace concord::compare
