@@ -170,7 +170,8 @@ std::optional<Attribution> blame_own_report(const Evidence& evidence) {
 
 /// The solver whose reports break a rule, and how; both if neither is clearly worse.
 std::pair<int, std::string> who_reports_wrongly(const Evidence& evidence) {
-  for (const AuditRule rule : {AuditRule::drivers, AuditRule::workless, AuditRule::force_law, AuditRule::free_body}) {
+  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless,
+                               AuditRule::force_law, AuditRule::free_body}) {
     for (const Breach& breach : breaches_of(evidence, rule)) {
       if (breach.solver != kBoth) return {breach.solver, "; " + words_of(breach)};
     }

@@ -143,6 +143,11 @@ std::vector<Family> own_families(const Model& model, int body, int solver) {
       return FamilyTerms{x.addot, rigid};
     };
     add(Term::modal_coupling, coupled);
+    add(Term::modal_coupling, [](const Ingredients& x) {
+      const VecX rigid = (Terms() << x.vdot << x.omegadot).vector();
+      return FamilyTerms{(Terms() << x.addot << products(x.a, x.addot)).vector(),
+                         (Terms() << rigid << products(x.a, rigid)).vector()};
+    });
     add(Term::gyroscopic, [](const Ingredients& x) {
       const VecX turning = squares(x.omega);
       return alike((Terms() << turning << products(x.omega, x.adot) << products(turning, x.a)).vector());
@@ -289,7 +294,7 @@ TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std
   if (least > kNothing) return best;
   // The first, and so the smallest, family that is about as good as the best one.
   for (std::size_t k = 0; k < families.size(); ++k) {
-    if (left[k] > std::max(kExplained, 4.0 * least)) continue;
+    if (left[k] > std::max(kExplained, 2.0 * least)) continue;
     return {families[k].term, families[k].whose, left[k]};
   }
   return best;
@@ -318,6 +323,8 @@ Term fit_joint_misfit(const Model& model, int joint, const std::vector<Evaluated
   const Joint& stated = model.joints[joint];
   const std::array<int, 2> bodies{stated.on(Side::parent).body, stated.on(Side::child).body};
   const auto n = static_cast<Eigen::Index>(states.size());
+  // No state that one solver closes is accepted by the other one: what is wrong is in the velocities already.
+  if (n == 0) return Term::jacobian;
   const VecX unknown = VecX::Constant(stated.type->n_u(), std::numeric_limits<double>::quiet_NaN());
   MatX misfits(n, 6);
   MatX rates(n, 12);

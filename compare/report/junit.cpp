@@ -109,6 +109,8 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
                               fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, allowed)));
   }
   add_other_differences(verdict, tests);
+  if (verdict.attribution)
+    tests.push_back({"attribution", TestCase::Result::failed, "to blame: " + describe(*verdict.attribution)});
   return tests;
 }
 

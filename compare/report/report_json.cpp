@@ -1,5 +1,6 @@
 #include "compare/report/report_json.h"
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -118,6 +119,28 @@ Json geometric_stiffness_of(const Model& model, const Verdict& verdict) {
   return ratios;
 }
 
+/// Whose fault a difference is, and whether motions or equations differ; empty where nothing differs.
+Json attribution_of(const Verdict& verdict) {
+  Json told = Json::object();
+  if (verdict.attribution) {
+    constexpr std::array kSolvers{"cartesian", "relative", "both"};
+    told["solver"] = kSolvers[verdict.attribution->solver];
+    told["place"] = verdict.attribution->where;
+    told["term"] = name_of(verdict.attribution->term);
+    told["because"] = verdict.attribution->because;
+  }
+  if (verdict.two_by_two) {
+    const TwoByTwo& table = *verdict.two_by_two;
+    told["two_by_two"] = {
+        {"of", table.of},
+        {"unit", table.unit},
+        {"samples", table.samples},
+        {"formulation", {{"cartesian_motion", table.formulation[0]}, {"relative_motion", table.formulation[1]}}},
+        {"integration", {{"cartesian_equations", table.integration[0]}, {"relative_equations", table.integration[1]}}}};
+  }
+  return told;
+}
+
 Json document(const Model& model, const Verdict& verdict) {
   Json joints = Json::array();
   for (const QuantityRow& row : verdict.rows) {
@@ -142,6 +165,7 @@ Json document(const Model& model, const Verdict& verdict) {
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
   for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(row));
+  if (verdict.attribution || verdict.two_by_two) said["attribution"] = attribution_of(verdict);
   if (verdict.third) said["third_opinion"] = third_opinion(model, *verdict.third);
   if (!elements.empty()) said["elements"] = std::move(elements);
   if (model.is_flexible()) said["geometric_stiffness"] = geometric_stiffness_of(model, verdict);

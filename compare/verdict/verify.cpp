@@ -46,7 +46,7 @@ namespace {
 
 constexpr std::array kWho{Who::cartesian, Who::relative};
 /// Perturbed states that are drawn to tell a body's terms apart: more than any family has terms, for a few modes.
-constexpr int kStatesOfTerms = 120;
+constexpr int kStatesOfTerms = 300;
 
 /// Rows of the run so that at least `states` of them exist and the rows asked for are among them.
 int run_rows(int samples, int states) {
