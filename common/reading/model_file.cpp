@@ -200,50 +200,46 @@ void check_graph(const Model& model, ModelParts& parts) {
        parts);
 }
 
-bool has_complaints(const ModelParts& parts) {
-  return std::any_of(parts.begin(), parts.end(),
-                     [](const ModelPart& part) { return !part.reading.complaints.empty(); });
-}
-
-}  // namespace
-
-Model read_model(const std::filesystem::path& file) { return parse_model(read_text_file(file), file); }
-
-namespace {
-
 KnownKeys keys_of_models() {
   KnownKeys known{"name", "gravity", "body", "joint", "coupling", "road", "run", "need"};
   known.insert(known.end(), force_element_keys().begin(), force_element_keys().end());
   return known;
 }
 
-}  // namespace
-
-std::vector<std::filesystem::path> files_of_model(const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> files{file};
-  try {
-    const ModelParts parts = read_model_parts(read_text_file(file), file, keys_of_models());
-    for (const ModelPart& part : parts) {
-      const std::filesystem::path of_part = part.reading.file;
-      files.push_back(of_part);
-      const toml::array* bodies = part.root["body"].as_array();
-      if (bodies == nullptr) continue;
-      for (const toml::node& body : *bodies) {
-        const toml::table* table = body.as_table();
-        if (table == nullptr) continue;
-        if (const auto modes = (*table)["modes_file"].value<std::string>()) {
-          files.push_back(of_part.parent_path() / *modes);
-        }
-      }
-    }
-  } catch (const InputError&) {  // what can be read of it was found; reading the model tells the fault
+/// Values from outside as definitions. Throws InputError with those that no number of a model can be.
+std::vector<ParameterDefinition> definitions_of(const std::map<std::string, double>& parameters,
+                                                const std::string& file) {
+  std::vector<ParameterDefinition> definitions;
+  std::vector<Diagnostic> complaints;
+  for (const auto& [name, value] : parameters) {
+    definitions.push_back({name, value, {file, 0, 0}});
+    if (has_usable_size(value)) continue;
+    complaints.push_back({{file, 0, 0}, fmt::format("parameter '{}' {}", name, complaint_about_size(value))});
   }
-  return files;
+  if (!complaints.empty()) throw InputError(std::move(complaints));
+  return definitions;
 }
 
-Model parse_model(std::string_view text, const std::filesystem::path& file) {
-  ModelParts parts = read_model_parts(text, file, keys_of_models());
+/// Complains of values from outside for parameters that the model file does not define.
+void check_parameters(const std::map<std::string, double>& parameters, ModelPart& part) {
+  std::vector<std::string> known;
+  if (const toml::table* found = part.document->table("parameters")) {
+    for (const auto& [key, value] : *found) known.emplace_back(key.str());
+  }
+  for (const auto& [name, value] : parameters) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    part.reading.complain({part.reading.file, 0, 0},
+                          fmt::format("there is no parameter '{}': {}", name, suggestion(name, known, "parameters")));
+  }
+}
 
+bool has_complaints(const ModelParts& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const ModelPart& part) { return !part.reading.complaints.empty(); });
+}
+
+/// What the parts say. Throws InputError with all that is wrong in them.
+Model model_of(ModelParts& parts, const std::filesystem::path& file) {
   Model model;
   model.file = file.generic_string();
   const TableReader& document = *parts.front().document;
@@ -274,6 +270,44 @@ Model parse_model(std::string_view text, const std::filesystem::path& file) {
   }
   throw_if_any(parts);
   return model;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> files_of_model(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> files{file};
+  try {
+    const ModelParts parts = read_model_parts(read_text_file(file), file, keys_of_models());
+    for (const ModelPart& part : parts) {
+      const std::filesystem::path of_part = part.reading.file;
+      files.push_back(of_part);
+      const toml::array* bodies = part.root["body"].as_array();
+      if (bodies == nullptr) continue;
+      for (const toml::node& body : *bodies) {
+        const toml::table* table = body.as_table();
+        if (table == nullptr) continue;
+        if (const auto modes = (*table)["modes_file"].value<std::string>()) {
+          files.push_back(of_part.parent_path() / *modes);
+        }
+      }
+    }
+  } catch (const InputError&) {  // what can be read of it was found; reading the model tells the fault
+  }
+  return files;
+}
+
+Model read_model(const std::filesystem::path& file) { return parse_model(read_text_file(file), file); }
+
+Model read_model(const std::filesystem::path& file, const std::map<std::string, double>& parameters) {
+  ModelParts parts =
+      read_model_parts(read_text_file(file), file, keys_of_models(), definitions_of(parameters, file.generic_string()));
+  check_parameters(parameters, parts.front());
+  return model_of(parts, file);
+}
+
+Model parse_model(std::string_view text, const std::filesystem::path& file) {
+  ModelParts parts = read_model_parts(text, file, keys_of_models());
+  return model_of(parts, file);
 }
 
 }  // namespace concord

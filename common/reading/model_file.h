@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,9 @@ namespace concord {
 /// Reads a model file (TOML, `format = 1`; data/README.md explains it). Throws InputError with every complaint about
 /// the file, each at its line and column.
 Model read_model(const std::filesystem::path& file);
+
+/// The same with other values of parameters that the file itself defines; of another name it complains.
+Model read_model(const std::filesystem::path& file, const std::map<std::string, double>& parameters);
 
 /// The same from text; `file` names it in messages and is the base of the paths that it mentions.
 Model parse_model(std::string_view text, const std::filesystem::path& file);

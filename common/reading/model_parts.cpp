@@ -194,11 +194,13 @@ class PartsReader {
 
 }  // namespace
 
-ModelParts read_model_parts(std::string_view text, const fs::path& file, KnownKeys known) {
+ModelParts read_model_parts(std::string_view text, const fs::path& file, KnownKeys known,
+                            const std::vector<ParameterDefinition>& parameters) {
   known.insert(known.begin(), {"format", "parameters", "include"});
   ModelParts parts;
   Inclusion itself;
   itself.file = file;
+  itself.parameters = parameters;
   itself.way = {file};
   PartsReader(std::move(known), parts).read(text, itself);
   return parts;

@@ -26,9 +26,10 @@ using ModelParts = std::deque<ModelPart>;
 
 /// Reads the model file, first, and the files that it includes, each after the file that includes it. `known` are the
 /// keys that a file may have beside `format`, `parameters` and `include`. Each part's reading has its parameters, its
-/// prefix and its own names. Throws InputError where the grammar of the model file is broken; whatever else is wrong is
-/// complained of in the readings.
-ModelParts read_model_parts(std::string_view text, const std::filesystem::path& file, KnownKeys known);
+/// prefix and its own names. `parameters` replace those of the model file that have their names. Throws InputError
+/// where the grammar of the model file is broken; whatever else is wrong is complained of in the readings.
+ModelParts read_model_parts(std::string_view text, const std::filesystem::path& file, KnownKeys known,
+                            const std::vector<ParameterDefinition>& parameters = {});
 
 /// Throws InputError with the complaints of all parts, if there are any: part by part, each in the order of its file.
 /// What is wrong in a file that is included more than once is reported once.

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include "common/reading/model_file.h"
 
@@ -25,12 +27,16 @@ class IncludedFiles : public testing::Test {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
 
-  [[nodiscard]] Model read(const std::string& name) const { return read_model(folder_ / name); }
+  using Parameters = std::map<std::string, double>;
+
+  [[nodiscard]] Model read(const std::string& name, const Parameters& parameters = {}) const {
+    return read_model(folder_ / name, parameters);
+  }
 
   /// What the reader says of the model, without the path of the folder.
-  [[nodiscard]] std::string complaints(const std::string& name) const {
+  [[nodiscard]] std::string complaints(const std::string& name, const Parameters& parameters = {}) const {
     try {
-      read_model(folder_ / name);
+      read_model(folder_ / name, parameters);
     } catch (const InputError& error) {
       std::string text = error.what();
       const std::string path = (folder_ / "").generic_string();
@@ -326,6 +332,28 @@ TEST_F(IncludedFiles, RefuseParametersAtFaultWhereTheyAreSaid) {
             "car.toml:11:30: error: include, parameters: 'y': unknown name 'trak' in 'trak/2': did you mean 'track'?\n"
             "car.toml:16:22: error: parameter 'deg': the name already means something in expressions: choose another\n"
             "  included from car.toml:13:1");
+}
+
+/// Detects values from outside that reach only some of the files, and a name that changes with them.
+TEST_F(IncludedFiles, TakeParametersFromOutside) {
+  write("car.toml", kCar);
+  write("parts/corner.toml", kCorner);
+  const Model given = read("car.toml");
+  const Model light = read("car.toml", {{"g", 1.62}, {"track", 2.0}});
+  EXPECT_EQ(light.name, given.name);
+  EXPECT_EQ(light.gravity, Vec3(0.0, 0.0, -1.62));
+  EXPECT_NE(light.joints[1].on(Side::parent).point_L, given.joints[1].on(Side::parent).point_L)
+      << "of an included file";
+}
+
+/// Detects values from outside that nothing reads.
+TEST_F(IncludedFiles, RefuseParametersFromOutsideThatNothingDefines) {
+  write("car.toml", kCar);
+  write("parts/corner.toml", kCorner);
+  EXPECT_EQ(complaints("car.toml", {{"trakc", 2.0}}),
+            "car.toml: error: there is no parameter 'trakc': did you mean 'track'?");
+  EXPECT_EQ(complaints("car.toml", {{"g", 1e200}}),
+            "car.toml: error: parameter 'g' must be zero or of a size from 1e-150 to 1e+150, found 1e+200");
 }
 
 }  // namespace
