@@ -138,6 +138,8 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
                       "Integrator of the Cartesian solver; `concord info` lists them");
   command->add_option("--relative-integrator", line.compare.options.integrators[1],
                       "Integrator of the relative solver; `concord info` lists them");
+  command->add_option("--seed", line.compare.options.seed,
+                      "Seed of the random states that both solvers are asked about; default: 19971025");
   command->add_flag("--all", line.compare.all_rows, "Print every component, not only the worst of each joint and side");
   command->add_option("--out", line.compare.out,
                       "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");

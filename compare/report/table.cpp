@@ -401,7 +401,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   text += motion_text(verdict) + audit_text(verdict);
   if (verdict.same_state.samples > 0) {
     text += fmt::format("states handed to both: {}, of which {} perturbed with seed {}{}\n", verdict.same_state.samples,
-                        kRandomStates, kSeed,
+                        kRandomStates, verdict.seed,
                         verdict.drawn_anew > 0 ? fmt::format(", {} drawn anew", verdict.drawn_anew) : "");
   }
   text += reference_table(verdict) + format_third(model, verdict, all_rows);

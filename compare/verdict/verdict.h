@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "compare/verdict/align.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/observe.h"
+#include "compare/verdict/states.h"
 #include "compare/verdict/third_opinion.h"
 
 /// All that the comparator found about one model.
@@ -132,6 +134,7 @@ struct Verdict {
   int loops = 0;
   int modes = 0;
   RunOptions run;
+  std::uint64_t seed = kSeed;  // of the random states
   Needs need;
   std::array<SolverSummary, 2> solvers;
 

@@ -72,7 +72,7 @@ class Verification {
         layout_(model),
         solvers_{&cartesian, &relative},
         options_(options),
-        sensitivity_(model, solvers_, kSeed),
+        sensitivity_(model, solvers_, options.seed),
         auditors_{Auditor(model), Auditor(model)} {}
 
   Verdict run() {
@@ -107,6 +107,7 @@ class Verification {
     verdict_.loops = verdict_.joints - verdict_.bodies;
     for (const Body& body : model_.bodies) verdict_.modes += body.n_modes();
     verdict_.run = run_options(model_, options_);
+    verdict_.seed = options_.seed;
     asked_samples_ = verdict_.run.samples;
     asked_rtol_ = verdict_.run.rtol;
     verdict_.run.samples = run_rows(asked_samples_, trajectory_states());
@@ -199,7 +200,7 @@ class Verification {
       for (const Who who : kWho) run.push_back({starts_[index(who)], who, 0});
     }
     SharedStates shared = share(solvers_, run);
-    SharedStates random = share_random(model_, solvers_, run, kSeed, random_states());
+    SharedStates random = share_random(model_, solvers_, run, options_.seed, random_states());
     // Beside a pose that is singular because of its drivers nothing may close: that is no reason of its own.
     if (!shared.singular.empty() && random.states.empty()) random.failures.clear();
     check_enough(shared, random);
@@ -210,7 +211,7 @@ class Verification {
                                            random.left_open, random_states()));
     }
     std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
-    weighed_ = weigh(layout_, solvers_, std::move(shared.states), kSeed);
+    weighed_ = weigh(layout_, solvers_, std::move(shared.states), options_.seed);
     if (is_singular_throughout(shared)) forget_neighbours();
     take_uniqueness();
     for (const SharedStates* part : {&shared, &random}) note_refusals(part->refusals);

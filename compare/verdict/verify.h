@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "common/solver.h"
+#include "compare/verdict/states.h"
 #include "compare/verdict/verdict.h"
 
 /// Two solvers, one model, one verdict.
@@ -24,6 +26,8 @@ struct VerifyOptions {
   /// States of the run that are handed to both solvers, at least, and a quarter as many near them; fewer than the
   /// default kTrajectoryStates blunt the verdict: for many machines in little time.
   std::optional<int> states;
+  /// Seed of the random states, and of the draws within round-off.
+  std::uint64_t seed = kSeed;
   /// Whether the third rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
   /// Empty: each solver's own default.

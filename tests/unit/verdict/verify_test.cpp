@@ -1,5 +1,6 @@
 #include "compare/verdict/verify.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -56,6 +57,22 @@ TEST_F(VerifyTest, AgreesAndClimbsEveryRung) {
   EXPECT_GT(*verdict.same_run.digits, 9.0);
   EXPECT_GT(*verdict.refined.digits, *verdict.same_run.digits);
   EXPECT_EQ(exit_code(verdict.outcome), 0);
+}
+
+/// Detects a seed that is printed but not used.
+TEST_F(VerifyTest, TheSeedChoosesTheRandomStates) {
+  VerifyOptions options;
+  options.refines = false;
+  const auto resolvable = [&] {
+    const Verdict verdict = judge(options);
+    EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr(fmt::format("perturbed with seed {}", options.seed)));
+    return verdict.rows.at(0).detail.at(0).resolvable.value();
+  };
+  const double by_default = resolvable();
+  options.seed = 7;
+  const double by_another = resolvable();
+  EXPECT_NE(by_another, by_default);
+  EXPECT_EQ(by_another, resolvable());
 }
 
 TEST_F(VerifyTest, OppositeSignIsADifference) {
