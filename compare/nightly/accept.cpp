@@ -132,7 +132,8 @@ class Acceptance {
     long night = 0;
     if (command_.history.empty()) {
       night = history.begin(asked_.suite.name, "", origin_of_program(command_.commit), utc_now());
-      run_cases(asked_.cases, {command_.jobs, {}}, night, history, {}, makers_, console_);
+      const auto store = [&](const Result& result) { history.store(night, result); };
+      run_cases(asked_.cases, {command_.jobs, {}}, store, {}, makers_, console_);
     } else {
       const std::vector<Night> nights = history.nights(asked_.suite.name);
       if (nights.empty()) {

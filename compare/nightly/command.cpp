@@ -5,18 +5,23 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
+#include <memory>
 #include <ostream>
 #include <set>
 
 #include "common/error.h"
 #include "compare/nightly/baseline.h"
+#include "compare/nightly/cluster.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/night.h"
+#include "compare/nightly/plan.h"
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
+#include "compare/slurm/slurm.h"
 
 namespace concord::compare::nightly {
 
@@ -34,16 +39,6 @@ std::vector<const Case*> meant_cases(const Suite& suite, const std::string& patt
   return cases;
 }
 
-/// Throws InputError unless files can be written at the targets, which are none of the inputs and no file twice. Empty
-/// paths are none.
-void check_targets(const std::vector<fs::path>& targets, std::vector<fs::path> inputs) {
-  std::erase(inputs, fs::path());
-  for (const fs::path& target : targets) {
-    check_output(target, inputs);
-    if (!target.empty()) inputs.push_back(target);
-  }
-}
-
 /// One run of `concord nightly`.
 class NightlyRun {
  public:
@@ -59,11 +54,78 @@ class NightlyRun {
   int run() {
     check_outputs();
     const Baselines baselines = read_baselines(suite_.baselines);
-    History history(command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history);
-    begin(history);
+    History history(history_file());
+    started_ = utc_now();
+    if (!resume(history)) begin(history);
     const auto wall_times = history.wall_times(suite_.name);
+    const auto store = [&](const Result& result) { history.store(night_, result); };
     const bool is_complete =
-        run_cases(to_run(history), {command_.jobs, command_.minutes}, night_, history, wall_times, makers_, console_);
+        run_cases(to_run(history), {command_.jobs, command_.minutes}, store, wall_times, makers_, console_);
+    return conclude(history, baselines, is_complete).code;
+  }
+
+  /// The same by the jobs of a cluster, which do not begin before all is known to be in order.
+  int submit() {
+    const fs::path place = cluster_place(command_);
+    check_outputs();
+    check_target_folder(place);
+    const Baselines baselines = read_baselines(suite_.baselines);
+    const slurm::Cluster cluster = slurm::find_cluster();
+    origin_.machine = cluster_machine(cluster.name);
+    auto history = std::make_unique<History>(history_file());
+    started_ = utc_now();
+    resume(*history);
+    const std::vector<const Case*> cases = to_run(*history);
+    if (cases.empty()) return conclude(*history, baselines, true).code;
+    const auto tasks =
+        deal_cases(cases, static_cast<std::size_t>(cluster.most_tasks), history->wall_times(suite_.name));
+    const fs::path folder = make_numbered_folder(place);
+    ClusterPlan plan = plan_of(tasks);
+    write_plan(folder, plan);
+    ClusterJobs jobs{submit_tasks(folder, command_, tasks), 0};
+    try {
+      write_jobs(folder, jobs);
+      if (!is_resumed_) begin(*history);
+      history->take_over(night_, cluster_process(folder));
+      if (!command_.history.empty()) plan.night = night_;
+      write_plan(folder, plan);
+      // From now on the history is the merge's: no two computers may use it at a time.
+      history.reset();
+      jobs.merge = submit_merge(folder, command_, jobs.array);
+    } catch (...) {
+      withdraw(jobs.array);
+      throw;
+    }
+    write_jobs(folder, jobs);
+    std::ostream& told = command_.wait ? console_.err : console_.out;
+    told << submission_words(folder, command_, jobs, cases.size(), tasks.size()) << std::flush;
+    return command_.wait ? wait_for_merge(folder, jobs, console_) : static_cast<int>(kAgree);
+  }
+
+  /// What the merge job does: reads what the tasks left, and reports.
+  int merge(const fs::path& folder, const ClusterPlan& plan) {
+    check_outputs();
+    const Baselines baselines = read_baselines(suite_.baselines);
+    History history(history_file());
+    started_ = plan.started;
+    origin_ = plan.origin;
+    is_resumed_ = plan.is_resumed;
+    night_ = plan.night;
+    if (night_ == 0) begin(history);
+    const bool is_complete = merge_tasks(folder, plan, cases_, night_, history, console_);
+    const ClusterEnd end = conclude(history, baselines, is_complete);
+    write_end(folder, end);
+    if (is_complete) remove_task_files(folder, plan.tasks.size());
+    return end.code;
+  }
+
+ private:
+  fs::path history_file() const {
+    return command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history;
+  }
+
+  /// When all cases were run, or are known not to be.
+  ClusterEnd conclude(History& history, const Baselines& baselines, bool is_complete) {
     const NightReport report = judge(history, baselines);
     // A night that was only a part of the suite is finished too: it is no longer to be resumed.
     // A choice of cases does not end the night that it goes on with.
@@ -72,34 +134,60 @@ class NightlyRun {
     console_.out << text << std::flush;
     write_outputs(report, text, history);
     notify(report);
-    return report.code;
+    return {report.code, text};
   }
 
- private:
+  ClusterPlan plan_of(const std::vector<std::vector<const Case*>>& tasks) const {
+    ClusterPlan plan{
+        build_words(), command_, fs::current_path(), origin_, started_, static_cast<long>(std::time(nullptr)), 0,
+        is_resumed_,   {}};
+    for (const auto& task : tasks) {
+      std::vector<std::string>& names = plan.tasks.emplace_back();
+      for (const Case* one : task) names.push_back(one->id);
+    }
+    return plan;
+  }
+
+  /// After a submission that did not succeed.
+  void withdraw(long array) {
+    slurm::cancel(array);
+    if (is_resumed_ || night_ == 0) return;
+    History(history_file()).withdraw(night_);
+  }
+
   void check_outputs() const {
-    check_targets({command_.json, command_.junit, command_.markdown},
-                  {command_.suite, suite_.baselines, command_.history});
+    compare::check_outputs({command_.json, command_.junit, command_.markdown},
+                           {command_.suite, suite_.baselines, command_.history});
     if (!command_.out.empty()) check_target_folder(command_.out);
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown}) {
       if (!stale.empty()) fs::remove(stale);
     }
   }
 
-  void begin(History& history) {
-    started_ = utc_now();
-    if (command_.resume && command_.history.empty()) {
+  /// Whether a stopped night goes on; it must be wished.
+  bool resume(History& history) {
+    if (!command_.resume) return false;
+    if (command_.history.empty()) {
       throw InputError({"--resume", 0, 0}, "only a night that is kept can be resumed: give --history FILE");
     }
-    if (command_.resume) {
-      if (const auto stopped = history.stopped_night(suite_.name, origin_)) {
-        night_ = *stopped;
-        history.take_over(night_);
-        is_resumed_ = true;
-        return;
-      }
+    const auto stopped = history.stopped_night(suite_.name, origin_);
+    if (!stopped) {
       console_.err << "nothing to resume: the last night of this suite was finished, was another program's, or is "
                       "running; a new one begins\n";
+      return false;
     }
+    night_ = *stopped;
+    is_resumed_ = true;
+    // A merge that was lost has not read what the tasks left.
+    const auto folder = cluster_folder(history.process_of(night_));
+    if (folder && fs::exists(*folder / "plan.json") && !read_end(*folder)) {
+      store_task_results(*folder, read_plan(*folder), cases_, night_, history);
+    }
+    history.take_over(night_);
+    return true;
+  }
+
+  void begin(History& history) {
     night_ = history.begin(suite_.name, fs::absolute(suite_.file).lexically_normal().string(), origin_, started_);
   }
 
@@ -192,93 +280,44 @@ class NightlyRun {
   bool is_resumed_ = false;
 };
 
-/// One side of a difference.
-struct DiffSide {
-  Origin origin;
-  std::vector<Result> results;  // sorted by name
-};
-
-const Night& night_called(const std::string& name, const std::vector<Night>& nights) {
-  if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
-  if (name.starts_with("last")) {
-    const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
-    const bool is_number =
-        !back.empty() && back.size() < 9 && back.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number && std::stoul(back) < nights.size()) return nights[nights.size() - 1 - std::stoul(back)];
+/// A merge that cannot report leaves its code, for who waits.
+int merge_night(const fs::path& folder, const SolverMakers& makers, const Console& console) {
+  std::optional<ClusterPlan> plan;
+  const int code = guarded(console, [&] {
+    plan = read_plan(folder);
+    fs::current_path(plan->where);
+    return NightlyRun(plan->command, makers, console).merge(folder, *plan);
+  });
+  if (plan && !read_end(folder)) {
+    guarded(console, [&] {
+      write_end(folder, {code, ""});
+      return 0;
+    });
   }
-  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
-    if (fmt::format("{}", night->id) == name) return *night;
-  }
-  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
-    if (name.size() >= 4 && night->origin.commit.starts_with(name)) return *night;
-  }
-  throw InputError({name, 0, 0},
-                   fmt::format("is no file, and the history has no such night: it has {} to {}; \"last\" is the last, "
-                               "\"last-1\" the one before; or give the beginning of a commit",
-                               nights.front().id, nights.back().id));
+  return code;
 }
 
-DiffSide side_called(const std::string& name, const fs::path& history_file) {
-  if (history_file.empty() || fs::is_regular_file(name)) {
-    NightFile file = read_night_json(name);
-    return {file.origin, std::move(file.results)};
-  }
-  if (!fs::exists(history_file)) throw InputError({history_file.string(), 0, 0}, "there is no such file");
-  History history(history_file);
-  const std::vector<Night> nights = history.nights();
-  const Night& night = night_called(name, nights);
-  DiffSide side{night.origin, {}};
-  for (const auto& [id, definition] : history.definitions(night.id)) {
-    if (auto result = history.find(night.id, id)) side.results.push_back(std::move(*result));
-  }
-  return side;
-}
-
-NightReport difference(const DiffSide& a, const DiffSide& b, const Judging& judging, const DiffCommand& command) {
-  NightReport report{
-      fmt::format("{} to {}", command.a, command.b), "concord difference", b.origin, utc_now(), {}, {}, 0};
-  auto then = a.results.begin();
-  auto now = b.results.begin();
-  while (then != a.results.end() || now != b.results.end()) {
-    const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
-    const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
-    if (only_then) {
-      report.others.push_back({Turn::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
-      ++then;
-    } else if (only_now) {
-      report.others.push_back({Turn::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0});
-      ++now;
-    } else {
-      std::vector<Change> changes = changes_between(*then++, *now, judging, "A");
-      report.cases.push_back(case_line_of(*now++, std::move(changes)));
+int submit_night(NightlyCommand command, const SolverMakers& makers, const Console& console) {
+  return guarded(console, [&] {
+    const std::vector<std::string> more = slurm::split_words(command.slurm_text);
+    command.slurm_words.insert(command.slurm_words.begin(), more.begin(), more.end());
+    if (take_slurm_words(command.slurm_words)) command.wait = true;
+    // Jobs do not run where the user stands.
+    for (fs::path* path : {&command.history, &command.json, &command.junit, &command.markdown, &command.out}) {
+      if (!path->empty()) *path = fs::absolute(*path).lexically_normal();
     }
-  }
-  report.code = code_of(report);
-  return report;
+    return NightlyRun(command, makers, console).submit();
+  });
 }
 
 }  // namespace
 
 int run_nightly(const NightlyCommand& command, const SolverMakers& makers, const Console& console) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
+  if (!command.slurm_task.empty()) return guarded(console, [&] { return run_cluster_task(command, makers, console); });
+  if (!command.slurm_merge.empty()) return merge_night(fs::absolute(command.slurm_merge), makers, console);
+  if (command.slurm) return submit_night(command, makers, console);
   return guarded(console, [&] { return NightlyRun(command, makers, console).run(); });
-}
-
-int show_difference(const DiffCommand& command, const Console& console) {
-  return guarded(console, [&] {
-    check_targets({command.json, command.junit, command.markdown}, {command.a, command.b, command.history});
-    const Judging judging = command.suite.empty() ? Judging() : read_suite(command.suite).judging;
-    const DiffSide a = side_called(command.a, command.history);
-    const DiffSide b = side_called(command.b, command.history);
-    const NightReport report = difference(a, b, judging, command);
-    console.out << format_report(report) << std::flush;
-    std::size_t next = 0;
-    const auto result = [&]() { return next < b.results.size() ? std::optional(b.results[next++]) : std::nullopt; };
-    if (!command.json.empty()) write_night_json(command.json, report, result);
-    if (!command.junit.empty()) write_file(command.junit, format_night_junit(report));
-    if (!command.markdown.empty()) write_file(command.markdown, format_markdown(report));
-    return report.code;
-  });
 }
 
 }  // namespace concord::compare::nightly

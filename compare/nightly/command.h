@@ -29,11 +29,19 @@ struct NightlyCommand {
   std::string notify = {};         // command of the shell that gets the report on its standard input
   std::string commit = {};         // instead of the one that was built
   std::string today = {};          // "2026-11-22"; empty: what the clock says
+
+  bool slurm = false;                         // the cases are run as jobs of a cluster
+  std::string slurm_text = {};                // options for sbatch, to be split as a shell does
+  std::vector<std::string> slurm_words = {};  // more of them
+  bool wait = false;                          // until the jobs have ended
+  std::filesystem::path slurm_task = {};      // folder of the night whose task this is
+  std::filesystem::path slurm_merge = {};     // folder of the night that is merged
 };
 
 /// Runs a suite and holds it against its baselines. Returns 0 if nothing is red or worse, 1 if a case differs or became
 /// worse, 2 for bad input, 3 if a case has no verdict or was lost or not run, 4 if all that is wrong is that baselines
-/// are missing; with several the worst: 3, 2, 1, 4.
+/// are missing; with several the worst: 3, 2, 1, 4. With `slurm` 0 if the jobs were submitted, with `wait` what the
+/// merge returns.
 int run_nightly(const NightlyCommand& command, const SolverMakers& makers, const Console& console);
 
 struct AcceptCommand {

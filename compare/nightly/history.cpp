@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "common/error.h"
+#include "compare/nightly/cluster.h"
 
 namespace concord::compare::nightly {
 
@@ -85,6 +86,7 @@ std::string this_process() {
 }
 
 bool is_running(const std::string& process) {
+  if (const auto folder = cluster_folder(process)) return is_cluster_running(*folder);
   std::istringstream words(process);
   std::string system;
   long number = 0;
@@ -180,13 +182,30 @@ std::optional<long> History::stopped_night(const std::string& suite, const Origi
                  "SELECT " CONCORD_NIGHT_COLUMNS ", process FROM night WHERE suite = ? ORDER BY id DESC LIMIT 1");
   if (!last.bind(suite).step()) return std::nullopt;
   const Night night = night_of(last);
-  if (!night.finished.empty() || night.origin != origin || is_running(last.text(kNightColumns))) return std::nullopt;
+  Origin same = origin;
+  if (is_cluster_machine(night.origin.machine)) same.machine = night.origin.machine;
+  if (!night.finished.empty() || night.origin != same || is_running(last.text(kNightColumns))) return std::nullopt;
   return night.id;
 }
 
-void History::take_over(long night) {
+void History::take_over(long night, const std::string& process) {
   Transaction transaction(database_);
-  Statement(database_, "UPDATE night SET process = ? WHERE id = ?").bind(this_process()).bind(night).run();
+  Statement(database_, "UPDATE night SET process = ? WHERE id = ?")
+      .bind(process.empty() ? this_process() : process)
+      .bind(night)
+      .run();
+  transaction.commit();
+}
+
+std::string History::process_of(long night) {
+  Statement row(database_, "SELECT process FROM night WHERE id = ?");
+  return row.bind(night).step() ? row.text(0) : "";
+}
+
+void History::withdraw(long night) {
+  Transaction transaction(database_);
+  Statement(database_, "DELETE FROM result WHERE night = ?").bind(night).run();
+  Statement(database_, "DELETE FROM night WHERE id = ?").bind(night).run();
   transaction.commit();
 }
 

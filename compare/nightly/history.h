@@ -41,11 +41,15 @@ class History {
 
   /// Begins a night of this process.
   long begin(const std::string& suite, const std::string& suite_file, const Origin& origin, const std::string& now);
-  /// The suite's last night, if it was stopped, was done by the same program on the same machine, and no process that
-  /// is still running does it.
+  /// The suite's last night, if it was stopped, was done by the same program on the same machine or on a cluster, and
+  /// no process or job that is still running does it.
   std::optional<long> stopped_night(const std::string& suite, const Origin& origin);
-  /// From now on this process does the night.
-  void take_over(long night);
+  /// From now on this process does the night, or the one that is named.
+  void take_over(long night, const std::string& process = "");
+  /// Which does it, or did it last.
+  std::string process_of(long night);
+  /// As if it had never begun.
+  void withdraw(long night);
   void finish(long night, const std::string& now);
 
   /// Stores a case; what the night had of it before is replaced.
@@ -79,7 +83,8 @@ class History {
 /// Names this process so that no other one is meant: the start of the system, the number of the process
 /// and its start.
 std::string this_process();
-/// Whether that process still runs on this system.
+/// Whether that process still runs on this system, or a cluster's jobs do. Throws slurm::SlurmError if Slurm does not
+/// tell.
 bool is_running(const std::string& process);
 
 }  // namespace concord::compare::nightly

@@ -100,15 +100,6 @@ class NightProgress {
   std::function<double()> left_;
 };
 
-/// New cases, of which nothing is known, begin first. Then no processor waits long for another one at the end.
-void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases) {
-  const auto expected = [&](const Case* one) {
-    const auto known = wall_times.find(one->id);
-    return known == wall_times.end() ? std::numeric_limits<double>::infinity() : known->second;
-  };
-  std::stable_sort(cases.begin(), cases.end(), [&](const Case* a, const Case* b) { return expected(a) > expected(b); });
-}
-
 }  // namespace
 
 std::string utc_now() {
@@ -119,7 +110,15 @@ std::string utc_now() {
                      parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
-bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long night, History& history,
+void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases) {
+  const auto expected = [&](const Case* one) {
+    const auto known = wall_times.find(one->id);
+    return known == wall_times.end() ? std::numeric_limits<double>::infinity() : known->second;
+  };
+  std::stable_sort(cases.begin(), cases.end(), [&](const Case* a, const Case* b) { return expected(a) > expected(b); });
+}
+
+bool run_cases(std::vector<const Case*> cases, const NightOptions& options, const StoreResult& store,
                const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console) {
   const StagedFolder scratch(std::filesystem::temp_directory_path());
   const int jobs =
@@ -151,7 +150,7 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long
     is_complete = is_complete && result.ending != Ending::not_run;
     result.wall_s = seconds_from(begun[k]);
     result.definition = asked[k].empty() ? definition_of(*cases[k]) : asked[k];
-    history.store(night, result);
+    store(result);
     note_finished(result.id);
     progress.end(result);
   };
@@ -168,7 +167,7 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long
     result.id = cases[k]->id;
     result.work = work_names()[static_cast<std::size_t>(cases[k]->work)];
     result.words = "the time of the night was up";
-    history.store(night, result);
+    store(result);
   }
   return is_complete && given == cases.size();
 }

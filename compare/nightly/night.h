@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "compare/nightly/history.h"
+#include "compare/nightly/result.h"
 #include "compare/nightly/suite.h"
 #include "compare/report/console.h"
 #include "compare/verdict/solver_makers.h"
@@ -23,11 +23,18 @@ struct NightOptions {
 /// "2026-11-22 23:14:05", UTC; the day is what stands before the space.
 std::string utc_now();
 
+/// Keeps the result of a case.
+using StoreResult = std::function<void(const Result&)>;
+
+/// By the wall time that they took, by name. New cases, of which nothing is known, come first. Then no processor waits
+/// long for another one at the end.
+void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases);
+
 /// Runs `cases`; progress goes to `console.err`: on a terminal one line that changes, else a line for each red case and
 /// one every few seconds. What a case was asked stands in its result. Cases that were not begun in time are stored as
 /// not run. Those that took longest (`wall_times`, by name) begin first, unless the time is limited. Returns whether
 /// all were run.
-bool run_cases(std::vector<const Case*> cases, const NightOptions& options, long night, History& history,
+bool run_cases(std::vector<const Case*> cases, const NightOptions& options, const StoreResult& store,
                const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console);
 
 }  // namespace concord::compare::nightly

@@ -28,6 +28,34 @@ void NightlyCommands::add_nightly(CLI::App& program) {
   app->add_option("--out", nightly_.out, "Folder for table.txt, regressions.md, night.json and junit.xml");
   app->add_option("--notify", nightly_.notify, "Command of the shell that gets the Markdown on its standard input");
   app->add_option("--commit", nightly_.commit, "Commit to record; default: CONCORD_COMMIT, else the built one");
+  add_slurm(*app);
+}
+
+void NightlyCommands::add_slurm(CLI::App& app) {
+  CLI::Option* slurm = app.add_flag(
+      "--slurm{}", nightly_.slurm_text,
+      "Run the cases as tasks of a Slurm job array and merge their results in a second job, which ends with\n"
+      "nightly's exit code. All that follows goes to sbatch, such as --partition=night --time=02:00:00;\n"
+      "--slurm='WORDS' may stand before other options. Prints both jobs and ends; --jobs N: N tasks at once");
+  app.add_flag("--wait", nightly_.wait, "With --slurm: wait for the merge, print its table, end with its exit code")
+      ->needs(slurm);
+  const char* inside = "Inside the jobs of --slurm";
+  app.add_option("--slurm-task", nightly_.slurm_task, "Run the cases of this task of the array; FOLDER of the night")
+      ->group(inside);
+  app.add_option("--slurm-merge", nightly_.slurm_merge,
+                 "Read what the tasks left in FOLDER, and report; by hand where the merge job was lost")
+      ->group(inside);
+  slurm_option_ = slurm;
+}
+
+int NightlyCommands::take_slurm_words(int argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]) != "nightly") return argc;
+  for (int k = 2; k < argc; ++k) {
+    if (std::string_view(argv[k]) != "--slurm") continue;
+    nightly_.slurm_words.assign(argv + k + 1, argv + argc);
+    return k + 1;
+  }
+  return argc;
 }
 
 void NightlyCommands::add_accept(CLI::App& program) {
@@ -66,7 +94,16 @@ void NightlyCommands::add_diff(CLI::App& program) {
 }
 
 std::optional<int> NightlyCommands::run(const SolverMakers& makers, const Console& console) const {
-  if (nightly_app_->parsed()) return run_nightly(nightly_, makers, console);
+  if (nightly_app_->parsed()) {
+    NightlyCommand night = nightly_;
+    night.slurm = slurm_option_->count() > 0;
+    // A single word is taken for several that were quoted together.
+    if (night.slurm_words.size() == 1) {
+      night.slurm_text += ' ' + night.slurm_words.front();
+      night.slurm_words.clear();
+    }
+    return run_nightly(night, makers, console);
+  }
   if (accept_app_->parsed()) return accept_baselines(accept_, makers, console);
   if (history_app_->parsed()) return show_history(history_, console);
   if (diff_app_->parsed()) return show_difference(diff_, console);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <thread>
@@ -37,6 +39,22 @@ std::string machine_words() {
                      std::thread::hardware_concurrency(), processor_words(), system.sysname, system.release);
 }
 
+/// FNV-1a of the program's file; it is read once.
+std::uint64_t hash_of_program() {
+  static const std::uint64_t hash = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    std::uint64_t value = 14695981039346656037U;
+    std::array<char, 65536> chunk{};
+    while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0) {
+      for (std::streamsize k = 0; k < file.gcount(); ++k) {
+        value = (value ^ static_cast<unsigned char>(chunk.at(static_cast<std::size_t>(k)))) * 1099511628211U;
+      }
+    }
+    return value;
+  }();
+  return hash;
+}
+
 }  // namespace
 
 Origin origin_of_program(const std::string& commit) {
@@ -49,5 +67,7 @@ Origin origin_of_program(const std::string& commit) {
 std::string version_words() {
   return fmt::format("concord {} ({}, {})", CONCORD_VERSION, CONCORD_COMMIT, compiler_words());
 }
+
+std::string build_words() { return fmt::format("{}, build {:016x}", version_words(), hash_of_program()); }
 
 }  // namespace concord::compare::nightly

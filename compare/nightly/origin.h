@@ -21,4 +21,7 @@ Origin origin_of_program(const std::string& commit = "");
 /// "concord 0.1.0 (3f97bf0c1a2b, clang 14.0.6)".
 std::string version_words();
 
+/// The same, and a number that tells two builds apart.
+std::string build_words();
+
 }  // namespace concord::compare::nightly

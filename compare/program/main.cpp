@@ -300,10 +300,10 @@ int run_program(int argc, char** argv) {
   const CLI::App* report_command = add_report(program, line);
   add_info(program, line);
   AnalysisCommands analyses(program, line);
-  const compare::nightly::NightlyCommands nights(program);
+  compare::nightly::NightlyCommands nights(program);
   try {
     require_known_command(program, argc, argv);
-    program.parse(argc, argv);
+    program.parse(nights.take_slurm_words(argc, argv), argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }

@@ -71,4 +71,12 @@ void check_output(const std::filesystem::path& target, const std::vector<std::fi
   }
 }
 
+void check_outputs(const std::vector<std::filesystem::path>& targets, std::vector<std::filesystem::path> inputs) {
+  std::erase(inputs, std::filesystem::path());
+  for (const std::filesystem::path& target : targets) {
+    check_output(target, inputs);
+    if (!target.empty()) inputs.push_back(target);
+  }
+}
+
 }  // namespace concord::compare

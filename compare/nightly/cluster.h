@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/nightly/case.h"
+#include "compare/nightly/history.h"
+#include "compare/nightly/plan.h"
+#include "compare/report/console.h"
+#include "compare/verdict/solver_makers.h"
+
+/// A night as two jobs of Slurm: an array, each task of which runs some of the cases and leaves a file, and a merge
+/// that reads the files when all tasks have ended, however they did. Only the submission and the merge touch the
+/// history.
+namespace concord::compare::nightly {
+
+/// What stands as the process of a night in the history while its jobs do it; and back.
+std::string cluster_process(const std::filesystem::path& folder);
+std::optional<std::filesystem::path> cluster_folder(const std::string& process);
+/// Whether the jobs of the folder wait or run.
+bool is_cluster_running(const std::filesystem::path& folder);
+
+/// The machine of a night on a cluster; whether it is one.
+std::string cluster_machine(const std::string& name);
+bool is_cluster_machine(const std::string& machine);
+
+/// Takes `--wait` out of the words for sbatch and returns whether it was there. Throws InputError for an option of
+/// concord's own, and for one that concord sets itself.
+bool take_slurm_words(std::vector<std::string>& words);
+
+/// Shares the cases out, the longest first by the wall time that they took (`wall_times`, by name), so that tasks take
+/// about the same time. Each case has a task of its own if `most` allows it.
+std::vector<std::vector<const Case*>> deal_cases(std::vector<const Case*> cases, std::size_t most,
+                                                 const std::map<std::string, double>& wall_times);
+
+/// What one task may use, for sbatch: all of its cases one after the other, with a margin.
+std::vector<std::string> limits_of_tasks(const std::vector<std::vector<const Case*>>& tasks);
+
+/// Where the folders of a suite's nights are made.
+std::filesystem::path cluster_place(const NightlyCommand& command);
+
+/// Submits the tasks; the plan stands in the folder.
+long submit_tasks(const std::filesystem::path& folder, const NightlyCommand& command,
+                  const std::vector<std::vector<const Case*>>& tasks);
+/// Submits the merge, which begins when the tasks have ended.
+long submit_merge(const std::filesystem::path& folder, const NightlyCommand& command, long array);
+
+/// Which jobs were submitted, where results will stand, and how to follow and stop them.
+std::string submission_words(const std::filesystem::path& folder, const NightlyCommand& command,
+                             const ClusterJobs& jobs, std::size_t cases, std::size_t tasks);
+
+/// Until the merge has ended: prints its table and returns its code. Throws SlurmError if it is lost.
+int wait_for_merge(const std::filesystem::path& folder, const ClusterJobs& jobs, const Console& console);
+
+/// What one task of the array does: the cases of its number, one after the other. A task that is begun again does not
+/// repeat what it has done.
+int run_cluster_task(const NightlyCommand& command, const SolverMakers& makers, const Console& console);
+
+/// Stores what the tasks left, by the names of the cases; nothing is said of others. Returns how many.
+int store_task_results(const std::filesystem::path& folder, const ClusterPlan& plan,
+                       const std::vector<const Case*>& cases, long night, History& history);
+
+/// The same, and a row for each case of a lost task: not run, with what became of the task. Returns whether all cases
+/// have a result.
+bool merge_tasks(const std::filesystem::path& folder, const ClusterPlan& plan, const std::vector<const Case*>& cases,
+                 long night, History& history, const Console& console);
+
+}  // namespace concord::compare::nightly

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "common/error.h"
+#include "compare/nightly/command.h"
+#include "compare/nightly/history.h"
+#include "compare/nightly/night.h"
+#include "compare/nightly/suite.h"
+#include "compare/nightly/tables.h"
+#include "compare/report/console.h"
+#include "compare/report/files.h"
+#include "compare/report/result_folder.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One side of a difference.
+struct DiffSide {
+  Origin origin;
+  std::vector<Result> results;  // sorted by name
+};
+
+const Night& night_called(const std::string& name, const std::vector<Night>& nights) {
+  if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
+  if (name.starts_with("last")) {
+    const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
+    const bool is_number =
+        !back.empty() && back.size() < 9 && back.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number && std::stoul(back) < nights.size()) return nights[nights.size() - 1 - std::stoul(back)];
+  }
+  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+    if (fmt::format("{}", night->id) == name) return *night;
+  }
+  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+    if (name.size() >= 4 && night->origin.commit.starts_with(name)) return *night;
+  }
+  throw InputError({name, 0, 0},
+                   fmt::format("is no file, and the history has no such night: it has {} to {}; \"last\" is the last, "
+                               "\"last-1\" the one before; or give the beginning of a commit",
+                               nights.front().id, nights.back().id));
+}
+
+DiffSide side_called(const std::string& name, const fs::path& history_file) {
+  if (history_file.empty() || fs::is_regular_file(name)) {
+    NightFile file = read_night_json(name);
+    return {file.origin, std::move(file.results)};
+  }
+  if (!fs::exists(history_file)) throw InputError({history_file.string(), 0, 0}, "there is no such file");
+  History history(history_file);
+  const std::vector<Night> nights = history.nights();
+  const Night& night = night_called(name, nights);
+  DiffSide side{night.origin, {}};
+  for (const auto& [id, definition] : history.definitions(night.id)) {
+    if (auto result = history.find(night.id, id)) side.results.push_back(std::move(*result));
+  }
+  return side;
+}
+
+NightReport difference(const DiffSide& a, const DiffSide& b, const Judging& judging, const DiffCommand& command) {
+  NightReport report{
+      fmt::format("{} to {}", command.a, command.b), "concord difference", b.origin, utc_now(), {}, {}, 0};
+  auto then = a.results.begin();
+  auto now = b.results.begin();
+  while (then != a.results.end() || now != b.results.end()) {
+    const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
+    const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
+    if (only_then) {
+      report.others.push_back({Turn::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
+      ++then;
+    } else if (only_now) {
+      report.others.push_back({Turn::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0});
+      ++now;
+    } else {
+      std::vector<Change> changes = changes_between(*then++, *now, judging, "A");
+      report.cases.push_back(case_line_of(*now++, std::move(changes)));
+    }
+  }
+  report.code = code_of(report);
+  return report;
+}
+
+}  // namespace
+
+int show_difference(const DiffCommand& command, const Console& console) {
+  return guarded(console, [&] {
+    check_outputs({command.json, command.junit, command.markdown}, {command.a, command.b, command.history});
+    const Judging judging = command.suite.empty() ? Judging() : read_suite(command.suite).judging;
+    const DiffSide a = side_called(command.a, command.history);
+    const DiffSide b = side_called(command.b, command.history);
+    const NightReport report = difference(a, b, judging, command);
+    console.out << format_report(report) << std::flush;
+    std::size_t next = 0;
+    const auto result = [&]() { return next < b.results.size() ? std::optional(b.results[next++]) : std::nullopt; };
+    if (!command.json.empty()) write_night_json(command.json, report, result);
+    if (!command.junit.empty()) write_file(command.junit, format_night_junit(report));
+    if (!command.markdown.empty()) write_file(command.markdown, format_markdown(report));
+    return report.code;
+  });
+}
+
+}  // namespace concord::compare::nightly
