@@ -67,7 +67,7 @@ struct Case {
 };
 
 /// All that decides what the case does, as one line: two cases of one definition have the same result by the same
-/// program, as long as the model file is the same.
+/// program. The contents of the model's files stand in it: of the model, of what it includes, of its modes.
 std::string definition_of(const Case& one);
 
 }  // namespace concord::compare::nightly

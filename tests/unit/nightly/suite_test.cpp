@@ -123,6 +123,22 @@ TEST_F(Suites, DefinitionTellsWhatIsAskedAndOfWhichFile) {
   EXPECT_NE(definition_of(read(text).cases.at(0)), before);
 }
 
+/// Finds a result that passes for this case's although an included part or its modes are others now.
+TEST_F(Suites, DefinitionTellsWhatStandsInIncludedFilesAndModes) {
+  const std::filesystem::path models = folder_.path() / "models";
+  write_file(models / "one.toml", std::string(kPendulum) + "[[include]]\nfile = \"parts/arm.toml\"\n");
+  write_file(models / "parts" / "arm.toml", "[[body]]\nname = \"arm\"\nmodes_file = \"arm.modes\"\n");
+  write_file(models / "parts" / "arm.modes", "modes");
+  const std::string text = "[[case]]\nmodels = [\"models/one.toml\"]\n";
+  const std::string before = definition_of(read(text).cases.at(0));
+  EXPECT_EQ(definition_of(read(text).cases.at(0)), before);
+  write_file(models / "parts" / "arm.modes", "other modes");
+  const std::string after = definition_of(read(text).cases.at(0));
+  EXPECT_NE(after, before);
+  write_file(models / "parts" / "arm.toml", "[[body]]\nname = \"arm\"\nmodes_file = \"arm.modes\"\n# other\n");
+  EXPECT_NE(definition_of(read(text).cases.at(0)), after);
+}
+
 TEST(Patterns, MeanPartsOfNamesOrGlobs) {
   EXPECT_TRUE(is_meant("statics/car", "car"));
   EXPECT_TRUE(is_meant("statics/car", "statics/*"));
