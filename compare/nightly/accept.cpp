@@ -155,6 +155,9 @@ class Acceptance {
   void take(const Case& one, const Result* result) {
     if (result == nullptr) return refuse(one, "there is no result of it");
     if (result->ending == Ending::not_run) return refuse(one, "it was not run");
+    if (!result->definition.empty() && result->definition != definition_of(one)) {
+      return refuse(one, "it was run before its model or what the suite says of it was changed: run it again");
+    }
     if (!result->is_green() && !one.known_red) {
       return refuse(one, fmt::format("it is red ({}); a case that must be lived with gets known_red in the suite",
                                      to_string(result->ending)));

@@ -130,9 +130,7 @@ ClusterJobs read_jobs(const fs::path& folder) {
 
 void write_task(const fs::path& folder, int task, const TaskRecord& record) {
   PlanJson results = PlanJson::array();
-  for (const Result& result : record.results) {
-    results.push_back({{"definition", result.definition}, {"result", to_json(result)}});
-  }
+  for (const Result& result : record.results) results.push_back(to_json(result));
   const PlanJson document = {{"format", kPlanFormat},
                              {"node", record.node},
                              {"is_finished", record.is_finished},
@@ -143,11 +141,7 @@ void write_task(const fs::path& folder, int task, const TaskRecord& record) {
 std::optional<TaskRecord> read_task(const fs::path& folder, int task) {
   return read_if_there<TaskRecord>(task_file(folder, task), [](const PlanJson& document) {
     TaskRecord record{document.at("node"), document.at("is_finished"), {}};
-    for (const PlanJson& one : document.at("results")) {
-      Result result = result_from_json(one.at("result"));
-      result.definition = one.at("definition");
-      record.results.push_back(std::move(result));
-    }
+    for (const PlanJson& one : document.at("results")) record.results.push_back(result_from_json(one));
     return record;
   });
 }

@@ -105,6 +105,7 @@ Json to_json(const Result& result) {
   }
   return {{"case", result.id},
           {"work", result.work},
+          {"definition", result.definition},
           {"ending", to_string(result.ending)},
           {"words", result.words},
           {"judged", result.judged},
@@ -119,6 +120,7 @@ Result result_from_json(const Json& document) {
   Result result;
   result.id = document.at("case");
   result.work = document.at("work");
+  result.definition = document.value("definition", "");
   result.ending = ending_of(document.at("ending"));
   result.words = document.at("words");
   result.judged = document.at("judged");

@@ -48,7 +48,7 @@ struct Cost {
 struct Result {
   std::string id;
   std::string work;
-  std::string definition;  // what the case was asked; empty: not known. No part of the JSON
+  std::string definition;  // what the case was asked; empty: not known
   Ending ending = Ending::not_run;
   std::string words;  // findings, failures or last words
   int judged = 0;

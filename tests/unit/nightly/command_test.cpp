@@ -139,6 +139,26 @@ TEST_F(Nights, NothingRedIsAcceptedAndNothingWithoutAReason) {
   EXPECT_EQ(accept(silent).code, kBadInput);
 }
 
+/// Finds baselines that were never what the suite asks now.
+TEST_F(Nights, ResultsOfAnotherDefinitionAreNotAccepted) {
+  NightlyCommand command;
+  command.history = history_;
+  command.json = folder_.path() / "night.json";
+  nightly(command);
+  write_file(folder_.path() / "models" / "sound.toml", kPendulum + "# changed\n");
+  AcceptCommand stored;
+  stored.history = history_;
+  AcceptCommand from;
+  from.from = command.json;
+  for (const AcceptCommand& one : {stored, from}) {
+    const Told told = accept(one);
+    EXPECT_EQ(told.code, kDiffer);
+    EXPECT_THAT(told.err, HasSubstr("sound is not accepted: it was run before its model or what the suite says"));
+    EXPECT_THAT(bytes_of(baselines_), Not(HasSubstr("sound")));
+    EXPECT_THAT(bytes_of(baselines_), HasSubstr("other"));
+  }
+}
+
 TEST_F(Nights, EveryWayToEndIsARowAndNeverTheEnd) {
   accept();
   for (const char* name : {"crashing", "stopping", "differing"}) model(name);
