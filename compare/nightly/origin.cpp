@@ -60,8 +60,15 @@ std::uint64_t hash_of_program() {
 Origin origin_of_program(const std::string& commit) {
   const char* said = std::getenv("CONCORD_COMMIT");
   const bool is_said = said != nullptr && *said != '\0';
-  return {"concord " CONCORD_VERSION, !commit.empty() ? commit : std::string(is_said ? said : CONCORD_COMMIT),
-          compiler_words(), machine_words()};
+  const std::string words = !commit.empty() ? commit
+                            : is_said       ? said
+                                            : tell_builds_apart(CONCORD_COMMIT, hash_of_program());
+  return {"concord " CONCORD_VERSION, words, compiler_words(), machine_words()};
+}
+
+std::string tell_builds_apart(const std::string& commit, std::uint64_t build) {
+  const bool is_told = commit != "unknown" && !commit.ends_with("-dirty");
+  return is_told ? commit : fmt::format("{}.{:08x}", commit, static_cast<std::uint32_t>(build));
 }
 
 std::string version_words() {
