@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/vfs.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <thread>
 
@@ -15,7 +18,20 @@ namespace {
 
 constexpr int kPatienceMs = 60000;  // for another program that writes
 
+bool lies_on_network(const std::string& file) {
+  struct statfs system {};
+  return statfs(file.c_str(), &system) == 0 && is_network_file_system(static_cast<std::uint32_t>(system.f_type));
+}
+
 }  // namespace
+
+bool is_network_file_system(std::uint32_t type) {
+  // statfs(2): NFS, SMB, CIFS, SMB2, FUSE (sshfs, GlusterFS), Lustre, GPFS, BeeGFS, Ceph, AFS, GFS2, OCFS2, PanFS, 9P.
+  constexpr std::array<std::uint32_t, 14> kTypes{0x6969,     0x517b,     0xff534d42, 0xfe534d42, 0x65735546,
+                                                 0x0bd00bd0, 0x47504653, 0x19830326, 0x00c36400, 0x5346414f,
+                                                 0x01161970, 0x7461636f, 0xaad7aaea, 0x01021997};
+  return std::find(kTypes.begin(), kTypes.end(), type) != kTypes.end();
+}
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
@@ -103,14 +119,16 @@ Database::Database(const std::filesystem::path& file) : file_(file.string()) {
 
 void Database::use_write_ahead_log() {
   constexpr int kTries = 100;
+  const bool is_shared = lies_on_network(file_);
+  const char* mode = is_shared ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL";
   for (int k = 0; k < kTries; ++k) {
-    const int code = sqlite3_exec(database_.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr);
+    const int code = sqlite3_exec(database_.get(), mode, nullptr, nullptr, nullptr);
     if (code == SQLITE_OK) break;
     // Two programs that open a new file at once are not made to wait by SQLite.
     if (code != SQLITE_BUSY || k + 1 == kTries) fail(code);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  execute("PRAGMA synchronous = NORMAL");
+  execute(is_shared ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
   execute("PRAGMA foreign_keys = ON");
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -63,7 +64,8 @@ class Database {
   /// DatabaseError if it cannot be used.
   explicit Database(const std::filesystem::path& file);
 
-  /// Every change is on its way to the disk when a transaction ends, and a write-ahead log lets others read meanwhile.
+  /// Every change is on its way to the disk when a transaction ends, and a write-ahead log lets others read meanwhile;
+  /// on a network's file system, where computers cannot share such a log, a rollback journal.
   /// Changes the head of the file: to be called when it is known to be ours.
   void use_write_ahead_log();
 
@@ -81,6 +83,9 @@ class Database {
   std::string file_;
   std::unique_ptr<sqlite3, Close> database_;
 };
+
+/// Whether statfs(2) gives this type to a file system that other computers may write at the same time.
+bool is_network_file_system(std::uint32_t type);
 
 /// All or nothing: rolled back unless committed. Waits for other programs that write.
 class Transaction {

@@ -234,4 +234,23 @@ TEST_F(Histories, FullDiskIsAnErrorAndLosesNothingThatWasStored) {
   EXPECT_EQ(History(file()).definitions(1).size(), stored);
 }
 
+/// Finds a write-ahead log where two computers would each keep their own index of it.
+TEST(Databases, NetworkFileSystemsAreKnown) {
+  for (const std::uint32_t type : {0x6969U, 0x0bd00bd0U, 0x47504653U, 0x19830326U}) {
+    EXPECT_TRUE(is_network_file_system(type));  // NFS, Lustre, GPFS, BeeGFS
+  }
+  for (const std::uint32_t type : {0xef53U, 0x01021994U, 0x58465342U, 0x9123683eU}) {
+    EXPECT_FALSE(is_network_file_system(type));  // ext4, tmpfs, XFS, btrfs
+  }
+}
+
+/// Finds two builds of changed sources that pass for one program, whose results --resume would mix.
+TEST(Origins, BuildsOfChangedSourcesAreToldApart) {
+  EXPECT_EQ(tell_builds_apart("3f97bf0c1a2b", 1), "3f97bf0c1a2b");
+  EXPECT_EQ(tell_builds_apart("3f97bf0c1a2b-dirty", 0x12), "3f97bf0c1a2b-dirty.00000012");
+  EXPECT_NE(tell_builds_apart("unknown", 1), tell_builds_apart("unknown", 2));
+  EXPECT_EQ(origin_of_program("3f97bf0c1a2b-dirty").commit, "3f97bf0c1a2b-dirty");  // as the user says
+  EXPECT_FALSE(origin_of_program().commit.ends_with("-dirty"));
+}
+
 }  // namespace concord::compare::nightly
