@@ -125,6 +125,20 @@ struct Left {
   int lost_tasks = 0;
 };
 
+/// A shared file system may show a file some seconds after it was written on another node.
+void await_records(const fs::path& folder, const std::map<int, slurm::TaskState>& states) {
+  constexpr int kPatience = 60;  // seconds
+  for (int second = 0; second < kPatience; ++second) {
+    const bool is_late = std::any_of(states.begin(), states.end(), [&](const auto& task) {
+      if (task.second.state != "COMPLETED") return false;
+      const auto record = read_task(folder, task.first);
+      return !record || !record->is_finished;
+    });
+    if (!is_late) return;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+}
+
 Left what_tasks_left(const fs::path& folder, const ClusterPlan& plan, const std::map<int, slurm::TaskState>& states) {
   Left left;
   for (std::size_t k = 0; k < plan.tasks.size(); ++k) {
@@ -137,8 +151,9 @@ Left what_tasks_left(const fs::path& folder, const ClusterPlan& plan, const std:
     if (has_all) continue;
     const bool is_finished = record && record->is_finished;
     if (!is_finished) ++left.lost_tasks;
-    const std::string words =
-        is_finished ? "the time of the night was up" : words_of_lost(folder, task, record, states);
+    const std::string words = !is_finished           ? words_of_lost(folder, task, record, states)
+                              : plan.command.minutes ? "the time of the night was up"
+                                                     : "interrupted, and its task went on";
     for (const std::string& name : plan.tasks[k]) {
       if (!left.results.contains(name)) left.lost.emplace(name, words);
     }
@@ -343,8 +358,9 @@ int store_task_results(const fs::path& folder, const ClusterPlan& plan, const st
 bool merge_tasks(const fs::path& folder, const ClusterPlan& plan, const std::vector<const Case*>& cases, long night,
                  History& history, const Console& console) {
   const long array = read_jobs(folder).array;
-  const Left left =
-      what_tasks_left(folder, plan, array == 0 ? std::map<int, slurm::TaskState>() : slurm::task_states(array));
+  const auto states = array == 0 ? std::map<int, slurm::TaskState>() : slurm::task_states(array);
+  await_records(folder, states);
+  const Left left = what_tasks_left(folder, plan, states);
   bool is_complete = true;
   for (const Case* one : cases) {
     const auto found = left.results.find(one->id);

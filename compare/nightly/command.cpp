@@ -80,10 +80,11 @@ class NightlyRun {
     const auto tasks =
         deal_cases(cases, static_cast<std::size_t>(cluster.most_tasks), history->wall_times(suite_.name));
     const fs::path folder = make_numbered_folder(place);
-    ClusterPlan plan = plan_of(tasks);
-    write_plan(folder, plan);
-    ClusterJobs jobs{submit_tasks(folder, command_, tasks), 0};
+    ClusterJobs jobs;
     try {
+      ClusterPlan plan = plan_of(tasks);
+      write_plan(folder, plan);
+      jobs.array = submit_tasks(folder, command_, tasks);
       write_jobs(folder, jobs);
       if (!is_resumed_) begin(*history);
       history->take_over(night_, cluster_process(folder));
@@ -93,7 +94,7 @@ class NightlyRun {
       history.reset();
       jobs.merge = submit_merge(folder, command_, jobs.array);
     } catch (...) {
-      withdraw(jobs.array);
+      withdraw(folder, jobs.array);
       throw;
     }
     write_jobs(folder, jobs);
@@ -149,10 +150,12 @@ class NightlyRun {
   }
 
   /// After a submission that did not succeed.
-  void withdraw(long array) {
-    slurm::cancel(array);
-    if (is_resumed_ || night_ == 0) return;
-    History(history_file()).withdraw(night_);
+  void withdraw(const fs::path& folder, long array) const {
+    if (array != 0) slurm::cancel(array);
+    if (!is_resumed_ && night_ != 0) History(history_file()).withdraw(night_);
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+    fs::remove(folder.parent_path(), ignored);  // unless other nights are there
   }
 
   void check_outputs() const {
