@@ -16,6 +16,7 @@
 #include "compare/nightly/history.h"
 #include "compare/nightly/night.h"
 #include "compare/nightly/plan.h"
+#include "compare/nightly/submission.h"
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
@@ -100,7 +101,7 @@ class NightlyRun {
     write_jobs(folder, jobs);
     std::ostream& told = command_.wait ? console_.err : console_.out;
     told << submission_words(folder, command_, jobs, cases.size(), tasks.size()) << std::flush;
-    return command_.wait ? wait_for_merge(folder, jobs, console_) : static_cast<int>(kAgree);
+    return command_.wait ? wait_for_merge(folder, jobs, tasks.size(), console_) : static_cast<int>(kAgree);
   }
 
   /// What the merge job does: reads what the tasks left, and reports.
@@ -135,7 +136,7 @@ class NightlyRun {
     console_.out << text << std::flush;
     write_outputs(report, text, history);
     notify(report);
-    return {report.code, text};
+    return {report.code, text, is_complete};
   }
 
   ClusterPlan plan_of(const std::vector<std::vector<const Case*>>& tasks) const {
@@ -288,12 +289,15 @@ int merge_night(const fs::path& folder, const SolverMakers& makers, const Consol
   std::optional<ClusterPlan> plan;
   const int code = guarded(console, [&] {
     plan = read_plan(folder);
+    if (const auto end = read_end(folder); end && end->is_complete) {
+      throw InputError({folder.string(), 0, 0}, "the results of this night are merged already: all tasks were done");
+    }
     fs::current_path(plan->where);
     return NightlyRun(plan->command, makers, console).merge(folder, *plan);
   });
   if (plan && !read_end(folder)) {
     guarded(console, [&] {
-      write_end(folder, {code, ""});
+      write_end(folder, {code, "", false});
       return 0;
     });
   }

@@ -149,13 +149,13 @@ std::optional<TaskRecord> read_task(const fs::path& folder, int task) {
 std::string task_log_name(int task) { return fmt::format("task-{}.log", task); }
 
 void write_end(const fs::path& folder, const ClusterEnd& end) {
-  const PlanJson document = {{"code", end.code}, {"table", end.table}};
+  const PlanJson document = {{"code", end.code}, {"table", end.table}, {"is_complete", end.is_complete}};
   write_file(folder / "ended.json", document.dump(-1, ' ', false, PlanJson::error_handler_t::replace) + '\n');
 }
 
 std::optional<ClusterEnd> read_end(const fs::path& folder) {
   return read_if_there<ClusterEnd>(folder / "ended.json", [](const PlanJson& document) {
-    return ClusterEnd{document.at("code"), document.at("table")};
+    return ClusterEnd{document.at("code"), document.at("table"), document.at("is_complete")};
   });
 }
 

@@ -54,7 +54,8 @@ std::string task_log_name(int task);
 /// What the merge printed, and with which code it ended.
 struct ClusterEnd {
   int code = 0;
-  std::string table;
+  std::string table;         // empty: it could not report
+  bool is_complete = false;  // all cases have results, which are in the history; the tasks' files are gone
 };
 void write_end(const std::filesystem::path& folder, const ClusterEnd& end);
 std::optional<ClusterEnd> read_end(const std::filesystem::path& folder);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "common/error.h"
+#include "compare/nightly/submission.h"
 #include "compare/report/files.h"
 #include "tests/unit/temporary_folder.h"
 
@@ -157,6 +158,13 @@ TEST_F(ClusterNight, NightIsCompleteWhenEveryCaseHasAResult) {
   EXPECT_TRUE(merge());
   remove_task_files(place_, 2);
   EXPECT_EQ(read_task(place_, 0), std::nullopt);
+}
+
+/// Finds a second merge that puts losses in the place of results.
+TEST_F(ClusterNight, LossNeverReplacesAResult) {
+  for (const char* id : {"a", "b", "c|'ü"}) history_.store(night_, green(id));
+  EXPECT_TRUE(merge());
+  EXPECT_EQ(history_.find(night_, "b")->ending, Ending::agree);
 }
 
 /// Finds a half-written or foreign file that passes for a result.
