@@ -154,9 +154,8 @@ int run_cluster_task(const NightlyCommand& command, const SolverMakers& makers, 
   const fs::path folder = fs::absolute(command.slurm_task);
   const ClusterPlan plan = read_plan(folder);
   if (plan.program != build_words()) {
-    throw InputError(
-        {folder.string(), 0, 0},
-        fmt::format("the night was submitted by another program: by {}, not by {}", plan.program, build_words()));
+    throw InputError({"concord", 0, 0}, fmt::format("was built anew since the night was submitted: by {}, now {}",
+                                                    plan.program, build_words()));
   }
   const long task = task_number();
   if (static_cast<std::size_t>(task) >= plan.tasks.size()) {
