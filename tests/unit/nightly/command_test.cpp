@@ -69,6 +69,18 @@ class Nights : public ::testing::Test {
     return {code, out.str(), err.str()};
   }
 
+  /// As if it had been killed: another process, which has ended, began it.
+  void stop_first_night() {
+    const pid_t child = fork();
+    if (child == 0) {
+      History own(history_);
+      own.finish(1, "");
+      own.take_over(1);
+      _exit(0);
+    }
+    waitpid(child, nullptr, 0);
+  }
+
   Told accept(AcceptCommand command = {}) {
     command.what.insert(command.what.begin(), suite_.string());
     if (command.reason.empty()) command.reason = "first";
@@ -194,6 +206,23 @@ TEST_F(Nights, KnownRedIsNotRedUntilItsDayIsOver) {
   EXPECT_EQ(nightly(command).code, kDiffer);
 }
 
+/// Finds a result that is kept although the part or the modes that it was found with are others now.
+TEST_F(Nights, ResumedNightRunsCasesAgainWhoseIncludedFilesChanged) {
+  write_file(folder_.path() / "models" / "sound.toml", kPendulum + "[[include]]\nfile = \"parts/none.toml\"\n");
+  const auto part = folder_.path() / "models" / "parts" / "none.toml";
+  write_file(part, "[[body]]\nname = \"arm\"\nmodes_file = \"arm.modes\"\n");
+  NightlyCommand command;
+  command.history = history_;
+  command.commit = "abc";
+  nightly(command);
+  command.resume = true;
+  stop_first_night();
+  EXPECT_THAT(nightly(command).err, HasSubstr("night 1 goes on: 2 of 2 cases were done"));
+  write_file(part.parent_path() / "arm.modes", "mended");
+  stop_first_night();
+  EXPECT_THAT(nightly(command).err, HasSubstr("night 1 goes on: 1 of 2 cases were done"));
+}
+
 TEST_F(Nights, ResumedNightRunsOnlyWhatIsLeft) {
   accept();
   NightlyCommand command;
@@ -201,17 +230,7 @@ TEST_F(Nights, ResumedNightRunsOnlyWhatIsLeft) {
   command.commit = "abc";
   command.only = "other";
   nightly(command);
-  {  // as if it had been killed: another process began it
-    History history(history_);
-    const pid_t child = fork();
-    if (child == 0) {
-      History own(history_);
-      own.finish(1, "");
-      own.take_over(1);
-      _exit(0);
-    }
-    waitpid(child, nullptr, 0);
-  }
+  stop_first_night();
   command.only.clear();
   command.resume = true;
   const Told resumed = nightly(command);
