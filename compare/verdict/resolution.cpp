@@ -340,6 +340,12 @@ class StateResolution {
   std::string singular_;
 };
 
+/// Seeds of different states.
+std::uint64_t seed_of(std::uint64_t seed, Eigen::Index state) {
+  constexpr std::uint64_t kApart = 1000003;
+  return seed + kApart * static_cast<std::uint64_t>(state);
+}
+
 }  // namespace
 
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
@@ -354,8 +360,7 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index row = 0; row < rows; ++row) scales(row) = measured[static_cast<std::size_t>(row)].scale;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
-    constexpr std::uint64_t kApart = 1000003;  // seeds of different states
-    StateResolution one(layout, shared, seed + kApart * static_cast<std::uint64_t>(column), result);
+    StateResolution one(layout, shared, seed_of(seed, column), result);
     bool known = true;
     for (const Who who : {Who::cartesian, Who::relative}) {
       const VecX said = layout.observe(shared.state, shared.evaluations[index(who)]);
@@ -372,6 +377,21 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
     result.both.col(column) = result.own[0].col(column).cwiseMax(result.own[1].col(column)) + floor;
   }
   return result;
+}
+
+MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
+                            const std::vector<SharedState>& states, std::uint64_t seed) {
+  Resolution counts;
+  MatX own = MatX::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
+                            static_cast<Eigen::Index>(states.size()), kUnknown);
+  for (Eigen::Index column = 0; column < own.cols(); ++column) {
+    const SharedState& state = states[static_cast<std::size_t>(column)];
+    StateResolution one(layout, state, seed_of(seed, column), counts);
+    if (const auto change = one.of(solver, layout.observe(state.state, state.evaluations[index(who)]))) {
+      own.col(column) = *change;
+    }
+  }
+  return own;
 }
 
 MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedState>& states, int samples) {

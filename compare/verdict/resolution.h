@@ -59,6 +59,11 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
                               const std::vector<SharedState>& states, const std::vector<Measured>& measured,
                               std::uint64_t seed);
 
+/// The same of one solver alone, without the floor: the largest change of its answers, which stand in the states' place
+/// `who`.
+MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
+                            const std::vector<SharedState>& states, std::uint64_t seed);
+
 /// The resolutions in the samples of a run: of each sample the largest over the states taken from it
 /// (SharedState::row), NaN where there is none.
 MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedState>& states, int samples);
