@@ -1,10 +1,11 @@
 # `cmake --install FOLDER` installs the program, and the libraries as a package: find_package(concord) gives another
 # project concord::cartesian and concord::relative, the joint vocabulary (concord::common), the comparator
-# (concord::verdict, and its tables and files: concord::report) and the joint check (concord::joint_check).
+# (concord::verdict, its tables and files: concord::report, the invariance battery: concord::invariance) and the joint
+# check (concord::joint_check).
 include(GNUInstallDirs)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/concord)
 set(libraries concord_options)
-foreach(library common sundials cartesian relative audit attribution verdict report joint_check)
+foreach(library common sundials cartesian relative audit attribution verdict report analyses invariance joint_check)
   if(TARGET concord_${library})
     set_target_properties(concord_${library} PROPERTIES EXPORT_NAME ${library})
     list(APPEND libraries concord_${library})

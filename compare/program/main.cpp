@@ -15,6 +15,8 @@
 #include "common/reading/spelling.h"
 #include "compare/analyses/command.h"
 #include "compare/fuzz/options.h"
+#include "compare/invariance/command.h"
+#include "compare/invariance/moves.h"
 #include "compare/joint_check/command.h"
 #include "compare/nightly/options.h"
 #include "compare/nightly/origin.h"
@@ -56,6 +58,8 @@ constexpr const char* kEpilogue = R"(Examples:
       motion and reactions of a machine whose motion is fully driven
   concord inverse my.toml --acceleration hinge.turn_z=2.5
       forces that give the kept coordinates these accelerations, and the way back
+  concord invariance my.toml
+      each solver against itself: the same machine described in equivalent ways
   concord joint --all
       a sheet for each joint type that proves or refutes it, and a summary
   concord fuzz --count 1000 --keep found
@@ -128,6 +132,7 @@ struct CommandLine {
   std::string linearize_at = "start";
   std::string oracle;
   compare::joint_check::JointCommand joint;
+  compare::invariance::InvarianceCommand invariance;
   compare::fuzz::FuzzCommand fuzz;
   compare::page::ReportCommand report;
 };
@@ -188,6 +193,18 @@ CLI::App* add_joint(CLI::App& program, CommandLine& line) {
   command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--out", line.joint.out, "Folder for the sheets, as text and as JSON");
+  return command;
+}
+
+CLI::App* add_invariance(CLI::App& program, CommandLine& line) {
+  CLI::App* command = program.add_subcommand(
+      "invariance", "Hold each solver against itself: the same machine described in equivalent ways");
+  command->add_option("MODEL", line.invariance.models, "Model files (TOML)")->required();
+  command->add_option("--move", line.invariance.options.moves, "Only this move; may be given several times")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(compare::invariance::move_names()));
+  command->add_option("--seed", line.invariance.options.seed, "Seed of the moves and of the states; default: 19971025");
+  command->add_option("--json", line.invariance.json, "File for the results as JSON");
   return command;
 }
 
@@ -298,6 +315,7 @@ int run_program(int argc, char** argv) {
   const CLI::App* compare_command = add_compare(program, line);
   const CLI::App* run_command = add_run(program, line);
   const CLI::App* joint_command = add_joint(program, line);
+  const CLI::App* invariance_command = add_invariance(program, line);
   const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
   const CLI::App* report_command = add_report(program, line);
   add_info(program, line);
@@ -322,6 +340,7 @@ int run_program(int argc, char** argv) {
     return compare::run_model(line.run, makers, console);
   }
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
+  if (invariance_command->parsed()) return compare::invariance::try_invariance(line.invariance, makers, console);
   if (report_command->parsed()) return compare::page::write_report(line.report, console);
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
   if (const auto code = nights.run(makers, console)) return *code;

@@ -6,13 +6,16 @@
 #include <iostream>
 
 #include "compare/audit/digits.h"
+#include "compare/invariance/units.h"
 #include "judged_machines.h"
-#include "transform.h"
 
 /// No threshold has a unit: a machine a million times longer, heavier or slower, or smaller by as much, gets the same
 /// verdict, with digits within one. Powers of two are exact, so that every digit that is printed stays.
 namespace concord::verification {
 namespace {
+
+using compare::invariance::told_in_units;
+using compare::invariance::Units;
 
 /// A machine of data/models, or with a folder of tests/verification/machines, and the run that is looked at [s].
 struct Scaled {

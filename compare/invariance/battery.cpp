@@ -1,0 +1,308 @@
+#include "compare/invariance/battery.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "common/error.h"
+#include "compare/audit/digits.h"
+#include "compare/invariance/moved_solver.h"
+#include "compare/invariance/moves.h"
+#include "compare/verdict/branch.h"
+#include "compare/verdict/states.h"
+#include "compare/verdict/weighed_states.h"
+
+namespace concord::compare::invariance {
+
+std::optional<double> Nearest::resolvable() const {
+  if (!(measured.resolution >= 0.0)) return std::nullopt;
+  return matching_digits(measured.resolution, measured.scale);
+}
+
+namespace {
+
+constexpr std::array kBoth{Who::cartesian, Who::relative};
+constexpr double kUnit = std::numeric_limits<double>::epsilon();
+/// The states come from a run that need not be accurate, only closed.
+constexpr double kRunTolerance = 1e-7;
+/// Modes make a run costly and have been everywhere soon.
+constexpr double kPartOfFlexibleRun = 0.1;
+
+bool is_nearer(const Measured& one, const Measured& other) {
+  if (one.unexplained_digits != other.unexplained_digits) return one.unexplained_digits < other.unexplained_digits;
+  return one.digits < other.digits;
+}
+
+/// What one solver says in a new description, led back to the first one.
+struct Answers {
+  std::vector<SharedState> states;  // the solver's evaluations
+  std::vector<RankReport> reports;
+  std::vector<Eigen::Index> columns;  // of the states among all
+};
+
+/// One model: states, what both solvers find in them, and the same under every move.
+class BatteryRun {
+ public:
+  BatteryRun(Model& model, Solvers solvers, const SolverMakers& makers, const BatteryOptions& options, Battery& battery)
+      : model_(model),
+        layout_(model),
+        makers_(makers),
+        options_(options),
+        battery_(battery),
+        owned_(std::move(solvers)),
+        solvers_{owned_[0].get(), owned_[1].get()} {}
+
+  void run() {
+    battery_.name = model_.name;
+    for (const Who who : kBoth) starts_[index(who)].samples = {{solvers_[index(who)]->assemble(), {}, 0.0}};
+    const State& start = starts_[index(Who::relative)].samples.front().state;
+    if (!find_states(start)) return;
+    for (Move& move : moves_of(model_, start, options_.moves, options_.seed)) {
+      battery_.moves.push_back(
+          {move.name, move.about, move.why_not, move.left, static_cast<int>(move.variants.size())});
+      for (const Who who : kBoth) {
+        MoveRow& row = battery_.rows.emplace_back();
+        row.move = battery_.moves.size() - 1;
+        row.who = who;
+        row.applies = move.why_not.empty() && !(move.of_cuts && solvers_[index(who)]->cut_joints().empty());
+      }
+      for (const Variant& variant : move.variants) try_variant(variant, start);
+      for (std::size_t who = 0; who < 2; ++who) conclude(row_of(kBoth[who]));
+    }
+  }
+
+ private:
+  MoveRow& row_of(Who who) { return battery_.rows[battery_.rows.size() - 2 + static_cast<std::size_t>(index(who))]; }
+
+  /// A run by one solver: by the other one where the first does not finish.
+  std::optional<Trajectory> integrate() {
+    RunOptions run;
+    run.until = options_.until.value_or((model_.is_flexible() ? kPartOfFlexibleRun : 1.0) * model_.run.until);
+    run.rtol = kRunTolerance;
+    run.samples = options_.samples;
+    std::string first_words;
+    for (const Who who : {Who::relative, Who::cartesian}) {
+      try {
+        return solvers_[index(who)]->integrate(run, {});
+      } catch (const SolverError& error) {
+        if (first_words.empty()) first_words = error.what();
+      }
+    }
+    battery_.failures.push_back(std::move(first_words));
+    return std::nullopt;
+  }
+
+  bool find_states(const State& start) {
+    const std::optional<Trajectory> trajectory = integrate();
+    if (!trajectory) return false;
+    std::vector<OwnedState> run = run_states({nullptr, &*trajectory}, 1);
+    run.front().state = start;
+    SharedStates shared = share(solvers_, run);
+    SharedStates random = share_random(model_, solvers_, run, options_.seed, options_.random);
+    battery_.run_states = static_cast<int>(shared.states.size());
+    battery_.random_states = static_cast<int>(random.states.size());
+    std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
+    const auto refused = run.size() + static_cast<std::size_t>(options_.random) - shared.states.size();
+    if (refused > 0)
+      battery_.notes.push_back(fmt::format("{} states are left out: one of the solvers refuses them", refused));
+    if (shared.states.empty()) {
+      battery_.failures.emplace_back("there is no state that both solvers evaluate: see what `concord compare` says");
+      return false;
+    }
+    base_ = weigh(layout_, solvers_, std::move(shared.states), options_.seed);
+    if (base_.states.empty()) {
+      battery_.failures.push_back(base_.dropped);
+      return false;
+    }
+    for (const std::string& reason : base_.singular) {
+      if (reason.empty()) continue;
+      battery_.notes.push_back(fmt::format("a singular pose is not judged: {}", reason));
+      break;
+    }
+    scales_ = VecX(static_cast<Eigen::Index>(layout_.quantities().size()));
+    const std::vector<Measured> measured = measure(layout_, base_.series);
+    for (std::size_t row = 0; row < measured.size(); ++row)
+      scales_(static_cast<Eigen::Index>(row)) = measured[row].scale;
+    for (const SharedState& state : base_.states) terms_.push_back(term_sizes(layout_, state));
+    return true;
+  }
+
+  void try_variant(const Variant& variant, const State& start) {
+    const Model again = started_in(variant.change.model(started_in(model_, start)), variant.change.state(start));
+    for (const Who who : kBoth) {
+      if (!row_of(who).applies) continue;
+      const auto& make = who == Who::cartesian ? makers_.cartesian : makers_.relative;
+      try {
+        MovedSolver moved(variant.change, again, make);
+        compare_starts(who, moved);
+        const Answers answers = ask(who, variant, moved);
+        if (answers.states.empty()) continue;
+        judge(who, variant, answers, measure_own_resolution(layout_, moved, who, answers.states, options_.seed));
+      } catch (const InputError& error) {
+        refuse(who, variant, "the description", error.what());
+      } catch (const SolverError& error) {
+        refuse(who, variant, "the description", error.what());
+      }
+    }
+  }
+
+  void compare_starts(Who who, MovedSolver& moved) {
+    Trajectory again;
+    again.samples = {{moved.assemble(), {}, 0.0}};
+    const MotionAgreement agreement = compare_motions(model_, {&starts_[index(who)], &again});
+    MotionAgreement& worst = row_of(who).start;
+    if (agreement.digits < worst.digits) worst = agreement;
+  }
+
+  void refuse(Who who, const Variant& variant, const std::string& what, const std::string& words) {
+    row_of(who).outcome = Outcome::differ;
+    tell(row_of(who), variant, fmt::format("{} is refused: {}", what, words));
+  }
+
+  static void tell(MoveRow& row, const Variant& variant, const std::string& words) {
+    row.words.push_back(variant.label.empty() ? words : fmt::format("{}: {}", variant.label, words));
+  }
+
+  /// Asks a solver in every state that is no singular pose.
+  Answers ask(Who who, const Variant& variant, MovedSolver& moved) {
+    Answers answers;
+    int refused = 0;
+    std::string first_words;
+    for (std::size_t k = 0; k < base_.states.size(); ++k) {
+      if (!base_.singular[k].empty()) continue;
+      SharedState state{base_.states[k].state, {}, base_.states[k].row};
+      try {
+        state.evaluations[index(who)] = moved.evaluate(state.state);
+        answers.reports.push_back(moved.rank(state.state));
+      } catch (const SolverError& error) {
+        if (refused++ == 0) first_words = error.what();
+        continue;
+      }
+      answers.states.push_back(std::move(state));
+      answers.columns.push_back(static_cast<Eigen::Index>(k));
+    }
+    if (refused > 0) refuse(who, variant, fmt::format("{} of {} states", refused, base_.states.size()), first_words);
+    return answers;
+  }
+
+  /// One solver under one description against itself in the first one.
+  void judge(Who who, const Variant& variant, const Answers& answers, const MatX& own) {
+    const auto rows = static_cast<Eigen::Index>(layout_.quantities().size());
+    const auto count = static_cast<Eigen::Index>(answers.columns.size());
+    Series series;
+    series.spin = base_.series.spin;
+    for (MatX& values : series.values) values.resize(rows, count);
+    Mask mask(rows, count);
+    MatX resolution(rows, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto answer = static_cast<std::size_t>(k);
+      const Eigen::Index at = answers.columns[answer];
+      const State& state = answers.states[answer].state;
+      series.times.push_back(state.t);
+      series.values[0].col(k) = base_.series.values[index(who)].col(at);
+      series.values[1].col(k) = layout_.observe(state, answers.states[answer].evaluations[index(who)]);
+      const VecX floor = kUnit * scales_.cwiseMax(terms_[static_cast<std::size_t>(at)]);
+      const VecX first = base_.resolution.own[index(who)].col(at);
+      const VecX second = own.col(k);
+      resolution.col(k) = second.array().isNaN().select(second, first.cwiseMax(second)) + floor;
+      mask.col(k) = unique_in(who, variant, static_cast<std::size_t>(at), answers.reports[answer]);
+    }
+    if (!series.values[1].allFinite()) {
+      row_of(who).outcome = Outcome::differ;
+      return tell(row_of(who), variant, "a result is not a number");
+    }
+    take(row_of(who), variant, measure(layout_, series, {&resolution, &mask}));
+  }
+
+  /// Where a quantity is unique in the first description; tells where the second one says otherwise.
+  Eigen::Array<bool, Eigen::Dynamic, 1> unique_in(Who who, const Variant& variant, std::size_t state,
+                                                  const RankReport& report) {
+    const std::vector<Uniqueness> first = uniqueness_of(layout_, base_.reports[state][index(who)]);
+    const std::vector<Uniqueness> second = uniqueness_of(layout_, report);
+    Eigen::Array<bool, Eigen::Dynamic, 1> unique(static_cast<Eigen::Index>(first.size()));
+    for (std::size_t row = 0; row < first.size(); ++row) {
+      unique(static_cast<Eigen::Index>(row)) = first[row] == Uniqueness::unique;
+      const bool decided = first[row] != Uniqueness::undecided && second[row] != Uniqueness::undecided;
+      if (decided && first[row] != second[row]) note_other_uniqueness(who, variant, layout_.quantities()[row]);
+    }
+    return unique;
+  }
+
+  void note_other_uniqueness(Who who, const Variant& variant, const Quantity& quantity) {
+    MoveRow& row = row_of(who);
+    row.outcome = Outcome::differ;
+    const std::string words = fmt::format("{}, {}: unique in one description only", describe_owner(model_, quantity),
+                                          describe_component(quantity));
+    const bool is_known = std::any_of(row.words.begin(), row.words.end(),
+                                      [&](const std::string& known) { return known.ends_with(words); });
+    if (!is_known) tell(row, variant, words);
+  }
+
+  void take(MoveRow& row, const Variant& variant, const std::vector<Measured>& measured) const {
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      const Measured& one = measured[k];
+      ++row.total;
+      if (one.samples == 0) continue;
+      ++row.judged;
+      if (row.nearest && !is_nearer(one, row.nearest->measured)) continue;
+      row.nearest = Nearest{layout_.quantities()[k], one, variant.label};
+    }
+  }
+
+  static void conclude(MoveRow& row) {
+    if (!row.applies || row.outcome == Outcome::differ) return;
+    if (!row.nearest) {
+      row.outcome = Outcome::failed;
+      row.words.emplace_back("no component was judged");
+    } else if (row.nearest->measured.unexplained_digits < kNeed || row.start.digits < kNeed) {
+      row.outcome = Outcome::differ;
+    }
+  }
+
+  Model& model_;
+  QuantityLayout layout_;
+  const SolverMakers& makers_;
+  const BatteryOptions& options_;
+  Battery& battery_;
+  Solvers owned_;
+  std::array<Solver*, 2> solvers_;
+  std::array<Trajectory, 2> starts_;  // one sample each
+  WeighedStates base_;
+  VecX scales_;
+  std::vector<VecX> terms_;  // by state
+};
+
+}  // namespace
+
+Battery run_battery(Model model, const SolverMakers& makers, const BatteryOptions& options) {
+  Battery battery;
+  std::string note;
+  Solvers solvers = make_solvers_on_one_branch(model, makers, note);
+  if (!note.empty()) battery.notes.push_back(note);
+  BatteryRun run(model, std::move(solvers), makers, options, battery);
+  try {
+    run.run();
+  } catch (const SolverError& error) {
+    battery.failures.emplace_back(error.what());
+  } catch (const IncompleteResult& error) {
+    battery.failures.emplace_back(error.what());
+  }
+  const auto has = [&](Outcome outcome) {
+    return std::any_of(battery.rows.begin(), battery.rows.end(),
+                       [&](const MoveRow& row) { return row.applies && row.outcome == outcome; });
+  };
+  const bool judges =
+      std::any_of(battery.rows.begin(), battery.rows.end(), [](const MoveRow& row) { return row.applies; });
+  if (!judges && battery.failures.empty()) battery.failures.emplace_back("none of the moves applies to the machine");
+  if (!battery.failures.empty() || has(Outcome::failed)) {
+    battery.outcome = Outcome::failed;
+  } else if (has(Outcome::differ)) {
+    battery.outcome = Outcome::differ;
+  }
+  return battery;
+}
+
+}  // namespace concord::compare::invariance

@@ -1,0 +1,111 @@
+#include "compare/invariance/command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <set>
+
+#include "common/error.h"
+#include "common/reading/model_file.h"
+#include "compare/analyses/judge.h"
+#include "compare/invariance/report.h"
+#include "compare/report/files.h"
+#include "compare/report/interrupt.h"
+#include "compare/report/result_folder.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verdict.h"
+
+namespace concord::compare::invariance {
+
+namespace {
+
+struct Tried {
+  Model model;
+  Battery battery;
+};
+
+/// `names` holds the models tried so far.
+Tried try_one(const std::filesystem::path& file, const InvarianceCommand& command, const SolverMakers& makers,
+              const Console& console, std::set<std::string>& names) {
+  const auto begin = std::chrono::steady_clock::now();
+  Tried one{read_model(file), {}};
+  if (!names.insert(one.model.name).second) {
+    throw InputError(
+        {file.string(), 0, 0},
+        fmt::format("a model called '{}' was tried already: give one of them another name = \"...\"", one.model.name));
+  }
+  std::string note;
+  one.model = analyses::as_it_starts(one.model, makers, note);
+  one.battery = run_battery(one.model, makers, command.options);
+  if (!note.empty()) one.battery.notes.push_back(note);
+  console.out << format_battery(one.model, one.battery) << std::flush;
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  console.err << fmt::format("{}: wall time {:.2f} s\n", one.model.name, taken.count());
+  note_finished(one.model.name);
+  return one;
+}
+
+/// One line for each model, whatever became of it.
+std::string format_batteries(const std::vector<std::filesystem::path>& files,
+                             const std::vector<std::optional<Tried>>& tried) {
+  std::vector<std::vector<std::string>> lines{{"model", "moves", "nearest", "in move", "solver", "verdict"}};
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (!tried[k]) {
+      lines.push_back({files[k].stem().string(), "-", "-", "-", "-", "no result"});
+      continue;
+    }
+    const Battery& battery = tried[k]->battery;
+    const auto applied = std::count_if(battery.moves.begin(), battery.moves.end(),
+                                       [](const MoveSummary& move) { return move.why_not.empty(); });
+    const std::string moves = fmt::format("{} of {}", applied, battery.moves.size());
+    const MoveRow* row = nearest_row(battery);
+    if (row == nullptr) {
+      lines.push_back({battery.name, moves, "-", "-", "-", to_string(battery.outcome)});
+      continue;
+    }
+    lines.push_back({battery.name, moves, format_nearest(*row->nearest), battery.moves[row->move].name,
+                     kSolverNames[static_cast<std::size_t>(index(row->who))], to_string(battery.outcome)});
+  }
+  return format_table(lines, {false, true, true, false, false, false});
+}
+
+void write_batteries(const std::filesystem::path& file, const std::vector<std::optional<Tried>>& tried) {
+  std::vector<std::pair<const Model*, const Battery*>> found;
+  for (const auto& one : tried) {
+    if (one) found.emplace_back(&one->model, &one->battery);
+  }
+  if (!found.empty()) write_file(file, format_battery_json(found));
+}
+
+}  // namespace
+
+int try_invariance(const InvarianceCommand& command, const SolverMakers& makers, const Console& console) {
+  const int prepared = guarded(console, [&] {
+    check_output(command.json, command.models);
+    if (!command.json.empty()) std::filesystem::remove(command.json);
+    return static_cast<int>(kAgree);
+  });
+  if (prepared != kAgree) return prepared;
+  std::vector<int> codes;
+  std::vector<std::optional<Tried>> tried(command.models.size());
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < command.models.size(); ++k) {
+    if (k > 0) console.out << '\n';
+    codes.push_back(guarded(console, [&] {
+      tried[k] = try_one(command.models[k], command, makers, console, names);
+      return exit_code(tried[k]->battery.outcome);
+    }));
+  }
+  if (command.models.size() > 1) console.out << '\n' << format_batteries(command.models, tried);
+  if (!command.json.empty()) {
+    codes.push_back(guarded(console, [&] {
+      write_batteries(command.json, tried);
+      return static_cast<int>(kAgree);
+    }));
+  }
+  return *std::max_element(codes.begin(), codes.end());
+}
+
+}  // namespace concord::compare::invariance

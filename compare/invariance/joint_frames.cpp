@@ -1,0 +1,334 @@
+#include "compare/invariance/joint_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "common/overloaded.h"
+#include "common/rotation.h"
+#include "compare/audit/places.h"
+#include "compare/invariance/laws.h"
+
+namespace concord::compare::invariance {
+
+namespace {
+
+/// How the frames of a joint or of a force element are turned, C' = C G, by side; and how coordinates follow: a turn
+/// gets a constant more, slides and a ball are seen in the parent's turned axes.
+struct FrameTurn {
+  std::array<Mat3, 2> G{Mat3::Identity(), Mat3::Identity()};
+  std::vector<double> shift;  // by word
+  bool turns = false;
+
+  [[nodiscard]] const Mat3& on(Side side) const { return G[static_cast<std::size_t>(index(side))]; }
+  Mat3& on(Side side) { return G[static_cast<std::size_t>(index(side))]; }
+};
+
+/// Whether a motion by functions is the same about a turned axis.
+bool is_round_about(const joints::ByMotion& word, const Mat3& G) {
+  constexpr double kNoDifference = 1e-12;
+  const auto n = static_cast<Eigen::Index>(word.motion->n());
+  for (const double size : {0.4, -0.9}) {
+    const VecX q = VecX::LinSpaced(n, size, 0.7 * size);
+    const VecX u = VecX::Zero(n);
+    joints::FunctionOfCoordinates::Motion at;
+    word.motion->evaluate(q.data(), u.data(), at);
+    if ((G * at.placement.R - at.placement.R * G).norm() > kNoDifference) return false;
+    if ((G * at.placement.d - at.placement.d).norm() > kNoDifference * (1.0 + at.placement.d.norm())) return false;
+  }
+  return true;
+}
+
+/// The words of a motion, by kind.
+struct Words {
+  std::vector<Axis> slides;
+  std::optional<Axis> first_turn;
+  std::optional<Axis> last_turn;
+  int first_turn_word = 0;
+  int last_turn_word = 0;
+  const joints::ByMotion* functions = nullptr;
+  bool ball = false;
+};
+
+Words words_of(const joints::JointType& type) {
+  Words words;
+  for (int k = 0; k < static_cast<int>(type.permits.size()); ++k) {
+    std::visit(Overloaded{[&](const joints::Slide& slide) { words.slides.push_back(slide.axis); },
+                          [&](const joints::Turn& turn) {
+                            if (!words.first_turn) words.first_turn_word = k;
+                            if (!words.first_turn) words.first_turn = turn.axis;
+                            words.last_turn = turn.axis;
+                            words.last_turn_word = k;
+                          },
+                          [](const joints::Arm&) {}, [&](const joints::Ball&) { words.ball = true; },
+                          [&](const joints::ByMotion& motion) { words.functions = &motion; }},
+               type.permits[static_cast<std::size_t>(k)]);
+  }
+  return words;
+}
+
+bool says_speeds_of_child(const joints::JointType& type) {
+  return std::any_of(type.forbids_speeds.begin(), type.forbids_speeds.end(), [](const joints::ForbidSpeed& word) {
+    return std::get<joints::NoSlip>(word).axis_of == Side::child;
+  });
+}
+
+/// The axis about which the parent's frame may turn while slides stay slides along the same axes, as a plane or a line:
+/// of one slide its own, of two the third one; nothing where it is any.
+std::optional<Axis> axis_of_slides(const std::vector<Axis>& slides) {
+  if (slides.size() == 1) return slides.front();
+  if (slides.size() == 2) return static_cast<Axis>(3 - index(slides[0]) - index(slides[1]));
+  return std::nullopt;
+}
+
+/// Both frames by the same rotation: types that fix the child's orientation.
+void turn_together(const Words& words, Draw& draw, FrameTurn& turn) {
+  const std::optional<Axis> axis = axis_of_slides(words.slides);
+  if (words.slides.size() > 1) return;
+  if (words.functions != nullptr) {
+    const double angle = draw.angle();
+    for (const Axis about : {Axis::z, Axis::x, Axis::y}) {
+      const Mat3 G = rotation_about(about, angle);
+      if (!is_round_about(*words.functions, G)) continue;
+      turn.G = {G, G};
+      turn.turns = true;
+      return;
+    }
+    return;
+  }
+  const Mat3 G = axis ? rotation_about(*axis, draw.angle()) : draw.rotation();
+  turn.G = {G, G};
+  turn.turns = true;
+}
+
+/// The parent's frame alone: about the first turn, if slides allow it; in front of a ball in any way that slides allow.
+void turn_parent(const Words& words, bool forced, Draw& draw, FrameTurn& turn) {
+  const std::optional<Axis> allowed = axis_of_slides(words.slides);
+  if (words.slides.size() > 1 && forced) return;  // slides would mix, and what acts on them
+  if (words.first_turn) {
+    const Axis axis = *words.first_turn;
+    if (words.slides.size() == 3 || (allowed && *allowed != axis)) return;
+    const double angle = draw.angle();
+    turn.on(Side::parent) = rotation_about(axis, angle);
+    turn.shift[static_cast<std::size_t>(words.first_turn_word)] -= angle;
+  } else {
+    turn.on(Side::parent) = allowed ? rotation_about(*allowed, draw.angle()) : draw.rotation();
+  }
+  turn.turns = true;
+}
+
+void turn_child(const Words& words, Draw& draw, FrameTurn& turn) {
+  if (words.ball) {
+    turn.on(Side::child) = draw.rotation();
+  } else {
+    const double angle = draw.angle();
+    turn.on(Side::child) = rotation_about(*words.last_turn, angle);
+    turn.shift[static_cast<std::size_t>(words.last_turn_word)] += angle;
+  }
+  turn.turns = true;
+}
+
+FrameTurn turn_of(const Model& model, int k, Draw& draw) {
+  const joints::JointType& type = *model.joints[static_cast<std::size_t>(k)].type;
+  const Words words = words_of(type);
+  FrameTurn turn;
+  turn.shift.assign(type.permits.size(), 0.0);
+  if (!words.ball && !words.last_turn) {
+    turn_together(words, draw, turn);
+    return turn;
+  }
+  turn_parent(words, is_forced(model, k), draw, turn);
+  if (!says_speeds_of_child(type)) turn_child(words, draw, turn);
+  return turn;
+}
+
+/// Coordinates and speeds of a joint between turned frames. `sign` -1 leads back.
+void turn_coordinates(const joints::JointType& type, const FrameTurn& turn, int sign, VecX& q, VecX& u) {
+  const Mat3 parent = sign > 0 ? turn.on(Side::parent) : Mat3(turn.on(Side::parent).transpose());
+  const Mat3 child = sign > 0 ? turn.on(Side::child) : Mat3(turn.on(Side::child).transpose());
+  Vec3 d = Vec3::Zero();
+  Vec3 ddot = Vec3::Zero();
+  const auto for_each_slide = [&](const auto& use) {
+    for (std::size_t word = 0; word < type.permits.size(); ++word) {
+      const auto* slide = std::get_if<joints::Slide>(&type.permits[word]);
+      if (slide == nullptr) continue;
+      use(index(slide->axis), first_q(type, static_cast<int>(word)), first_u(type, static_cast<int>(word)));
+    }
+  };
+  for_each_slide([&](int axis, int at_q, int at_u) {
+    d(axis) = q(at_q);
+    ddot(axis) = u(at_u);
+  });
+  d = parent.transpose() * d;
+  ddot = parent.transpose() * ddot;
+  for_each_slide([&](int axis, int at_q, int at_u) {
+    q(at_q) = d(axis);
+    u(at_u) = ddot(axis);
+  });
+  for (std::size_t word = 0; word < type.permits.size(); ++word) {
+    const int at_q = first_q(type, static_cast<int>(word));
+    const int at_u = first_u(type, static_cast<int>(word));
+    if (std::holds_alternative<joints::Turn>(type.permits[word])) q(at_q) += sign * turn.shift[word];
+    if (!std::holds_alternative<joints::Ball>(type.permits[word])) continue;
+    const Mat3 R = rotation_of(Vec4(q.segment<4>(at_q).normalized()));
+    q.segment<4>(at_q) = euler_parameters_of(parent.transpose() * R * child);
+    u.segment<3>(at_u) = parent.transpose() * u.segment<3>(at_u).eval();
+  }
+}
+
+/// The start of a joint. Where slides mix, each keeps its role: what is not said must have its number, as started_in()
+/// gives it.
+void turn_start(Joint& joint, const FrameTurn& turn) {
+  const joints::JointType& type = *joint.type;
+  VecX q = VecX::Zero(type.n_q());
+  VecX u = VecX::Zero(type.n_u());
+  for (std::size_t word = 0; word < joint.start.size(); ++word) {
+    const WordStart& start = joint.start[word];
+    q.segment(first_q(type, static_cast<int>(word)), start.q.size()) = start.q;
+    u.segment(first_u(type, static_cast<int>(word)), start.u.size()) = start.u;
+  }
+  turn_coordinates(type, turn, 1, q, u);
+  for (std::size_t word = 0; word < joint.start.size(); ++word) {
+    WordStart& start = joint.start[word];
+    start.q = q.segment(first_q(type, static_cast<int>(word)), start.q.size()).eval();
+    start.u = u.segment(first_u(type, static_cast<int>(word)), start.u.size()).eval();
+  }
+}
+
+/// How the frames of a force element may turn.
+FrameTurn turn_of(const ForceElement& element, Draw& draw) {
+  FrameTurn turn;
+  turn.turns = !std::holds_alternative<TurnSpring>(element.what);
+  if (!turn.turns) return turn;
+  turn.on(Side::child) = std::holds_alternative<Tire>(element.what) ? rotation_about(Axis::y, draw.angle())  // its spin
+                                                                    : draw.rotation();
+  if (std::holds_alternative<Bushing>(element.what)) turn.on(Side::parent) = turn.on(Side::child);
+  if (std::holds_alternative<LineSpring>(element.what)) turn.on(Side::parent) = draw.rotation();
+  return turn;
+}
+
+Mat6 in_turned_axes(const Mat6& matrix, const Mat3& G) {
+  Mat6 B = Mat6::Zero();
+  B.topLeftCorner<3, 3>() = B.bottomRightCorner<3, 3>() = G;
+  const Mat6 turned = B.transpose() * matrix * B;
+  return 0.5 * (turned + turned.transpose());
+}
+
+/// Tells a force element in turned frames.
+void turn_element(ForceElement& element, const FrameTurn& turn) {
+  const Mat3& G = turn.on(Side::child);
+  const auto turn_ends = [&](auto& ends) {
+    for (std::size_t side = 0; side < 2; ++side) ends[side].C = ends[side].C * turn.G[side];
+  };
+  std::visit(Overloaded{[&](Load& load) {
+                          load.at.C = load.at.C * G;
+                          if (load.axes != LoadAxes::follower) return;
+                          load.force = G.transpose() * load.force;
+                          load.torque = G.transpose() * load.torque;
+                        },
+                        [&](LineSpring& spring) { turn_ends(spring.ends); }, [](TurnSpring&) {},
+                        [&](Bushing& bushing) {
+                          turn_ends(bushing.ends);
+                          bushing.stiffness = in_turned_axes(bushing.stiffness, G);
+                          bushing.damping = in_turned_axes(bushing.damping, G);
+                          bushing.preload << G.transpose() * bushing.preload.head<3>().eval(),
+                              G.transpose() * bushing.preload.tail<3>().eval();
+                        },
+                        [&](Tire& tire) { tire.wheel.C = tire.wheel.C * G; }},
+             element.what);
+}
+
+/// All frames at once.
+struct Turning {
+  std::vector<FrameTurn> joints;
+  std::vector<FrameTurn> elements;
+  Model first;
+
+  [[nodiscard]] Model apply(Model model) const {
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      if (!joints[k].turns) continue;
+      Joint& joint = model.joints[k];
+      for (const Side side : kSides) {
+        Attachment& at = joint.sides[static_cast<std::size_t>(index(side))];
+        at.C = at.C * joints[k].on(side);
+      }
+      for (std::size_t word = 0; word < joints[k].shift.size(); ++word) {
+        if (joints[k].shift[word] == 0.0) continue;
+        shift_coordinate(model, static_cast<int>(k), static_cast<int>(word), 0, joints[k].shift[word]);
+      }
+      turn_start(joint, joints[k]);
+    }
+    for (std::size_t e = 0; e < elements.size(); ++e) turn_element(model.elements[e], elements[e]);
+    return model;
+  }
+
+  [[nodiscard]] State coordinates(State state, int sign) const {
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      if (joints[k].turns) turn_coordinates(*first.joints[k].type, joints[k], sign, state.q[k], state.u[k]);
+    }
+    return state;
+  }
+
+  [[nodiscard]] Evaluation back(Evaluation evaluation) const {
+    const auto turn = [](std::array<SideWrench, 2>& wrenches, const FrameTurn& by) {
+      for (std::size_t side = 0; side < 2; ++side) {
+        Wrench& wrench = wrenches[side].in_C;
+        wrench = {by.G[side] * wrench.force, by.G[side] * wrench.torque};
+      }
+    };
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      turn(evaluation.joints[k].reaction, joints[k]);
+      turn(evaluation.joints[k].total, joints[k]);
+    }
+    for (std::size_t e = 0; e < elements.size(); ++e) turn(evaluation.elements[e].on, elements[e]);
+    return evaluation;
+  }
+
+  [[nodiscard]] RankReport flags(RankReport report) const {
+    std::vector<JointUniqueness>& decided = decided_flags(report);
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      for (auto part : {&JointUniqueness::unique, &JointUniqueness::unique_total}) {
+        for (std::size_t side = 0; side < 2; ++side) {
+          turn_flags(joints[k].G[side], (report.joints[k].*part)[side], (decided[k].*part)[side]);
+        }
+      }
+    }
+    return report;
+  }
+};
+
+}  // namespace
+
+PartialChange turned_joint_frames(const Model& model, Draw& draw) {
+  PartialChange partial;
+  auto turning = std::make_shared<Turning>();
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    turning->joints.push_back(turn_of(model, k, draw));
+    const Joint& joint = model.joints[static_cast<std::size_t>(k)];
+    if (turning->joints.back().turns) {
+      ++partial.changed;
+    } else {
+      partial.left.push_back(fmt::format("joint {}: type {} fixes its frames", joint.name, joint.type->name));
+    }
+  }
+  for (const ForceElement& element : model.elements) {
+    turning->elements.push_back(turn_of(element, draw));
+    if (turning->elements.back().turns) {
+      ++partial.changed;
+    } else {
+      partial.left.push_back(fmt::format("force element {}: its angle counts from its frames", element.name));
+    }
+  }
+  turning->first = model;
+  partial.change.model = [turning](Model first) { return turning->apply(std::move(first)); };
+  partial.change.state = [turning](State state) { return turning->coordinates(std::move(state), 1); };
+  partial.change.back = [turning](State state) { return turning->coordinates(std::move(state), -1); };
+  partial.change.evaluation = [turning](const State&, Evaluation evaluation) {
+    return turning->back(std::move(evaluation));
+  };
+  partial.change.report = [turning](RankReport report) { return turning->flags(std::move(report)); };
+  return partial;
+}
+
+}  // namespace concord::compare::invariance

@@ -1,0 +1,192 @@
+#include "compare/invariance/report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "compare/audit/digits.h"
+#include "compare/report/table.h"
+
+namespace concord::compare::invariance {
+
+namespace {
+
+using Object = nlohmann::ordered_json;
+
+constexpr int kFormatOfBattery = 1;
+
+std::string solver_name(const MoveRow& row) { return kSolverNames[static_cast<std::size_t>(index(row.who))]; }
+
+bool is_finer(const Nearest& one, const Nearest& other) {
+  const auto key = [](const Nearest& nearest) {
+    return std::pair(nearest.measured.unexplained_digits, nearest.measured.digits);
+  };
+  return key(one) < key(other);
+}
+
+std::string verdict_of(const MoveSummary& move, const MoveRow& row) {
+  if (!row.applies)
+    return move.why_not.empty() ? "does not apply: the solver cuts no joint" : "does not apply: " + move.why_not;
+  if (row.outcome == Outcome::failed) return "no verdict";
+  std::string said = to_string(row.outcome);
+  if (row.outcome == Outcome::agree && row.nearest->measured.digits < kNeed) said += ", judged by resolution";
+  return said;
+}
+
+std::vector<std::string> cells(const Model& model, const MoveSummary& move, const MoveRow& row) {
+  const std::string said = verdict_of(move, row);
+  if (!row.applies || !row.nearest) return {move.name, solver_name(row), "-", "-", "-", "-", said};
+  const Nearest& nearest = *row.nearest;
+  const std::string of = describe_owner(model, nearest.quantity);
+  return {move.name,
+          solver_name(row),
+          nearest.variant.empty() ? of : fmt::format("{}, {}", of, nearest.variant),
+          describe_component(nearest.quantity),
+          format_nearest(nearest),
+          format_digits(row.start.digits),
+          said};
+}
+
+std::string difference_text(const Model& model, const MoveSummary& move, const MoveRow& row) {
+  const Nearest& nearest = *row.nearest;
+  const Measured& measured = nearest.measured;
+  return fmt::format(
+      "{}{}, {}: {}, {}, t = {:.6g} s: {:+.6g} as the model says it, {:+.6g} {} in the other description, "
+      "{} digits (need {:g})",
+      move.name, nearest.variant.empty() ? "" : ", " + nearest.variant, solver_name(row),
+      describe_owner(model, nearest.quantity), describe_component(nearest.quantity), measured.t, measured.values[0],
+      measured.values[1], unit_of(model, nearest.quantity), format_digits(measured.unexplained_digits), kNeed);
+}
+
+Object digits_or_null(const std::optional<double>& digits) {
+  if (!digits) return nullptr;
+  return std::floor(*digits * 100.0) / 100.0;
+}
+
+Object row_object(const Model& model, const MoveRow& row) {
+  Object found{{"solver", solver_name(row)}, {"applies", row.applies}};
+  if (!row.applies) return found;
+  found["verdict"] = to_string(row.outcome);
+  found["judged"] = row.judged;
+  found["total"] = row.total;
+  found["start_digits"] = digits_or_null(row.start.digits);
+  if (row.nearest) {
+    const Nearest& nearest = *row.nearest;
+    found["digits"] = digits_or_null(nearest.measured.digits);
+    found["resolvable_digits"] = digits_or_null(nearest.resolvable());
+    found["judged_by_resolution"] = nearest.measured.digits < kNeed && nearest.measured.unexplained_digits >= kNeed;
+    found["nearest"] = {{"of", describe_owner(model, nearest.quantity)},
+                        {"component", describe_component(nearest.quantity)},
+                        {"description", nearest.variant},
+                        {"t", nearest.measured.t},
+                        {"scale", nearest.measured.scale},
+                        {"values", nearest.measured.values}};
+  }
+  found["words"] = row.words;
+  return found;
+}
+
+Object battery_object(const Model& model, const Battery& battery) {
+  Object moves = Object::array();
+  for (std::size_t k = 0; k < battery.moves.size(); ++k) {
+    const MoveSummary& move = battery.moves[k];
+    Object rows = Object::array();
+    for (const MoveRow& row : battery.rows) {
+      if (row.move == k) rows.push_back(row_object(model, row));
+    }
+    moves.push_back({{"move", move.name},
+                     {"about", move.about},
+                     {"applies", move.why_not.empty()},
+                     {"why_not", move.why_not},
+                     {"descriptions", move.variants},
+                     {"left_as_it_is", move.left},
+                     {"solvers", std::move(rows)}});
+  }
+  return {{"format", kFormatOfBattery},
+          {"kind", "concord invariance"},
+          {"model", battery.name},
+          {"verdict", to_string(battery.outcome)},
+          {"need", kNeed},
+          {"states", {{"run", battery.run_states}, {"random", battery.random_states}}},
+          {"moves", std::move(moves)},
+          {"notes", battery.notes},
+          {"findings", findings_of(model, battery)}};
+}
+
+std::string last_line(const Battery& battery) {
+  const auto applied = std::count_if(battery.moves.begin(), battery.moves.end(),
+                                     [](const MoveSummary& move) { return move.why_not.empty(); });
+  std::string text = fmt::format("{} {}: {} of {} moves apply", to_string(battery.outcome), battery.name, applied,
+                                 battery.moves.size());
+  if (const MoveRow* row = nearest_row(battery)) {
+    text += fmt::format("; nearest {} ({}, {})", format_nearest(*row->nearest), battery.moves[row->move].name,
+                        solver_name(*row));
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string format_nearest(const Nearest& nearest) {
+  const std::string digits = format_digits(nearest.measured.digits);
+  const std::optional<double> resolvable = nearest.resolvable();
+  return resolvable ? fmt::format("{} of {}", digits, format_digits(*resolvable)) : digits;
+}
+
+const MoveRow* nearest_row(const Battery& battery) {
+  const MoveRow* found = nullptr;
+  for (const MoveRow& row : battery.rows) {
+    if (!row.nearest) continue;
+    if (found == nullptr || is_finer(*row.nearest, *found->nearest)) found = &row;
+  }
+  return found;
+}
+
+std::vector<std::string> findings_of(const Model& model, const Battery& battery) {
+  std::vector<std::string> findings = battery.failures;
+  for (const MoveRow& row : battery.rows) {
+    const MoveSummary& move = battery.moves[row.move];
+    for (const std::string& words : row.words) {
+      findings.push_back(fmt::format("{}, {}: {}", move.name, solver_name(row), words));
+    }
+    if (row.applies && row.start.digits < kNeed) {
+      findings.push_back(fmt::format("{}, {}: the start is another one: {}, {} digits (need {:g})", move.name,
+                                     solver_name(row), row.start.worst, format_digits(row.start.digits), kNeed));
+    }
+    if (row.nearest && row.nearest->measured.unexplained_digits < kNeed) {
+      findings.push_back(difference_text(model, move, row));
+    }
+  }
+  return findings;
+}
+
+std::string format_battery(const Model& model, const Battery& battery) {
+  std::string text = fmt::format(
+      "{}: each solver against itself, at {} states of a run and {} near them; need: {:g} digits, or all that double "
+      "precision resolves\n\n",
+      battery.name, battery.run_states, battery.random_states, kNeed);
+  std::vector<std::vector<std::string>> lines{{"move", "solver", "nearest", "component", "digits", "start", "verdict"}};
+  for (const MoveRow& row : battery.rows) lines.push_back(cells(model, battery.moves[row.move], row));
+  if (lines.size() > 1) text += format_table(lines, {false, false, false, false, true, true, false}) + '\n';
+  for (const MoveSummary& move : battery.moves) {
+    if (!move.why_not.empty() || move.left.empty()) continue;
+    text += fmt::format("{} leaves as they are: {}\n", move.name, fmt::join(move.left, "; "));
+  }
+  for (const std::string& note : battery.notes) text += fmt::format("note: {}\n", note);
+  for (const std::string& finding : findings_of(model, battery)) {
+    text += fmt::format("{} {}: {}\n", battery.outcome == Outcome::failed ? "STOP" : "FAIL", battery.name, finding);
+  }
+  return text + last_line(battery);
+}
+
+std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries) {
+  if (batteries.size() == 1) return battery_object(*batteries.front().first, *batteries.front().second).dump(2) + '\n';
+  Object all = Object::object();
+  for (const auto& [model, battery] : batteries) all[battery->name] = battery_object(*model, *battery);
+  return all.dump(2) + '\n';
+}
+
+}  // namespace concord::compare::invariance

@@ -1,0 +1,55 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "cartesian/solver.h"
+#include "common/reading/model_file.h"
+#include "compare/analyses/judge.h"
+#include "compare/invariance/battery.h"
+#include "compare/invariance/report.h"
+#include "relative/solver.h"
+
+/// The battery of `concord invariance` on shipped machines: whatever words a file chooses, each solver says the same of
+/// what is physical. Detects a mistake in one solver that depends on the words: a side, a frame, an order, a unit.
+namespace concord::verification {
+namespace {
+
+std::filesystem::path shipped_models() { return std::filesystem::path(CONCORD_DATA) / "models"; }
+
+/// Set CONCORD_PRINT_DIGITS to see the tables.
+void expect_invariance(const std::string& name) {
+  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  std::string note;
+  const Model model = compare::analyses::as_it_starts(read_model(shipped_models() / (name + ".toml")), makers, note);
+  const compare::invariance::Battery battery = compare::invariance::run_battery(model, makers, {});
+  const std::string table = compare::invariance::format_battery(model, battery);
+  if (std::getenv("CONCORD_PRINT_DIGITS") != nullptr) std::cout << table << std::flush;
+  INFO(table);
+  CHECK(battery.outcome == compare::Outcome::agree);
+  CHECK(battery.run_states > 5);
+  CHECK(battery.random_states > 0);
+}
+
+TEST_CASE("Each solver says the same of a machine, however it is described", "[invariance]") {
+  const std::string name = GENERATE("slider_crank_spatial_flexible", "slider_crank_redundant", "planetary_differential",
+                                    "suspension_two_rods", "tire_test_rig", "chaplygin_sleigh", "driven_linkage");
+  DYNAMIC_SECTION(name) { expect_invariance(name); }
+}
+
+TEST_CASE("Each solver says the same of every shipped machine, however it is described", "[invariance][nightly]") {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(shipped_models())) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  REQUIRE(names.size() >= 40);
+  for (const std::string& name : names) {
+    DYNAMIC_SECTION(name) { expect_invariance(name); }
+  }
+}
+
+}  // namespace
+}  // namespace concord::verification
