@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <catch2/catch.hpp>
+#include <iostream>
+#include <set>
+
+#include "cartesian/solver.h"
+#include "common/reading/model_file.h"
+#include "compare/invariance/battery.h"
+#include "compare/invariance/report.h"
+#include "compare/report/table.h"
+#include "compare/verdict/verify.h"
+#include "relative/solver.h"
+#include "tests/faults/catalogue.h"
+
+/// Faults that sleep in a machine because of how its file describes it: both solvers agree. The machine described
+/// otherwise wakes them.
+namespace concord::compare {
+namespace {
+
+using faults::Planting;
+
+/// A fault of one solver, a shipped machine in which it sleeps, and the moves under which that solver is not itself.
+struct Sleeper {
+  const char* fault;
+  const char* model;
+  Who who;
+  std::set<std::string> moves;
+};
+
+/// Written down before the battery was run.
+const std::vector<Sleeper>& sleepers() {
+  static const std::vector<Sleeper> all{
+      // Every joint of these trees leads from its parent outward.
+      {"reversed joint reported from the wrong side", "double_pendulum_3d", Who::relative, {"sides"}},
+      {"reversed joint reported from the wrong side", "spinning_top", Who::relative, {"sides"}},
+  };
+  return all;
+}
+
+Model shipped_model(const std::string& name) {
+  return read_model(std::string(CONCORD_DATA) + "/models/" + name + ".toml");
+}
+
+Outcome compared(const Model& model) {
+  VerifyOptions options;
+  options.states = 40;
+  const auto cartesian = cartesian::make_solver(model);
+  const auto relative = relative::make_solver(model);
+  return verify(model, *cartesian, *relative, options).outcome;
+}
+
+std::set<std::string> red_moves(const invariance::Battery& battery, Who who) {
+  std::set<std::string> red;
+  for (const invariance::MoveRow& row : battery.rows) {
+    if (row.applies && row.who == who && row.outcome != Outcome::agree) red.insert(battery.moves[row.move].name);
+  }
+  return red;
+}
+
+TEST_CASE("A fault that sleeps in a machine's description shows under the move that wakes it, and under no other") {
+  const SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  std::vector<std::vector<std::string>> lines{{"fault", "machine", "concord compare", "red under"}};
+  for (const Sleeper& sleeper : sleepers()) {
+    INFO(sleeper.fault << ", " << sleeper.model);
+    const Model model = shipped_model(sleeper.model);
+    CHECK(invariance::run_battery(model, makers, {}).outcome == Outcome::agree);
+    const int number = faults::number_of(faults::read_catalogue(), sleeper.fault);
+    REQUIRE(number >= 0);
+    const Planting planting(number);
+    const Outcome by_comparison = compared(model);
+    CHECK(by_comparison == Outcome::agree);
+    const invariance::Battery battery = invariance::run_battery(model, makers, {});
+    INFO(invariance::format_battery(model, battery));
+    const std::set<std::string> red = red_moves(battery, sleeper.who);
+    CHECK(red == sleeper.moves);
+    CHECK(red_moves(battery, sleeper.who == Who::relative ? Who::cartesian : Who::relative).empty());
+    lines.push_back({sleeper.fault, sleeper.model, to_string(by_comparison), fmt::format("{}", fmt::join(red, ", "))});
+  }
+  std::cout << format_table(lines, {false, false, false, false});
+}
+
+}  // namespace
+}  // namespace concord::compare
