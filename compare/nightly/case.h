@@ -16,7 +16,7 @@
 
 namespace concord::compare::nightly {
 
-enum class Work { compare, statics, linearize, kinematics, inverse, joint, fuzz };
+enum class Work { compare, statics, linearize, kinematics, inverse, joint, fuzz, invariance };
 
 /// "compare", "statics", ..., in the order of the enumeration.
 const std::vector<std::string>& work_names();

@@ -16,6 +16,7 @@
 #include "compare/fuzz/generator.h"
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/trial.h"
+#include "compare/invariance/report.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/verdict/branch.h"
 #include "compare/verdict/refinement.h"
@@ -167,8 +168,8 @@ std::string words_of(const Verdict& verdict) {
   return text;
 }
 
-Ending ending_of_verdict(const Verdict& verdict) {
-  switch (verdict.outcome) {
+Ending ending_of_outcome(Outcome outcome) {
+  switch (outcome) {
     case Outcome::agree:
       return Ending::agree;
     case Outcome::differ:
@@ -179,7 +180,7 @@ Ending ending_of_verdict(const Verdict& verdict) {
 }
 
 void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
-  result.ending = ending_of_verdict(verdict);
+  result.ending = ending_of_outcome(verdict.outcome);
   result.words = words_of(verdict);
   const ComponentCount count = count_components(verdict);
   result.judged = count.judged;
@@ -262,6 +263,33 @@ void check_joint_case(const Case& one, Result& result) {
   if (!sheet.holds() && result.words.empty()) result.words = "the wrenches differ in some rig";
 }
 
+/// A component for each move and solver.
+void invariance_case(const Case& one, const SolverMakers& makers, Result& result) {
+  std::string note;
+  const Model model = analyses::as_it_starts(model_of(one), makers, note);
+  tell_stage("moves");
+  invariance::BatteryOptions options;
+  options.until = one.options.until;
+  const invariance::Battery battery = invariance::run_battery(model, makers, options);
+  result.ending = ending_of_outcome(battery.outcome);
+  for (const std::string& finding : invariance::findings_of(model, battery)) {
+    result.words += (result.words.empty() ? "" : "\n") + finding;
+  }
+  for (const invariance::MoveRow& row : battery.rows) {
+    if (!row.applies) continue;
+    result.judged += row.judged;
+    result.total += row.total;
+    if (!row.nearest) continue;
+    Component& component = result.components.emplace_back();
+    component.name =
+        fmt::format("{}, {}", battery.moves[row.move].name, kSolverNames[static_cast<std::size_t>(index(row.who))]);
+    component.same_state = row.nearest->measured.digits;
+    component.resolvable = row.nearest->resolvable();
+    component.need[0] = invariance::kNeed;
+    component.scale = row.nearest->measured.scale;
+  }
+}
+
 void fuzz_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers, Result& result) {
   const auto& styles = fuzz::style_names();
   const auto style = static_cast<fuzz::Style>(std::find(styles.begin(), styles.end(), one.fuzz.style) - styles.begin());
@@ -292,6 +320,8 @@ void do_work(const Case& one, const std::filesystem::path& scratch, const Solver
       return check_joint_case(one, result);
     case Work::fuzz:
       return fuzz_case(one, scratch, makers, result);
+    case Work::invariance:
+      return invariance_case(one, makers, result);
     default:
       return analyse_case(one, makers, result);
   }

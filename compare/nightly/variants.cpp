@@ -65,7 +65,7 @@ std::string definition_of_needs(const std::vector<NeedOverride>& needs) {
 
 const std::vector<std::string>& work_names() {
   static const std::vector<std::string> names{"compare", "statics", "linearize", "kinematics",
-                                              "inverse", "joint",   "fuzz"};
+                                              "inverse", "joint",   "fuzz",      "invariance"};
   return names;
 }
 

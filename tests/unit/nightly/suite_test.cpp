@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "cartesian/solver.h"
 #include "common/error.h"
 #include "compare/nightly/trial.h"
 #include "compare/report/files.h"
+#include "relative/solver.h"
 #include "tests/unit/temporary_folder.h"
 
 namespace concord::compare::nightly {
@@ -78,6 +82,27 @@ TEST_F(Suites, GlobsVariantsAndWorksAreToldApartByName) {
               ElementsAre("one/cut=here,ida+gbs,start=0", "one/cut=here,ida+gbs,start=1"));
   EXPECT_THAT(ids("[[case]]\nwork = \"fuzz\"\nseed = 3\ncount = 10\nshares = 2\n"),
               ElementsAre("fuzz/seed=3/first=0", "fuzz/seed=3/first=10"));
+}
+
+// Detects a battery whose rows do not reach the night's memory, and moves that do not apply but have a row.
+TEST_F(Suites, AnInvarianceCaseHasAComponentForEachMoveAndSolver) {
+  const Suite suite = read("[[case]]\nwork = \"invariance\"\nmodels = [\"models/one.toml\"]\n");
+  ASSERT_EQ(suite.cases.size(), 1U);
+  EXPECT_EQ(suite.cases[0].id, "invariance/one");
+  const Result result = try_case(suite.cases[0], folder_.path(), {cartesian::make_solver, relative::make_solver});
+  EXPECT_EQ(result.ending, Ending::agree) << result.words;
+  EXPECT_EQ(result.work, "invariance");
+  std::vector<std::string> names;
+  for (const Component& component : result.components) {
+    names.push_back(component.name);
+    EXPECT_GE(component.same_state.value_or(0.0), 10.0) << component.name;
+    EXPECT_EQ(component.need[0], 10.0);
+  }
+  std::sort(names.begin(), names.end());
+  EXPECT_THAT(names, ElementsAre("frames, cartesian", "frames, relative", "joint frames, cartesian",
+                                 "joint frames, relative", "sides, cartesian", "sides, relative", "split, cartesian",
+                                 "split, relative", "units, cartesian", "units, relative", "welds, cartesian",
+                                 "welds, relative", "world, cartesian", "world, relative"));
 }
 
 TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
