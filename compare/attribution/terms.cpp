@@ -284,7 +284,7 @@ TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std
   TermFit best;
   if (states.empty()) return best;
   const MatX rows = left_over(auditor, body, states, solver);
-  if (rows.norm() == 0.0) return best;
+  if (!rows.allFinite() || rows.norm() == 0.0) return best;
   std::vector<Family> families = own_families(model, body, solver);
   for (Family& family : wrench_families(model, body, solver)) families.push_back(std::move(family));
   families.push_back(all_applied(model, body, solver));
@@ -344,6 +344,7 @@ Term fit_joint_misfit(const Model& model, int joint, const std::vector<Evaluated
     const VecX moving = (VecX(9) << found.relative.v_rel, axes.transpose() * state.bodies[bodies[0]].omega).finished();
     speeds.row(k) = pairs(moving).transpose();
   }
+  if (!misfits.allFinite() || !rates.allFinite()) return Term::unknown;
   // A wrong Jacobian brings a wrong bias with it: what counts is what accelerations explain beyond the speeds.
   constexpr double kExplainMuch = 0.1;
   MatX all(n, rates.cols() + speeds.cols());
