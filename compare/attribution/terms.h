@@ -60,8 +60,8 @@ TermFit fit_term(const Model& model, const Auditor& auditor, int body, const std
                  int solver);
 
 /// Of a joint whose bodies' accelerations it does not permit: Term::jacobian if the misfit goes with accelerations,
-/// Term::bias if it goes with products of speeds, Term::unknown if a number is not finite. Without states Term::jacobian:
-/// then neither solver accepts what the other one closed.
+/// Term::bias if it goes with products of speeds, Term::unknown if a number is not finite. Without states
+/// Term::jacobian: then neither solver accepts what the other one closed.
 Term fit_joint_misfit(const Model& model, int joint, const std::vector<EvaluatedState>& states, int solver);
 
 }  // namespace concord::compare
