@@ -259,6 +259,7 @@ std::optional<Attribution> find_cause(const Evidence& evidence) {
 }
 
 std::string describe(const Attribution& blame) {
+  if (blame.term == Term::statement) return fmt::format("no solver, at {}: {}", blame.where, blame.because);
   return fmt::format("{}, at {}, in the term \"{}\": {}", kNames[blame.solver], blame.where, name_of(blame.term),
                      blame.because);
 }

@@ -357,7 +357,7 @@ void blame_statement(Verdict& verdict) {
   const std::string where = row->of.substr(0, row->of.find(" on "));
   verdict.attribution =
       Attribution{2, Term::statement, where,
-                  "they agree with each other and with the audit: the model file, how it is read, or the "
+                  "both agree with each other and with the audit; look into the model file, how it is read, and the "
                   "reference"};
   verdict.notes.push_back("to blame: " + describe(*verdict.attribution));
 }
