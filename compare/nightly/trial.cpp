@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "common/joints/catalogue.h"
@@ -27,15 +26,6 @@ namespace {
 
 void tell_stage(std::string_view stage) {
   std::fprintf(stderr, "stage: %.*s\n", static_cast<int>(stage.size()), stage.data());
-}
-
-/// A model file that includes the model with other values of its parameters.
-std::string including_text(const Case& one) {
-  std::string text = fmt::format("format = 1\nname = {}\n[[include]]\nfile = {}\n[include.parameters]\n",
-                                 nlohmann::json(one.model.stem().string()).dump(),
-                                 nlohmann::json(one.model.filename().string()).dump());
-  for (const auto& [name, value] : one.parameters) text += fmt::format("{} = {:.17g}\n", name, value);
-  return text;
 }
 
 InputError refusal(const Case& one, const std::string& reason) { return {{one.model.generic_string(), 0, 0}, reason}; }
@@ -331,8 +321,7 @@ void do_work(const Case& one, const std::filesystem::path& scratch, const Solver
 
 Model model_of(const Case& one) {
   tell_stage("reading");
-  const std::filesystem::path variant = one.model.parent_path() / (one.model.stem().string() + ".variant.toml");
-  Model model = one.parameters.empty() ? read_model(one.model) : parse_model(including_text(one), variant);
+  Model model = read_model(one.model, {one.parameters.begin(), one.parameters.end()});
   model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
   if (one.cut) name_cuts(one, model);
   if (one.start) move_start(one, model);
