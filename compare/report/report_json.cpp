@@ -136,7 +136,14 @@ Json attribution_of(const Verdict& verdict) {
         {"unit", table.unit},
         {"samples", table.samples},
         {"formulation", {{"cartesian_motion", table.formulation[0]}, {"relative_motion", table.formulation[1]}}},
-        {"integration", {{"cartesian_equations", table.integration[0]}, {"relative_equations", table.integration[1]}}}};
+        {"integration", {{"cartesian_equations", table.integration[0]}, {"relative_equations", table.integration[1]}}},
+        {"curves",
+         {{"peak", table.curves.peak},
+          {"t_peak", table.curves.t_peak},
+          {"rms_over_range", table.curves.rms_over_range},
+          {"magnitude", table.curves.magnitude},
+          {"phase", table.curves.phase},
+          {"combined", table.curves.combined}}}};
   }
   return told;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/error.h"
 #include "compare/verdict/refinement.h"
@@ -46,6 +47,8 @@ std::optional<TwoByTwo> two_by_two(const Model& model, const std::array<Solver*,
   TwoByTwo table;
   table.of = describe_owner(model, row->quantity) + ", " + describe_component(row->quantity);
   table.unit = unit_of(model, row->quantity);
+  std::vector<double> times;
+  std::array<std::vector<double>, 2> curves;
   for (std::size_t k = 0; k < samples; k += stride) {
     std::array<std::array<double, 2>, 2> value{};  // by algebra, by motion
     try {
@@ -59,21 +62,28 @@ std::optional<TwoByTwo> two_by_two(const Model& model, const std::array<Solver*,
       continue;  // a state that one solver's constraints do not accept
     }
     ++table.samples;
+    times.push_back(runs[0]->samples[k].state.t);
+    for (std::size_t who = 0; who < 2; ++who) curves[who].push_back(value[who][who]);
     for (int who = 0; who < 2; ++who) {
       table.formulation[who] = std::max(table.formulation[who], std::abs(value[0][who] - value[1][who]));
       table.integration[who] = std::max(table.integration[who], std::abs(value[who][0] - value[who][1]));
     }
   }
   if (table.samples == 0) return std::nullopt;
+  table.curves = compare_curves(times, curves);
   return table;
 }
 
 std::string describe(const TwoByTwo& table) {
   return fmt::format(
       "{}, largest over {} samples: formulation {:.2e} {} on cartesian's motion, {:.2e} on relative's; integration "
-      "{:.2e} {} by cartesian's equations, {:.2e} by relative's",
+      "{:.2e} {} by cartesian's equations, {:.2e} by relative's; peaks {:.6g} {} at {:.4g} s and {:.6g} at {:.4g} s, "
+      "RMS "
+      "{:.2e} of the range, Sprague-Geers magnitude {:+.2e}, phase {:.2e}, combined {:.2e}",
       table.of, table.samples, table.formulation[0], table.unit, table.formulation[1], table.integration[0], table.unit,
-      table.integration[1]);
+      table.integration[1], table.curves.peak[0], table.unit, table.curves.t_peak[0], table.curves.peak[1],
+      table.curves.t_peak[1], table.curves.rms_over_range, table.curves.magnitude, table.curves.phase,
+      table.curves.combined);
 }
 
 }  // namespace concord::compare

@@ -11,6 +11,7 @@
 #include "compare/audit/audit_ledger.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/curve_metrics.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/observe.h"
 #include "compare/verdict/states.h"
@@ -124,6 +125,8 @@ struct TwoByTwo {
   int samples = 0;
   std::array<double, 2> formulation{};  // between both equations on one motion
   std::array<double, 2> integration{};  // by one solver's equations between both motions
+  /// Each solver's equations on its own motion, cartesian's as the measure.
+  CurveMetrics curves;
 };
 
 struct Verdict {

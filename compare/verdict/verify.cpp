@@ -570,7 +570,7 @@ class Verification {
     }
     std::vector<SharedState> drawn;
     try {
-      if (!run.empty()) drawn = share_random(model_, solvers_, run, kSeed + 1, kStatesOfTerms).states;
+      if (!run.empty()) drawn = share_random(model_, solvers_, run, options_.seed + 1, kStatesOfTerms).states;
       verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
     } catch (const SolverError&) {
       // The difference stands without its explanation.
