@@ -30,8 +30,7 @@ bool is_same_side(const QuantityRow& a, const QuantityRow& b) {
 
 double margin(const QuantityRow& row) {
   if (!row.unique) return kMostDigits;
-  const auto above = [&](Rung rung) { return digits_of(row, rung).value_or(kMostDigits) - need_of(row, rung); };
-  return std::min(above(Rung::same_state), above(Rung::same_run));
+  return std::min(margin(row, Rung::same_state), margin(row, Rung::same_run));
 }
 
 /// Reactions and element wrenches: all, or of each side the one with the least margin.

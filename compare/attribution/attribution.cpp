@@ -49,15 +49,19 @@ std::vector<Breach> breaches_of(const Evidence& evidence, AuditRule rule) {
     const int worse = found[0]->digits <= found[1]->digits ? 0 : 1;
     if (found[worse]->row.empty()) continue;
     const bool is_clear = found[worse]->digits + kClearlyWorse < found[1 - worse]->digits;
-    if (is_clear) {
-      breaches.push_back({worse, places[worse], found[worse]});
-    } else if (!found[worse]->holds()) {
-      breaches.push_back({kBoth, places[worse], found[worse]});
-    }
+    const bool does_other_hold = found[1 - worse]->holds();
+    if (!is_clear && found[worse]->holds()) continue;
+    breaches.push_back({is_clear || does_other_hold ? worse : kBoth, places[worse], found[worse]});
   }
   std::stable_sort(breaches.begin(), breaches.end(),
                    [](const Breach& a, const Breach& b) { return a.finding->digits < b.finding->digits; });
   return breaches;
+}
+
+std::vector<EvaluatedState> all_states(const Evidence& evidence) {
+  std::vector<EvaluatedState> all = evidence.states;
+  all.insert(all.end(), evidence.drawn.begin(), evidence.drawn.end());
+  return all;
 }
 
 std::string words_of(const Breach& breach) {
@@ -97,7 +101,7 @@ std::optional<Attribution> blame_joint_motion(const Evidence& evidence) {
   if (of_pose != breaches.end()) return at(evidence, *of_pose, Term::jacobian);
   const Breach& worst = breaches.front();
   const int solver = worst.solver == kBoth ? 0 : worst.solver;
-  return at(evidence, worst, fit_joint_misfit(evidence.model, worst.place->number, evidence.states, solver));
+  return at(evidence, worst, fit_joint_misfit(evidence.model, worst.place->number, all_states(evidence), solver));
 }
 
 /// A driver or a coupling that is not followed.
@@ -135,11 +139,12 @@ std::optional<Attribution> blame_dynamics(const Evidence& evidence, bool sharp) 
   constexpr double kSharp = 1e-2;
   const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::free_body);
   const Auditor auditor(evidence.model);
+  const std::vector<EvaluatedState> states = all_states(evidence);
   std::vector<BodyFit> fits;
   std::vector<BodyFit> sharp_ones;
   for (const Breach& breach : breaches) {
     const int solver = breach.solver == kBoth ? 0 : breach.solver;
-    const TermFit fit = fit_term(evidence.model, auditor, breach.place->number, evidence.states, solver);
+    const TermFit fit = fit_term(evidence.model, auditor, breach.place->number, states, solver);
     fits.push_back({&breach, fit});
     if (fit.unexplained <= kSharp) sharp_ones.push_back(fits.back());
   }
@@ -181,7 +186,7 @@ std::pair<int, std::string> who_reports_wrongly(const Evidence& evidence) {
 
 /// Bodies move alike and wrenches differ.
 std::optional<Attribution> blame_report(const Evidence& evidence) {
-  const std::vector<ReportFault> faults = find_report_faults(evidence.model, evidence.states);
+  const std::vector<ReportFault> faults = find_report_faults(evidence.model, evidence.states, evidence.ambiguous);
   if (faults.empty()) return blame_own_report(evidence);
   const ReportFault* fault = &faults.front();
   if (fault->term != Term::subtraction && faults.back().term == Term::reaction) {

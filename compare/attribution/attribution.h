@@ -18,14 +18,18 @@ struct Evidence {
   const Model& model;
   /// What the audit found in each solver's answers in the same states and along its own run.
   std::array<AuditReport, 2> audits;
-  /// Generic states that both solvers evaluated: the more, the more terms can be told apart.
+  /// States that both solvers evaluated and in which they were compared.
   std::vector<EvaluatedState> states;
+  /// More states, drawn at random: terms can be told apart where they differ.
+  std::vector<EvaluatedState> drawn = {};
+  /// Joints whose wrenches are not unique in all states: two right solvers may differ there. Empty: all are unique.
+  std::vector<bool> ambiguous = {};
   /// Where each solver starts.
   std::array<const State*, 2> starts{};
 };
 
 struct Attribution {
-  /// 0 cartesian, 1 relative, 2: both alike, so that what they share is wrong (a law, a joint's page, modal data).
+  /// 0 cartesian, 1 relative, 2: both, so that what they share is wrong (a law, a joint's page, modal data).
   int solver = 0;
   Term term = Term::unknown;
   /// "body hub", "joint rod", "force element strut", "coupling mesh"
@@ -37,7 +41,7 @@ struct Attribution {
 /// Nothing if neither solver breaks a rule more than the other one does.
 std::optional<Attribution> find_cause(const Evidence& evidence);
 
-/// "cartesian: body hub, gyroscopic and Coriolis: ..."
+/// "cartesian, at body hub, in the term "inertia": breaks the audit's rule "free body" by F_y (3.2 digits); ..."
 std::string describe(const Attribution& blame);
 
 }  // namespace concord::compare

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "common/decompositions.h"
-
 namespace concord::compare {
 
 namespace {
@@ -133,7 +131,8 @@ bool move_alike(const std::vector<EvaluatedState>& states) {
   return linear.is_alike() && angular.is_alike() && modal.is_alike();
 }
 
-std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states) {
+std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states,
+                                            const std::vector<bool>& ambiguous) {
   constexpr std::array kOrder{Term::subtraction, Term::frame, Term::side, Term::point, Term::reaction};
   const auto order_of = [&](const ReportFault& fault) {
     return std::find(kOrder.begin(), kOrder.end(), fault.term) - kOrder.begin();
@@ -141,6 +140,7 @@ std::vector<ReportFault> find_report_faults(const Model& model, const std::vecto
   const Floors floors = floors_of(model, states);
   std::vector<ReportFault> faults;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    if (k < ambiguous.size() && ambiguous[k]) continue;
     if (const auto one = fault_of(states, k, floors)) faults.push_back(*one);
   }
   std::stable_sort(faults.begin(), faults.end(),

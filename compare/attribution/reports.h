@@ -21,7 +21,8 @@ struct ReportFault {
 
 /// The joints that the solvers report differently, the most telling kinds of difference first: only after what drivers
 /// and springs do was subtracted, only in the joint's axes, on the other side or on one side only, in torques alone, or
-/// the wrench itself.
-std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states);
+/// the wrench itself. `ambiguous`: joints that are left out, because their wrenches are not unique; empty: none.
+std::vector<ReportFault> find_report_faults(const Model& model, const std::vector<EvaluatedState>& states,
+                                            const std::vector<bool>& ambiguous);
 
 }  // namespace concord::compare

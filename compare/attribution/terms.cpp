@@ -241,18 +241,15 @@ double squares_left(const MatX& terms, const MatX& rows) {
 
 /// The part of `rows` that a family leaves over; 1 where it has too many terms to be held against so few states.
 double part_left(const Family& family, const std::vector<EvaluatedState>& states, const MatX& rows) {
-  MatX rigid;
-  MatX modal;
+  const FamilyTerms first = family.terms(states.front());
+  if (3 * std::max(first.rigid.size(), first.modal.size()) > 2 * rows.rows()) return 1.0;
+  MatX rigid(rows.rows(), first.rigid.size());
+  MatX modal(rows.rows(), first.modal.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
     const FamilyTerms terms = family.terms(states[k]);
-    if (k == 0) {
-      rigid.resize(rows.rows(), terms.rigid.size());
-      modal.resize(rows.rows(), terms.modal.size());
-    }
     rigid.row(static_cast<Eigen::Index>(k)) = terms.rigid.transpose();
     modal.row(static_cast<Eigen::Index>(k)) = terms.modal.transpose();
   }
-  if (3 * std::max(rigid.cols(), modal.cols()) > 2 * rows.rows()) return 1.0;
   const double left = squares_left(normalized(rigid), rows.leftCols(6)) +
                       squares_left(normalized(modal), rows.rightCols(rows.cols() - 6));
   return std::sqrt(left / rows.squaredNorm());

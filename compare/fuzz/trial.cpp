@@ -51,6 +51,7 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
     options.states = kStates;
     options.samples = kStates - 1;
     options.refines = refines;
+    options.explains = false;  // a machine that is made small differs hundreds of times
     std::string last;
     options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
       if (rung == last) return;

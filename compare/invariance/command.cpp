@@ -76,7 +76,7 @@ void write_batteries(const std::filesystem::path& file, const std::vector<std::o
   for (const auto& one : tried) {
     if (one) found.emplace_back(&one->model, &one->battery);
   }
-  if (!found.empty()) write_file(file, format_battery_json(found));
+  if (!found.empty()) write_file(file, format_battery_json(found, tried.size() > 1));
 }
 
 }  // namespace

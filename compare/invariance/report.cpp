@@ -182,8 +182,9 @@ std::string format_battery(const Model& model, const Battery& battery) {
   return text + last_line(battery);
 }
 
-std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries) {
-  if (batteries.size() == 1) return battery_object(*batteries.front().first, *batteries.front().second).dump(2) + '\n';
+std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries,
+                                bool several_asked) {
+  if (!several_asked) return battery_object(*batteries.front().first, *batteries.front().second).dump(2) + '\n';
   Object all = Object::object();
   for (const auto& [model, battery] : batteries) all[battery->name] = battery_object(*model, *battery);
   return all.dump(2) + '\n';

@@ -13,7 +13,8 @@ namespace concord::compare::invariance {
 std::string format_battery(const Model& model, const Battery& battery);
 
 /// The same as JSON text (keys: compare/invariance/README.md): of one model, or of several by name.
-std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries);
+std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries,
+                                bool several_asked);
 
 /// Differences, refusals and failures, a line each.
 std::vector<std::string> findings_of(const Model& model, const Battery& battery);

@@ -95,6 +95,7 @@ struct Left {
   std::map<std::string, Result> results;
   std::map<std::string, std::string> lost;
   int lost_tasks = 0;
+  int stopped_tasks = 0;  // ended in order, without all of their cases
 };
 
 /// A shared file system may show a file some seconds after it was written on another node.
@@ -122,7 +123,7 @@ Left what_tasks_left(const fs::path& folder, const ClusterPlan& plan, const std:
                                      [&](const std::string& name) { return left.results.contains(name); });
     if (has_all) continue;
     const bool is_finished = record && record->is_finished;
-    if (!is_finished) ++left.lost_tasks;
+    ++(is_finished ? left.stopped_tasks : left.lost_tasks);
     const std::string words = !is_finished           ? words_of_lost(folder, task, record, states)
                               : plan.command.minutes ? "the time of the night was up"
                                                      : "interrupted, and its task went on";
@@ -143,6 +144,7 @@ std::optional<fs::path> cluster_folder(const std::string& process) {
 }
 
 bool is_cluster_running(const fs::path& folder) {
+  if (read_end(folder)) return false;  // merged; Slurm need not be there any more
   const ClusterJobs jobs = read_jobs(folder);
   return (jobs.array != 0 && slurm::is_alive(jobs.array)) || (jobs.merge != 0 && slurm::is_alive(jobs.merge));
 }
@@ -219,8 +221,11 @@ bool merge_tasks(const fs::path& folder, const ClusterPlan& plan, const std::vec
       is_complete = false;
     }
   }
-  console.err << fmt::format("{} tasks: {} left all their results, {} were lost\n", plan.tasks.size(),
-                             plan.tasks.size() - static_cast<std::size_t>(left.lost_tasks), left.lost_tasks);
+  const auto all = static_cast<int>(plan.tasks.size());
+  console.err << fmt::format(
+      "{} tasks: {} left all their results, {} were lost{}\n", all, all - left.lost_tasks - left.stopped_tasks,
+      left.lost_tasks,
+      left.stopped_tasks > 0 ? fmt::format(", {} stopped before their end", left.stopped_tasks) : std::string());
   return is_complete;
 }
 

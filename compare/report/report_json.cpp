@@ -124,7 +124,8 @@ Json attribution_of(const Verdict& verdict) {
   Json told = Json::object();
   if (verdict.attribution) {
     constexpr std::array kSolvers{"cartesian", "relative", "both"};
-    told["solver"] = kSolvers[verdict.attribution->solver];
+    const bool is_nobodys = verdict.attribution->term == Term::statement;
+    told["solver"] = is_nobodys ? "none" : kSolvers[verdict.attribution->solver];
     told["place"] = verdict.attribution->where;
     told["term"] = name_of(verdict.attribution->term);
     told["because"] = verdict.attribution->because;

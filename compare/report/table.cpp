@@ -75,20 +75,12 @@ std::string head(const Verdict& verdict) {
 
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
-/// How far a row stands above its needs; the least of all rungs.
-double margin(const QuantityRow& row, Rung rung) {
-  const std::optional<double> digits = digits_of(row, rung);
-  if (!digits) return kMostDigits;
-  const double above = detail_of(row, rung).unexplained - need_of(row, rung);
-  const bool may_rise = rung == Rung::refined && row.same_run.has_value();
-  return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
-}
-
 Rung tightest_rung(const QuantityRow& row) {
   return *std::min_element(kRungs.begin(), kRungs.end(),
                            [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
 }
 
+/// How far a row stands above its needs; the least of all rungs.
 double margin(const QuantityRow& row) { return margin(row, tightest_rung(row)); }
 
 /// Name of the joint or force element of a wrench, and of the body on which it acts.

@@ -25,7 +25,7 @@ CurveMetrics compare_curves(const std::vector<double>& times, const std::array<s
   }
   if (times.empty()) return metrics;
   const auto [lowest, highest] = std::minmax_element(curves[0].begin(), curves[0].end());
-  const double range = *highest - *lowest;
+  const double range = *highest > *lowest ? *highest - *lowest : std::max(metrics.peak[0], metrics.peak[1]);
   if (range > 0.0) metrics.rms_over_range = std::sqrt(difference / static_cast<double>(times.size())) / range;
   if (squares[0] == 0.0 || squares[1] == 0.0) return metrics;
   metrics.magnitude = std::sqrt(squares[1] / squares[0]) - 1.0;

@@ -11,7 +11,8 @@ struct CurveMetrics {
   /// The largest size of each curve and its time [s].
   std::array<double, 2> peak{};
   std::array<double, 2> t_peak{};
-  /// Root of the mean square of the difference, over the range of the first curve; 0 if both are constant and equal.
+  /// Root of the mean square of the difference, over the range of the first curve; over the larger peak if that
+  /// curve is constant.
   double rms_over_range = 0.0;
   /// Sprague and Geers: how much larger the second curve is, how much it is shifted (1 is half a period), and both.
   double magnitude = 0.0;

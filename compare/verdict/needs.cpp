@@ -94,8 +94,8 @@ void check_names(const Model& model, const NeedOverride& change, std::vector<Dia
 }  // namespace
 
 Needs default_needs(const Model& model) {
-  if (model.is_flexible()) return {kFlexibleSameState, kFlexibleSameRun, kRefined, ""};
-  return {kRigidSameState, kRigidSameRun, kRefined, ""};
+  if (model.is_flexible()) return {kFlexibleSameState, kFlexibleSameRun, kRefined, "", false};
+  return {kRigidSameState, kRigidSameRun, kRefined, "", false};
 }
 
 Needs needs_of(const Model& model, const Quantity& quantity) {
@@ -106,6 +106,7 @@ Needs needs_of(const Model& model, const Quantity& quantity) {
     for (const NeededRung& rung : kNeededRungs) needs.*rung.need = (change.*rung.asked).value_or(needs.*rung.need);
     if (lowers(change, standard)) needs.because = change.because;
   }
+  needs.same_state_lowered = needs.same_state < standard.same_state;
   return needs;
 }
 

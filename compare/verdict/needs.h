@@ -15,6 +15,8 @@ struct Needs {
   double refined = 0.0;
   /// Why the model needs fewer than the comparator would ask; empty if it does not.
   std::string because;
+  /// Whether the same state needs fewer than that: then its need alone judges.
+  bool same_state_lowered = false;
 };
 
 inline constexpr double kRigidSameState = 12.0;

@@ -1,6 +1,7 @@
 #include "compare/verdict/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "compare/audit/digits.h"
 
@@ -65,7 +66,7 @@ double need_of(const QuantityRow& row, Rung rung) {
 }
 
 bool is_beyond_round_off(const QuantityRow& row, Rung rung) {
-  return rung == Rung::same_state && row.need.because.empty() && detail_of(row, rung).ratio > kBeyondRoundOff;
+  return rung == Rung::same_state && !row.need.same_state_lowered && detail_of(row, rung).ratio > kBeyondRoundOff;
 }
 
 bool meets_need(const QuantityRow& row, Rung rung) {
@@ -73,6 +74,15 @@ bool meets_need(const QuantityRow& row, Rung rung) {
   if (!digits || is_beyond_round_off(row, rung)) return false;
   if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
   return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+}
+
+double margin(const QuantityRow& row, Rung rung) {
+  const std::optional<double> digits = digits_of(row, rung);
+  if (!digits) return kMostDigits;
+  const double above = detail_of(row, rung).unexplained - need_of(row, rung);
+  if (is_beyond_round_off(row, rung)) return std::min(above, std::log10(kBeyondRoundOff / detail_of(row, rung).ratio));
+  const bool may_rise = rung == Rung::refined && row.same_run.has_value();
+  return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
 }
 
 const RungDetail& detail_of(const QuantityRow& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }

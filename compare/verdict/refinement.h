@@ -36,6 +36,10 @@ bool is_beyond_round_off(const QuantityRow& row, Rung rung);
 /// refined: its need, or kRefinedRise above its same run. False if the rung did not run or did not judge the row.
 bool meets_need(const QuantityRow& row, Rung rung);
 
+/// How many digits a row stands above its need on a rung; negative where meets_need() is false, however small the
+/// difference is. kMostDigits where the rung says nothing of the row.
+double margin(const QuantityRow& row, Rung rung);
+
 /// Rungs that judge a quantity: all three, but accelerations at the same state only.
 bool judges(Rung rung, Kind kind);
 

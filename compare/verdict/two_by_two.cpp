@@ -43,7 +43,7 @@ std::optional<TwoByTwo> two_by_two(const Model& model, const std::array<Solver*,
   const int place = layout.row_of(row->quantity);
   const auto& runs = verdict.trajectories;
   const std::size_t samples = std::min(runs[0]->samples.size(), runs[1]->samples.size());
-  const std::size_t stride = std::max<std::size_t>(1, samples / kTableSamples);
+  const std::size_t stride = std::max<std::size_t>(1, (samples + kTableSamples - 1) / kTableSamples);
   TwoByTwo table;
   table.of = describe_owner(model, row->quantity) + ", " + describe_component(row->quantity);
   table.unit = unit_of(model, row->quantity);

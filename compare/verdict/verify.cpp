@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <future>
 #include <limits>
 #include <mutex>
@@ -562,28 +563,50 @@ class Verification {
   /// terms can be told apart only where they differ.
   void attribute() {
     judge(verdict_);
-    if (verdict_.findings.empty()) return;
+    if (verdict_.findings.empty() || !options_.explains) return;
     report("attribution");
+    try {
+      find_who_is_to_blame();
+    } catch (const std::exception& error) {  // the difference stands without its explanation
+      verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
+    }
+    if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
+    if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
+  }
+
+  void find_who_is_to_blame() {
     std::vector<OwnedState> run;
     for (const SharedState& one : weighed_.states) {
       if (one.row >= 0) run.push_back({one.state, Who::cartesian, one.row});
     }
     std::vector<SharedState> drawn;
-    try {
-      if (!run.empty()) drawn = share_random(model_, solvers_, run, options_.seed + 1, kStatesOfTerms).states;
-      verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
-    } catch (const SolverError&) {
-      // The difference stands without its explanation.
-    }
-    Evidence evidence{model_, {auditors_[0].report(), auditors_[1].report()}, {}, {&starts_[0], &starts_[1]}};
-    for (const auto* states : {&std::as_const(weighed_.states), &std::as_const(drawn)}) {
-      for (const SharedState& one : *states) {
-        evidence.states.push_back({&one.state, {&one.evaluations[0], &one.evaluations[1]}});
+    if (!run.empty()) drawn = share_random(model_, solvers_, run, options_.seed + 1, kStatesOfTerms).states;
+    verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
+    const auto view_of = [](const std::vector<SharedState>& states) {
+      std::vector<EvaluatedState> views;
+      for (const SharedState& one : states) {
+        views.push_back({&one.state, {&one.evaluations[0], &one.evaluations[1]}});
       }
+      return views;
+    };
+    verdict_.attribution = find_cause({model_,
+                                       {auditors_[0].report(), auditors_[1].report()},
+                                       view_of(weighed_.states),
+                                       view_of(drawn),
+                                       ambiguous_joints(),
+                                       {&starts_[0], &starts_[1]}});
+  }
+
+  /// Joints of whose reactions and totals some component is not unique in some state.
+  std::vector<bool> ambiguous_joints() const {
+    std::vector<bool> ambiguous(model_.joints.size(), false);
+    for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
+      const Quantity& quantity = layout_.quantities()[row];
+      if (quantity.kind != Kind::reaction && quantity.kind != Kind::total) continue;
+      const auto of_row = static_cast<Eigen::Index>(row);
+      if (of_row < weighed_.mask.rows() && !weighed_.mask.row(of_row).all()) ambiguous[quantity.owner] = true;
     }
-    verdict_.attribution = find_cause(evidence);
-    if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
-    if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
+    return ambiguous;
   }
 
   void conclude() {

@@ -30,6 +30,8 @@ struct VerifyOptions {
   std::uint64_t seed = kSeed;
   /// Whether the third rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
+  /// Whether a difference is told apart: who is to blame, and whether motions or equations differ.
+  bool explains = true;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
   /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.

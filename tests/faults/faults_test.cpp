@@ -230,7 +230,7 @@ bool acts_at(const Model& model, const std::string& where, const Key& key) {
 }
 
 /// A fault must not only be seen: its solver, the term it sits in and the place are named, at the first guess, for 85 %
-/// of the faults that a comparison of states can tell apart at all.
+/// of all faults but the comparator's own.
 TEST_CASE("What is to blame is named, by solver, place and term") {
   std::ifstream file(CONCORD_FAULTS "/attribution_key.json");
   const nlohmann::json keys = nlohmann::json::parse(file);

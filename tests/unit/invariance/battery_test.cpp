@@ -117,7 +117,7 @@ TEST(Battery, ARefusedDescriptionIsADifference) {
   EXPECT_THAT(format_battery(model, battery), HasSubstr("welds are not my business"));
 }
 
-// Detects an answer that changes from run to run, or with the moves that were asked for.
+// Detects an answer that changes from run to run.
 TEST(Battery, SaysTheSameTwice) {
   const Model model = shipped("planetary_differential");
   const std::string first = format_battery(model, run_battery(model, both_solvers(), {}));

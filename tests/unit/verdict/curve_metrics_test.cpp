@@ -52,6 +52,7 @@ TEST(CurveMetricsTest, ZerosHaveNoMagnitudeAndNoPhase) {
   EXPECT_DOUBLE_EQ(zero.phase, 0.0);
   EXPECT_GT(zero.rms_over_range, 0.3);
   EXPECT_DOUBLE_EQ(compare_curves({}, {}).combined, 0.0);
+  EXPECT_DOUBLE_EQ(compare_curves({0.0, 1.0}, {{{10.0, 10.0}, {12.0, 12.0}}}).rms_over_range, 2.0 / 12.0);  // at rest
 }
 
 }  // namespace

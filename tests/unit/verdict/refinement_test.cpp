@@ -141,8 +141,12 @@ TEST_F(RefinementTest, WhatIsBeyondAllRoundOffDiffersWhateverTheNeed) {
   set_ratio(1.1 * kBeyondRoundOff);
   EXPECT_FALSE(meets_need(row, Rung::same_state));
   EXPECT_TRUE(meets_need(row, Rung::same_run));
-  row.need.because = "a table of five digits";
+  EXPECT_LT(margin(row, Rung::same_state), 0.0);  // a table that shows the nearest row shows this one
+  row.need.because = "a soft stop: the same run needs fewer";
+  EXPECT_FALSE(meets_need(row, Rung::same_state));
+  row.need.same_state_lowered = true;
   EXPECT_TRUE(meets_need(row, Rung::same_state));
+  EXPECT_GT(margin(row, Rung::same_state), 0.0);
 }
 
 TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
