@@ -56,7 +56,7 @@ TestCase of_row(const Model& model, const QuantityRow& row) {
     const auto digits = digits_of(row, rung);
     test.message += fmt::format("{}{}: {} digits (need {:g})", test.message.empty() ? "" : ", ", name_of(rung),
                                 digits ? format_digits(*digits) : "no", need_of(row, rung));
-    if (is_beyond_round_off(row, rung)) {
+    if (digits && *digits >= need_of(row, rung) && is_beyond_round_off(row, rung)) {
       test.message += fmt::format(", {:.2g} times what double precision resolves", detail_of(row, rung).ratio);
     }
   }

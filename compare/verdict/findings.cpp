@@ -89,7 +89,7 @@ std::vector<Finding> find_differences(const QuantityLayout& layout, const Series
     const int row = layout.row_of(quantity);
     const bool is_integration = rung != Rung::same_state && meets_need(*shortfall.row, Rung::same_state);
     const std::string beyond =
-        is_beyond_round_off(*shortfall.row, rung)
+        shortfall.missing <= 0.0 && is_beyond_round_off(*shortfall.row, rung)
             ? fmt::format(", up to {:.2g} times what double precision resolves there", measured[row].ratio)
             : "";
     findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)) + beyond,

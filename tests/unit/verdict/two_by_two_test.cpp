@@ -43,9 +43,17 @@ TEST_F(TwoByTwoTest, AWrongEquationIsFormulation) {
   EXPECT_NEAR(differs.two_by_two->curves.magnitude, 0.01, 1e-4);
 }
 
-/// A solver whose motion leaves the right one, while its equations are right.
+/// A solver that moves from another start at every tolerance, while its equations are right.
 TEST_F(TwoByTwoTest, AWrongMotionIsIntegration) {
-  wrong_.drift = 1e6;
+  Model displaced = model_;
+  displaced.joints[0].start[0].q(0) += 1e-4;
+  FakePendulum elsewhere(displaced, "relative");
+  wrong_.spoil_run = [&](Trajectory& run) {
+    RunOptions options;
+    options.until = run.samples.back().state.t;
+    options.samples = static_cast<int>(run.samples.size()) - 1;
+    run = elsewhere.integrate(options, {});
+  };
   const Verdict differs = verdict();
   ASSERT_TRUE(differs.two_by_two);
   for (int who = 0; who < 2; ++who) {
