@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "common/error.h"
 #include "compare/audit/digits.h"
@@ -16,6 +17,10 @@
 #include "compare/verdict/weighed_states.h"
 
 namespace concord::compare::invariance {
+
+bool is_nearer(const Measured& one, const Measured& other) {
+  return std::pair(one.unexplained_digits, one.digits) < std::pair(other.unexplained_digits, other.digits);
+}
 
 std::optional<double> Nearest::resolvable() const {
   if (!(measured.resolution >= 0.0)) return std::nullopt;
@@ -30,11 +35,6 @@ constexpr double kUnit = std::numeric_limits<double>::epsilon();
 constexpr double kRunTolerance = 1e-7;
 /// Modes make a run costly and have been everywhere soon.
 constexpr double kPartOfFlexibleRun = 0.1;
-
-bool is_nearer(const Measured& one, const Measured& other) {
-  if (one.unexplained_digits != other.unexplained_digits) return one.unexplained_digits < other.unexplained_digits;
-  return one.digits < other.digits;
-}
 
 /// What one solver says in a new description, led back to the first one.
 struct Answers {

@@ -36,6 +36,9 @@ struct Nearest {
   [[nodiscard]] std::optional<double> resolvable() const;
 };
 
+/// Whether the first one reaches fewer digits: beyond round-off, then at all.
+bool is_nearer(const Measured& one, const Measured& other);
+
 /// One solver under one move.
 struct MoveRow {
   std::size_t move = 0;

@@ -43,9 +43,6 @@ Attachment with_frame(Attachment side, const Pose& frame) {
   return side;
 }
 
-namespace {
-
-/// The motion of the frame that lies at `frame` in a body's frame, or of the latter given the former's.
 BodyState moved_motion(BodyState body, const Pose& frame) {
   const Mat3 A = rotation_of(body.p);
   const Vec3 arm = A * frame.r;
@@ -54,6 +51,8 @@ BodyState moved_motion(BodyState body, const Pose& frame) {
   body.p = euler_parameters_of(A * frame.A);
   return body;
 }
+
+namespace {
 
 Pose inverse_frame(const Pose& frame) { return {-(frame.A.transpose() * frame.r), frame.A.transpose()}; }
 

@@ -20,13 +20,6 @@ constexpr int kFormatOfBattery = 1;
 
 std::string solver_name(const MoveRow& row) { return kSolverNames[static_cast<std::size_t>(index(row.who))]; }
 
-bool is_finer(const Nearest& one, const Nearest& other) {
-  const auto key = [](const Nearest& nearest) {
-    return std::pair(nearest.measured.unexplained_digits, nearest.measured.digits);
-  };
-  return key(one) < key(other);
-}
-
 std::string verdict_of(const MoveSummary& move, const MoveRow& row) {
   if (!row.applies)
     return move.why_not.empty() ? "does not apply: the solver cuts no joint" : "does not apply: " + move.why_not;
@@ -140,7 +133,7 @@ const MoveRow* nearest_row(const Battery& battery) {
   const MoveRow* found = nullptr;
   for (const MoveRow& row : battery.rows) {
     if (!row.nearest) continue;
-    if (found == nullptr || is_finer(*row.nearest, *found->nearest)) found = &row;
+    if (found == nullptr || is_nearer(row.nearest->measured, found->nearest->measured)) found = &row;
   }
   return found;
 }

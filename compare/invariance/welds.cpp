@@ -119,12 +119,7 @@ Model model_in_parts(Model model, const std::vector<Part>& parts) {
 
 State state_in_parts(State state, const std::vector<Part>& parts) {
   for (const Part& part : parts) {
-    BodyState body = state.bodies[static_cast<std::size_t>(part.of)];
-    const Mat3 A = rotation_of(body.p);
-    const Vec3 arm = A * part.frame.r;
-    body.r += arm;
-    body.v += body.omega.cross(arm);
-    body.p = euler_parameters_of(A * part.frame.A);
+    BodyState body = moved_motion(state.bodies[static_cast<std::size_t>(part.of)], part.frame);
     body.a = body.adot = VecX(0);
     state.bodies.push_back(std::move(body));
     state.q.emplace_back(0);

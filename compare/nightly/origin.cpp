@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
-#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <thread>
 
+#include "compare/nightly/file_hash.h"
 #include "concord_commit.h"
 
 namespace concord::compare::nightly {
@@ -39,19 +39,9 @@ std::string machine_words() {
                      std::thread::hardware_concurrency(), processor_words(), system.sysname, system.release);
 }
 
-/// FNV-1a of the program's file; it is read once.
+/// It is read once.
 std::uint64_t hash_of_program() {
-  static const std::uint64_t hash = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    std::uint64_t value = 14695981039346656037U;
-    std::array<char, 65536> chunk{};
-    while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0) {
-      for (std::streamsize k = 0; k < file.gcount(); ++k) {
-        value = (value ^ static_cast<unsigned char>(chunk.at(static_cast<std::size_t>(k)))) * 1099511628211U;
-      }
-    }
-    return value;
-  }();
+  static const std::uint64_t hash = hash_of_file("/proc/self/exe");
   return hash;
 }
 

@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "common/reading/model_file.h"
+#include "compare/nightly/file_hash.h"
 
 namespace concord::compare::nightly {
 
@@ -28,24 +27,13 @@ void multiply(std::vector<Case>& cases, std::size_t count, const Change& change)
   cases = std::move(all);
 }
 
-/// FNV-1a of the file's text: says whether it is still the same. 0 of what is no file.
-std::uint64_t hash_of(const std::filesystem::path& file) {
-  std::error_code unknown;
-  if (!std::filesystem::is_regular_file(file, unknown)) return 0;
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  std::uint64_t hash = 14695981039346656037U;
-  for (const char c : text.str()) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
-  return hash;
-}
-
 /// The model's file and those that it opens: included ones, modes.
 std::string definition_of_model(const std::filesystem::path& model) {
-  std::string text = fmt::format(" {} {:016x}", model.filename().string(), hash_of(model));
+  std::string text = fmt::format(" {} {:016x}", model.filename().string(), hash_of_file(model));
   std::set<std::string> told{model.lexically_normal().string()};
   for (const std::filesystem::path& file : files_of_model(model)) {
     if (!told.insert(file.lexically_normal().string()).second) continue;
-    text += fmt::format(" +{} {:016x}", file.filename().string(), hash_of(file));
+    text += fmt::format(" +{} {:016x}", file.filename().string(), hash_of_file(file));
   }
   return text;
 }

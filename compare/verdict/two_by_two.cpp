@@ -15,18 +15,14 @@ namespace {
 
 constexpr std::size_t kTableSamples = 41;
 
-/// The row that misses its need by most on the first rung that differs; reactions before what follows from them.
+/// The row that stands farthest below its need on the first rung that differs; reactions before what follows from them.
 const QuantityRow* row_that_differs(const Verdict& verdict) {
   for (const Rung rung : kRungs) {
     for (const auto* rows : {&verdict.rows, &verdict.others}) {
       const QuantityRow* worst = nullptr;
-      double missing = -1e300;
       for (const QuantityRow& row : *rows) {
         if (!is_judged(row) || !digits_of(row, rung) || meets_need(row, rung)) continue;
-        const double misses = need_of(row, rung) - *digits_of(row, rung);
-        if (misses <= missing) continue;
-        missing = misses;
-        worst = &row;
+        if (worst == nullptr || margin(row, rung) < margin(*worst, rung)) worst = &row;
       }
       if (worst != nullptr) return worst;
     }
@@ -43,7 +39,7 @@ std::optional<TwoByTwo> two_by_two(const Model& model, const std::array<Solver*,
   const int place = layout.row_of(row->quantity);
   const auto& runs = verdict.trajectories;
   const std::size_t samples = std::min(runs[0]->samples.size(), runs[1]->samples.size());
-  const std::size_t stride = std::max<std::size_t>(1, (samples + kTableSamples - 1) / kTableSamples);
+  const std::size_t stride = (samples + kTableSamples - 1) / kTableSamples;
   TwoByTwo table;
   table.of = describe_owner(model, row->quantity) + ", " + describe_component(row->quantity);
   table.unit = unit_of(model, row->quantity);
@@ -78,8 +74,7 @@ std::string describe(const TwoByTwo& table) {
   return fmt::format(
       "{}, largest over {} samples: formulation {:.2e} {} on cartesian's motion, {:.2e} on relative's; integration "
       "{:.2e} {} by cartesian's equations, {:.2e} by relative's; peaks {:.6g} {} at {:.4g} s and {:.6g} at {:.4g} s, "
-      "RMS "
-      "{:.2e} of the range, Sprague-Geers magnitude {:+.2e}, phase {:.2e}, combined {:.2e}",
+      "RMS {:.2e} of the range, Sprague-Geers magnitude {:+.2e}, phase {:.2e}, combined {:.2e}",
       table.of, table.samples, table.formulation[0], table.unit, table.formulation[1], table.integration[0], table.unit,
       table.integration[1], table.curves.peak[0], table.unit, table.curves.t_peak[0], table.curves.peak[1],
       table.curves.t_peak[1], table.curves.rms_over_range, table.curves.magnitude, table.curves.phase,

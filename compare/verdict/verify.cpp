@@ -562,7 +562,6 @@ class Verification {
   /// A difference is told apart: whose it is, where, which term. Asks both solvers in more states, because families of
   /// terms can be told apart only where they differ.
   void attribute() {
-    judge(verdict_);
     if (verdict_.findings.empty() || !options_.explains) return;
     report("attribution");
     try {
@@ -575,13 +574,13 @@ class Verification {
   }
 
   void find_who_is_to_blame() {
+    verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
     std::vector<OwnedState> run;
     for (const SharedState& one : weighed_.states) {
       if (one.row >= 0) run.push_back({one.state, Who::cartesian, one.row});
     }
     std::vector<SharedState> drawn;
     if (!run.empty()) drawn = share_random(model_, solvers_, run, options_.seed + 1, kStatesOfTerms).states;
-    verdict_.two_by_two = two_by_two(model_, solvers_, verdict_);
     const auto view_of = [](const std::vector<SharedState>& states) {
       std::vector<EvaluatedState> views;
       for (const SharedState& one : states) {

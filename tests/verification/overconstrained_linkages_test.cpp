@@ -58,7 +58,7 @@ start.turn_z = {{ guess = "-60 deg" }}
 name = "J4"
 type = "revolute"
 parent = {{ body = "last", point = ["a", 0, 0], axis = [1, 0, 0], angle = "al" }}
-child = {{ body = "ground", sequence = "xxx", angles = ["-be", 0, 0], point = ["-b", 0, 0] }}
+child = {{ body = "ground", sequence = "xyz", angles = ["-be", 0, 0], point = ["-b", 0, 0] }}
 )toml",
                                  guess),
                      "bennett.toml");

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace concord::compare::nightly {
+
+/// FNV-1a of what a file holds: says whether it is still the same. 0 of what is no regular file.
+std::uint64_t hash_of_file(const std::filesystem::path& file);
+
+}  // namespace concord::compare::nightly
