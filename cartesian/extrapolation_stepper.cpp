@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <vector>
 
@@ -75,7 +76,8 @@ class ExtrapolationStepper : public Stepper {
         interpolated_(start),
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
-        tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
+        tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
+        rtol_(tolerance.rtol) {
     write(start, view(y_.get()));
     asked_ = absolute_tolerances(equations, start, tolerance);
     view(tolerances_.get()) = asked_;
@@ -97,6 +99,7 @@ class ExtrapolationStepper : public Stepper {
   void advance(double stop) override {
     started_ = reached_;
     before_ = motion_;
+    follow_work();
     evolve(stop);
   }
 
@@ -127,6 +130,16 @@ class ExtrapolationStepper : public Stepper {
   }
 
  private:
+  /// Errors of the work count against the largest that it has been: drivers may take it back to nothing.
+  void follow_work() {
+    constexpr double kFinest = 1e-12;  // of it: below, laws that change fast leave the round-off of time in the power
+    const double needed = std::max(rtol_, kFinest) * largest_work_;
+    double& allowed = view(tolerances_.get())(n_q_ + n_Y_);
+    if (needed <= 2.0 * allowed) return;
+    allowed = needed;
+    check(ERKStepSVtolerances(memory_.get(), rtol_, tolerances_.get()), "ERKStepSVtolerances", messages_);
+  }
+
   void evolve(double stop) {
     constexpr double kTooClose = 1e-14;  // of the time: ARKODE refuses such steps, and nothing moves in them
     if (stop - reached_ <= kTooClose * stop) {
@@ -134,9 +147,11 @@ class ExtrapolationStepper : public Stepper {
       return;
     }
     const double begin = reached_;
+    failure_ = nullptr;
     int code = try_step(stop);
     if (code == ARK_UNREC_RHSFUNC_ERR) code = try_shorter_steps(begin, stop);
-    if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last + (why_.empty() ? "" : "; " + why_));
+    if (code < 0 && failure_) std::rethrow_exception(failure_);
+    if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last);
     ++steps_;
     read(view(y_.get()), motion_);
   }
@@ -213,8 +228,8 @@ class ExtrapolationStepper : public Stepper {
     try {
       action();
       return 0;
-    } catch (const SolverError& error) {
-      why_ = error.what();
+    } catch (const SolverError&) {
+      failure_ = std::current_exception();
       return 1;
     }
   }
@@ -251,13 +266,14 @@ class ExtrapolationStepper : public Stepper {
   double started_ = 0.0;  // the last step, at
   MotionState before_;
   MotionState interpolated_;
-  VecX asked_;  // absolute tolerances
-  std::string why_;
+  VecX asked_;                  // absolute tolerances
+  std::exception_ptr failure_;  // the last within a step
   sundials::MessageRecord messages_;
   sundials::Context context_;
   sundials::Vector y_;
   sundials::Vector dense_;
   sundials::Vector tolerances_;
+  double rtol_;
   std::unique_ptr<void, FreeMemory> memory_;
 };
 

@@ -45,6 +45,7 @@ double Stepper::step(double stop) {
     const double from = time_;
     if (has_regimes_) looks_.col(0) = equations_.applied().event_functions(from, motion_.q, motion_.Y);
     advance(stop);
+    largest_work_ = std::max(largest_work_, std::abs(motion_.work));
     event_ = has_regimes_ ? locate_event(from, stop) : HUGE_VAL;
   }
   if (event_ <= stop) {

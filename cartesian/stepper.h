@@ -35,6 +35,8 @@ class Stepper {
   void begin_anew();
   /// Evaluations of the equations of motion so far.
   [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// The largest |work| after any step so far [J].
+  [[nodiscard]] double largest_work() const { return largest_work_; }
 
  protected:
   Stepper(Equations& equations, const MotionState& start);
@@ -56,6 +58,7 @@ class Stepper {
   double reached_ = 0.0;  // by the method; time_ may lag behind
   long steps_ = 0;
   long evaluations_ = 0;
+  double largest_work_ = 0.0;
 
  private:
   double event_function(double t, const MotionState& motion);
@@ -70,8 +73,8 @@ class Stepper {
   double time_ = 0.0;
   double chatter_window_;  // s
   double event_;           // in the last step, not yet passed; HUGE_VAL: none
-  int nearest_event_ = -1;
-  MatX looks_;  // event functions at equal times of the last step, by column
+  int nearest_event_ = 0;  // the actor whose event function was the smallest
+  MatX looks_;             // event functions at equal times of the last step, by column
   double events_since_ = 0.0;
   int events_ = 0;
 };

@@ -105,6 +105,8 @@ struct SolverStatistics {
   /// Largest closure residual of positions and velocities over the samples (m, rad and per s, mixed, as the solver
   /// measures it) after projection.
   double max_constraint = 0.0;
+  /// The largest |work| at any step, between samples too [J]: what errors of the work are small beside.
+  double largest_work = 0.0;
 };
 
 struct Trajectory {

@@ -25,6 +25,9 @@ constexpr double kLargestModalResidual = 1e-8;
 /// what round-off lets the formulas see.
 constexpr double kStepShare = 0.01;
 constexpr double kFinestStep = 2e-15;
+/// Work is not held to less than this part of the largest that it has been: the round-off of time itself, in laws that
+/// change fast, leaves more in the power of drivers than steps could remove.
+constexpr double kFinestWork = 1e-12;
 
 /// More evaluations than this within this part of a run get nowhere.
 constexpr long kMostEvaluationsWithoutAdvance = 300'000;
@@ -132,6 +135,7 @@ struct Run {
   bool has_work = false;
   long evaluations = 0;
   SingularityWatch watch;
+  double largest_work = 0.0;
   std::string last_reason{};  // of the last evaluation or projection that failed
   bool is_singular = false;   // whether that was a singular pose
   double rtol = 0.0;
@@ -159,13 +163,17 @@ struct Run {
   }
 
   /// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
-  /// the size and the value for speeds and work. None below the round-off of the number itself (R74).
+  /// the size and the value for speeds, of the size and the largest value so far for work, which drivers may take back
+  /// to nothing. None below the round-off of the number itself (R74).
   void weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> weights) const {
     constexpr double kLeastWeighed = 1e-15;
     const Eigen::Index n_rates = y.size() - variables.n_q();
     weights = sizes;
     weights.tail(n_rates) += y.tail(n_rates).cwiseAbs();
-    weights = (rtol * weights).cwiseMax(kLeastWeighed * y.cwiseAbs()).cwiseInverse();
+    weights(variables.work()) = 0.0;
+    weights = (rtol * weights).cwiseMax(kLeastWeighed * y.cwiseAbs());
+    weights(variables.work()) = std::max(rtol, kFinestWork) * (sizes(variables.work()) + largest_work);
+    weights = weights.cwiseInverse();
   }
 
   /// Refuses steps that get nowhere, as where a loop is driven into a pose that locks it.
@@ -198,6 +206,7 @@ struct Run {
 
   void project(double t, Eigen::Ref<VecX> y) {
     require_advance(t);
+    largest_work = std::max(largest_work, std::abs(y(variables.work())));
     coordinates.t = t;
     variables.unpack(y, coordinates);
     assembly.project(coordinates);
@@ -373,6 +382,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   }
   trajectory.statistics.steps = stepper.steps();
   trajectory.statistics.evaluations = run.evaluations;
+  trajectory.statistics.largest_work = run.largest_work;
   trajectory.statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return trajectory;
 }

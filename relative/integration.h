@@ -7,8 +7,8 @@
 /// Time integration with SUNDIALS ARKODE and projection onto the closure after every step.
 namespace concord::relative {
 
-/// Names for RunOptions::integrator, the default for this model first: "erk" (explicit Runge-Kutta, Fehlberg's pair of
-/// orders 7 and 8) and "dirk" (singly diagonally implicit Runge-Kutta of order 5 for stiff models).
+/// Names for RunOptions::integrator, the default for this model first: "erk" (explicit Runge-Kutta, Prince and
+/// Dormand's pair of orders 8 and 7) and "dirk" (singly diagonally implicit Runge-Kutta of order 5 for stiff models).
 std::vector<std::string> integrator_names(const Model& model);
 
 /// Throws SolverError if the free modal equations of the last evaluation are out of balance by more than round-off

@@ -5,6 +5,8 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
+#include "relative/prince_dormand.h"
+
 namespace concord::relative {
 
 namespace {
@@ -25,7 +27,7 @@ void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Contex
   check(ERKStepSetErrHandlerFn(memory, sundials::MessageRecord::record, &messages), "ERKStepSetErrHandlerFn");
   check(ERKStepSetUserData(memory, calls.user_data), "ERKStepSetUserData");
   check(ERKStepWFtolerances(memory, calls.weigh), "ERKStepWFtolerances");
-  check(ERKStepSetTableNum(memory, ARKODE_FEHLBERG_13_7_8), "ERKStepSetTableNum");
+  check(ERKStepSetTable(memory, prince_dormand().get()), "ERKStepSetTable");
   check(ERKStepSetMaxNumSteps(memory, kMostSteps), "ERKStepSetMaxNumSteps");
   check(ERKStepSetPostprocessStepFn(memory, calls.project), "ERKStepSetPostprocessStepFn");
   // Events are looked for between steps; a higher degree would evaluate there.

@@ -484,6 +484,8 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
   if (trajectory.samples.empty()) return report;
   const Energies start = energies_of(model, trajectory.samples.front().state);
   const double length = model.length_scale();
+  // What comes and goes between two samples leaves its errors behind, too.
+  report.scale = trajectory.statistics.largest_work;
   double lowest = start.potential;
   double highest = start.potential;
   for (const Sample& sample : trajectory.samples) {
