@@ -90,6 +90,7 @@ constexpr double kAtRest = 1e-3;
 
 /// Largest speeds and modal coordinates of a run: the scales of motion.
 struct MotionScales {
+  double place = 0.0;
   double speed = 0.0;
   double turning = 0.0;
   std::vector<double> modal;
@@ -122,6 +123,7 @@ double largest(const VecX& values) { return values.size() > 0 ? values.cwiseAbs(
 
 MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   MotionScales scales;
+  scales.place = model.length_scale();
   scales.modal.assign(model.bodies.size(), 0.0);
   scales.modal_rate.assign(model.bodies.size(), 0.0);
   scales.modal_noise.assign(model.bodies.size(), 0.0);
@@ -131,6 +133,8 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   for (const Sample& sample : trajectory.samples) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& body = sample.state.bodies[i];
+      const Vec3& start = trajectory.samples.front().state.bodies[i].r;
+      scales.place = std::max(scales.place, (body.r - start).norm());
       scales.speed = std::max(scales.speed, body.v.norm());
       scales.turning = std::max(scales.turning, body.omega.norm());
       scales.modal[i] = std::max(scales.modal[i], largest(body.a));
@@ -165,7 +169,6 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
 MotionAgreement compare_motions(const Model& model, const std::array<const Trajectory*, 2>& trajectories) {
   MotionAgreement worst;
   const MotionScales scales = motion_scales(model, *trajectories[0]);
-  const double length = model.length_scale();
   const std::size_t samples = std::min(trajectories[0]->samples.size(), trajectories[1]->samples.size());
   for (std::size_t k = 0; k < samples; ++k) {
     const State& one = trajectories[0]->samples[k].state;
@@ -177,7 +180,7 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& a = one.bodies[i];
       const BodyState& b = other.bodies[i];
-      note((a.r - b.r).norm(), length, "origin", i);
+      note((a.r - b.r).norm(), scales.place, "origin", i);
       note(angle_between(rotation_of(a.p), rotation_of(b.p)), 1.0, "orientation", i);
       note((a.v - b.v).norm(), scales.speed, "velocity", i);
       note((a.omega - b.omega).norm(), scales.turning, "angular velocity", i);

@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "common/error.h"
+#include "common/laws/force_elements.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
 #include "compare/verdict/draws.h"
 
 namespace concord::compare {
@@ -207,6 +209,21 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
   return drawn;
 }
 
+namespace {
+
+/// How far apart two ends stand [m], over which a force on one is a torque about the other.
+double distance_of(const Attachment& one, const Attachment& other, const State& state) {
+  return (place(one, state.bodies[one.body]).r_P - place(other, state.bodies[other.body]).r_P).norm();
+}
+
+double distance_of_ends(const ForceElement& element, const State& state) {
+  const Attachment* parent = end_of(element, Side::parent);
+  const Attachment* child = end_of(element, Side::child);
+  return parent != nullptr && child != nullptr ? distance_of(*parent, *child, state) : 0.0;
+}
+
+}  // namespace
+
 VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
   const Model& model = layout.model();
   const Loads loads(model, shared);
@@ -223,7 +240,9 @@ VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
       force = std::max(force, loads.of(side.body).force);
       torque = std::max(torque, loads.of(side.body).torque);
     }
-    return is_torque ? std::max(torque, force * length) : force;
+    const Joint& joint = model.joints[k];
+    const double reach = std::max(length, distance_of(joint.sides[0], joint.sides[1], shared.state));
+    return is_torque ? std::max(torque, force * reach) : force;
   };
   const auto of_coupling = [&](const Coupling& coupling) {
     double size = 0.0;
@@ -254,9 +273,10 @@ VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
         break;
       case Kind::element: {
         const ElementWrenches& wrenches = shared.evaluations[0].elements[quantity.owner];
+        const double reach = std::max(length, distance_of_ends(model.elements[quantity.owner], shared.state));
         for (const SideWrench& side : wrenches.on) {
           const double force = side.in_C.force.norm();
-          size = std::max(size, is_torque ? std::max(side.in_C.torque.norm(), force * length) : force);
+          size = std::max(size, is_torque ? std::max(side.in_C.torque.norm(), force * reach) : force);
         }
         break;
       }

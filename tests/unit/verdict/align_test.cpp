@@ -86,5 +86,17 @@ TEST_F(AlignTest, ComparesMotions) {
   EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 5.0, 1e-9);
 }
 
+/// A body that travels far is compared with the way that it goes.
+TEST_F(AlignTest, PlacesAreComparedWithTheWayTravelled) {
+  const double far = 1e3 * model_.length_scale();
+  Trajectory one = run();
+  for (std::size_t k = 0; k < one.samples.size(); ++k) {
+    one.samples[k].state.bodies[1].r(0) += far * static_cast<double>(k) / static_cast<double>(one.samples.size() - 1);
+  }
+  Trajectory other = one;
+  other.samples[9].state.bodies[1].r(1) += 1e-5 * model_.length_scale();
+  EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 8.0, 1e-2);
+}
+
 }  // namespace
 }  // namespace concord::compare
