@@ -355,6 +355,7 @@ std::string last_line(const Verdict& verdict) {
   const ComponentCount count = count_components(verdict);
   std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
                                  count.judged, count.total);
+  if (count.judged == 0 && has_judged_sums(verdict)) text += ", totals of joints that share what they carry instead";
   const int coarse = count_too_coarse(verdict);
   if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
   if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));

@@ -160,17 +160,28 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
 
 bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
 
+bool has_judged_sums(const Verdict& verdict) {
+  return std::any_of(verdict.pair_sums.begin(), verdict.pair_sums.end(),
+                     [](const PairSum& sum) { return sum.samples > 0; });
+}
+
 bool has_judged(const Verdict& verdict) {
   const auto is_judged_force = [](const QuantityRow& row) { return is_force(row.quantity.kind) && is_judged(row); };
-  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force);
+  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force) ||
+         has_judged_sums(verdict);
 }
 
 bool carries_something(const Verdict& verdict) {
   const auto carries = [](const QuantityRow& row) {
     return row.unique && row.scale > 0.0 && is_force(row.quantity.kind);
   };
+  const auto sum_carries = [](const PairSum& sum) {
+    const Wrench& wrench = sum.at_start[0];
+    return sum.samples > 0 && (wrench.force.norm() > 0.0 || wrench.torque.norm() > 0.0);
+  };
   return std::any_of(verdict.rows.begin(), verdict.rows.end(), carries) ||
-         std::any_of(verdict.others.begin(), verdict.others.end(), carries);
+         std::any_of(verdict.others.begin(), verdict.others.end(), carries) ||
+         std::any_of(verdict.pair_sums.begin(), verdict.pair_sums.end(), sum_carries);
 }
 
 namespace {
@@ -190,6 +201,15 @@ void sum_up(Rung rung, Verdict& verdict) {
   for (const QuantityRow& row : verdict.rows) take(row);
   for (const QuantityRow& row : verdict.others) take(row);
   if (!summary.digits) summary.digits = on_speeds;
+  if (!summary.digits && rung == Rung::same_state) {
+    for (const PairSum& sum : verdict.pair_sums) {
+      if (sum.samples == 0) continue;
+      summary.digits = std::min(summary.digits.value_or(kMostDigits), sum.digits);
+      summary.climbed = summary.climbed && sum.unexplained_digits >= verdict.need.same_state;
+    }
+  }
+  // A rung that nothing stood on has not been climbed.
+  summary.climbed = summary.climbed && summary.digits;
 }
 
 }  // namespace

@@ -52,8 +52,11 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
 /// Whether a row is judged at all: it is unique in some state, and double precision resolves enough of it.
 bool is_judged(const QuantityRow& row);
 
-/// Whether anything was judged: a reaction component, a force element, or a force on a joint speed (driver, spring,
-/// actuator, coupling) where no joint constrains anything.
+/// Whether the total of joints that share what they carry was judged.
+bool has_judged_sums(const Verdict& verdict);
+
+/// Whether anything was judged: a reaction component, a force element, a force on a joint speed (driver, spring,
+/// actuator, coupling) where no joint constrains anything, or the total of joints that share what they carry.
 bool has_judged(const Verdict& verdict);
 
 /// Whether any of those that is judged carries more than nothing.

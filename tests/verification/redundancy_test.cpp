@@ -36,6 +36,34 @@ offset = "-34 deg"
 until = 0.3
 )";
 
+/// A door on three hinges in a line: what one of them carries is not unique, what all carry is.
+constexpr const char* kDoor = R"(format = 1
+gravity = [0.2, 0.3, -9.81]
+[[body]]
+name = "door"
+mass = 21
+center_of_mass = [0.42, 0.02, 1.1]
+inertia = [7.5, 8.2, 1.6]
+[[joint]]
+name = "lower"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, 0.2] }
+child = { body = "door", point = [0.1, 0.2, 0.2] }
+start.turn_z = { keep = 0.1, keep_speed = 1 }
+[[joint]]
+name = "middle"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, 1.1] }
+child = { body = "door", point = [0.1, 0.2, 1.1] }
+[[joint]]
+name = "upper"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, 1.9] }
+child = { body = "door", point = [0.1, 0.2, 1.9] }
+[run]
+until = 0.5
+)";
+
 /// A parallelogram of which both cranks are driven, by one law.
 constexpr const char* kBothCranksDriven = R"(format = 1
 gravity = [0.2, -9.81, 0.4]
@@ -105,6 +133,24 @@ TEST_CASE("A coupling whose terms cancel holds nothing: both solvers count it ou
     const double axial = expected.joints[0].reaction_on(Side::child).in_C.force.z();
     CHECK(std::abs(found.joints[0].reaction_on(Side::child).in_C.force.z() - axial) < 1e-12 * std::abs(axial));
   }
+}
+
+TEST_CASE("Where no reaction is unique but the total of joints is, that total gives the verdict") {
+  const Model model = parse_model(kDoor, "door.toml");
+  const auto cartesian_solver = cartesian::make_solver(model);
+  const auto relative_solver = relative::make_solver(model);
+  compare::VerifyOptions options;
+  options.states = 20;
+  const compare::Verdict verdict = compare::verify(model, *cartesian_solver, *relative_solver, options);
+  const std::string table = compare::format_verdict(model, verdict, false);
+  INFO(table);
+  CHECK(verdict.outcome == compare::Outcome::agree);
+  CHECK(verdict.judged == 0);
+  REQUIRE(verdict.pair_sums.size() == 1);
+  CHECK(verdict.pair_sums[0].samples > 0);
+  CHECK(verdict.same_state.climbed);
+  CHECK_FALSE(verdict.same_run.climbed);  // totals are compared in the same state only
+  CHECK(table.find("totals of joints that share what they carry") != std::string::npos);
 }
 
 TEST_CASE("Of two drivers that hold one motion neither force is unique, nor is a total wrench that they enter") {
