@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
+
+#include "common/reading/spelling.h"
 
 namespace concord {
 
@@ -61,6 +64,16 @@ void read_parameters(const std::vector<ParameterDefinition>& from_outside, Model
   reading.parameters = Parameters(definitions, reading.complaints, outer);
 }
 
+/// Whether a name stands in a text, not as a part of a longer one.
+bool has_word(std::string_view text, std::string_view name) {
+  const auto is_of_a_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  for (std::size_t at = text.find(name); at != std::string_view::npos; at = text.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !is_of_a_name(text[at - 1])) && (end == text.size() || !is_of_a_name(text[end]))) return true;
+  }
+  return false;
+}
+
 /// What an `[[include]]` says for parameters of the file, by expressions of the including file's.
 std::vector<ParameterDefinition> read_overrides(const TableReader& include) {
   std::vector<ParameterDefinition> definitions;
@@ -94,6 +107,7 @@ class PartsReader {
     part.document.emplace(part.root, "", known_, part.reading);
     check_format(*part.document, kFormat);
     read_parameters(inclusion.parameters, part);
+    require_use(text, inclusion, part);
     for (const std::string_view kind : kNamedKinds) {
       for (const NamedPlace& one : names_in(part, kind)) part.reading.own_names[std::string(kind)].insert(one.name);
     }
@@ -102,6 +116,27 @@ class PartsReader {
   }
 
  private:
+  /// A parameter that is said where a file is included and of which the file says nothing is a slip. What the file
+  /// includes itself may use it.
+  static void require_use(std::string_view text, const Inclusion& inclusion, ModelPart& part) {
+    if (part.reading.includer == nullptr || !part.document->tables("include").empty()) return;
+    for (const ParameterDefinition& said : inclusion.parameters) {
+      if (has_word(text, said.name)) continue;
+      part.reading.complain(said.where, fmt::format("include, parameters: unknown name '{}': '{}' neither defines nor "
+                                                    "uses it; {}",
+                                                    said.name, inclusion.file.filename().generic_string(),
+                                                    suggestion(said.name, names_of_parameters(part), "parameters")));
+    }
+  }
+
+  static std::vector<std::string> names_of_parameters(const ModelPart& part) {
+    std::vector<std::string> names;
+    if (const toml::table* found = part.document->table("parameters")) {
+      for (const auto& [key, value] : *found) names.emplace_back(key.str());
+    }
+    return names;
+  }
+
   /// The document; of an included file whose grammar is broken a sound one that says nothing, after a complaint.
   static toml::table parse(std::string_view text, const Inclusion& inclusion, ModelPart& part) {
     if (inclusion.way.size() == 1) return parse_toml(text, part.reading.file);

@@ -334,6 +334,19 @@ TEST_F(IncludedFiles, RefuseParametersAtFaultWhereTheyAreSaid) {
             "  included from car.toml:13:1");
 }
 
+/// Detects a misspelled parameter, which would leave another machine without a word.
+TEST_F(IncludedFiles, RefuseParametersThatTheFileDoesNotKnow) {
+  std::string car = kCar;
+  car.replace(car.find("side = -1"), 9, "sid = -1");
+  write("car.toml", car);
+  write("parts/corner.toml", kCorner);
+  const std::string complaint = complaints("car.toml");
+  EXPECT_NE(complaint.find("error: include, parameters: unknown name 'sid': 'corner.toml' neither defines nor uses it; "
+                           "did you mean 'side'?"),
+            std::string::npos)
+      << complaint;
+}
+
 /// Detects values from outside that reach only some of the files, and a name that changes with them.
 TEST_F(IncludedFiles, TakeParametersFromOutside) {
   write("car.toml", kCar);
