@@ -33,6 +33,12 @@ class InputError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
+/// A statement that cannot be solved with the joints that are cut; with others it might be.
+class UnsuitableCut : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A solver could not finish; the text says which solver, at what time, where and why. The program exits with 3.
 class SolverError : public std::runtime_error {
  public:

@@ -181,12 +181,16 @@ void Start::require_inertia(const Coordinates& coordinates) const {
   if (direction(largest_entry) < 0.0) direction = -direction;
   const Vec3 shown = direction.unaryExpr([](double x) { return std::abs(x) < 1e-12 ? 0.0 : x; });
   const Joint& joint = scaled_->equations().model().joints[link.joint];
-  throw InputError(joint.where,
-                   fmt::format("body '{}' and all that it carries in the opened tree have no inertia {} the axis "
-                               "({:.4g}, {:.4g}, {:.4g}) of joint '{}' (parent's joint frame): give it inertia or name "
-                               "another cut joint",
-                               scaled_->equations().model().bodies[link.body].name, slides ? "along" : "about",
-                               shown.x(), shown.y(), shown.z(), joint.name));
+  const bool has_loops = !scaled_->equations().topology().cuts.empty();
+  const std::string message = fmt::format(
+      "body '{}' and all that it carries{} have no inertia {} the axis ({:.4g}, {:.4g}, {:.4g}) of joint '{}' "
+      "(parent's "
+      "joint frame): give it inertia{}",
+      scaled_->equations().model().bodies[link.body].name, has_loops ? " in the opened tree" : "",
+      slides ? "along" : "about", shown.x(), shown.y(), shown.z(), joint.name,
+      has_loops ? " or name another cut joint" : "");
+  if (has_loops) throw UnsuitableCut(joint.where, message);
+  throw InputError(joint.where, message);
 }
 
 void Start::throw_not_closing(const PrescribedMask& prescribed) const {

@@ -141,6 +141,8 @@ class BatteryRun {
         const Answers answers = ask(who, variant, moved);
         if (answers.states.empty()) continue;
         judge(who, variant, answers, measure_own_resolution(layout_, moved, who, answers.states, options_.seed));
+      } catch (const UnsuitableCut& error) {
+        leave_out(who, variant, error);
       } catch (const InputError& error) {
         refuse(who, variant, "the description", error.what());
       } catch (const SolverError& error) {
@@ -155,6 +157,13 @@ class BatteryRun {
     const MotionAgreement agreement = compare_motions(model_, {&starts_[index(who)], &again});
     MotionAgreement& worst = row_of(who).start;
     if (agreement.digits < worst.digits) worst = agreement;
+  }
+
+  /// The tree that another cut leaves may be one that has no inertia against some motion: no description of the
+  /// machine.
+  void leave_out(Who who, const Variant& variant, const UnsuitableCut& error) {
+    ++row_of(who).left_out;
+    battery_.notes.push_back(fmt::format("{} is not tried: {}", variant.label, error.what()));
   }
 
   void refuse(Who who, const Variant& variant, const std::string& what, const std::string& words) {
@@ -252,7 +261,8 @@ class BatteryRun {
     }
   }
 
-  static void conclude(MoveRow& row) {
+  void conclude(MoveRow& row) const {
+    if (row.left_out > 0 && row.left_out == battery_.moves[row.move].variants) row.applies = false;
     if (!row.applies || row.outcome == Outcome::differ) return;
     if (!row.nearest) {
       row.outcome = Outcome::failed;

@@ -50,7 +50,8 @@ struct MoveRow {
   /// How far the starts agree that the solver finds in both descriptions, the second of which names the first as its
   /// guess; the worst over all variants.
   MotionAgreement start;
-  int judged = 0;  // quantities, over all variants
+  int left_out = 0;  // variants that are no description of the machine to this solver
+  int judged = 0;    // quantities, over all variants
   int total = 0;
   /// A state or the description that the solver refuses, or what it calls unique in one description only.
   std::vector<std::string> words;
