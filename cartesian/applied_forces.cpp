@@ -182,7 +182,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
       layout_(layout),
       constraints_(constraints),
       shortest_line_(kShortestLine * model.length_scale()),
-      springs_of_joint_(model.joints.size(), -1) {
+      springs_of_joint_(model.joints.size()) {
   const auto allocate = [&](Actor& actor) {
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
@@ -191,7 +191,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
   };
   for (std::size_t e = 0; e < model.elements.size(); ++e) {
     Actor actor;
-    actor.element = static_cast<int>(e);
+    actor.owner = OfElement{static_cast<int>(e)};
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment* end = end_of(model.elements[e], side);
       actor.ends[index(side)] = end;
@@ -209,7 +209,7 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
     if (joint.springs.empty()) continue;
     springs_of_joint_[k] = static_cast<int>(actors_.size());
     Actor actor;
-    actor.joint = static_cast<int>(k);
+    actor.owner = OfSprings{static_cast<int>(k)};
     actor.ends = {&joint.on(Side::parent), &joint.on(Side::child)};
     for (const Side side : {Side::parent, Side::child}) {
       actor.markers[index(side)] = make_marker(joint.on(side));
@@ -228,24 +228,28 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Con
   lay_out_events();
 }
 
+const ForceElement* AppliedForces::element_of(const Actor& actor) const {
+  const auto* owner = std::get_if<OfElement>(&actor.owner);
+  return owner != nullptr ? &model_.elements[owner->element] : nullptr;
+}
+
 void AppliedForces::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
   for (Actor& actor : actors_) update(actor, t, q, Y);
 }
 
 void AppliedForces::update(Actor& actor, double t, const Eigen::Ref<const VecX>& q,
                            const Eigen::Ref<const VecX>& Y) const {
-  if (actor.element >= 0) {
+  if (const ForceElement* element = element_of(actor)) {
     place_ends(actor, q, Y);
-    const ForceElement& element = model_.elements[actor.element];
     const Mat3& A_body = constraints_.rotation(actor.ends[index(Side::child)]->body);
-    std::visit(WrenchWriter{actor, element.name, t, A_body, !regimes_are_frozen_, shortest_line_}, element.what);
+    std::visit(WrenchWriter{actor, element->name, t, A_body, !regimes_are_frozen_, shortest_line_}, element->what);
   } else {
     apply_springs(actor, t);
   }
+  const std::optional<int> joint = actor.joint();
   for (const Side side : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(side)) continue;
-    const Marker& marker =
-        actor.element >= 0 ? actor.markers[index(side)] : constraints_.joint(actor.joint).marker(side);
+    const Marker& marker = joint ? constraints_.joint(*joint).marker(side) : actor.markers[index(side)];
     const Wrench& wrench = actor.wrenches[index(side)];
     write_generalized_force(marker, wrench.force, wrench.torque, actor.forces[index(side)]);
   }
@@ -273,8 +277,9 @@ void AppliedForces::place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, co
 
 /// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own (C38).
 void AppliedForces::apply_springs(Actor& actor, double t) const {
-  const Joint& stated = model_.joints[actor.joint];
-  const JointEquations& joint = constraints_.joint(actor.joint);
+  const int of_joint = *actor.joint();
+  const Joint& stated = model_.joints[of_joint];
+  const JointEquations& joint = constraints_.joint(of_joint);
   actor.tau.setZero();
   for (std::size_t k = 0; k < stated.springs.size(); ++k) {
     const JointSpring& spring = stated.springs[k];
@@ -315,6 +320,11 @@ bool has_regimes(const Joint& joint) {
 
 }  // namespace
 
+bool AppliedForces::has_regimes(const Actor& actor) const {
+  const ForceElement* element = element_of(actor);
+  return element != nullptr ? cartesian::has_regimes(*element) : cartesian::has_regimes(model_.joints[*actor.joint()]);
+}
+
 bool AppliedForces::has_regimes() const {
   return std::any_of(model_.elements.begin(), model_.elements.end(),
                      [](const ForceElement& element) { return cartesian::has_regimes(element); }) ||
@@ -324,22 +334,20 @@ bool AppliedForces::has_regimes() const {
 
 std::string AppliedForces::name_of_regime(int actor) const {
   const Actor& of = actors_[actor];
-  if (of.joint >= 0) return fmt::format("the stop of joint '{}'", model_.joints[of.joint].name);
-  const ForceElement& element = model_.elements[of.element];
+  if (const std::optional<int> joint = of.joint()) {
+    return fmt::format("the stop of joint '{}'", model_.joints[*joint].name);
+  }
+  const ForceElement& element = *element_of(of);
   return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
 }
 
 void AppliedForces::lay_out_events() {
   for (std::size_t k = 0; k < actors_.size(); ++k) {
     const Actor& actor = actors_[k];
-    int n = 0;
-    if (actor.element < 0) {
-      if (cartesian::has_regimes(model_.joints[actor.joint])) {
-        n = kLawEvents * static_cast<int>(model_.joints[actor.joint].springs.size());
-      }
-    } else if (const ForceElement& element = model_.elements[actor.element]; cartesian::has_regimes(element)) {
-      n = std::holds_alternative<Tire>(element.what) ? kTireEvents : kLawEvents;
-    }
+    if (!has_regimes(actor)) continue;
+    const ForceElement* element = element_of(actor);
+    const auto laws = static_cast<int>(actor.stop_regimes.size());
+    const int n = element != nullptr && std::holds_alternative<Tire>(element->what) ? kTireEvents : kLawEvents * laws;
     event_owners_.insert(event_owners_.end(), static_cast<std::size_t>(n), static_cast<int>(k));
   }
   event_values_ = VecX::Zero(static_cast<Eigen::Index>(event_owners_.size()));
@@ -347,8 +355,8 @@ void AppliedForces::lay_out_events() {
 
 double* AppliedForces::write_event_functions(const Actor& actor, double t, double* next) const {
   const auto write = [&next](const auto& values) { next = std::copy(values.begin(), values.end(), next); };
-  if (actor.element < 0) {
-    const Joint& joint = model_.joints[actor.joint];
+  if (const std::optional<int> of_joint = actor.joint()) {
+    const Joint& joint = model_.joints[*of_joint];
     for (std::size_t k = 0; k < joint.springs.size(); ++k) {
       const JointSpring& spring = joint.springs[k];
       const joints::Read& read = *read_of(*joint.type, spring.word);
@@ -359,7 +367,7 @@ double* AppliedForces::write_event_functions(const Actor& actor, double t, doubl
     }
     return next;
   }
-  const ForceElement& element = model_.elements[actor.element];
+  const ForceElement& element = *element_of(actor);
   const Marker& parent = actor.markers[index(Side::parent)];
   const Marker& child = actor.markers[index(Side::child)];
   if (const auto* tire = std::get_if<Tire>(&element.what)) {
@@ -383,9 +391,7 @@ double* AppliedForces::write_event_functions(const Actor& actor, double t, doubl
 const VecX& AppliedForces::event_functions(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
   double* next = event_values_.data();
   for (Actor& actor : actors_) {
-    const bool has_any = actor.element >= 0 ? cartesian::has_regimes(model_.elements[actor.element])
-                                            : cartesian::has_regimes(model_.joints[actor.joint]);
-    if (!has_any) continue;
+    if (!has_regimes(actor)) continue;
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
       const Mat3 A = rotation_of(layout_.p(q, actor.ends[index(side)]->body).normalized());
@@ -421,7 +427,7 @@ double AppliedForces::power(const Eigen::Ref<const VecX>& Y) const {
 }
 
 const Actor* AppliedForces::springs_of(int k) const {
-  return springs_of_joint_[k] >= 0 ? &actors_[springs_of_joint_[k]] : nullptr;
+  return springs_of_joint_[k] ? &actors_[*springs_of_joint_[k]] : nullptr;
 }
 
 ElementWrenches AppliedForces::element(int e) const {
@@ -439,7 +445,7 @@ ElementWrenches AppliedForces::element(int e) const {
 
 void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
   for (Actor& actor : actors_) {
-    if (actor.joint >= 0) actor.known_q = q[actor.joint];
+    if (const std::optional<int> joint = actor.joint()) actor.known_q = q[*joint];
   }
 }
 

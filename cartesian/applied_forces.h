@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "cartesian/constraints.h"
@@ -12,10 +14,17 @@
 /// Generalized forces of force elements and of springs on joint coordinates.
 namespace concord::cartesian {
 
+/// Whose forces an actor's are.
+struct OfElement {
+  int element = 0;  // index in Model::elements
+};
+struct OfSprings {
+  int joint = 0;  // index in Model::joints
+};
+
 /// What pushes on two bodies at once (a load: on one, the child): an element of the model, or the springs of one joint.
 struct Actor {
-  int element = -1;  // index in Model::elements, or
-  int joint = -1;    // in Model::joints
+  std::variant<OfElement, OfSprings> owner;
   std::array<const Attachment*, 2> ends{nullptr, nullptr};
   std::array<Marker, 2> markers;  // of an element; a joint has its own
   RelativeMotion motion;          // of an element: the child's end seen from the parent's
@@ -32,6 +41,11 @@ struct Actor {
   std::vector<bool> spring_turns;
   VecX known_q;
 
+  /// The joint whose springs push; nothing for an element.
+  [[nodiscard]] std::optional<int> joint() const {
+    const auto* springs = std::get_if<OfSprings>(&owner);
+    return springs != nullptr ? std::optional(springs->joint) : std::nullopt;
+  }
   [[nodiscard]] bool sits_on_moving_body(Side side) const {
     return ends[index(side)] != nullptr && ends[index(side)]->body != kGround;
   }
@@ -80,6 +94,9 @@ class AppliedForces {
   void count_turns_from(const std::vector<VecX>& q);
 
  private:
+  /// The element whose force an actor is; nullptr for springs of a joint.
+  [[nodiscard]] const ForceElement* element_of(const Actor& actor) const;
+  [[nodiscard]] bool has_regimes(const Actor& actor) const;
   void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                  const Eigen::Ref<const VecX>& Y) const;
   void place_ends(Actor& actor, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) const;
@@ -92,8 +109,8 @@ class AppliedForces {
   const Layout& layout_;
   const Constraints& constraints_;
   double shortest_line_;
-  std::vector<Actor> actors_;  // elements in the order of the model, then joints with springs
-  std::vector<int> springs_of_joint_;
+  std::vector<Actor> actors_;                         // elements in the order of the model, then joints with springs
+  std::vector<std::optional<int>> springs_of_joint_;  // index in actors_, if the joint has springs
   bool regimes_are_frozen_ = false;
   std::vector<int> event_owners_;  // by event function
   VecX event_values_;

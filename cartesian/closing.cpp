@@ -197,7 +197,7 @@ ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, cons
   }
   system.jacobian = by_size.asDiagonal() * system.jacobian;
   system.residual.resize(system.jacobian.rows());
-  system.terms = VecX::Constant(system.residual.size(), equations.reach());
+  system.terms.resize(system.residual.size());
   system.residual.head(n_rows) = what == Kept::coordinates ? equations.residual() : equations.velocity_residual();
   system.terms.head(n_rows) = equations.terms();
   for (std::size_t k = 0; k < kept.size(); ++k) {
@@ -205,7 +205,7 @@ ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, cons
     const Eigen::Index row = n_rows + static_cast<Eigen::Index>(k);
     system.residual(row) =
         what == Kept::coordinates ? kept[k].row.value : rate_of(kept[k].row, motion) - kept[k].target;
-    system.terms(row) = std::max(equations.reach(), kept[k].size * by_size(row));
+    system.terms(row) = std::max(kept[k].row.reads_places() ? equations.reach() : 1.0, kept[k].size * by_size(row));
   }
   system.residual = system.residual.cwiseProduct(by_size);
   return system;
@@ -320,22 +320,22 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
   close_positions(equations, t, hold, rows, modes, q, Y, closing);
   if (!closing.closed) return closing;
-  if (const int joint = equations.constraints().first_joint_off_branch(); joint >= 0) {
+  if (const std::optional<int> joint = equations.constraints().first_joint_off_branch()) {
     closing.closed = false;
     closing.is_off_branch = true;
-    closing.joints_left_open = {equations.model().joints[joint].name};
+    closing.joints_left_open = {equations.model().joints[*joint].name};
     return closing;
   }
   close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
 }
 
-TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
-  TurnError largest;
+std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
+  std::optional<TurnError> largest;
   each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
     const double value = evaluate_read(read, component, equations.constraints().joint(k).motion).value;
     const double error = std::abs(value - q[k](place));
-    if (largest.joint < 0 || error > largest.size) largest = {k, error, value, q[k](place)};
+    if (!largest || error > largest->size) largest = TurnError{k, error, value, q[k](place)};
   });
   return largest;
 }

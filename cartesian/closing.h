@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,14 +26,15 @@ enum class Modes { kept, moving };
 enum class Hold { constraints, start, joints_alone };
 
 /// Of readings that count turns by themselves, as the height on a thread does: the joint that reads farthest from its
-/// known coordinate q (by joint) at the last update, and by how much; -1 if there is no such reading.
+/// known coordinate q (by joint) at the last update, and by how much.
 struct TurnError {
-  int joint = -1;
+  int joint = 0;
   double size = 0.0;  // rad
   double read = 0.0;
   double known = 0.0;
 };
-TurnError largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
+/// Nothing if there is no such reading.
+std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q);
 
 /// Moves q by shortest steps towards these coordinates of such readings with all other constraints held, so that a
 /// perturbed machine closes on the turns that it is said to be on. Leaves q as it is where that fails.

@@ -199,8 +199,8 @@ void Constraints::place_couplings() {
 void Constraints::count_turns_from(const std::vector<VecX>& q) {
   for (int k = 0; k < n_joints(); ++k) {
     for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k](coordinate.place);
-    if (joints_[k].elevation < 0) continue;
-    joints_[k].motion.is_beyond_upright = std::cos(q[k](joints_[k].elevation)) < 0.0;
+    if (!joints_[k].elevation) continue;
+    joints_[k].motion.is_beyond_upright = std::cos(q[k](*joints_[k].elevation)) < 0.0;
   }
 }
 
@@ -234,6 +234,20 @@ void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
       largest = std::max(largest, std::abs(term.factor * joints_[term.joint].rows[term.row].value));
     }
     terms(coupling.row) = largest;
+  }
+}
+
+void Constraints::write_reaches(double reach, Eigen::Ref<VecX> reaches) const {
+  const auto of = [reach](const ConstraintRow& row) { return row.reads_places() ? reach : 1.0; };
+  for (const JointEquations& joint : joints_) {
+    for (int row = 0; row < joint.n_rows; ++row) reaches(joint.first_row + row) = of(joint.rows[row]);
+  }
+  for (const CouplingEquations& coupling : couplings_) {
+    double& largest = reaches(coupling.row);
+    largest = 1.0;
+    for (const CouplingEquations::Term& term : coupling.terms) {
+      largest = std::max(largest, of(joints_[term.joint].rows[term.row]));
+    }
   }
 }
 
@@ -381,11 +395,11 @@ void Constraints::write_transposed(int joint, Side side, const ConstraintRow& ro
   write_row(joints_[joint], side, row, column);
 }
 
-int Constraints::first_joint_off_branch() const {
+std::optional<int> Constraints::first_joint_off_branch() const {
   for (int k = 0; k < n_joints(); ++k) {
     if (!on_branch(*model_.joints[k].type, joints_[k].motion)) return k;
   }
-  return -1;
+  return std::nullopt;
 }
 
 }  // namespace concord::cartesian

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "cartesian/joint_rows.h"
@@ -44,7 +45,7 @@ struct JointEquations {
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
   int n_rows = 0;
-  int elevation = -1;              // index of an arm's elevation among the joint's q; -1: it has none
+  std::optional<int> elevation;    // index of an arm's elevation among the joint's q, if it has one
   std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;
@@ -117,6 +118,8 @@ class Constraints {
   /// Terms that a row's residual subtracts, in the row's unit, which its round-off is relative to: the law of a driver
   /// that does not turn, the largest of a coupling's terms without their whole turns; zero for all other rows.
   void write_own_terms(double t, Eigen::Ref<VecX> terms) const;
+  /// By row: `reach` where it reads places, whose round-off it carries; 1 where it reads orientations alone.
+  void write_reaches(double reach, Eigen::Ref<VecX> reaches) const;
 
   /// Phi(q, t); turn angles of drivers modulo full turns; zero where a row holds for velocities alone (C27).
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
@@ -141,7 +144,7 @@ class Constraints {
   void write_transposed(int joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column) const;
 
   /// Whether every joint is on the branch that its type means; otherwise the index of the first that is not.
-  [[nodiscard]] int first_joint_off_branch() const;
+  [[nodiscard]] std::optional<int> first_joint_off_branch() const;
 
  private:
   void add_couplings();

@@ -81,6 +81,7 @@ Equations::Equations(const Model& model)
       units_(machine_units(model, layout_)),
       row_sizes_(VecX::Zero(constraints_.n_rows())),
       terms_(VecX::Ones(constraints_.n_rows())),
+      reaches_(VecX::Ones(constraints_.n_rows())),
       Ydot_(VecX::Zero(layout_.n_Y())),
       lambda_(VecX::Zero(constraints_.n_rows())),
       step_(VecX::Zero(layout_.n_Y())) {
@@ -261,15 +262,15 @@ bool Equations::magnifies_round_off() const {
   return (matrix_->first_correction().head(n_Y).cwiseQuotient(units_).array().abs() > kMagnified * acceleration).any();
 }
 
-int Equations::contradicted_row() {
+std::optional<int> Equations::contradicted_row() {
   constexpr double kContradiction = 1e-7;
-  if (std::all_of(active_.begin(), active_.end(), [](bool is_active) { return is_active; })) return -1;
+  if (std::all_of(active_.begin(), active_.end(), [](bool is_active) { return is_active; })) return std::nullopt;
   VecX solution(unknowns_.size());
   solution << Ydot_, lambda_;
   unknowns_ << forces_, gamma_;
   matrix_->subtract_product(solution, unknowns_);
   double worst = kContradiction * typical_acceleration(Ydot_);
-  int found = -1;
+  std::optional<int> found;
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     if (active_[row] || !(row_sizes()(row) > 0.0)) continue;
     const double misfit = std::abs(unknowns_(index_of(row))) / row_sizes()(row);
@@ -349,9 +350,10 @@ void Equations::measure_terms(double t, const Eigen::Ref<const VecX>& q) {
     }
   }
   constraints_.write_own_terms(t, terms_);
+  constraints_.write_reaches(reach_, reaches_);
   for (int row = 0; row < constraints_.n_rows(); ++row) {
     const double own = row_sizes()(row) > 0.0 ? terms_(row) / row_sizes()(row) : 0.0;
-    terms_(row) = std::max(reach_, own);
+    terms_(row) = std::max(reaches_(row), own);
   }
 }
 
@@ -391,6 +393,10 @@ double Equations::natural_rate() const {
     acceleration = std::max(acceleration, layout_.v(forces_, i).lpNorm<Eigen::Infinity>() / inertias_[i].mass());
   }
   return std::sqrt(acceleration / length_);
+}
+
+double Equations::largest_velocity_residual_by_reach(const VecX& velocity_residual) const {
+  return largest_velocity_residual(velocity_residual.cwiseQuotient(reaches_));
 }
 
 double Equations::largest_rate(double t, const Eigen::Ref<const VecX>& Y) const {

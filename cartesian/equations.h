@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cartesian/applied_forces.h"
@@ -45,8 +46,8 @@ class Equations {  // (C40)
   void solve(bool fresh_pivots);
   [[nodiscard]] const VecX& Ydot() const { return Ydot_; }
   /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
-  /// the worst of those that miss by more than kContradiction of the machine's accelerations. -1: none. After solve().
-  [[nodiscard]] int contradicted_row();
+  /// the worst of those that miss by more than kContradiction of the machine's accelerations, if any. After solve().
+  [[nodiscard]] std::optional<int> contradicted_row();
   /// One multiplier for each constraint row; zero for rows that take no part.
   [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
@@ -65,8 +66,8 @@ class Equations {  // (C40)
     if (!has_row_sizes_) measure_rows();
     return row_sizes_;
   }
-  /// How often a residual holds its round-off, by row: 1, or the distance from the origin in lengths of the machine, or
-  /// the row's own terms (many turns) by its size.
+  /// How often a residual holds its round-off, by row: 1, or of rows that read places the distance from the origin in
+  /// lengths of the machine, or the row's own terms (many turns) by its size.
   void measure_terms(double t, const Eigen::Ref<const VecX>& q);
   [[nodiscard]] const VecX& terms() const { return terms_; }
   /// The farthest that anything stands from the origin or its body's origin, in lengths of the machine; at least 1.
@@ -76,6 +77,9 @@ class Equations {  // (C40)
   /// The largest residual by row sizes and terms, a number without a unit; for velocities [1/s] (C45).
   [[nodiscard]] double largest_residual(const VecX& residual) const;
   [[nodiscard]] double largest_velocity_residual(const VecX& velocity_residual) const;
+  /// The same; rows that read places by the distance from the origin besides: round-off of places stands between the
+  /// points of a joint and turns with them. After measure_terms().
+  [[nodiscard]] double largest_velocity_residual_by_reach(const VecX& velocity_residual) const;
   /// The largest speed in the machine's units at the updated state [1/s], that of laws of drivers included; at least a
   /// millionth of the rate that the forces would bring about over the machine's length.
   [[nodiscard]] double largest_rate(double t, const Eigen::Ref<const VecX>& Y) const;
@@ -161,6 +165,7 @@ class Equations {  // (C40)
   mutable VecX row_sizes_;  // computed when they are asked for
   mutable bool has_row_sizes_ = false;
   VecX terms_;  // by row
+  VecX reaches_;
   double reach_ = 1.0;
   VecX Ydot_;
   VecX lambda_;

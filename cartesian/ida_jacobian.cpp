@@ -93,9 +93,9 @@ void IdaJacobian::differentiate_forces(Actor& actor, Side moved, double t, doubl
   const auto units = equations_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
   const auto put = [&](const VecX& at, const VecX& speeds) {
     constraints.place_body(body, at);
-    if (actor.joint >= 0) {
-      constraints.place_joint(actor.joint, at);
-      constraints.move_joint(actor.joint, speeds);
+    if (const std::optional<int> joint = actor.joint()) {
+      constraints.place_joint(*joint, at);
+      constraints.move_joint(*joint, speeds);
     }
     equations_.applied().update(actor, t, at, speeds);
   };

@@ -23,6 +23,9 @@ struct ConstraintRow {  // (C15)
   Vec3 over_d = Vec3::Zero();
   Vec3 over_rho = Vec3::Zero();
   double bias = 0.0;
+
+  /// Whether it depends on d, and so carries the round-off of places far from the origin.
+  [[nodiscard]] bool reads_places() const { return (over_d.array() != 0.0).any(); }
 };
 
 /// Room for the rows of one type: it forbids at most 6 directions.

@@ -104,13 +104,13 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(guess.q);
     try {
       equations_.update(guess.t, motion_.q, motion_.Y);
-      if (largest_turn_error(equations_, guess.q).size > kQuarterTurn) {
+      if (is_turned_beyond(kQuarterTurn, guess.q)) {
         seek_turns(equations_, guess.t, closing_modes_, guess.q, motion_.q, motion_.Y);
       }
       if (!close_machine(equations_, guess.t, Hold::constraints, closing_modes_, motion_.q, motion_.Y).closed) {
         return std::nullopt;
       }
-      if (largest_turn_error(equations_, guess.q).size > kHalfTurn) return std::nullopt;
+      if (is_turned_beyond(kHalfTurn, guess.q)) return std::nullopt;
     } catch (const SolverError&) {
       return std::nullopt;  // a deformation out of range on the way
     }
@@ -193,6 +193,7 @@ class CartesianSolver : public Solver {
     }
     trajectory.statistics.steps = stepper->steps();
     trajectory.statistics.evaluations = stepper->evaluations();
+    trajectory.statistics.largest_work = stepper->largest_work();
     trajectory.statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return trajectory;
   }
@@ -366,12 +367,12 @@ class CartesianSolver : public Solver {
 
   /// Rows that depend on each other in this pose alone need not agree in what they ask of accelerations.
   void refuse_contradiction(double t) {
-    const int row = equations_.contradicted_row();
-    if (row < 0) return;
+    const std::optional<int> row = equations_.contradicted_row();
+    if (!row) return;
     throw SingularPose(
         fmt::format("cartesian: at t = {:.6g} s no accelerations obey all constraints: those of {} depend on others in "
                     "this pose and contradict them: the pose is singular, or a driver moves what the joints hold",
-                    t, equations_.name_of(row)));
+                    t, equations_.name_of(*row)));
   }
 
   void require_rows() {
@@ -386,7 +387,7 @@ class CartesianSolver : public Solver {
     }
     equations_.measure_terms(state.t, motion_.q);
     const double position_residual = equations_.largest_residual(equations_.residual());
-    const double rate = equations_.largest_velocity_residual(equations_.velocity_residual());
+    const double rate = equations_.largest_velocity_residual_by_reach(equations_.velocity_residual());
     const double allowed_rate = kClosureAllowed * equations_.largest_rate(state.t, motion_.Y);
     double stretch = 0.0;
     for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
@@ -399,14 +400,20 @@ class CartesianSolver : public Solver {
         position_residual, rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
   }
 
+  /// Whether a joint's reading that counts turns is further from its coordinate [rad] than `allowed`.
+  [[nodiscard]] bool is_turned_beyond(double allowed, const std::vector<VecX>& q) const {
+    const std::optional<TurnError> error = largest_turn_error(equations_, q);
+    return error && error->size > allowed;
+  }
+
   /// Refuses a state that stands on another turn of a thread than its coordinates say.
   void refuse_other_turn(const State& state) const {
-    const TurnError error = largest_turn_error(equations_, state.q);
-    if (!(error.size > kHalfTurn)) return;
+    const std::optional<TurnError> error = largest_turn_error(equations_, state.q);
+    if (!error || !(error->size > kHalfTurn)) return;
     throw SolverError(fmt::format(
         "cartesian: in the state at t = {:.6g} s joint '{}' stands at {:.6g} rad, but its coordinate says {:.6g} rad: "
         "another turn",
-        state.t, model_.joints[error.joint].name, error.read, error.known));
+        state.t, model_.joints[error->joint].name, error->read, error->known));
   }
 
   [[nodiscard]] Evaluation evaluation() const {

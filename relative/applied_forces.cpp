@@ -27,7 +27,7 @@ AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closur
 
 void AppliedForces::lay_out_elements() {
   for (const ForceElement& statement : kinematics_->model().elements) {
-    Element element{&statement, {}, {}};
+    Element element{&statement, {}, {}, {}, {}};
     if (std::holds_alternative<Tire>(statement.what)) {
       element.tire = static_cast<int>(tires_.size());
       tires_.push_back({&statement, {}, {}});
@@ -100,12 +100,12 @@ Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) 
 
 Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name,
-                   laws_[element.law].law_in_regime, regimes_are_frozen_);
+                   laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) {
   return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name,
-                   laws_[element.law].law_in_regime, regimes_are_frozen_);
+                   laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
@@ -114,7 +114,7 @@ Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element&
 
 Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& element) {
   const JointPoint& wheel = element.ends.back();
-  TireState& state = tires_[element.tire];
+  TireState& state = tires_[*element.tire];
   const int stretch = regimes_are_frozen_ ? state.regime.stretch : stretch_at(*tire.road, wheel.r.x());
   const ContactFrame frame = contact_of(tire, stretch, wheel, element.statement->name);
   state.contact = frame.contact;
@@ -196,7 +196,7 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
 void AppliedForces::apply_wrench(int body, const JointPoint& point, const Vec6& wrench) {  // (R8)
   if (body == kGround) return;
   power_ += wrench.head<3>().dot(point.v) + wrench.tail<3>().dot(point.omega);
-  const int link = kinematics_->topology().link_of_body[body];
+  const int link = *kinematics_->topology().link_of_body[body];
   on_body_[link] += shift_wrench(wrench, point.lever);
   if (point.n_modes() > 0) on_modes_[link].noalias() += point.Ga().transpose().lazyProduct(wrench);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,8 +64,8 @@ class AppliedForces {
     const ForceElement* statement;
     std::vector<JointPoint> ends;  // by Side, or the child's alone
     std::array<int, 2> bodies{kGround, kGround};
-    int tire = -1;  // its index among the tires
-    int law = -1;   // of a spring, its index among the laws
+    std::optional<int> tire;  // its index among the tires
+    std::optional<int> law;   // of a spring, its index among the laws
   };
   struct TireState {
     const ForceElement* statement;

@@ -75,7 +75,7 @@ bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
 ArticulatedBodies::ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven)
     : kinematics_(&kinematics),
       links_(kinematics.topology().links.size()),
-      flexible_of_link_(kinematics.topology().links.size(), -1) {
+      flexible_of_link_(kinematics.topology().links.size()) {
   const Topology& topology = kinematics.topology();
   for (std::size_t l = 0; l < links_.size(); ++l) {
     ArticulatedBody& link = links_[l];
@@ -100,13 +100,13 @@ ArticulatedBodies::ArticulatedBodies(const Kinematics& kinematics, const Prescri
 }
 
 const Vec6& ArticulatedBodies::acceleration(int body) const {
-  return body == kGround ? ground_ : links_[kinematics_->topology().link_of_body[body]].Vdot;
+  return body == kGround ? ground_ : links_[*kinematics_->topology().link_of_body[body]].Vdot;
 }
 
 const VecX* ArticulatedBodies::modal_acceleration(int body) const {
   if (body == kGround) return nullptr;
-  const int flexible = flexible_of_link_[kinematics_->topology().link_of_body[body]];
-  return flexible < 0 ? nullptr : &flexible_[flexible].addot;
+  const std::optional<int> flexible = flexible_of_link_[*kinematics_->topology().link_of_body[body]];
+  return flexible ? &flexible_[*flexible].addot : nullptr;
 }
 
 Vec6 ArticulatedBodies::acceleration_of_point(int joint, Side side) const {
@@ -118,15 +118,15 @@ Vec6 ArticulatedBodies::acceleration_of_point(int joint, Side side) const {
 }
 
 int ArticulatedBodies::n_unknowns(int link) const {
-  const int flexible = flexible_of_link_[link];
-  return flexible < 0 ? links_[link].n_free : static_cast<int>(flexible_[flexible].uhat.size());
+  const std::optional<int> flexible = flexible_of_link_[link];
+  return flexible ? static_cast<int>(flexible_[*flexible].uhat.size()) : links_[link].n_free;
 }
 
 void ArticulatedBodies::load_bodies(const std::vector<BodyInertia>& inertias) {
   for (std::size_t l = 0; l < links_.size(); ++l) {
     inertias[l].moments().fill(links_[l].articulated_inertia);
     links_[l].bias_force = inertias[l].p();
-    if (flexible_of_link_[l] >= 0) load_flexible(static_cast<int>(l), inertias[l]);
+    if (flexible_of_link_[l]) load_flexible(static_cast<int>(l), inertias[l]);
   }
 }
 
@@ -136,12 +136,12 @@ void ArticulatedBodies::subtract_applied(const AppliedForces& applied) {
     ArticulatedBody& link = links_[l];
     link.bias_force -= applied.on_body(l);
     for (int k = 0; k < link.n_free; ++k) link.tau(k) = applied.tau()(link.free[k]);
-    if (flexible_of_link_[l] >= 0) flexible_[flexible_of_link_[l]].bias_force_a -= applied.on_modes(l);
+    if (flexible_of_link_[l]) flexible_[*flexible_of_link_[l]].bias_force_a -= applied.on_modes(l);
   }
 }
 
 void ArticulatedBodies::load_flexible(int l, const BodyInertia& inertia) {
-  FlexibleArticulatedBody& flexible = flexible_[flexible_of_link_[l]];
+  FlexibleArticulatedBody& flexible = flexible_[*flexible_of_link_[l]];
   flexible.inertia_ra = inertia.flexible()->M_ra();
   flexible.inertia_aa = inertia.flexible()->M_aa();
   flexible.bias_force_a = inertia.flexible()->p_a();
@@ -166,7 +166,7 @@ void ArticulatedBodies::backward_pass(const std::vector<BodyInertia>& inertias, 
   subtract_applied(applied);
   for (int l = static_cast<int>(links_.size()) - 1; l >= 0; --l) {
     gather_columns(l, udot);
-    if (flexible_of_link_[l] >= 0) {
+    if (flexible_of_link_[l]) {
       eliminate_flexible(l);
     } else {
       dispatch_rigid(l);
@@ -216,7 +216,7 @@ void ArticulatedBodies::eliminate_rigid(int l) {  // (R34), (R35)
 
 void ArticulatedBodies::eliminate_flexible(int l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
-  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[l]];
+  FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[l]];
   const Eigen::Index m = f.bias_force_a.size();
   const Eigen::Index n_free = link.n_free;
   f.H.leftCols(n_free) = Eigen::Map<const Mat6X>(free_columns(l), 6, n_free);
@@ -249,7 +249,7 @@ void ArticulatedBodies::eliminate_flexible(int l) {  // (R34), (R35)
 void ArticulatedBodies::add_to_reference_body(int l, const Mat6& I, const Vec6& p) {
   const Link& step = kinematics_->topology().links[l];
   if (step.reference == kGround) return;
-  const int reference = kinematics_->topology().link_of_body[step.reference];
+  const int reference = *kinematics_->topology().link_of_body[step.reference];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   const Vec3& rho = blocks.rho;
   ArticulatedBody& to = links_[reference];
@@ -273,8 +273,8 @@ void ArticulatedBodies::add_to_reference_body(int l, const Mat6& I, const Vec6& 
   to.articulated_inertia.bottomLeftCorner<3, 3>() += B.transpose();
   to.articulated_inertia.bottomRightCorner<3, 3>() += C;
   to.bias_force += shift_wrench(p, rho);
-  if (flexible_of_link_[reference] < 0) return;
-  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[reference]];
+  if (!flexible_of_link_[reference]) return;
+  FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[reference]];
   for (Eigen::Index k = 0; k < blocks.Xa.cols(); ++k) {
     const Vec6 IX = I * blocks.Xa.col(k);
     f.inertia_ra.col(k) += shift_wrench(IX, rho);
@@ -295,7 +295,7 @@ Vec6 ArticulatedBodies::acceleration_from_reference(int l) const {
 void ArticulatedBodies::forward_pass(VecX& udot) {
   for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
     const Vec6 A0 = acceleration_from_reference(l);
-    if (flexible_of_link_[l] >= 0) {
+    if (flexible_of_link_[l]) {
       solve_flexible(l, A0, udot);
       continue;
     }
@@ -338,7 +338,7 @@ void ArticulatedBodies::solve_rigid(int l, const Vec6& A0, VecX& udot) {  // (R3
 
 void ArticulatedBodies::solve_flexible(int l, const Vec6& A0, VecX& udot) {  // (R37)
   ArticulatedBody& link = links_[l];
-  FlexibleArticulatedBody& f = flexible_[flexible_of_link_[l]];
+  FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[l]];
   f.udot = f.uhat;
   f.udot.noalias() -= f.Kt.lazyProduct(A0);
   f.llt.matrixU().solveInPlace(f.udot);
@@ -357,8 +357,8 @@ void ArticulatedBodies::add_coordinate_forces(int link, const Eigen::Ref<const M
 }
 
 void ArticulatedBodies::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
-  if (flexible_of_link_[link] >= 0) {
-    const FlexibleArticulatedBody& f = flexible_[flexible_of_link_[link]];
+  if (flexible_of_link_[link]) {
+    const FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[link]];
     response.noalias() += f.H.transpose() * z_r;
     response.bottomRows(z_a.rows()) += z_a;
     f.llt.matrixL().solveInPlace(response);
@@ -399,8 +399,8 @@ void ArticulatedBodies::propagate_force_rigid(int l, Mat6X& z_r, MatX& response)
 }
 
 void ArticulatedBodies::add_force(int link, const Eigen::Ref<const VecX>& response) {
-  if (flexible_of_link_[link] >= 0) {
-    flexible_[flexible_of_link_[link]].uhat += response;
+  if (flexible_of_link_[link]) {
+    flexible_[*flexible_of_link_[link]].uhat += response;
   } else {
     links_[link].uhat.head(response.size()) += response;
   }

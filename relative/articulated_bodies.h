@@ -119,7 +119,7 @@ class ArticulatedBodies {
 
   const Kinematics* kinematics_;
   std::vector<ArticulatedBody> links_;
-  std::vector<int> flexible_of_link_;  // -1: rigid
+  std::vector<std::optional<int>> flexible_of_link_;  // index in flexible_; none: rigid
   std::vector<FlexibleArticulatedBody> flexible_;
   Vec6 ground_ = Vec6::Zero();
 };

@@ -105,7 +105,7 @@ MatX Closure::Phi_u() const {
     MatX block = MatX::Zero(constraint.n_rows, Phi.cols());
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
-      if (part.cut >= 0) {
+      if (part.cut()) {
         add_wrench_rows(part.joint, part.T_global, block);
       } else {
         block.middleCols(span.first_u, span.n_u) += part.C.transpose();
@@ -127,7 +127,7 @@ std::string Closure::worst_place(const VecX& rows) const {
   for (const SpeedConstraint& constraint : speed_constraints_.all()) {
     if (constraint.first_row > worst) continue;
     place = constraint.is_coupling()
-                ? fmt::format("coupling '{}'", model.couplings[constraint.coupling].name)
+                ? fmt::format("coupling '{}'", model.couplings[*constraint.coupling].name)
                 : fmt::format("the velocity of joint '{}'", model.joints[constraint.joints.front().joint].name);
   }
   return place;

@@ -74,13 +74,13 @@ void ClosureRank::require_agreeing_rows(const Coordinates& coordinates) const {
   const auto rates = scaled_->equations().udot().cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
   double largest = scaled_->rate() * scaled_->rate();
   if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
-  const int row = loops.contradicted_row(kContradiction * largest);
-  if (row < 0) return;
+  const std::optional<int> row = loops.contradicted_row(kContradiction * largest);
+  if (!row) return;
   const Closure& closure = scaled_->closure();
   throw SingularPose(fmt::format(
       "relative: at t = {:.6g} s no accelerations close everything: rows at {} depend on others in this pose "
       "and contradict them: the pose is singular, or a driver moves what the loops hold",
-      coordinates.t, closure.worst_place(VecX::Unit(closure.n_rows(), row))));
+      coordinates.t, closure.worst_place(VecX::Unit(closure.n_rows(), *row))));
 }
 
 void ClosureRank::throw_singular(const Coordinates& coordinates, const std::string& passing) const {

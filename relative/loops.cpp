@@ -46,11 +46,11 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBo
   force_.setZero(most_unknowns);
   scale_.setZero(n);
   rest_.setZero(n, n);
-  first_of_link_.assign(kinematics.topology().links.size(), -1);
+  first_of_link_.resize(kinematics.topology().links.size());
   int n_stacked = 0;
   for (const LoopPath& path : paths_) {
     for (const PathLink& path_link : path.links) {
-      if (first_of_link_[path_link.link] >= 0) continue;
+      if (first_of_link_[path_link.link]) continue;
       first_of_link_[path_link.link] = n_stacked;
       n_stacked += articulated_bodies.n_unknowns(path_link.link);
     }
@@ -63,15 +63,13 @@ void Loops::lay_out_paths() {
   for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
     const Closure::Cut& cut = closure_->cuts()[c];
     if (cut.measure.n_rows() == 0) continue;  // permits all six, and exerts nothing
-    lay_out({static_cast<int>(c), -1, cut.first_row, cut.measure.n_rows(), {{cut.joint, -1, -1, -1, -1}}, {}});
+    lay_out({CutRows{static_cast<int>(c)}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
   }
   for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
     const SpeedConstraint& constraint = closure_->speed_constraints()[r];
-    LoopPath path{-1, static_cast<int>(r), constraint.first_row, constraint.n_rows, {}, {}};
-    for (std::size_t p = 0; p < constraint.joints.size(); ++p) {
-      path.loads.push_back({constraint.joints[p].joint, static_cast<int>(p), -1, -1, -1});
-    }
-    lay_out(std::move(path));
+    std::vector<int> joints;
+    for (const ConstrainedJoint& part : constraint.joints) joints.push_back(part.joint);
+    lay_out({SpeedRows{static_cast<int>(r)}, constraint.first_row, constraint.n_rows, {}, {}}, joints);
   }
 }
 
@@ -101,66 +99,76 @@ void Loops::set_rank(int rank) {
   permuted_.setZero(rank);
 }
 
-/// The links between the bodies of a path's joints and ground, outermost first.
-void Loops::lay_out(LoopPath path) {
+/// The links between the bodies of some joints and ground, outermost first.
+std::vector<int> Loops::links_to_ground(const std::vector<int>& joints) const {
   const Topology& topology = kinematics_->topology();
-  const Model& model = kinematics_->model();
   std::vector<int> links;
-  for (const MultiplierLoad& load : path.loads) {
-    for (const Attachment& side : model.joints[load.joint].sides) {
-      for (int l = topology.link_of_body[side.body]; l >= 0; l = topology.link_of_body[topology.links[l].reference]) {
-        links.push_back(l);
-      }
+  for (const int joint : joints) {
+    for (const Attachment& side : kinematics_->model().joints[joint].sides) {
+      for (std::optional<int> l = topology.link_of_body[side.body]; l; l = topology.inward_link(*l))
+        links.push_back(*l);
     }
   }
   std::sort(links.begin(), links.end(), std::greater<>());
   links.erase(std::unique(links.begin(), links.end()), links.end());
-  const auto path_link_of = [&](int link) {
-    const auto found = std::find(links.begin(), links.end(), link);
-    return found == links.end() ? -1 : static_cast<int>(found - links.begin());
+  return links;
+}
+
+/// Gives a path its links, and a load for each of its joints.
+void Loops::lay_out(LoopPath path, const std::vector<int>& joints) {
+  const Topology& topology = kinematics_->topology();
+  const std::vector<int> links = links_to_ground(joints);
+  const auto path_link_of = [&](std::optional<int> link) -> std::optional<int> {
+    if (!link) return std::nullopt;
+    return static_cast<int>(std::find(links.begin(), links.end(), *link) - links.begin());
   };
   for (const int l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
-    path.links.push_back({l, path_link_of(topology.link_of_body[topology.links[l].reference]),
-                          Mat6X::Zero(6, path.n_rows), MatX::Zero(m, path.n_rows),
-                          MatX::Zero(articulated_bodies_->n_unknowns(l), path.n_rows)});
+    path.links.push_back({l, path_link_of(topology.inward_link(l)), Mat6X::Zero(6, path.n_rows),
+                          MatX::Zero(m, path.n_rows), MatX::Zero(articulated_bodies_->n_unknowns(l), path.n_rows)});
   }
-  for (MultiplierLoad& load : path.loads) {
-    const Joint& joint = model.joints[load.joint];
-    load.child_link = path_link_of(topology.link_of_body[joint.on(Side::child).body]);
-    load.parent_link = path_link_of(topology.link_of_body[joint.on(Side::parent).body]);
-    if (load.part < 0) continue;
-    const ConstrainedJoint& part = closure_->speed_constraints()[path.speed_constraint].joints[load.part];
-    if (part.cut < 0) load.own_link = path_link_of(part.link);
+  for (const int k : joints) {
+    if (const auto* on_link = std::get_if<OnLink>(&topology.places[k])) {
+      path.loads.emplace_back(CoordinateLoad{*path_link_of(on_link->link)});
+      continue;
+    }
+    const auto link_on = [&](Side side) {
+      return path_link_of(topology.link_of_body[kinematics_->model().joints[k].on(side).body]);
+    };
+    path.loads.emplace_back(WrenchLoad{k, link_on(Side::child), link_on(Side::parent)});
   }
   paths_.push_back(std::move(path));
 }
 
 /// Unit multipliers act with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
-void Loops::apply_unit_multipliers(LoopPath& path, const MultiplierLoad& load) {
-  if (load.own_link >= 0) {
-    PathLink& path_link = path.links[load.own_link];
-    articulated_bodies_->add_coordinate_forces(path_link.link,
-                                               closure_->speed_constraints()[path.speed_constraint].joints[load.part].C,
-                                               path_link.unit_response);
+void Loops::apply_unit_multipliers(LoopPath& path) {
+  if (const auto* rows = std::get_if<CutRows>(&path.owner)) {
+    const auto& load = std::get<WrenchLoad>(path.loads.front());
+    apply_unit_wrenches(path, load, closure_->cuts()[rows->cut].T_global.leftCols(path.n_rows));
     return;
   }
-  for (const Side side : {Side::child, Side::parent}) {
-    if (load.part < 0) {
-      apply_unit_wrenches(path, load, side, closure_->cuts()[path.cut].T_global.leftCols(path.n_rows));
+  const SpeedConstraint& constraint = closure_->speed_constraints()[std::get<SpeedRows>(path.owner).constraint];
+  for (std::size_t p = 0; p < path.loads.size(); ++p) {
+    const ConstrainedJoint& part = constraint.joints[p];
+    if (const auto* load = std::get_if<CoordinateLoad>(&path.loads[p])) {
+      PathLink& path_link = path.links[load->own_link];
+      articulated_bodies_->add_coordinate_forces(path_link.link, part.C, path_link.unit_response);
     } else {
-      apply_unit_wrenches(path, load, side,
-                          closure_->speed_constraints()[path.speed_constraint].joints[load.part].T_global);
+      apply_unit_wrenches(path, std::get<WrenchLoad>(path.loads[p]), part.T_global);
     }
   }
 }
 
+void Loops::apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, const Eigen::Ref<const Mat6X>& on_child) {
+  for (const Side side : {Side::child, Side::parent}) apply_unit_wrenches(path, load, side, on_child);
+}
+
 /// Adds W^T T of one side to the generalized forces on its body.
-void Loops::apply_unit_wrenches(LoopPath& path, const MultiplierLoad& load, Side side,
+void Loops::apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, Side side,
                                 const Eigen::Ref<const Mat6X>& on_child) {
-  const int at = side == Side::child ? load.child_link : load.parent_link;
-  if (at < 0) return;
-  PathLink& path_link = path.links[at];
+  const std::optional<int> at = side == Side::child ? load.child_link : load.parent_link;
+  if (!at) return;
+  PathLink& path_link = path.links[*at];
   const JointPoint& point = kinematics_->point(load.joint, side);
   const Vec3 d = kinematics_->point(load.joint, Side::child).r - kinematics_->point(load.joint, Side::parent).r;
   for (Eigen::Index c = 0; c < path_link.z_r.cols(); ++c) {
@@ -178,12 +186,12 @@ void Loops::compute_unit_responses(LoopPath& path) {
     path_link.z_a.setZero();
     path_link.unit_response.setZero();
   }
-  for (const MultiplierLoad& load : path.loads) apply_unit_multipliers(path, load);
+  apply_unit_multipliers(path);
   for (PathLink& path_link : path.links) {
     articulated_bodies_->propagate_force(path_link.link, path_link.z_r, path_link.z_a, path_link.unit_response);
-    if (path_link.next < 0) continue;
+    if (!path_link.next) continue;
     const LinkBlocks& blocks = kinematics_->blocks(path_link.link);
-    PathLink& next = path.links[path_link.next];
+    PathLink& next = path.links[*path_link.next];
     for (Eigen::Index c = 0; c < path_link.z_r.cols(); ++c)
       next.z_r.col(c) += shift_wrench(path_link.z_r.col(c), blocks.rho);
     next.z_a.noalias() += blocks.Xa.transpose().lazyProduct(path_link.z_r);
@@ -296,7 +304,7 @@ void Loops::factorize_stacked() {
       if (column < 0 || column >= path.n_rows) continue;
       for (const PathLink& path_link : path.links) {
         stacked_.col(static_cast<Eigen::Index>(c))
-            .segment(first_of_link_[path_link.link], path_link.unit_response.rows()) =
+            .segment(*first_of_link_[path_link.link], path_link.unit_response.rows()) =
             scale_(used_[c]) * path_link.unit_response.col(column);
       }
     }
@@ -372,8 +380,8 @@ void Loops::close(VecX& udot) {  // (R53)
   }
 }
 
-int Loops::contradicted_row(double allowed) const {
-  int found = -1;
+std::optional<int> Loops::contradicted_row(double allowed) const {
+  std::optional<int> found;
   if (rank_ == static_cast<int>(lambda_.size())) return found;
   double worst = allowed;
   for (int row = 0; row < static_cast<int>(lambda_.size()); ++row) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include "common/decompositions.h"
@@ -33,9 +35,9 @@ class Loops {
   [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
 
   /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
-  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's. -1:
-  /// none.
-  [[nodiscard]] int contradicted_row(double allowed) const;
+  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's; if
+  /// any does.
+  [[nodiscard]] std::optional<int> contradicted_row(double allowed) const;
 
   /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
   /// independent: between rows that agree in a closed pose the stages of a step would else jump.
@@ -55,24 +57,33 @@ class Loops {
   /// the response of its unknowns to them.
   struct PathLink {
     int link = 0;
-    int next = -1;  // the path's link of the reference body; -1 at ground
+    std::optional<int> next;  // the path's link of the reference body; none at ground
     Mat6X z_r;
     MatX z_a;
     MatX unit_response;
   };
-  /// Where the multipliers of a path act: by wrenches on the two bodies of a cut joint, its closure's (part -1) or a
-  /// relation's, or coordinate forces on a joint of the tree.
-  struct MultiplierLoad {
+  /// The multipliers of a cut joint's closure, or of a speed constraint, act by wrenches on the two bodies of a cut
+  /// joint: on these links of the path; none is ground.
+  struct WrenchLoad {
     int joint = 0;
-    int part = -1;        // index among the constraint's joints
-    int child_link = -1;  // -1: ground
-    int parent_link = -1;
-    int own_link = -1;  // of the link of a joint of the tree
+    std::optional<int> child_link;
+    std::optional<int> parent_link;
   };
-  /// The rows of a cut joint or of a speed constraint.
+  /// They act by coordinate forces on a joint of the tree.
+  struct CoordinateLoad {
+    int own_link = 0;
+  };
+  using MultiplierLoad = std::variant<WrenchLoad, CoordinateLoad>;
+  /// Whose rows a path's are: a cut joint's (index in Closure::cuts) or a speed constraint's.
+  struct CutRows {
+    int cut = 0;
+  };
+  struct SpeedRows {
+    int constraint = 0;
+  };
+  /// The rows of a cut joint, with one load, or of a speed constraint, with one for each of its joints.
   struct LoopPath {
-    int cut = -1;
-    int speed_constraint = -1;
+    std::variant<CutRows, SpeedRows> owner;
     int first_row = 0;
     int n_rows = 0;
     std::vector<MultiplierLoad> loads;
@@ -83,12 +94,13 @@ class Loops {
   };
 
   void lay_out_paths();
-  void lay_out(LoopPath path);
+  void lay_out(LoopPath path, const std::vector<int>& joints);
+  [[nodiscard]] std::vector<int> links_to_ground(const std::vector<int>& joints) const;
   void lay_out_shared();
   void compute_unit_responses(LoopPath& path);
-  void apply_unit_multipliers(LoopPath& path, const MultiplierLoad& load);
-  void apply_unit_wrenches(LoopPath& path, const MultiplierLoad& load, Side side,
-                           const Eigen::Ref<const Mat6X>& on_child);
+  void apply_unit_multipliers(LoopPath& path);
+  void apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, const Eigen::Ref<const Mat6X>& on_child);
+  void apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, Side side, const Eigen::Ref<const Mat6X>& on_child);
   void sum_Lambda();
   void choose_rows();
   void use(int pivot);
@@ -108,8 +120,8 @@ class Loops {
   int rank_ = 0;
   std::vector<int> used_;
   bool keeps_rows_ = false;
-  bool has_kept_ = false;           // whether used_ are the rows to keep
-  std::vector<int> first_of_link_;  // rows of stacked_ where the unknowns of a link begin; -1: on no path
+  bool has_kept_ = false;                          // whether used_ are the rows to keep
+  std::vector<std::optional<int>> first_of_link_;  // rows of stacked_ where a link's unknowns begin, if on a path
   MatX Lambda_;
   VecX scale_;                                  // of the rows: 1 / sqrt of the diagonal of Lambda
   MatX rest_;                                   // of Lambda scaled to unit diagonal, while rows are chosen

@@ -73,7 +73,7 @@ class Moved {
     for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {
       const double squares = lambda.segment(constraint.first_row, constraint.n_rows).squaredNorm();
       of_speed_constraints_ = std::max(of_speed_constraints_, squares);
-      if (constraint.is_coupling()) couplings_[constraint.coupling] += squares;
+      if (constraint.is_coupling()) couplings_[*constraint.coupling] += squares;
     }
   }
 

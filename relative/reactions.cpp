@@ -42,12 +42,9 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     wrenches.tau.setZero(joint.type->n_u());
     joints_.push_back(wrenches);
     if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
-    ForcedJoint forced{static_cast<int>(k), -1, -1, {}};
+    ForcedJoint forced{static_cast<int>(k), cut_of(kinematics.topology().places[k]), std::nullopt, {}};
     for (const Driver& driver : joint.drivers) {
       forced.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
-    }
-    for (std::size_t c = 0; c < closure.cuts().size(); ++c) {
-      if (closure.cuts()[c].joint == forced.joint) forced.cut = static_cast<int>(c);
     }
     for (std::size_t r = 0; r < closure.speed_constraints().size(); ++r) {
       const SpeedConstraint& constraint = closure.speed_constraints()[r];
@@ -128,7 +125,7 @@ void Reactions::set_coupling_forces(const VecX& lambda) {
   for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
     if (!constraint.is_coupling()) continue;
     const double force = -lambda(constraint.first_row);
-    couplings_[constraint.coupling] = force / constraint.size;
+    couplings_[*constraint.coupling] = force / constraint.size;
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
       coupling_tau_.segment(span.first_u, span.n_u) += force * part.C.col(0);
@@ -167,7 +164,7 @@ void Reactions::apply_cut_wrenches(const VecX& lambda) {
 void Reactions::apply_speed_constraint_wrenches(const VecX& lambda) {
   for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
     for (const ConstrainedJoint& part : constraint.joints) {
-      if (part.cut < 0) continue;
+      if (!part.cut()) continue;
       Vec6 on_child;
       on_child.noalias() = -part.T_global.lazyProduct(lambda.segment(constraint.first_row, constraint.n_rows));
       add_to_total(part.joint, on_child, exert_at_cut(part.joint, on_child));
@@ -190,10 +187,10 @@ Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
 /// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
 void Reactions::add_spring_wrenches_of_cuts() {
   for (const ForcedJoint& forced : forced_joints_) {
-    if (forced.cut < 0) continue;
+    if (!forced.cut) continue;
     const JointPoint& parent = kinematics_->point(forced.joint, Side::parent);
     const JointPoint& child = kinematics_->point(forced.joint, Side::child);
-    const Vec6& spring = applied_->on_child_of_cut(forced.cut);
+    const Vec6& spring = applied_->on_child_of_cut(*forced.cut);
     add_to_total(forced.joint, spring, opposite_wrench_at(spring, child.r, parent.r));
   }
 }
@@ -201,7 +198,7 @@ void Reactions::add_spring_wrenches_of_cuts() {
 /// rho -= G_P^T w: the generalized force of a wrench at a point (R8), (R55).
 void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wrench) {
   if (body == kGround) return;
-  Load& load = loads_[kinematics_->topology().link_of_body[body]];
+  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
   load.rho -= shift_wrench(wrench, point.lever);
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
 }
@@ -260,7 +257,7 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const ForcedJoint& forced : forced_joints_) {
     const int k = forced.joint;
     const JointMotion& motion =
-        forced.cut < 0 ? kinematics_->joint_motion(k) : closure_->cuts()[forced.cut].measure.motion_at();
+        forced.cut ? closure_->cuts()[*forced.cut].measure.motion_at() : kinematics_->joint_motion(k);
     const JointPoint& parent = kinematics_->point(k, Side::parent);
     const JointPoint& child = kinematics_->point(k, Side::child);
     JointWrenches& wrenches = joints_[k];
@@ -269,8 +266,8 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
     for (const int c : forced.driven) {
       wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (forced.nonholonomic < 0) continue;
-      const SpeedConstraint& constraint = closure_->speed_constraints()[forced.nonholonomic];
+      if (!forced.nonholonomic) continue;
+      const SpeedConstraint& constraint = closure_->speed_constraints()[*forced.nonholonomic];
       const JointSquare& C = constraint.joints.front().C;
       wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/results.h"
@@ -45,8 +46,8 @@ class Reactions {
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
     int joint = 0;
-    int cut = -1;           // its index in Closure::cuts; -1 in the tree
-    int nonholonomic = -1;  // its index in Closure::speed_constraints; -1: none
+    std::optional<int> cut;           // its index in Closure::cuts; none in the tree
+    std::optional<int> nonholonomic;  // its index in Closure::speed_constraints
     std::vector<int> driven;
   };
 

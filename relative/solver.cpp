@@ -52,7 +52,7 @@ class RelativeSolver final : public Solver {
       StateMisfit misfit;
       Coordinates coordinates = states_.read(guess, misfit);
       equations_.count_turns(states_.turns());
-      if (!assembly_.close(coordinates) || states_.joint_off_branch(guess, coordinates.q) >= 0) return std::nullopt;
+      if (!assembly_.close(coordinates) || states_.joint_off_branch(guess, coordinates.q)) return std::nullopt;
       equations_.move(coordinates.t, coordinates.q, coordinates.u);
       return states_.write(guess.t, guess);
     } catch (const SolverError&) {

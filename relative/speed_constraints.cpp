@@ -16,17 +16,6 @@ int index_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
   return kinematics.topology().joints[term.joint].first_q + first_q(type, term.word) + term.component;
 }
 
-int index_of(const std::vector<int>& joints, int joint) {
-  const auto found = std::find(joints.begin(), joints.end(), joint);
-  return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
-}
-
-int link_of(const Topology& topology, int joint) {
-  const auto found = std::find_if(topology.links.begin(), topology.links.end(),
-                                  [joint](const Link& link) { return link.joint == joint; });
-  return found == topology.links.end() ? -1 : static_cast<int>(found - topology.links.begin());
-}
-
 }  // namespace
 
 double size_of(const Coupling& coupling, const Model& model, double length) {
@@ -82,9 +71,8 @@ ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, int joi
   }
   const Topology& topology = kinematics_->topology();
   const int n_u = topology.joints[joint].n_u;
-  constraint.joints.push_back({joint, index_of(topology.cuts, joint), link_of(topology, joint),
-                               JointSquare::Zero(n_u, constraint.n_rows), JointColumns::Zero(6, constraint.n_rows),
-                               JointColumns::Zero(6, constraint.n_rows)});
+  constraint.joints.push_back({joint, topology.places[joint], JointSquare::Zero(n_u, constraint.n_rows),
+                               JointColumns::Zero(6, constraint.n_rows), JointColumns::Zero(6, constraint.n_rows)});
   return constraint.joints.back();
 }
 
@@ -104,7 +92,7 @@ void SpeedConstraints::add_nonholonomic(int joint) {
   NonholonomicConstraint permitted(*kinematics_->model().joints[joint].type, kinematics_->mobilizer(joint));
   if (permitted.n_rows() == 0) return;
   SpeedConstraint constraint{
-      first_row_ + n_rows_, permitted.n_rows(), -1, 1.0, {}, JointVector::Zero(permitted.n_rows())};
+      first_row_ + n_rows_, permitted.n_rows(), std::nullopt, 1.0, {}, JointVector::Zero(permitted.n_rows())};
   part_of(constraint, joint);
   n_rows_ += constraint.n_rows;
   constraints_.push_back(std::move(constraint));
@@ -116,7 +104,8 @@ bool SpeedConstraints::is_prescribed(const ConstrainedJoint& part, int c) const 
 }
 
 const JointMotion& SpeedConstraints::motion_of(const ConstrainedJoint& part, const std::vector<CutJoint>& cuts) const {
-  return part.cut < 0 ? kinematics_->joint_motion(part.joint) : cuts[part.cut].measure.motion_at();
+  const std::optional<int> cut = part.cut();
+  return cut ? cuts[*cut].measure.motion_at() : kinematics_->joint_motion(part.joint);
 }
 
 /// The wrenches of a cut joint's rows, and what is left of its velocity beside S u, seen along them (R50).
@@ -151,14 +140,14 @@ void SpeedConstraints::measure(const std::vector<CutJoint>& cuts, const VecX& q,
     for (ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
       velocity_rows.noalias() += part.C.transpose().lazyProduct(u.segment(span.first_u, span.n_u));
-      if (part.cut >= 0) measure_cut(part, cuts[part.cut], velocity_rows);
+      if (const auto cut = part.cut()) measure_cut(part, cuts[*cut], velocity_rows);
     }
     if (!constraint.is_coupling()) continue;
     // The coordinates of a cut joint that is not closed yet: measured along the wrenches by which they move.
     double& found = position_residual(constraint.first_row);
-    found = compute_position_residual(model.couplings[constraint.coupling], *kinematics_, q) / constraint.size;
+    found = compute_position_residual(model.couplings[*constraint.coupling], *kinematics_, q) / constraint.size;
     for (const ConstrainedJoint& part : constraint.joints) {
-      if (part.cut >= 0) found += part.T.col(0).dot(cuts[part.cut].measure.position_residual());
+      if (const auto cut = part.cut()) found += part.T.col(0).dot(cuts[*cut].measure.position_residual());
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "relative/joint_measure.h"
@@ -26,24 +27,25 @@ double compute_velocity_residual(const Coupling& coupling, const Model& model, c
 /// on the joint's speeds; of a cut joint, which has none in the tree, with their coordinate wrench on both bodies.
 struct ConstrainedJoint {
   int joint = 0;
-  int cut = -1;    // its index among the cut joints; -1 in the tree
-  int link = -1;   // its link in the tree
+  JointPlace place;
   JointSquare C;   // n_u x rows
   JointColumns T;  // of a cut joint: coordinate wrenches of C (entries of prescribed speeds left out), 6 x rows, in the
                    // parent's joint frame: T^T v_rel = C^T u
   JointColumns T_global;
+
+  [[nodiscard]] std::optional<int> cut() const { return cut_of(place); }
 };
 
 /// A coupler constraint (one row for q, u and udot) or the nonholonomic constraints of one joint (rows for u and udot).
 struct SpeedConstraint {
   int first_row = 0;
   int n_rows = 0;
-  int coupling = -1;  // its index in the model; -1: nonholonomic
-  double size = 1.0;  // of a coupling: see size_of
+  std::optional<int> coupling;  // its index in the model; none: nonholonomic
+  double size = 1.0;            // of a coupling: see size_of
   std::vector<ConstrainedJoint> joints;
   JointVector bias;  // C^T udot + bias = 0
 
-  [[nodiscard]] bool is_coupling() const { return coupling >= 0; }
+  [[nodiscard]] bool is_coupling() const { return coupling.has_value(); }
 };
 
 /// All speed constraints of a machine: first the couplings in the order of the model, then the joints whose types
@@ -95,11 +97,12 @@ void SpeedConstraints::compute_acceleration_residual(const FreeAcceleration& fre
     rows = constraint.bias;
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
+      const std::optional<int> cut = part.cut();
       for (int c = 0; c < span.n_u; ++c) {
-        if (part.cut >= 0 && !is_prescribed(part, c)) continue;
+        if (cut && !is_prescribed(part, c)) continue;
         rows += part.C.row(c).transpose() * udot(span.first_u + c);
       }
-      if (part.cut >= 0) rows.noalias() += part.T.transpose().lazyProduct(free_acceleration(part.cut));
+      if (cut) rows.noalias() += part.T.transpose().lazyProduct(free_acceleration(*cut));
     }
   }
 }

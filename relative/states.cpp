@@ -64,6 +64,15 @@ void States::require_shape(const State& state) const {
   }
 }
 
+/// The size of angles of a joint [rad]: 1, or where it has made so many turns that their round-off is more than
+/// kLargestMisfit of that, as much more.
+double States::angle_size(const Span& span) const {
+  constexpr double kRoundOff = 4.0 * std::numeric_limits<double>::epsilon();
+  if (span.n_q == 0) return 1.0;
+  const double turned = kWholeTurn * kinematics_.turns().segment(span.first_q, span.n_q).cwiseAbs().maxCoeff();
+  return std::max(1.0, kRoundOff / kLargestMisfit * turned);
+}
+
 Coordinates States::read(const State& state, StateMisfit& misfit) {
   require_shape(state);
   const Model& model = equations_->model();
@@ -104,8 +113,9 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
     measure.find_q(parent, child, found.q.data() + span.first_q, restart);
     measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
     kinematics_.require_rank(k, measure.motion_at());
-    judge(largest(measure.position_residual(), size, 1.0), "joint", name);
-    judge(largest(measure.velocity_residual(), speed, turning), "joint", name);
+    judge(largest(measure.position_residual(), size, angle_size(span)), "joint", name);
+    // Round-off of places far from the origin stands between the points of a joint, and turns with them.
+    judge(largest(measure.velocity_residual(), turning * size, turning), "joint", name);
     judge(part_of(nonholonomic_residual(k, found.u), turning), "joint", name);
   }
   misfit.joint_off_branch = joint_off_branch(state, found.q);
@@ -129,7 +139,7 @@ Coordinates States::read_closed(const State& state) {
                     "{:.0e}: close it first",
                     state.t, misfit.largest, misfit.where, kLargestMisfit));
   }
-  if (misfit.joint_off_branch >= 0) throw_off_branch(state, coordinates, misfit.joint_off_branch);
+  if (misfit.joint_off_branch) throw_off_branch(state, coordinates, *misfit.joint_off_branch);
   return coordinates;
 }
 
@@ -154,14 +164,14 @@ bool States::has_q(const State& state, int joint) const {
   return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
 }
 
-int States::joint_off_branch(const State& state, const VecX& q) const {
+std::optional<int> States::joint_off_branch(const State& state, const VecX& q) const {
   const VecX values = kinematics_.with_turns(q);
   for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
     if (!has_q(state, k)) continue;
     const double* found = values.data() + equations_->topology().joints[k].first_q;
     if (!equations_->kinematics().mobilizer(k).is_on_branch_of(found, state.q[k].data())) return k;
   }
-  return -1;
+  return std::nullopt;
 }
 
 /// The size of a coupling's factors [its unit], each as much larger as the round-off of the bodies' poses and

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "relative/assembly.h"
 
 /// Between complete states (poses and velocities of all bodies) and the solver's own coordinates.
@@ -9,13 +11,14 @@ namespace concord::relative {
 struct StateMisfit {
   /// Largest misfit over joints, drivers, couplings and Euler parameter norms, free of units: displacements relative to
   /// the larger of the machine's length and the largest |r|, rotations in rad; velocities relative to the largest speed
-  /// of the state, turning times the machine's length among them, or the machine's rate times its length.
+  /// of the state, turning times the machine's length among them, or the machine's rate times its length: as a rate of
+  /// turning, times what displacements are relative to.
   double largest = 0.0;
   /// Where: "joint 'B'", "body 'crank'" or "coupling 'G'".
   std::string where;
   /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
-  /// the state; -1: none.
-  int joint_off_branch = -1;
+  /// the state; if there is one.
+  std::optional<int> joint_off_branch;
 };
 
 class States {
@@ -44,14 +47,15 @@ class States {
   [[nodiscard]] State write(double t, const State& before) const;
 
   /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
-  /// those that the state brings; -1: none.
-  [[nodiscard]] int joint_off_branch(const State& state, const VecX& q) const;
+  /// those that the state brings; if there is one.
+  [[nodiscard]] std::optional<int> joint_off_branch(const State& state, const VecX& q) const;
 
   /// Accelerations and wrenches that the equations hold.
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
   [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
+  [[nodiscard]] double angle_size(const Span& span) const;
   struct Readings {
     double of_coordinates = 0.0;
     double of_speeds = 0.0;

@@ -83,14 +83,14 @@ std::vector<std::vector<int>> incident_tree_joints(const Model& model) {
 /// Directs the tree away from ground, breadth first, joints in the order of the model.
 void direct_links(const Model& model, Topology& topology) {
   const std::vector<std::vector<int>> incident = incident_tree_joints(model);
-  topology.link_of_body.assign(model.bodies.size(), -1);
+  topology.link_of_body.assign(model.bodies.size(), std::nullopt);
   std::vector<int> reached{kGround};
   for (std::size_t next = 0; next < reached.size(); ++next) {
     const int reference = reached[next];
     for (const int k : incident[reference]) {
       const bool along = body_on(model.joints[k], Side::parent) == reference;
       const int body = body_on(model.joints[k], along ? Side::child : Side::parent);
-      if (body == kGround || topology.link_of_body[body] >= 0) continue;
+      if (body == kGround || topology.link_of_body[body]) continue;
       topology.link_of_body[body] = static_cast<int>(topology.links.size());
       topology.links.push_back({body, reference, k, along});
       reached.push_back(body);
@@ -102,7 +102,7 @@ void require_all_bodies(const Model& model, const Topology& topology) {
   if (topology.links.size() + 1 == model.bodies.size()) return;
   std::vector<std::string> lost;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    if (topology.link_of_body[i] < 0) lost.push_back(fmt::format("'{}'", model.bodies[i].name));
+    if (!topology.link_of_body[i]) lost.push_back(fmt::format("'{}'", model.bodies[i].name));
   }
   std::vector<std::string> named;
   SourceLocation where{model.file, 0, 0};
@@ -200,10 +200,15 @@ Topology build_topology(const Model& model) {
   Topology topology;
   direct_links(model, topology);
   require_all_bodies(model, topology);
-  std::vector<bool> is_cut(model.joints.size(), true);
-  for (const Link& link : topology.links) is_cut[link.joint] = false;
+  std::vector<std::optional<int>> link_of_joint(model.joints.size());
+  for (std::size_t l = 0; l < topology.links.size(); ++l) link_of_joint[topology.links[l].joint] = static_cast<int>(l);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    if (is_cut[k]) topology.cuts.push_back(static_cast<int>(k));
+    if (link_of_joint[k]) {
+      topology.places.emplace_back(OnLink{*link_of_joint[k]});
+    } else {
+      topology.places.emplace_back(AmongCuts{static_cast<int>(topology.cuts.size())});
+      topology.cuts.push_back(static_cast<int>(k));
+    }
   }
   lay_out(model, topology);
   return topology;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include "common/model.h"
@@ -19,6 +21,21 @@ struct Link {
   [[nodiscard]] Side reference_side() const { return along ? Side::parent : Side::child; }
 };
 
+/// Where a joint stands: on a link of the tree, or among the cut joints.
+struct OnLink {
+  int link = 0;  // index in Topology::links
+};
+struct AmongCuts {
+  int cut = 0;  // index in Topology::cuts
+};
+using JointPlace = std::variant<OnLink, AmongCuts>;
+
+/// The cut joint's index, or nothing for a joint of the tree.
+inline std::optional<int> cut_of(const JointPlace& place) {
+  const auto* among_cuts = std::get_if<AmongCuts>(&place);
+  return among_cuts != nullptr ? std::optional(among_cuts->cut) : std::nullopt;
+}
+
 /// Places of a joint's or a body's numbers in q and u.
 struct Span {
   int first_q = 0;
@@ -30,15 +47,19 @@ struct Span {
 /// Order of q and u: link by link from ground outward, the joint's numbers and then the body's modal ones, u_i = [joint
 /// speeds; adot_i]; after the tree the cut joints in the order of the model.
 struct Topology {
-  std::vector<Link> links;        // from ground outward: a reference body's link stands before
-  std::vector<int> link_of_body;  // -1 for ground
-  std::vector<int> cuts;          // joints, in the order of the model
-  std::vector<Span> joints;       // of every joint of the model
-  std::vector<Span> modes;        // of every body of the model, ground included
+  std::vector<Link> links;                       // from ground outward: a reference body's link stands before
+  std::vector<std::optional<int>> link_of_body;  // none for ground
+  std::vector<int> cuts;                         // joints, in the order of the model
+  std::vector<JointPlace> places;                // of every joint of the model
+  std::vector<Span> joints;                      // of every joint of the model
+  std::vector<Span> modes;                       // of every body of the model, ground included
   int n_q = 0;
   int n_u = 0;
   int n_tree_q = 0;
   int n_tree_u = 0;
+
+  /// The link of a link's reference body; none at ground.
+  [[nodiscard]] std::optional<int> inward_link(int link) const { return link_of_body[links[link].reference]; }
 };
 
 /// Length of a machine [m], by which displacements count against rotations: Model::length_scale, the largest distance

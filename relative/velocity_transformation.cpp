@@ -199,9 +199,9 @@ void Kinematics::place_cut_joint_points() {
 }
 
 void Kinematics::add_times_B(int body, MatX rows_on_body, MatX& rows) const {
-  for (int l = topology_.link_of_body[body]; l >= 0; l = topology_.link_of_body[topology_.links[l].reference]) {
-    const Link& link = topology_.links[l];
-    const LinkBlocks& b = blocks_[l];
+  for (std::optional<int> l = topology_.link_of_body[body]; l; l = topology_.inward_link(*l)) {
+    const Link& link = topology_.links[*l];
+    const LinkBlocks& b = blocks_[*l];
     const Span& joint = topology_.joints[link.joint];
     const Span& modes = topology_.modes[link.body];
     if (modes.n_u > 0) rows.middleCols(modes.first_u, modes.n_u) += rows_on_body.rightCols(modes.n_u);

@@ -137,7 +137,7 @@ TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
   const Coordinates found = states.read(state, misfit);
   EXPECT_LT((found.q.segment(equations.topology().joints[2].first_q, 2) - q.head<2>()).norm(), 1e-13);
   EXPECT_LT(misfit.largest, 1e-13);
-  EXPECT_EQ(misfit.joint_off_branch, -1);
+  EXPECT_FALSE(misfit.joint_off_branch);
 }
 
 /// A nut many turns up its thread: from the turn that the state says, from none at all, and from a wrong one.
@@ -156,7 +156,7 @@ TEST(States, CountTheTurnsOfAThread) {
   equations.move(0.0, start.q, start.u);
   States states(equations);
   const State state = states.write(0.0, {});
-  const auto turn_from = [&](std::vector<VecX> hints, int& off_branch) {
+  const auto turn_from = [&](std::vector<VecX> hints, std::optional<int>& off_branch) {
     State given = state;
     given.q = std::move(hints);
     StateMisfit misfit;
@@ -166,11 +166,11 @@ TEST(States, CountTheTurnsOfAThread) {
     off_branch = misfit.joint_off_branch;
     return found;
   };
-  int off_branch = 0;
+  std::optional<int> off_branch;
   EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, off_branch), 71.3, 1e-11);
-  EXPECT_EQ(off_branch, -1);
+  EXPECT_EQ(off_branch, std::nullopt);
   EXPECT_NEAR(turn_from({}, off_branch), 71.3, 1e-11);
-  EXPECT_EQ(off_branch, -1);
+  EXPECT_EQ(off_branch, std::nullopt);
   EXPECT_NEAR(turn_from({VecX::Constant(1, 40.0)}, off_branch), 71.3, 1e-11);
   EXPECT_EQ(off_branch, 0);
 }
