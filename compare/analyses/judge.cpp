@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/statics.h"
@@ -556,6 +557,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
     }
   }
   conclude(result);
+  result.driven = std::move(driven);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/model.h"
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/linearize.h"
 #include "compare/verdict/solver_makers.h"
@@ -36,6 +37,8 @@ struct AnalysisVerdict {
   /// Wrenches, rank, audit, findings and failures; its rung "same run" is what each solver found for itself, and there
   /// is no refined one.
   Verdict wrenches;
+  /// The machine whose wrenches these are, where it is not the one that was asked about: inverse dynamics drives it.
+  std::optional<Model> driven;
   std::vector<NumberRow> numbers;
   /// What it found, in words and tables.
   std::string text;

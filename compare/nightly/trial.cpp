@@ -228,7 +228,7 @@ void analyse_case(const Case& one, const SolverMakers& makers, Result& result) {
     default:
       found = analyses::judge_inverse(model, makers, one.accelerations);
   }
-  take_verdict(model, found.wrenches, result);
+  take_verdict(found.driven ? *found.driven : model, found.wrenches, result);
   add_numbers(found.numbers, result.components);
 }
 

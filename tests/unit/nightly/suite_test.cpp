@@ -105,6 +105,17 @@ TEST_F(Suites, AnInvarianceCaseHasAComponentForEachMoveAndSolver) {
                                  "welds, relative", "world, cartesian", "world, relative"));
 }
 
+// Detects rows of the driven machine that are sought in the layout of the machine that is not driven.
+TEST_F(Suites, AnInverseCaseHasTheForceThatDrives) {
+  const Suite suite = read("[[case]]\nwork = \"inverse\"\nmodels = [\"models/one.toml\"]\n");
+  const Result result = try_case(suite.cases.at(0), folder_.path(), {cartesian::make_solver, relative::make_solver});
+  EXPECT_EQ(result.ending, Ending::agree) << result.words;
+  const auto drive = std::find_if(result.components.begin(), result.components.end(),
+                                  [](const Component& one) { return one.name.find("driver") != std::string::npos; });
+  ASSERT_NE(drive, result.components.end());
+  EXPECT_GT(drive->peak.value_or(0.0), 0.0);
+}
+
 TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/none*.toml\"]\n"),
               HasSubstr("suite.toml:3:10: error: case: there is no file 'models/none*.toml'"));
