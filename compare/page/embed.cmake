@@ -1,18 +1,22 @@
-# Writes a source with the page's own files as texts: cmake -D FOLDER=<web> -D SOURCE=<file> -P embed.cmake. The content
-# policy of the page allows its one script and its one style, by their digests, and nothing else.
+# Writes a source with the pages' own files as texts: cmake -D FOLDER=<web> -D SOURCE=<file> -P embed.cmake. The content
+# policy of a page allows its one script and its one style, by their digests, and nothing else.
 cmake_minimum_required(VERSION 3.25)
 
-file(READ ${FOLDER}/page.html html)
-set(style "")
-foreach(name vendor/uplot/uPlot.min.css page.css)
-  file(READ ${FOLDER}/${name} text)
-  string(APPEND style "${text}\n")
-endforeach()
-set(script "")
-foreach(name vendor/uplot/uPlot.iife.min.js data.js table.js plots.js scene.js page.js)
-  file(READ ${FOLDER}/${name} text)
-  string(APPEND script "${text}\n")
-endforeach()
+# What each page is made of; all have one frame.
+set(machine_styles vendor/uplot/uPlot.min.css frame.css machine.css)
+set(machine_scripts vendor/uplot/uPlot.iife.min.js data.js table.js components.js plots.js scene.js machine.js)
+set(night_styles vendor/uplot/uPlot.min.css frame.css night.css)
+set(night_scripts vendor/uplot/uPlot.iife.min.js data.js table.js trend.js night.js)
+
+# The text of several files of the folder, each with a line feed behind it.
+function(join_files result)
+  set(joined "")
+  foreach(name IN LISTS ARGN)
+    file(READ ${FOLDER}/${name} text)
+    string(APPEND joined "${text}\n")
+  endforeach()
+  set(${result} "${joined}" PARENT_SCOPE)
+endfunction()
 
 # Base64 of the 32 bytes of a SHA-256: three bytes, six hexadecimal digits, are four characters.
 function(digest_of text result)
@@ -32,15 +36,10 @@ function(digest_of text result)
   string(SUBSTRING ${encoded} 0 43 encoded)
   set(${result} "${encoded}=" PARENT_SCOPE)
 endfunction()
-digest_of("${style}" style_digest)
-digest_of("${script}" script_digest)
-string(CONCAT policy "default-src 'none'; style-src 'sha256-${style_digest}'; script-src 'sha256-${script_digest}'; "
-       "base-uri 'none'; form-action 'none'")
-string(REPLACE "@POLICY@" "${policy}" html "${html}")
 
 # Compilers limit the length of one literal: a text is made of several.
-function(literal name text)
-  set(source "std::string ${name}() {\n  std::string text;\n")
+function(write_text text)
+  set(source "  text = \"\";\n")
   string(LENGTH "${text}" length)
   set(at 0)
   while(at LESS length)
@@ -49,11 +48,31 @@ function(literal name text)
     string(APPEND source "  text += R\"~page~(${part})~page~\";\n")
     math(EXPR at "${at} + ${taken}")
   endwhile()
-  file(APPEND ${SOURCE}.new "${source}  return text;\n}\n\n")
+  file(APPEND ${SOURCE}.new "${source}")
 endfunction()
-file(WRITE ${SOURCE}.new "#include \"compare/page/page_parts.h\"\n\nnamespace concord::compare::page {\n\n")
-literal(html_template "${html}")
-literal(style_text "${style}")
-literal(script_text "${script}")
+
+function(write_page page)
+  join_files(style ${${page}_styles})
+  join_files(script ${${page}_scripts})
+  digest_of("${style}" style_digest)
+  digest_of("${script}" script_digest)
+  string(CONCAT policy "default-src 'none'; style-src 'sha256-${style_digest}'; "
+         "script-src 'sha256-${script_digest}'; base-uri 'none'; form-action 'none'")
+  file(READ ${FOLDER}/frame.html html)
+  file(READ ${FOLDER}/${page}.html body)
+  string(REPLACE "@BODY@" "${body}" html "${html}")
+  string(REPLACE "@POLICY@" "${policy}" html "${html}")
+  file(APPEND ${SOURCE}.new "PageParts ${page}_parts() {\n  PageParts parts;\n  std::string text;\n")
+  foreach(part html style script)
+    write_text("${${part}}")
+    file(APPEND ${SOURCE}.new "  parts.${part} = std::move(text);\n")
+  endforeach()
+  file(APPEND ${SOURCE}.new "  return parts;\n}\n\n")
+endfunction()
+
+file(WRITE ${SOURCE}.new "#include \"compare/page/page_parts.h\"\n\n#include <utility>\n\n"
+                         "namespace concord::compare::page {\n\n")
+write_page(machine)
+write_page(night)
 file(APPEND ${SOURCE}.new "}  // namespace concord::compare::page\n")
 file(RENAME ${SOURCE}.new ${SOURCE})

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "compare/page/packing.h"
-#include "compare/page/page_parts.h"
+#include "compare/page/fill.h"
 #include "compare/report/result_document.h"
 
 namespace concord::compare::page {
@@ -44,35 +43,9 @@ std::string title_of(const PageJson& machines) {
                      machines[0]["outcome"].get<std::string>());
 }
 
-/// The template with its places filled, each once: what is put in is not searched again.
-std::string filled(const std::string& html, const std::vector<std::pair<std::string_view, std::string>>& places) {
-  std::string page;
-  std::string_view rest = html;
-  while (!rest.empty()) {
-    std::size_t first = rest.size();
-    const std::pair<std::string_view, std::string>* found = nullptr;
-    for (const auto& place : places) {
-      const std::size_t at = rest.find(place.first);
-      if (at < first) {
-        first = at;
-        found = &place;
-      }
-    }
-    page += rest.substr(0, first);
-    if (found == nullptr) break;
-    page += found->second;
-    rest.remove_prefix(first + found->first.size());
-  }
-  return page;
-}
-
 std::string format(PageJson machines) {
-  const std::string title = escape_html(title_of(machines));
-  const PageJson data{{"made", "Made by concord " CONCORD_VERSION ". Units are SI and radians."},
-                      {"machines", std::move(machines)}};
-  const std::string json = safe_in_script(data.dump(-1, ' ', false, PageJson::error_handler_t::replace));
-  return filled(html_template(),
-                {{"@TITLE@", title}, {"@STYLE@", style_text()}, {"@DATA@", json}, {"@SCRIPT@", script_text()}});
+  const std::string title = title_of(machines);
+  return fill_page(machine_parts(), title, {{"made", made_words()}, {"machines", std::move(machines)}});
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ concord.element = function (name, attributes, ...children) {
   return made;
 };
 
+concord.list = (items, kind) => concord.element("ul", { class: kind }, ...items.map((text) => concord.element("li", { text })));
+
 /** "12.9"; "-" of what is not known. */
 concord.digits = (value) => (value === null || value === undefined ? "-" : value.toFixed(1));
 
@@ -39,11 +41,39 @@ concord.short = function (value) {
 /** The same for the marks of an axis. */
 concord.tick = (value) => (value !== 0 && (Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3) ? String(Number(value.toPrecision(3)).toExponential()) : String(Number(value.toPrecision(6))));
 
-/** Joint or force element of a row, and the body on which the wrench acts. */
-concord.ownerOf = (machine, row) => (row.kind === "element" ? machine.elements : machine.joints)[row.owner];
-concord.bodyOf = function (machine, owner, side) {
-  const end = side === 0 ? owner.parent : owner.child;
-  return end ? machine.bodies[end.body].name : "nothing";
+concord.colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** Dark or light: the system's choice, until the reader makes another one; light on paper. `redraw` after each change. */
+concord.followTheme = function (redraw) {
+  const root = document.documentElement;
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  let chosen = null;
+  function show(isDark) {
+    const theme = isDark ? "dark" : "light";
+    if (root.dataset.theme === theme) return;
+    root.dataset.theme = theme;
+    redraw();
+  }
+  const wanted = () => (chosen === null ? system.matches : chosen);
+  show(wanted());
+  system.addEventListener("change", () => show(wanted()));
+  window.addEventListener("beforeprint", () => show(false));
+  window.addEventListener("afterprint", () => show(wanted()));
+  document.getElementById("theme").addEventListener("click", () => {
+    chosen = root.dataset.theme !== "dark";
+    show(chosen);
+  });
 };
 
-concord.colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+/** What all plots have in common; `moved` is called with the plot when its cursor moves. */
+concord.plotOptions = function (width, height, series, scales, key, moved) {
+  const axis = { stroke: concord.colour("--quiet"), grid: { stroke: concord.colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
+  return {
+    width: Math.max(120, width), height, series, legend: { show: false },
+    scales: { ...scales, x: { time: false, ...scales.x } },
+    axes: [{ ...axis, size: 24, values: (u, ticks) => ticks.map(concord.short) },
+           { ...axis, size: 58, values: (u, ticks) => ticks.map((v) => (v === null ? "" : concord.tick(v))) }],
+    cursor: { sync: { key }, y: false, points: { size: 5 }, drag: { x: true, y: false } },
+    hooks: { setCursor: [moved] },
+  };
+};

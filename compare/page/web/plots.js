@@ -88,19 +88,11 @@ concord.Plots = class {
   }
 
   optionsOf(width, height, series, scales, tell) {
-    const axis = { stroke: concord.colour("--quiet"), grid: { stroke: concord.colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui" };
-    return {
-      width: Math.max(120, width), height, series, legend: { show: false },
-      scales: { x: { time: false }, ...scales },
-      axes: [{ ...axis, size: 24, values: (u, ticks) => ticks.map(concord.short) },
-             { ...axis, size: 58, values: (u, ticks) => ticks.map((v) => (v === null ? "" : concord.tick(v))) }],
-      cursor: { sync: { key: "time" }, y: false, points: { size: 5 }, drag: { x: true, y: false } },
-      hooks: { setCursor: [(u) => {
-        if (tell) tell(u.cursor.idx === undefined ? null : u.cursor.idx);
-        if (this.isMoved || u.cursor.idx === null || u.cursor.idx === undefined || u.cursor.left < 0) return;
-        this.hover(u.data[0][u.cursor.idx]);
-      }] },
-    };
+    return concord.plotOptions(width, height, series, scales, "time", (u) => {
+      if (tell) tell(u.cursor.idx === undefined ? null : u.cursor.idx);
+      if (this.isMoved || u.cursor.idx === null || u.cursor.idx === undefined || u.cursor.left < 0) return;
+      this.hover(u.data[0][u.cursor.idx]);
+    });
   }
 
   /** Puts the cursor of all plots at a time, without telling the view. */

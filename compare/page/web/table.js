@@ -1,44 +1,29 @@
 "use strict";
-// The table of components: sorted by any column, filtered by text and by verdict.
+// A table that is sorted by any column and filtered by text. `place`, `filter` and `shown` are ids of elements; `columns`
+// have a name, a `key` to sort by and where it is not what is shown a `text`, or a `draw` that makes a node; `isNumber`
+// stands right; `kind` is the cell's class, `title` says more. `keeps` may leave rows out, `text` is what is searched,
+// `choose` is what a click or Enter does.
 concord.Table = class {
-  constructor(choose) {
-    this.choose = choose;
-    this.head = document.querySelector("#table thead tr");
-    this.body = document.querySelector("#table tbody");
-    this.filter = document.getElementById("filter");
-    this.onlyRed = document.getElementById("only-red");
+  constructor(options) {
+    Object.assign(this, { keeps: () => true, choose: null, noun: "rows" }, options);
+    this.table = document.getElementById(this.place);
+    this.body = this.table.querySelector("tbody");
+    this.head = this.table.querySelector("thead tr");
+    this.filterBox = document.getElementById(this.filter);
+    this.shownBox = document.getElementById(this.shown);
     this.sorted = { column: -1, descending: false };
-    this.columns = [
-      ["of", (r) => r.of], ["on", (r) => r.on], ["component", (r) => r.component],
-      ["scale", (r) => r.row.scale, (r) => concord.short(r.row.scale) + " " + r.row.unit, true],
-      ["from", (r) => r.row.scale_from],
-      ["same state", (r) => r.row.digits[0], (r) => concord.digits(r.row.digits[0]), true],
-      ["resolvable", (r) => r.row.resolvable[0], (r) => concord.digits(r.row.resolvable[0]), true],
-      ["same run", (r) => r.row.digits[1], (r) => concord.digits(r.row.digits[1]), true],
-      ["refined", (r) => r.row.digits[2], (r) => concord.digits(r.row.digits[2]), true],
-      ["need", (r) => r.row.need[0], (r) => r.row.need.join(" / "), true],
-      ["unique in", (r) => r.unique, (r) => r.uniqueText, true],
-      ["verdict", (r) => r.row.verdict],
-    ];
-    this.filter.addEventListener("input", () => this.show());
-    this.onlyRed.addEventListener("change", () => this.show());
-    this.columns.forEach(([name, , , isNumber], k) => {
+    this.rows = [];
+    this.lines = new Map();
+    if (this.filterBox) this.filterBox.addEventListener("input", () => this.show());
+    this.columns.forEach(({ name, isNumber }, k) => {
       const button = concord.element("button", { type: "button", text: name });
       button.addEventListener("click", () => this.sort(k));
       this.head.append(concord.element("th", { class: isNumber ? "number" : "", scope: "col" }, button));
     });
   }
 
-  load(machine) {
-    this.rows = machine.rows.map((row) => {
-      const owner = concord.ownerOf(machine.machine, row);
-      const all = row.states.judged + row.states.not_unique;
-      return {
-        row, of: (row.kind === "element" ? "" : "joint ") + owner.name, on: concord.bodyOf(machine.machine, owner, row.side),
-        component: concord.components[row.component], unique: all > 0 ? row.states.judged / all : 0,
-        uniqueText: all > 0 ? `${row.states.judged} of ${all}` : "-",
-      };
-    });
+  load(rows) {
+    this.rows = rows;
     this.show();
   }
 
@@ -52,14 +37,14 @@ concord.Table = class {
   }
 
   ordered() {
-    const wanted = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const wanted = this.filterBox ? this.filterBox.value.toLowerCase().split(/\s+/).filter(Boolean) : [];
     const rows = this.rows.filter((r) => {
-      if (this.onlyRed.checked && r.row.verdict !== "differ") return false;
-      const text = `${r.of} ${r.on} ${r.component} ${r.row.verdict}`.toLowerCase();
+      if (!this.keeps(r)) return false;
+      const text = wanted.length ? this.text(r).toLowerCase() : "";
       return wanted.every((word) => text.includes(word));
     });
     if (this.sorted.column < 0) return rows;
-    const key = this.columns[this.sorted.column][1];
+    const key = this.columns[this.sorted.column].key;
     const sign = this.sorted.descending ? -1 : 1;
     return rows.sort((one, other) => {
       const [a, b] = [key(one), key(other)];
@@ -68,20 +53,43 @@ concord.Table = class {
     });
   }
 
+  cellOf(r, { key, text, draw, isNumber, kind, title }) {
+    const cell = concord.element("td", { class: (kind ? kind(r) : "") + (isNumber ? " number" : "") });
+    if (draw) cell.append(draw(r));
+    else cell.textContent = text ? text(r) : key(r);
+    const more = title ? title(r) : "";
+    if (more) cell.title = more;
+    return cell;
+  }
+
+  lineOf(r) {
+    const line = concord.element("tr", {}, ...this.columns.map((column) => this.cellOf(r, column)));
+    this.lines.set(r, line);
+    if (!this.choose) return line;
+    line.tabIndex = 0;
+    line.addEventListener("click", () => this.choose(r));
+    line.addEventListener("keydown", (event) => {
+      const next = { ArrowDown: line.nextSibling, ArrowUp: line.previousSibling }[event.key];
+      if (event.key === "Enter") this.choose(r);
+      if (!next) return;
+      event.preventDefault();
+      next.focus();
+    });
+    return line;
+  }
+
   show() {
     const rows = this.ordered();
-    this.body.replaceChildren(...rows.map((r) => {
-      const line = concord.element("tr", { tabindex: "0" });
-      for (const [name, key, text, isNumber] of this.columns) {
-        const kind = name === "verdict" ? (r.row.verdict === "not judged" ? "open" : r.row.verdict) : isNumber ? "number" : "";
-        line.append(concord.element("td", { class: kind, text: text ? text(r) : key(r) }));
-      }
-      if (r.row.because) line.lastChild.title = "need lowered: " + r.row.because;
-      const take = () => this.choose(r.row.kind, r.row.owner, r.row.side);
-      line.addEventListener("click", take);
-      line.addEventListener("keydown", (event) => { if (event.key === "Enter") take(); });
-      return line;
-    }));
-    document.getElementById("shown").textContent = `${rows.length} of ${this.rows.length} components`;
+    this.lines.clear();
+    this.body.replaceChildren(...rows.map((r) => this.lineOf(r)));
+    this.mark(this.marked);
+    if (this.shownBox) this.shownBox.textContent = `${rows.length} of ${this.rows.length} ${this.noun}`;
+  }
+
+  /** Marks the line of a row, if it is shown. */
+  mark(r) {
+    for (const line of this.lines.values()) line.removeAttribute("aria-current");
+    this.marked = r;
+    if (this.lines.has(r)) this.lines.get(r).setAttribute("aria-current", "true");
   }
 };

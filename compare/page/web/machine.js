@@ -1,12 +1,8 @@
 "use strict";
-// Puts the parts of the page together.
+// Puts the parts of a machine's page together.
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const find = (id) => document.getElementById(id);
-
-  function list(items, kind) {
-    return concord.element("ul", { class: kind }, ...items.map((text) => concord.element("li", { text })));
-  }
 
   function showVerdict(machine) {
     const sentence = find("sentence");
@@ -20,9 +16,9 @@
     const said = find("messages");
     said.replaceChildren();
     const findings = (machine.findings || []).map((f) => (f.symptom ? `${f.what}: ${f.symptom}` : f.what));
-    if (findings.length) said.append(list(findings, "finding"));
-    if ((machine.failures || []).length) said.append(list(machine.failures, "finding"));
-    if ((machine.notes || []).length) said.append(list(machine.notes, "note"));
+    if (findings.length) said.append(concord.list(findings, "finding"));
+    if ((machine.failures || []).length) said.append(concord.list(machine.failures, "finding"));
+    if ((machine.notes || []).length) said.append(concord.list(machine.notes, "note"));
   }
 
   function showSolvers(machine) {
@@ -41,7 +37,13 @@
 
   const scene = new concord.Scene((t) => { showTime(t); plots.mark(t); });
   const plots = new concord.Plots((t) => { scene.stop(); scene.t = t; scene.draw(); showTime(t); });
-  const table = new concord.Table(choose);
+  const table = new concord.Table({
+    place: "table", filter: "filter", shown: "shown", noun: "components", columns: concord.componentColumns,
+    keeps: (r) => !find("only-red").checked || r.row.verdict === "differ",
+    text: (r) => `${r.of} ${r.on} ${r.component} ${r.row.verdict}`,
+    choose: (r) => choose(r.row.kind, r.row.owner, r.row.side),
+  });
+  find("only-red").addEventListener("change", () => table.show());
   let machine = null;
 
   function showTime(t) {
@@ -74,7 +76,7 @@
     if (!isThere) return;
     showSolvers(machine);
     plots.load(machine);
-    table.load(machine);
+    table.load(concord.componentRows(machine));
     scene.load(machine);
     const items = machine.machine.joints.map((joint, i) => [`joint ${i}`, `joint ${joint.name} (${joint.type})`])
       .concat(machine.machine.elements.map((element, i) => [`element ${i}`, `${element.type} ${element.name}`]));
@@ -90,6 +92,7 @@
     showTime(scene.t);
   }
 
+  find("choice").append(concord.element("label", {}, "Machine ", concord.element("select", { id: "machine" })));
   find("machine").replaceChildren(...data.machines.map((one, k) => concord.element("option", { value: String(k), text: `${one.model}: ${one.outcome}` })));
   find("choice").hidden = data.machines.length < 2;
   find("machine").addEventListener("change", (event) => load(Number(event.target.value)));
@@ -99,21 +102,7 @@
   find("fit").addEventListener("click", () => scene.fit());
   find("time").addEventListener("input", (event) => { scene.stop(); scene.go(scene.start + (scene.end - scene.start) * Number(event.target.value) / 1000); });
   for (const id of ["show-loads", "show-both", "show-names"]) find(id).addEventListener("change", () => scene.draw());
-  // The system's choice, until the reader makes another one.
-  const root = document.documentElement;
-  const system = matchMedia("(prefers-color-scheme: dark)");
-  let isChosen = false;
-  function setTheme(isDark) {
-    root.dataset.theme = isDark ? "dark" : "light";
-    plots.draw();
-    scene.draw();
-  }
-  setTheme(system.matches);
-  system.addEventListener("change", () => { if (!isChosen) setTheme(system.matches); });
-  find("theme").addEventListener("click", () => {
-    isChosen = true;
-    setTheme(root.dataset.theme !== "dark");
-  });
+  concord.followTheme(() => { plots.draw(); scene.draw(); });
   find("made").textContent = data.made;
   const worst = data.machines.findIndex((one) => one.outcome !== "agree");
   find("machine").value = String(Math.max(0, worst));
