@@ -8,13 +8,14 @@
 #include <ctime>
 #include <memory>
 #include <ostream>
-#include <set>
 
 #include "common/error.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/cluster.h"
 #include "compare/nightly/history.h"
+#include "compare/nightly/judgement.h"
 #include "compare/nightly/night.h"
+#include "compare/nightly/night_page.h"
 #include "compare/nightly/plan.h"
 #include "compare/nightly/submission.h"
 #include "compare/nightly/suite.h"
@@ -160,10 +161,10 @@ class NightlyRun {
   }
 
   void check_outputs() const {
-    compare::check_outputs({command_.json, command_.junit, command_.markdown},
+    compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report},
                            {command_.suite, suite_.baselines, command_.history});
     if (!command_.out.empty()) check_target_folder(command_.out);
-    for (const fs::path& stale : {command_.json, command_.junit, command_.markdown}) {
+    for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
     }
   }
@@ -191,9 +192,7 @@ class NightlyRun {
     return true;
   }
 
-  void begin(History& history) {
-    night_ = history.begin(suite_.name, fs::absolute(suite_.file).lexically_normal().string(), origin_, started_);
-  }
+  void begin(History& history) { night_ = history.begin(suite_.name, night().suite_file, origin_, started_); }
 
   /// Without those that the night had already, if they were asked the same.
   std::vector<const Case*> to_run(History& history) const {
@@ -209,42 +208,23 @@ class NightlyRun {
     return left;
   }
 
+  Night night() const {
+    return {night_, suite_.name, fs::absolute(suite_.file).lexically_normal().string(), started_, "", origin_};
+  }
+
   NightReport judge(History& history, const Baselines& baselines) const {
-    NightReport report{suite_.name, "concord night", origin_, started_, {}, {}, 0};
     const std::string today = command_.today.empty() ? started_.substr(0, 10) : command_.today;
-    for (const Case* one : cases_) {
-      const Result result = result_of_case(history, *one);
-      const auto baseline = baselines.find(one->id);
-      const auto earlier = history.before(night_, suite_.name, one->id, suite_.judging.nights);
-      report.cases.push_back(
-          case_line_of(result, judge_case(*one, result, baseline == baselines.end() ? nullptr : &baseline->second,
-                                          earlier, origin_, suite_.judging, today)));
-    }
-    if (command_.only.empty() && suite_.judging.against_baseline) add_gone(baselines, report);
+    NightReport report = judge_night(history, night(), cases_, baselines, suite_.judging, today);
+    if (command_.only.empty()) add_gone(suite_, baselines, report);
     report.code = code_of(report);
     return report;
-  }
-
-  Result result_of_case(History& history, const Case& one) const {
-    auto result = history.find(night_, one.id);
-    if (!result) throw DatabaseError(fmt::format("the history has lost case '{}'", one.id));
-    return std::move(*result);
-  }
-
-  void add_gone(const Baselines& baselines, NightReport& report) const {
-    std::set<std::string> there;
-    for (const Case& one : suite_.cases) there.insert(one.id);
-    for (const auto& [id, baseline] : baselines) {
-      if (there.contains(id)) continue;
-      report.others.push_back({Turn::gone, id, "", "case", "in the suite", "not in the suite", "baseline", 1.0, 0});
-    }
   }
 
   void write_json(const fs::path& file, const NightReport& report, History& history) const {
     std::size_t next = 0;
     write_night_json(file, report, [&]() -> std::optional<Result> {
       if (next == cases_.size()) return std::nullopt;
-      return result_of_case(history, *cases_[next++]);
+      return result_of_case(history, night_, cases_[next++]->id);
     });
   }
 
@@ -252,13 +232,23 @@ class NightlyRun {
     if (!command_.json.empty()) write_json(command_.json, report, history);
     if (!command_.junit.empty()) write_file(command_.junit, format_night_junit(report));
     if (!command_.markdown.empty()) write_file(command_.markdown, format_markdown(report));
+    std::string page;
+    if (!command_.report.empty() || !command_.out.empty()) page = format_page(report, history);
+    if (!command_.report.empty()) write_file(command_.report, page);
     if (command_.out.empty()) return;
     StagedFolder staged(command_.out);
     write_file(staged.path() / "table.txt", text);
     write_file(staged.path() / "regressions.md", format_markdown(report));
     write_file(staged.path() / "junit.xml", format_night_junit(report));
+    write_file(staged.path() / "night.html", page);
     write_json(staged.path() / "night.json", report, history);
     staged.finish({});
+  }
+
+  std::string format_page(const NightReport& report, History& history) const {
+    NightPage page{report, night(), suite_.judging, 100, {}};
+    if (command_.history.empty()) page.notes.emplace_back("Without a history this night alone is known: no trend.");
+    return format_night_page(page, history);
   }
 
   /// A command that fails is reported, and changes no verdict.
@@ -310,7 +300,8 @@ int submit_night(NightlyCommand command, const SolverMakers& makers, const Conso
     command.slurm_words.insert(command.slurm_words.begin(), more.begin(), more.end());
     if (take_slurm_words(command.slurm_words)) command.wait = true;
     // Jobs do not run where the user stands.
-    for (fs::path* path : {&command.history, &command.json, &command.junit, &command.markdown, &command.out}) {
+    for (fs::path* path :
+         {&command.history, &command.json, &command.junit, &command.markdown, &command.report, &command.out}) {
       if (!path->empty()) *path = fs::absolute(*path).lexically_normal();
     }
     return NightlyRun(command, makers, console).submit();

@@ -9,7 +9,7 @@
 #include "compare/verdict/solver_makers.h"
 #include "compare/verdict/verify.h"
 
-/// `concord nightly`, `accept`, `history` and `diff`.
+/// `concord nightly`, `accept`, `history`, `report` of a history, and `diff`.
 namespace concord::compare::nightly {
 
 /// Beside those of every command: a baseline is missing.
@@ -25,10 +25,11 @@ struct NightlyCommand {
   std::filesystem::path json = {};
   std::filesystem::path junit = {};
   std::filesystem::path markdown = {};
-  std::filesystem::path out = {};  // folder for all of these and the table
-  std::string notify = {};         // command of the shell that gets the report on its standard input
-  std::string commit = {};         // instead of the one that was built
-  std::string today = {};          // "2026-11-22"; empty: what the clock says
+  std::filesystem::path report = {};  // HTML page
+  std::filesystem::path out = {};     // folder for all of these and the table
+  std::string notify = {};            // command of the shell that gets the report on its standard input
+  std::string commit = {};            // instead of the one that was built
+  std::string today = {};             // "2026-11-22"; empty: what the clock says
 
   bool slurm = false;                         // the cases are run as jobs of a cluster
   std::string slurm_text = {};                // options for sbatch, to be split as a shell does
@@ -68,8 +69,22 @@ struct HistoryCommand {
 /// Prints the trend of a case.
 int show_history(const HistoryCommand& command, const Console& console);
 
+/// `concord report` of a history.
+struct NightReportCommand {
+  std::filesystem::path history;
+  std::filesystem::path out;         // the page
+  std::string night = "last";        // number, "last", "last-1", or a commit
+  std::filesystem::path suite = {};  // by which the night is judged; empty: where it lay that night
+  int last = 100;                    // nights that the trends show
+};
+
+/// Writes the page of a night. It is judged anew by the suite and its baselines as they are now, or, where the suite is
+/// not there any more, by the nights before. Returns 0 if the page was written.
+int write_night_report(const NightReportCommand& command, const Console& console);
+
 struct DiffCommand {
-  std::string a;  // a file of results; with a history: the number of a night, "last", "last-1", or a commit
+  std::string a;  // a file of `nightly --json` or `compare --json`; with a history: the number of a night, "last",
+                  // "last-1", or a commit
   std::string b;
   std::filesystem::path history = {};
   std::filesystem::path suite = {};  // whose [judge] counts; empty: the defaults

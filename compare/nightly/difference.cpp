@@ -24,26 +24,6 @@ struct DiffSide {
   std::vector<Result> results;  // sorted by name
 };
 
-const Night& night_called(const std::string& name, const std::vector<Night>& nights) {
-  if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
-  if (name.starts_with("last")) {
-    const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
-    const bool is_number =
-        !back.empty() && back.size() < 9 && back.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number && std::stoul(back) < nights.size()) return nights[nights.size() - 1 - std::stoul(back)];
-  }
-  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
-    if (fmt::format("{}", night->id) == name) return *night;
-  }
-  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
-    if (name.size() >= 4 && night->origin.commit.starts_with(name)) return *night;
-  }
-  throw InputError({name, 0, 0},
-                   fmt::format("is no file, and the history has no such night: it has {} to {}; \"last\" is the last, "
-                               "\"last-1\" the one before; or give the beginning of a commit",
-                               nights.front().id, nights.back().id));
-}
-
 DiffSide side_called(const std::string& name, const fs::path& history_file) {
   if (history_file.empty() || fs::is_regular_file(name)) {
     NightFile file = read_night_json(name);

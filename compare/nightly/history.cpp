@@ -98,6 +98,26 @@ bool is_running(const std::string& process) {
   return !start.empty() && start == start_of(number);
 }
 
+const Night& night_called(const std::string& name, const std::vector<Night>& nights) {
+  if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
+  if (name.starts_with("last")) {
+    const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
+    const bool is_number =
+        !back.empty() && back.size() < 9 && back.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number && std::stoul(back) < nights.size()) return nights[nights.size() - 1 - std::stoul(back)];
+  }
+  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+    if (fmt::format("{}", night->id) == name) return *night;
+  }
+  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+    if (name.size() >= 4 && night->origin.commit.starts_with(name)) return *night;
+  }
+  throw InputError({name, 0, 0},
+                   fmt::format("is no file, and the history has no such night: it has {} to {}; \"last\" is the last, "
+                               "\"last-1\" the one before; or give the beginning of a commit",
+                               nights.front().id, nights.back().id));
+}
+
 /// Used for every case: prepared once.
 struct History::Statements {
   explicit Statements(Database& database)
@@ -305,6 +325,14 @@ std::map<std::string, double> History::wall_times(const std::string& suite) {
 std::vector<std::string> History::case_names() {
   std::vector<std::string> names;
   Statement rows(database_, "SELECT DISTINCT name FROM result ORDER BY name");
+  while (rows.step()) names.push_back(rows.text(0));
+  return names;
+}
+
+std::vector<std::string> History::case_names(long night) {
+  std::vector<std::string> names;
+  Statement rows(database_, "SELECT name FROM result WHERE night = ? ORDER BY name");
+  rows.bind(night);
   while (rows.step()) names.push_back(rows.text(0));
   return names;
 }

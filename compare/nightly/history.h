@@ -66,8 +66,9 @@ class History {
   std::vector<Entry> of_case(const std::string& id, int count);
   /// Wall time of each case in the suite's last finished night [s].
   std::map<std::string, double> wall_times(const std::string& suite);
-  /// Names of all cases that were ever stored.
+  /// Names of all cases that were ever stored, or of those of one night; sorted.
   std::vector<std::string> case_names();
+  std::vector<std::string> case_names(long night);
 
  private:
   void prepare();
@@ -79,6 +80,10 @@ class History {
   struct Statements;
   std::unique_ptr<Statements, void (*)(Statements*)> statements_;
 };
+
+/// The night of this number, "last", "last-1", ..., or the last one whose commit begins so (four letters at least).
+/// `nights`: the earliest first. Throws InputError if there is none.
+const Night& night_called(const std::string& name, const std::vector<Night>& nights);
 
 /// Names this process so that no other one is meant: the start of the system, the number of the process
 /// and its start.

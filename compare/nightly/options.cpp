@@ -25,7 +25,8 @@ void NightlyCommands::add_nightly(CLI::App& program) {
   app->add_option("--json", nightly_.json, "File for all results as JSON");
   app->add_option("--junit", nightly_.junit, "File for JUnit XML, a test case for each case");
   app->add_option("--markdown", nightly_.markdown, "File for the table of changes as Markdown");
-  app->add_option("--out", nightly_.out, "Folder for table.txt, regressions.md, night.json and junit.xml");
+  app->add_option("--report", nightly_.report, "File for the night as an HTML page, with its trends");
+  app->add_option("--out", nightly_.out, "Folder for table.txt, regressions.md, night.json, junit.xml and night.html");
   app->add_option("--notify", nightly_.notify, "Command of the shell that gets the Markdown on its standard input");
   app->add_option("--commit", nightly_.commit, "Commit to record; default: CONCORD_COMMIT, else the built one");
   add_slurm(*app);
@@ -83,7 +84,9 @@ void NightlyCommands::add_history(CLI::App& program) {
 void NightlyCommands::add_diff(CLI::App& program) {
   CLI::App* app = program.add_subcommand("diff", "What changed between two files of results, nights or commits");
   diff_app_ = app;
-  app->add_option("A", diff_.a, "File of `nightly --json`; with --history a night's number, last, last-1, or a commit")
+  app->add_option("A", diff_.a,
+                  "File of `nightly --json` or `compare --json`; with --history a night's number, last, last-1, or a\n"
+                  "commit")
       ->required();
   app->add_option("B", diff_.b, "The same")->required();
   app->add_option("--history", diff_.history, "The file that remembers the nights");

@@ -26,6 +26,7 @@ PlanJson command_json(const NightlyCommand& command) {
           {"json", command.json.string()},
           {"junit", command.junit.string()},
           {"markdown", command.markdown.string()},
+          {"report", command.report.string()},
           {"out", command.out.string()},
           {"notify", command.notify},
           {"today", command.today}};
@@ -41,6 +42,7 @@ NightlyCommand command_from(const PlanJson& document) {
   command.json = text("json");
   command.junit = text("junit");
   command.markdown = text("markdown");
+  command.report = text("report");
   command.out = text("out");
   command.notify = text("notify");
   command.today = text("today");

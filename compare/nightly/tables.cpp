@@ -42,13 +42,6 @@ std::string pair_cell(const std::array<long, 2>& pair) {
   return pair[0] == 0 && pair[1] == 0 ? "-" : fmt::format("{} / {}", pair[0], pair[1]);
 }
 
-/// What there is to say of the past in one cell: the gravest turn.
-std::string past_cell(const CaseLine& line) {
-  const auto gravest = std::min_element(line.changes.begin(), line.changes.end(),
-                                        [](const Change& a, const Change& b) { return a.turn < b.turn; });
-  return gravest == line.changes.end() ? "as accepted" : to_string(gravest->turn);
-}
-
 std::string format_cases(const NightReport& report) {
   const bool is_night = report.kind == "concord night";
   std::vector<std::vector<std::string>> lines{
@@ -57,20 +50,9 @@ std::string format_cases(const NightReport& report) {
     lines.push_back({cell(line.id), to_string(line.ending), fmt::format("{} of {}", line.judged, line.total),
                      digits_cell(line.worst[0]), digits_cell(line.worst[1]), digits_cell(line.worst[2]),
                      pair_cell(line.evaluations), pair_cell(line.steps),
-                     is_night || !line.changes.empty() ? past_cell(line) : "same"});
+                     is_night || !line.changes.empty() ? past_words(line) : "same"});
   }
   return format_table(lines, {false, false, true, true, true, true, true, true, false});
-}
-
-/// All changes, the gravest first.
-std::vector<const Change*> all_changes(const NightReport& report) {
-  std::vector<const Change*> all;
-  for (const CaseLine& line : report.cases) {
-    for (const Change& change : line.changes) all.push_back(&change);
-  }
-  for (const Change& change : report.others) all.push_back(&change);
-  std::stable_sort(all.begin(), all.end(), [](const Change* a, const Change* b) { return a->turn < b->turn; });
-  return all;
 }
 
 std::string component_cell(const Change& change) {
@@ -135,12 +117,6 @@ bool is_known_red(const CaseLine& line) {
                      [](const Change& change) { return change.turn == Turn::known; });
 }
 
-Json change_json(const Change& change) {
-  return {{"what", to_string(change.turn)}, {"case", change.id},  {"component", change.component},
-          {"measure", change.measure},      {"was", change.was},  {"is", change.is},
-          {"against", change.against},      {"more", change.more}};
-}
-
 Json origin_json(const Origin& origin) {
   return {{"version", origin.version},
           {"commit", origin.commit},
@@ -168,6 +144,28 @@ std::string dumped(const Json& document, int indent) {
 
 }  // namespace
 
+std::string past_words(const CaseLine& line) {
+  const auto gravest = std::min_element(line.changes.begin(), line.changes.end(),
+                                        [](const Change& a, const Change& b) { return a.turn < b.turn; });
+  return gravest == line.changes.end() ? "as accepted" : to_string(gravest->turn);
+}
+
+std::vector<const Change*> all_changes(const NightReport& report) {
+  std::vector<const Change*> all;
+  for (const CaseLine& line : report.cases) {
+    for (const Change& change : line.changes) all.push_back(&change);
+  }
+  for (const Change& change : report.others) all.push_back(&change);
+  std::stable_sort(all.begin(), all.end(), [](const Change* a, const Change* b) { return a->turn < b->turn; });
+  return all;
+}
+
+Json change_json(const Change& change) {
+  return {{"what", to_string(change.turn)}, {"case", change.id},  {"component", change.component},
+          {"measure", change.measure},      {"was", change.was},  {"is", change.is},
+          {"against", change.against},      {"more", change.more}};
+}
+
 CaseLine case_line_of(const Result& result, std::vector<Change> changes) {
   CaseLine line{result.id, result.work, result.ending, result.judged, result.total, {}, {}, {}, 0, std::move(changes)};
   line.worst = {worst_of(result, &Component::same_state), worst_of(result, &Component::same_run),
@@ -192,6 +190,27 @@ std::string format_headline(const NightReport& report) {
   return fmt::format("{} {}: {}: {}{}\n", colour, report.title,
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
                      turns_of(report));
+}
+
+std::string format_sentence(const NightReport& report) {
+  constexpr std::array<std::pair<const char*, const char*>, 8> kVerbs{{{"agrees", "agree"},
+                                                                       {"differs", "differ"},
+                                                                       {"has no verdict", "have no verdict"},
+                                                                       {"has bad input", "have bad input"},
+                                                                       {"crashed", "crashed"},
+                                                                       {"hung", "hung"},
+                                                                       {"ran out of memory", "ran out of memory"},
+                                                                       {"was not run", "were not run"}}};
+  std::map<Ending, int> counts;
+  for (const CaseLine& line : report.cases) ++counts[line.ending];
+  std::string endings;
+  for (const auto& [ending, count] : counts) {
+    const auto& [one, several] = kVerbs.at(static_cast<std::size_t>(ending));
+    endings += fmt::format("{}{} {}", endings.empty() ? "" : ", ", count, count == 1 ? one : several);
+  }
+  const char* state = report.code == 0 ? "is green" : report.code == 4 ? "lacks baselines" : "is red";
+  return fmt::format("The night of {} {}: of {} {}{}.", report.title, state,
+                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings, turns_of(report));
 }
 
 std::string format_report(const NightReport& report) {
@@ -256,7 +275,7 @@ NightFile read_night_json(const std::filesystem::path& file) {
   try {
     const Json document = Json::parse(read_text_file(file));
     if (!document.is_object() || document.value("kind", Json()) != "concord night") {
-      refuse("is no file of results that `concord nightly --json` writes");
+      refuse("is no file of results that `concord nightly --json` or `concord compare --json` writes");
     }
     if (document.at("format") != kNightFormat) {
       refuse(fmt::format("version {} of these results is not known: this program reads version {}",

@@ -45,6 +45,16 @@ int code_of(const NightReport& report);
 /// One sentence: "green smoke: 20 cases agree" or "red smoke: 20 cases: 18 agree, 1 differs, 1 crashed; 2 worse".
 std::string format_headline(const NightReport& report);
 
+/// The same in whole words: "The night of smoke is red: of 20 cases 18 agree, 1 differs, 1 crashed; 2 worse."
+std::string format_sentence(const NightReport& report);
+
+/// All changes, the gravest first.
+std::vector<const Change*> all_changes(const NightReport& report);
+nlohmann::ordered_json change_json(const Change& change);
+
+/// The gravest turn of a case in one cell: "worse"; "as accepted" if there is none.
+std::string past_words(const CaseLine& line);
+
 /// The table of cases, the table of changes and the headline. Says nothing that changes from run to run.
 std::string format_report(const NightReport& report);
 

@@ -155,6 +155,7 @@ std::string words_of(const Verdict& verdict) {
   for (const Finding& finding : verdict.findings) tell(fmt::format("{}: {}", finding.what, finding.symptom));
   for (const std::string& failure : verdict.failures) tell(failure);
   if (told > kMost) text += fmt::format("\nand {} more", told - kMost);
+  if (verdict.attribution) text += fmt::format("\nto blame: {}", describe(*verdict.attribution));
   return text;
 }
 

@@ -134,7 +134,8 @@ struct CommandLine {
   compare::joint_check::JointCommand joint;
   compare::invariance::InvarianceCommand invariance;
   compare::fuzz::FuzzCommand fuzz;
-  compare::page::ReportCommand report;
+  std::filesystem::path report_of;  // a folder of results, or a history
+  compare::nightly::NightReportCommand night_report;
 };
 
 CLI::App* add_compare(CLI::App& program, CommandLine& line) {
@@ -209,10 +210,38 @@ CLI::App* add_invariance(CLI::App& program, CommandLine& line) {
 }
 
 CLI::App* add_report(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand("report", "Write the results of a folder as one HTML page");
-  command->add_option("FOLDER", line.report.folder, "Folder that `concord compare --out` wrote")->required();
-  command->add_option("-o,--output", line.report.out, "File for the page")->required();
+  CLI::App* command = program.add_subcommand("report", "Write a folder of results, or a night, as one HTML page");
+  command
+      ->add_option("FOLDER|HISTORY", line.report_of,
+                   "Folder that `concord compare --out` wrote, or the SQLite file of `concord nightly --history`")
+      ->required();
+  command->add_option("-o,--output", line.night_report.out, "File for the page")->required();
+  const char* of_history = "Of a history";
+  command
+      ->add_option("--night", line.night_report.night, "Number of the night, last, last-1, or a commit; default: last")
+      ->group(of_history);
+  command
+      ->add_option("--suite", line.night_report.suite, "Suite by which it is judged; default: where it lay that night")
+      ->group(of_history);
+  command->add_option("--last", line.night_report.last, "So many nights in the trends; default: 100")
+      ->check(CLI::Range(1, 100000))
+      ->group(of_history);
   return command;
+}
+
+/// A folder is one of results, everything else a history.
+int write_report(const CLI::App& app, CommandLine& line, const compare::Console& console) {
+  if (!std::filesystem::is_directory(line.report_of)) {
+    line.night_report.history = line.report_of;
+    return compare::nightly::write_night_report(line.night_report, console);
+  }
+  for (const char* option : {"--night", "--suite", "--last"}) {
+    if (app.count(option) == 0) continue;
+    console.err << fmt::format("{}: error: is a folder of results; {} belongs to a history\n", line.report_of.string(),
+                               option);
+    return compare::kBadInput;
+  }
+  return compare::page::write_report({line.report_of, line.night_report.out}, console);
 }
 
 CLI::App* add_analysis(CLI::App& program, CommandLine& line, const char* name, const char* about) {
@@ -341,7 +370,7 @@ int run_program(int argc, char** argv) {
   }
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
   if (invariance_command->parsed()) return compare::invariance::try_invariance(line.invariance, makers, console);
-  if (report_command->parsed()) return compare::page::write_report(line.report, console);
+  if (report_command->parsed()) return write_report(*report_command, line, console);
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
   if (const auto code = nights.run(makers, console)) return *code;
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);

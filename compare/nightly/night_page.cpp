@@ -1,0 +1,239 @@
+#include "compare/nightly/night_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "compare/nightly/judgement.h"
+#include "compare/page/fill.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+using NightJson = nlohmann::ordered_json;
+
+// What keeps a page below 3 MB: a night of a case takes some 60 bytes, a step or a change some 250.
+constexpr std::size_t kMostPoints = 18000;
+constexpr std::size_t kMostSteps = 2500;
+constexpr std::size_t kMostChanges = 2000;
+constexpr std::size_t kMostWords = 500000;
+constexpr int kFewestNights = 2;
+
+NightJson digits_json(const std::optional<double>& digits) {
+  if (!digits || !std::isfinite(*digits)) return nullptr;
+  return std::round(*digits * 100.0) / 100.0;
+}
+
+double rounded_seconds(double seconds) { return std::round(seconds * 1000.0) / 1000.0; }
+
+/// Digits that double precision resolves where the same state agrees least.
+std::optional<double> resolvable_at_worst(const Result& result) {
+  const Component* worst = nullptr;
+  for (const Component& one : result.components) {
+    if (one.same_state && (worst == nullptr || *one.same_state < *worst->same_state)) worst = &one;
+  }
+  return worst == nullptr ? std::nullopt : worst->resolvable;
+}
+
+bool has_cost(const Result& result) {
+  return std::any_of(result.cost.begin(), result.cost.end(), [](const Cost& cost) { return cost.evaluations > 0; });
+}
+
+NightJson night_json(const Night& night) {
+  return {{"id", night.id},
+          {"started", night.started},
+          {"version", night.origin.version},
+          {"commit", night.origin.commit},
+          {"compiler", night.origin.compiler},
+          {"machine", night.origin.machine}};
+}
+
+/// The case over the nights; null where a night did not have it.
+class TrendJson {
+ public:
+  explicit TrendJson(std::size_t nights) {
+    const NightJson none = NightJson(std::vector<NightJson>(nights));
+    for (const char* key : {"ending", "same_state", "resolvable", "same_run", "refined", "wall_s"}) trend_[key] = none;
+    for (const char* key : {"evaluations", "steps"}) trend_[key] = NightJson::array({none, none});
+  }
+
+  void put(std::size_t at, const Result& result) {
+    trend_["ending"][at] = to_string(result.ending);
+    trend_["same_state"][at] = digits_json(worst_of(result, &Component::same_state));
+    trend_["resolvable"][at] = digits_json(resolvable_at_worst(result));
+    trend_["same_run"][at] = digits_json(worst_of(result, &Component::same_run));
+    trend_["refined"][at] = digits_json(worst_of(result, &Component::refined));
+    trend_["wall_s"][at] = rounded_seconds(result.wall_s);
+    // A case that was lost, or that integrates nothing, has no cost.
+    for (std::size_t who = 0; who < 2 && has_cost(result); ++who) {
+      trend_["evaluations"][who][at] = result.cost[who].evaluations;
+      trend_["steps"][who][at] = result.cost[who].steps;
+    }
+  }
+
+  NightJson take() { return std::move(trend_); }
+
+ private:
+  NightJson trend_;
+};
+
+NightJson step_json(const Change& change, std::size_t before, std::size_t night) {
+  return {{"what", to_string(change.turn)}, {"before", before},  {"night", night},  {"component", change.component},
+          {"measure", change.measure},      {"was", change.was}, {"is", change.is}, {"more", change.more}};
+}
+
+/// Words of a case, shortened within no character.
+std::string shortened(const std::string& words, std::size_t most) {
+  if (words.size() <= most) return words;
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(words[end]) & 0xC0U) == 0x80U) --end;
+  return words.substr(0, end) + " ...";
+}
+
+class PageData {
+ public:
+  PageData(const NightPage& page, History& history) : page_(page), history_(history) {
+    const auto cases = std::max<std::size_t>(1, page.report.cases.size());
+    const auto room = static_cast<int>(kMostPoints / cases);
+    last_ = std::clamp(room, std::min(kFewestNights, page.last), page.last);
+    steps_for_each_ = std::clamp<std::size_t>(kMostSteps / cases, 1, 40);
+    words_for_each_ = std::clamp<std::size_t>(kMostWords / cases, 200, 4000);
+    choose_nights();
+  }
+
+  NightJson json() {
+    NightJson cases = NightJson::array();
+    for (const CaseLine& line : page_.report.cases) cases.push_back(case_json(line));
+    NightJson turns = NightJson::object();
+    NightJson changes = changes_json(turns);
+    NightJson nights = NightJson::array();
+    for (const Night& night : nights_) nights.push_back(night_json(night));
+    const int code = page_.report.code;
+    return {{"made", page::made_words()},
+            {"title", page_.report.title},
+            {"sentence", format_sentence(page_.report)},
+            {"outcome", code == 0   ? "agree"
+                        : code == 4 ? "open"
+                                    : "differ"},
+            {"notes", notes()},
+            {"night", night_json(page_.night)},
+            {"nights", std::move(nights)},
+            {"turns", std::move(turns)},
+            {"changes", std::move(changes)},
+            {"cases", std::move(cases)}};
+  }
+
+ private:
+  /// The suite's finished nights before this one, as many as are shown, and this one.
+  void choose_nights() {
+    for (const Night& night : history_.nights(page_.night.suite)) {
+      if (night.id < page_.night.id && !night.finished.empty()) nights_.push_back(night);
+    }
+    earlier_ = nights_.size();
+    const auto most = static_cast<std::size_t>(last_ - 1);
+    if (nights_.size() > most) nights_.erase(nights_.begin(), nights_.end() - static_cast<std::ptrdiff_t>(most));
+    nights_.push_back(page_.night);
+    for (std::size_t k = 0; k < nights_.size(); ++k) place_[nights_[k].id] = k;
+  }
+
+  std::vector<std::string> notes() const {
+    std::vector<std::string> all = page_.notes;
+    const Origin& origin = page_.night.origin;
+    all.push_back(fmt::format("{}, commit {}, {}; {}", origin.version, origin.commit, origin.compiler, origin.machine));
+    if (earlier_ + 1 > nights_.size()) {
+      all.push_back(fmt::format("The trends show the last {} nights; the history holds {} up to this one.",
+                                nights_.size(), earlier_ + 1));
+    }
+    if (changes_left_out_ > 0) {
+      all.push_back(fmt::format("The table shows the gravest {} changes; {} others are left out.", kMostChanges,
+                                changes_left_out_));
+    }
+    return all;
+  }
+
+  NightJson changes_json(NightJson& turns) {
+    NightJson list = NightJson::array();
+    std::map<std::string, int> counts;
+    for (const Change* change : all_changes(page_.report)) {
+      ++counts[to_string(change->turn)];
+      list.size() < kMostChanges ? list.push_back(change_json(*change)) : static_cast<void>(++changes_left_out_);
+    }
+    for (const auto& [turn, count] : counts) turns[turn] = count;
+    return list;
+  }
+
+  /// The case in the nights that are shown, the earliest first, each with its place.
+  std::vector<std::pair<std::size_t, Result>> entries_of(const std::string& id) {
+    std::vector<std::pair<std::size_t, Result>> all;
+    std::vector<Entry> before;
+    if (nights_.size() > 1) {
+      before = history_.before(page_.night.id, page_.night.suite, id, static_cast<int>(nights_.size()) - 1);
+    }
+    for (auto entry = before.rbegin(); entry != before.rend(); ++entry) {
+      const auto place = place_.find(entry->night.id);
+      if (place != place_.end()) all.emplace_back(place->second, std::move(entry->result));
+    }
+    all.emplace_back(nights_.size() - 1, result_of_case(history_, page_.night.id, id));
+    return all;
+  }
+
+  NightJson case_json(const CaseLine& line) {
+    const auto entries = entries_of(line.id);
+    TrendJson trend(nights_.size());
+    std::vector<NightJson> steps;
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      trend.put(entries[k].first, entries[k].second);
+      if (k == 0) continue;
+      for (const Change& change : changes_between(entries[k - 1].second, entries[k].second, page_.judging, "")) {
+        steps.push_back(step_json(change, entries[k - 1].first, entries[k].first));
+      }
+    }
+    const Result& now = entries.back().second;
+    const std::size_t left_out = steps.size() - std::min(steps.size(), steps_for_each_);
+    steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(left_out));
+    return {{"id", line.id},
+            {"work", line.work},
+            {"ending", to_string(line.ending)},
+            {"words", shortened(now.words, words_for_each_)},
+            {"past", line.changes.empty() && !page_.judging.against_baseline ? "as before" : past_words(line)},
+            {"code", line.code},
+            {"judged", line.judged},
+            {"total", line.total},
+            {"worst", {digits_json(line.worst[0]), digits_json(line.worst[1]), digits_json(line.worst[2])}},
+            {"resolvable", digits_json(resolvable_at_worst(now))},
+            {"evaluations", line.evaluations},
+            {"steps_taken", line.steps},
+            {"integrators", {now.cost[0].integrator, now.cost[1].integrator}},
+            {"wall_s", rounded_seconds(now.wall_s)},
+            {"trend", trend.take()},
+            {"steps", std::move(steps)},
+            {"steps_left_out", left_out}};
+  }
+
+  const NightPage& page_;
+  History& history_;
+  int last_ = 0;
+  std::size_t steps_for_each_ = 0;
+  std::size_t words_for_each_ = 0;
+  std::size_t earlier_ = 0;
+  std::size_t changes_left_out_ = 0;
+  std::vector<Night> nights_;
+  std::map<long, std::size_t> place_;
+};
+
+}  // namespace
+
+std::string format_night_page(const NightPage& page, History& history) {
+  const std::string headline = format_headline(page.report);
+  return page::fill_page(page::night_parts(), "concord: " + headline.substr(0, headline.find('\n')),
+                         PageData(page, history).json());
+}
+
+}  // namespace concord::compare::nightly
