@@ -8,6 +8,7 @@
 #include "compare/nightly/night.h"
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
+#include "compare/nightly/verdict_file.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
@@ -18,29 +19,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One side of a difference.
-struct DiffSide {
-  Origin origin;
-  std::vector<Result> results;  // sorted by name
-};
-
-DiffSide side_called(const std::string& name, const fs::path& history_file) {
-  if (history_file.empty() || fs::is_regular_file(name)) {
-    NightFile file = read_night_json(name);
-    return {file.origin, std::move(file.results)};
-  }
+/// One side of a difference: a file of results, or a night.
+ResultsFile side_called(const std::string& name, const fs::path& history_file) {
+  if (history_file.empty() || fs::is_regular_file(name)) return read_results_file(name);
   if (!fs::exists(history_file)) throw InputError({history_file.string(), 0, 0}, "there is no such file");
   History history(history_file);
   const std::vector<Night> nights = history.nights();
   const Night& night = night_called(name, nights);
-  DiffSide side{night.origin, {}};
+  ResultsFile side{{night.origin, night.suite, {}}, false, false};
   for (const auto& [id, definition] : history.definitions(night.id)) {
-    if (auto result = history.find(night.id, id)) side.results.push_back(std::move(*result));
+    if (auto result = history.find(night.id, id)) side.night.results.push_back(std::move(*result));
   }
   return side;
 }
 
-NightReport difference(const DiffSide& a, const DiffSide& b, const Judging& judging, const DiffCommand& command) {
+NightReport difference(const NightFile& a, const NightFile& b, const Judging& judging, const DiffCommand& command) {
   NightReport report{
       fmt::format("{} to {}", command.a, command.b), "concord difference", b.origin, utc_now(), {}, {}, 0};
   auto then = a.results.begin();
@@ -69,12 +62,15 @@ int show_difference(const DiffCommand& command, const Console& console) {
   return guarded(console, [&] {
     check_outputs({command.json, command.junit, command.markdown}, {command.a, command.b, command.history});
     const Judging judging = command.suite.empty() ? Judging() : read_suite(command.suite).judging;
-    const DiffSide a = side_called(command.a, command.history);
-    const DiffSide b = side_called(command.b, command.history);
-    const NightReport report = difference(a, b, judging, command);
+    ResultsFile a = side_called(command.a, command.history);
+    ResultsFile b = side_called(command.b, command.history);
+    require_comparable(a, b, command.a, command.b);
+    const NightReport report = difference(a.night, b.night, judging, command);
     console.out << format_report(report) << std::flush;
     std::size_t next = 0;
-    const auto result = [&]() { return next < b.results.size() ? std::optional(b.results[next++]) : std::nullopt; };
+    const auto result = [&]() {
+      return next < b.night.results.size() ? std::optional(b.night.results[next++]) : std::nullopt;
+    };
     if (!command.json.empty()) write_night_json(command.json, report, result);
     if (!command.junit.empty()) write_file(command.junit, format_night_junit(report));
     if (!command.markdown.empty()) write_file(command.markdown, format_markdown(report));

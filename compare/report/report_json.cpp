@@ -14,8 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 1;
-
 Json digits(const std::optional<double>& value) {
   if (!value) return nullptr;
   return std::floor(*value * 100.0) / 100.0;
@@ -162,7 +160,7 @@ Json document(const Model& model, const Verdict& verdict) {
   Json solvers;
   solvers["cartesian"] = solver(verdict.solvers[0]);
   solvers["relative"] = solver(verdict.solvers[1]);
-  Json said{{"format", kFormat},
+  Json said{{"format", kVerdictFormat},
             {"verdict", to_string(verdict.outcome)},
             {"judged", verdict.judged},
             {"total", verdict.total},

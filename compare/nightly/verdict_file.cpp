@@ -1,0 +1,138 @@
+#include "compare/nightly/verdict_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "common/reading/toml_reader.h"
+#include "compare/report/report_json.h"
+
+namespace concord::compare::nightly {
+
+namespace {
+
+using VerdictJson = nlohmann::ordered_json;
+
+bool is_verdict(const VerdictJson& document) {
+  return document.is_object() && document.contains("verdict") && document.contains("joints");
+}
+
+/// One object for each model, under its name.
+bool are_verdicts(const VerdictJson& document) {
+  return document.is_object() && !document.empty() && std::all_of(document.begin(), document.end(), is_verdict);
+}
+
+std::optional<double> digits_at(const VerdictJson& row, const char* key) {
+  const VerdictJson& value = row.at(key);
+  return value.is_null() ? std::nullopt : std::optional(value.get<double>());
+}
+
+Component component_of_row(const char* owner, const VerdictJson& row) {
+  Component one;
+  one.name = fmt::format("{} {} on {}, {}", owner, row.at(owner).get<std::string>(), row.at("side").get<std::string>(),
+                         row.at("component").get<std::string>());
+  one.same_state = digits_at(row, "same_state_digits");
+  one.resolvable = digits_at(row, "same_state_resolvable_digits");
+  one.same_run = digits_at(row, "same_run_digits");
+  one.refined = digits_at(row, "refined_digits");
+  const VerdictJson& need = row.at("need");
+  one.need = {need.at("same_state"), need.at("same_run"), need.at("refined")};
+  one.scale = row.at("scale");
+  return one;
+}
+
+Ending ending_of_verdict(const std::string& verdict) {
+  return verdict == "agree" ? Ending::agree : verdict == "differ" ? Ending::differ : Ending::failed;
+}
+
+Result result_of_verdict(const std::string& name, const VerdictJson& document) {
+  if (document.at("format") != kVerdictFormat) {
+    throw std::runtime_error(fmt::format("version {} of these results is not known: this program reads version {}",
+                                         document.at("format").dump(), kVerdictFormat));
+  }
+  Result result;
+  result.id = name;
+  result.work = "compare";
+  result.ending = ending_of_verdict(document.at("verdict"));
+  result.judged = document.at("judged");
+  result.total = document.at("total");
+  for (const auto& [key, owner] : {std::pair{"joints", "joint"}, std::pair{"elements", "element"}}) {
+    if (!document.contains(key)) continue;
+    for (const VerdictJson& row : document.at(key)) {
+      if (row.at("verdict") != "not_judged") result.components.push_back(component_of_row(owner, row));
+    }
+  }
+  Component& audit = result.components.emplace_back();
+  audit.name = "audit";
+  audit.same_state = digits_at(document.at("audit"), "digits");
+  constexpr std::array kSolvers{"cartesian", "relative"};
+  for (std::size_t who = 0; who < 2; ++who) {
+    const VerdictJson& solver = document.at("solvers").at(kSolvers[who]);
+    result.cost[who] = {"", solver.at("steps"), solver.at("evaluations")};
+    result.wall_s += solver.at("wall_s").get<double>();
+  }
+  put_in_order(result.components);
+  return result;
+}
+
+ResultsFile results_of_verdicts(const VerdictJson& document) {
+  const char* unknown = "not known";
+  ResultsFile found{{{unknown, unknown, unknown, unknown}, "", {}}, true, is_verdict(document)};
+  if (found.is_unnamed) {
+    found.night.results.push_back(result_of_verdict("", document));
+    return found;
+  }
+  for (const auto& [name, verdict] : document.items()) found.night.results.push_back(result_of_verdict(name, verdict));
+  std::sort(found.night.results.begin(), found.night.results.end(),
+            [](const Result& a, const Result& b) { return a.id < b.id; });
+  return found;
+}
+
+/// Nothing that a comparison wrote: to be read as a night's, which says what is wrong.
+VerdictJson verdicts_in(const std::filesystem::path& file) {
+  VerdictJson document = VerdictJson::parse(read_text_file(file), nullptr, false);
+  return is_verdict(document) || are_verdicts(document) ? document : VerdictJson();
+}
+
+void name_after(ResultsFile& unnamed, const ResultsFile& other, const std::string& file) {
+  if (!unnamed.is_unnamed) return;
+  if (other.night.results.size() != 1) {
+    throw InputError({file, 0, 0},
+                     "holds one model without its name, the other file several: write both with the "
+                     "same models by `concord compare --json`");
+  }
+  unnamed.night.results.front().id = other.is_unnamed ? "model" : other.night.results.front().id;
+}
+
+}  // namespace
+
+ResultsFile read_results_file(const std::filesystem::path& file) {
+  const VerdictJson verdicts = verdicts_in(file);
+  if (verdicts.is_null()) return {read_night_json(file), false, false};
+  try {
+    return results_of_verdicts(verdicts);
+  } catch (const VerdictJson::exception& error) {
+    throw InputError({file.string(), 0, 0}, fmt::format("cannot be read: {}", error.what()));
+  } catch (const std::runtime_error& error) {
+    throw InputError({file.string(), 0, 0}, error.what());
+  }
+}
+
+void require_comparable(ResultsFile& one, ResultsFile& other, const std::string& a, const std::string& b) {
+  if (one.is_of_compare != other.is_of_compare) {
+    throw InputError({one.is_of_compare ? a : b, 0, 0},
+                     fmt::format("holds verdicts of `concord compare --json`, but {} results of nights: their "
+                                 "components have other names",
+                                 one.is_of_compare ? b : a));
+  }
+  name_after(one, other, a);
+  name_after(other, one, b);
+}
+
+}  // namespace concord::compare::nightly
