@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -47,6 +48,9 @@ Component component_of_row(const char* owner, const VerdictJson& row) {
   return one;
 }
 
+/// What is not judged has no digits.
+bool is_judged(const Component& one) { return one.same_state || one.same_run || one.refined; }
+
 Ending ending_of_verdict(const std::string& verdict) {
   return verdict == "agree" ? Ending::agree : verdict == "differ" ? Ending::differ : Ending::failed;
 }
@@ -65,7 +69,8 @@ Result result_of_verdict(const std::string& name, const VerdictJson& document) {
   for (const auto& [key, owner] : {std::pair{"joints", "joint"}, std::pair{"elements", "element"}}) {
     if (!document.contains(key)) continue;
     for (const VerdictJson& row : document.at(key)) {
-      if (row.at("verdict") != "not_judged") result.components.push_back(component_of_row(owner, row));
+      Component one = component_of_row(owner, row);
+      if (is_judged(one)) result.components.push_back(std::move(one));
     }
   }
   Component& audit = result.components.emplace_back();

@@ -121,12 +121,14 @@ TEST(ClusterTasks, LimitsAreThoseOfTheLargestTask) {
 }
 
 TEST_F(ClusterNight, PlanIsReadAsItWasWritten) {
+  plan_.command.report = "/there/night.html";
   write_plan(place_, plan_);
   const ClusterPlan read = read_plan(place_);
   EXPECT_EQ(read.command.suite, plan_.command.suite);
   EXPECT_EQ(read.where, plan_.where);
   EXPECT_EQ(read.command.minutes, plan_.command.minutes);
   EXPECT_EQ(read.command.notify, "mail me");
+  EXPECT_EQ(read.command.report, "/there/night.html");
   EXPECT_EQ(read.origin, plan_.origin);
   EXPECT_EQ(read.night, 7);
   EXPECT_EQ(read.tasks, plan_.tasks);

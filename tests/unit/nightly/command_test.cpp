@@ -97,6 +97,13 @@ class Nights : public ::testing::Test {
     return {code, out.str(), err.str()};
   }
 
+  Told page(const NightReportCommand& command) {
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = write_night_report(command, {out, err});
+    return {code, out.str(), err.str()};
+  }
+
   TemporaryFolder folder_;
   std::filesystem::path suite_ = folder_.path() / "suite.toml";
   std::filesystem::path history_ = folder_.path() / "nights.sqlite";
@@ -325,6 +332,44 @@ TEST_F(Nights, FileOfResultsOfAVersionThatIsNotKnownIsRefusedByName) {
   EXPECT_THAT(difference({file.string(), file.string()}).err, HasSubstr("is no file of results"));
   write_file(file, "nonsense");
   EXPECT_EQ(difference({file.string(), file.string()}).code, kBadInput);
+}
+
+// Detects a page that judges otherwise than the night did, and one that ends without its suite.
+TEST_F(Nights, PageOfTheHistoryIsThatOfTheNightWhileTheSuiteIsThere) {
+  accept();
+  NightlyCommand command;
+  command.history = history_;
+  command.report = folder_.path() / "at_once.html";
+  command.out = folder_.path() / "out";
+  nightly(command);
+  factor_ = 1.5;
+  EXPECT_EQ(nightly(command).code, kDiffer);
+  EXPECT_EQ(bytes_of(command.report), bytes_of(command.out / "night.html"));
+  EXPECT_THAT(bytes_of(command.report), HasSubstr("The night of suite is red: of 2 cases 2 agree; 4 worse"));
+  const auto later = folder_.path() / "later.html";
+  EXPECT_EQ(page({history_, later}).code, 0);
+  const std::string sentence = "The night of suite is red: of 2 cases 2 agree; 4 worse";
+  EXPECT_THAT(bytes_of(later), HasSubstr(sentence));
+  EXPECT_THAT(bytes_of(later), HasSubstr("Judged by the suite suite.toml"));
+  EXPECT_EQ(page({history_, later, "last-1"}).code, 0);
+  EXPECT_THAT(bytes_of(later), HasSubstr("The night of suite is green: of 2 cases 2 agree."));
+  std::filesystem::remove(suite_);
+  EXPECT_EQ(page({history_, later}).code, 0);
+  EXPECT_THAT(bytes_of(later), HasSubstr("cannot be read any more: judged by the nights before"));
+  EXPECT_THAT(bytes_of(later), HasSubstr(sentence));
+}
+
+TEST_F(Nights, PageThatCannotBeWrittenIsRefused) {
+  NightlyCommand command;
+  command.history = history_;
+  nightly(command);
+  EXPECT_EQ(page({history_, history_}).code, kBadInput);
+  EXPECT_THAT(page({history_, folder_.path() / "p.html", "7"}).err, HasSubstr("the history has no such night"));
+  EXPECT_THAT(page({folder_.path() / "none", folder_.path() / "p.html"}).err, HasSubstr("there is no such file"));
+  EXPECT_THAT(page({suite_, folder_.path() / "p.html"}).err, HasSubstr("is no history"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "p.html"));
+  command.report = history_;
+  EXPECT_EQ(nightly(command).code, kBadInput);
 }
 
 TEST_F(Nights, PatternThatMeansNothingIsRefused) {
