@@ -184,6 +184,11 @@ class PageData {
     return all;
   }
 
+  std::string past_of(const CaseLine& line, bool is_first) const {
+    if (!line.changes.empty() || page_.judging.against_baseline) return past_words(line);
+    return is_first && nights_.size() > 1 ? "first time" : "as before";
+  }
+
   NightJson case_json(const CaseLine& line) {
     const auto entries = entries_of(line.id);
     TrendJson trend(nights_.size());
@@ -202,7 +207,7 @@ class PageData {
             {"work", line.work},
             {"ending", to_string(line.ending)},
             {"words", shortened(now.words, words_for_each_)},
-            {"past", line.changes.empty() && !page_.judging.against_baseline ? "as before" : past_words(line)},
+            {"past", past_of(line, entries.size() == 1)},
             {"code", line.code},
             {"judged", line.judged},
             {"total", line.total},

@@ -1,4 +1,4 @@
-// Opens report pages in a browser from file:// and uses them: node page_test.js PLAYWRIGHT_FOLDER PICTURE_FOLDER PAGE...
+// Opens pages of machines and of nights in a browser from file:// and uses them: node page_test.js PLAYWRIGHT_FOLDER PICTURE_FOLDER PAGE...
 "use strict";
 const assert = require("node:assert");
 const path = require("node:path");
@@ -11,19 +11,22 @@ const flags = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-bac
 const picture = (page) => page.evaluate(() => document.getElementById("scene").toDataURL());
 const text = (page, selector) => page.locator(selector).first().textContent();
 
-async function sortAndFilter(page) {
+/** Sorts by the column "same state", and leaves the rows that hold `word`. */
+async function sortAndFilter(page, word) {
   const rows = () => page.locator("#table tbody tr");
   const all = await rows().count();
   assert(all > 0, "the table has rows");
-  const digits = async () => (await page.locator("#table tbody tr td:nth-child(6)").allTextContents()).filter((s) => s !== "-").map(Number);
-  await page.click("#table thead th:nth-child(6) button");
+  const column = 1 + (await page.locator("#table thead th").allTextContents()).indexOf("same state");
+  const digits = async () => (await page.locator(`#table tbody tr td:nth-child(${column})`).allTextContents()).filter((s) => s !== "-").map(Number);
+  await page.click(`#table thead th:nth-child(${column}) button`);
   const up = await digits();
   assert.deepStrictEqual(up, [...up].sort((a, b) => a - b), "sorted upwards");
-  await page.click("#table thead th:nth-child(6) button");
+  await page.click(`#table thead th:nth-child(${column}) button`);
   const down = await digits();
   assert.deepStrictEqual(down, [...down].sort((a, b) => b - a), "sorted downwards");
-  assert.strictEqual(await page.getAttribute("#table thead th:nth-child(6)", "aria-sort"), "descending");
-  await page.fill("#filter", "F_x");
+  assert(down.length < 2 || down[0] > down[down.length - 1], "there was something to sort");
+  assert.strictEqual(await page.getAttribute(`#table thead th:nth-child(${column})`, "aria-sort"), "descending");
+  await page.fill("#filter", word);
   const some = await rows().count();
   assert(some > 0 && some < all, "the filter leaves some rows");
   await page.fill("#filter", "");
@@ -84,6 +87,65 @@ async function hover(page) {
   assert.notStrictEqual(first[1], second[1], "the view follows the cursor");
 }
 
+/** A night: what changed, by its kinds; the chosen case with its words, trend and steps; by mouse and by keys. */
+async function useNight(page) {
+  await sortAndFilter(page, await text(page, "#table tbody tr td"));
+  const changes = () => page.locator("#changes tbody tr").count();
+  const all = await changes();
+  for (const kind of await page.locator("#turns button").allTextContents()) {
+    const [count, ...what] = kind.split(" ");
+    await page.click(`#turns button:text-is("${kind}")`);
+    assert.strictEqual(await changes(), Number(count), `all that is ${what.join(" ")}`);
+    const said = new Set(await page.locator("#changes tbody tr td:first-child").allTextContents());
+    assert.deepStrictEqual([...said], [what.join(" ")]);
+    await page.click(`#turns button:text-is("${kind}")`);
+  }
+  assert.strictEqual(await changes(), all);
+  await page.focus("#table tbody tr");
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  const second = await text(page, "#table tbody tr:nth-child(2) td");
+  assert.strictEqual(await text(page, "#case-name"), second, "keys choose a case");
+  assert.strictEqual(await page.evaluate(() => document.activeElement.id), "case-name", "and lead to it");
+  await page.locator("#table tbody tr", { hasText: "<img src=x" }).first().click();
+  assert((await text(page, "#case-name")).startsWith("<img src=x"), "a name is text");
+  await page.waitForTimeout(700);  // it scrolls there
+  const over = page.locator(".u-over").first();
+  await over.scrollIntoViewIfNeeded();
+  const box = await over.boundingBox();
+  await page.mouse.move(box.x + 0.3 * box.width, box.y + box.height / 2);
+  const first = await text(page, ".chart .values");
+  await page.mouse.move(box.x + 0.9 * box.width, box.y + box.height / 2);
+  const last = await text(page, ".chart .values");
+  assert(/^night \d+, \d{4}-\d\d-\d\d, \S+: \w/.test(last), `the cursor tells the night, not ${last}`);
+  const nights = await page.locator("#nights tbody tr").count();
+  assert(nights < 2 || first !== last, "and another one elsewhere");
+}
+
+/** What the nights of make_history.py hold. */
+async function readStories(page) {
+  const choose = async (name) => {
+    await page.fill("#filter", name);
+    await page.locator("#table tbody tr").first().click();
+  };
+  await choose("machine_03");
+  assert((await text(page, "#case-words")).includes("last words: stage: same run\nt = 0.417 s: <b>the loop</b>"), "last words");
+  await choose("machine_05");
+  assert((await text(page, "#case-words")).includes("to blame: relative, at joint D"), "who is to blame");
+  await choose("machine_07");
+  const steps = await page.locator("#case-steps li").allTextContents();
+  assert.strictEqual(steps.length, 3);
+  assert(steps.every((step) => /worse in night 61: joint A on crank, F_x and 1 more, .*; commit \w+ before, \w+ after$/.test(step)), steps[0]);
+  const [, before, after] = steps[0].match(/commit (\w+) before, (\w+) after$/);
+  assert.notStrictEqual(before, after);
+  await page.click("summary");
+  assert.strictEqual(await page.locator("#nights tbody tr").count(), 100);
+  await page.locator("#nights tbody tr").nth(39).click();
+  assert((await text(page, ".chart .values")).startsWith("night 61, "), "a line of the table is a place in the plots");
+  await page.click("summary");
+  await page.fill("#filter", "");
+}
+
 async function tryPage(browser, file) {
   const troubles = [];
   const page = await browser.newPage({ viewport: { width: 1400, height: 1000 } });
@@ -97,11 +159,13 @@ async function tryPage(browser, file) {
   const name = path.basename(file, ".html");
   assert((await text(page, "#sentence")).length > 20, "the verdict is a sentence");
   if (await page.locator("#picture").isVisible()) {
-    await sortAndFilter(page);
+    await sortAndFilter(page, "F_x");
     await hover(page);
     await play(page);
     await orbit(page);
   }
+  if (await page.locator("#turns").count() > 0) await useNight(page);
+  if (name === "nights") await readStories(page);
   await page.screenshot({ path: path.join(pictures, name + ".png"), fullPage: true });
   const light = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   await page.click("#theme");
@@ -112,7 +176,7 @@ async function tryPage(browser, file) {
   assert(await page.evaluate(() => document.documentElement.scrollWidth) <= 362, "nothing overflows a narrow screen");
   await page.screenshot({ path: path.join(pictures, name + ".narrow.png"), fullPage: true });
   await page.emulateMedia({ media: "print" });
-  assert(!(await page.locator("#play").isVisible()), "no buttons on paper");
+  assert(!(await page.locator(".row:visible, header button:visible").count()), "no buttons on paper");
   assert.deepStrictEqual(troubles, [], "no errors, no breach of the policy, no network");
   await page.close();
   console.log(`${name}: works; first paint after ${Math.round(paint)} ms`);

@@ -8,7 +8,8 @@
   const more = (change) => (change.component ? change.component + (change.more > 0 ? ` and ${change.more} more` : "") : "-");
   const measured = (change) => `${change.component ? more(change) + ", " : ""}${change.measure}: ${change.was || "-"} \u2192 ${change.is}`;
   const firstTurn = (r) => (r.changes.length ? turns.indexOf(r.changes[0].what) : turns.length);
-  const kindOfCase = (r) => (r.ending === "agree" ? "agree" : firstTurn(r) === 5 ? "open" : "differ");
+  const isKnown = (r) => r.changes.some((change) => change.what === "known red");
+  const kindOfCase = (r) => (r.ending === "agree" ? "agree" : isKnown(r) ? "open" : "differ");
   let wanted = null;  // the one turn that is shown
 
   const plots = new concord.TrendPlots(data.nights);

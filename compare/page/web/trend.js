@@ -67,7 +67,7 @@ concord.TrendPlots = class {
       line("same run", trend.same_run, "--two", "two"), line("refined", trend.refined, "--good", "three")], 1);
     this.add("Evaluations", pair(trend.evaluations), 1);
     this.add("Steps", pair(trend.steps), 1);
-    this.add("Wall time [s], shown and never judged", [line("wall time", trend.wall_s, "--quiet", "four")], 0.1);
+    this.add("Wall time [s], not judged", [line("wall time", trend.wall_s, "--quiet", "four")], 0.1);
   }
 
   /** A plot, unless there is nothing in it. `least`: span of the axis. */
