@@ -22,8 +22,10 @@ using NightJson = nlohmann::ordered_json;
 // What keeps a page below 3 MB: a night of a case takes some 60 bytes, a step or a change some 250.
 constexpr std::size_t kMostPoints = 18000;
 constexpr std::size_t kMostSteps = 2500;
+constexpr std::size_t kMostStepsOfACase = 40;
 constexpr std::size_t kMostChanges = 2000;
-constexpr std::size_t kMostWords = 500000;
+constexpr std::size_t kMostWords = 500000;  // bytes
+constexpr std::size_t kMostWordsOfACase = 4000;
 constexpr int kFewestNights = 2;
 
 NightJson digits_json(const std::optional<double>& digits) {
@@ -97,20 +99,54 @@ std::string shortened(const std::string& words, std::size_t most) {
   return words.substr(0, end) + " ...";
 }
 
+/// How much each may have of a budget so that those who have something share it.
+template <class Size>
+std::size_t share_of(const NightJson& cases, std::size_t budget, std::size_t most, std::size_t least,
+                     const Size& size) {
+  std::size_t all = 0;
+  std::size_t owners = 0;
+  for (const NightJson& one : cases) {
+    const std::size_t has = std::min(most, size(one));
+    all += has;
+    owners += has > 0 ? 1 : 0;
+  }
+  return all <= budget ? most : std::max(least, budget / owners);
+}
+
+void keep_late_steps(NightJson& cases) {
+  const auto count = [](const NightJson& one) { return one.at("steps").size(); };
+  const std::size_t most = share_of(cases, kMostSteps, kMostStepsOfACase, 1, count);
+  for (NightJson& one : cases) {
+    if (count(one) <= most) continue;
+    const std::size_t left_out = count(one) - most;
+    one["steps"].erase(one["steps"].begin(), one["steps"].begin() + static_cast<std::ptrdiff_t>(left_out));
+    one["steps_left_out"] = left_out;
+  }
+}
+
+void keep_first_words(NightJson& cases) {
+  const auto words = [](const NightJson& one) -> const std::string& {
+    return one.at("words").get_ref<const std::string&>();
+  };
+  const auto length = [&](const NightJson& one) { return words(one).size(); };
+  const std::size_t most = share_of(cases, kMostWords, kMostWordsOfACase, 160, length);
+  for (NightJson& one : cases) one["words"] = shortened(words(one), most);
+}
+
 class PageData {
  public:
   PageData(const NightPage& page, History& history) : page_(page), history_(history) {
     const auto cases = std::max<std::size_t>(1, page.report.cases.size());
     const auto room = static_cast<int>(kMostPoints / cases);
     last_ = std::clamp(room, std::min(kFewestNights, page.last), page.last);
-    steps_for_each_ = std::clamp<std::size_t>(kMostSteps / cases, 1, 40);
-    words_for_each_ = std::clamp<std::size_t>(kMostWords / cases, 200, 4000);
     choose_nights();
   }
 
   NightJson json() {
     NightJson cases = NightJson::array();
     for (const CaseLine& line : page_.report.cases) cases.push_back(case_json(line));
+    keep_late_steps(cases);
+    keep_first_words(cases);
     NightJson turns = NightJson::object();
     NightJson changes = changes_json(turns);
     NightJson nights = NightJson::array();
@@ -192,7 +228,7 @@ class PageData {
   NightJson case_json(const CaseLine& line) {
     const auto entries = entries_of(line.id);
     TrendJson trend(nights_.size());
-    std::vector<NightJson> steps;
+    NightJson steps = NightJson::array();
     for (std::size_t k = 0; k < entries.size(); ++k) {
       trend.put(entries[k].first, entries[k].second);
       if (k == 0) continue;
@@ -201,12 +237,10 @@ class PageData {
       }
     }
     const Result& now = entries.back().second;
-    const std::size_t left_out = steps.size() - std::min(steps.size(), steps_for_each_);
-    steps.erase(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(left_out));
     return {{"id", line.id},
             {"work", line.work},
             {"ending", to_string(line.ending)},
-            {"words", shortened(now.words, words_for_each_)},
+            {"words", now.words},
             {"past", past_of(line, entries.size() == 1)},
             {"code", line.code},
             {"judged", line.judged},
@@ -219,14 +253,12 @@ class PageData {
             {"wall_s", rounded_seconds(now.wall_s)},
             {"trend", trend.take()},
             {"steps", std::move(steps)},
-            {"steps_left_out", left_out}};
+            {"steps_left_out", 0}};
   }
 
   const NightPage& page_;
   History& history_;
   int last_ = 0;
-  std::size_t steps_for_each_ = 0;
-  std::size_t words_for_each_ = 0;
   std::size_t earlier_ = 0;
   std::size_t changes_left_out_ = 0;
   std::vector<Night> nights_;

@@ -113,6 +113,15 @@ TEST_F(NightPages, NightWithoutTheCaseIsAGapAndALostCaseHasWordsAndNoCost) {
   EXPECT_EQ(crank.at("trend").at("steps").at(0), (nlohmann::json{10, nullptr, nullptr}));
 }
 
+// Detects steps that are lost without being counted, and a page whose late steps are not its last.
+TEST_F(NightPages, OfManyStepsTheLastAreShownAndTheOthersCounted) {
+  for (int k = 0; k < 52; ++k) night("aaaa", {result_of_night("crank", k % 2 == 0 ? 9.0 : 6.0)});
+  const nlohmann::json crank = data_of(page()).at("cases").at(0);
+  EXPECT_EQ(crank.at("steps").size(), 40U);
+  EXPECT_EQ(crank.at("steps_left_out"), 11);
+  EXPECT_EQ(crank.at("steps").back().at("night"), 51);
+}
+
 TEST_F(NightPages, SameHistoryGivesTheSameBytesUnderAStrictPolicy) {
   night("aaaa", {result_of_night("crank", 9.0)});
   const std::string text = page();
