@@ -68,6 +68,8 @@ constexpr const char* kEpilogue = R"(Examples:
       runs a suite of cases, each in its own process, and compares the results with the accepted ones
   concord nightly data/nightly.toml --history ~/nights.sqlite --slurm --partition=night
       runs the same as jobs of a Slurm cluster
+  concord report ~/nights.sqlite -o night.html
+      the last night and all trends as one page
   concord accept data/nightly.toml --reason "first baselines"
       accepts the results of this program as the baselines
   concord history slider_crank_flexible --history ~/nights.sqlite
