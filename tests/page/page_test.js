@@ -124,6 +124,8 @@ async function useNight(page) {
 
 /** What the nights of make_history.py hold. */
 async function readStories(page) {
+  const since = await text(page, "#messages li");
+  assert(/^Since the night before \(night 99, .*\): 4 of 60 cases changed .*: machine_03, machine_04, machine_05, machine_06\.$/.test(since), since);
   const choose = async (name) => {
     await page.fill("#filter", name);
     await page.locator("#table tbody tr").first().click();

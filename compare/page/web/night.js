@@ -142,6 +142,16 @@
     find("one").scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
   }
 
+  /** Which cases stepped between the last two nights. */
+  function sinceTheNightBefore() {
+    if (data.nights.length < 2) return [];
+    const now = data.nights.length - 1;
+    const stepped = cases.filter((one) => one.steps.some((step) => step.night === now && step.before === now - 1)).map((one) => one.id);
+    const shown = stepped.slice(0, 12).join(", ") + (stepped.length > 12 ? ` and ${stepped.length - 12} more` : "");
+    const said = stepped.length ? `${stepped.length} of ${cases.length} cases changed by more than the suite allows: ${shown}` : "no case changed by more than the suite allows";
+    return [`Since the night before (${concord.nightWords(data.nights[now - 1])}): ${said}.`];
+  }
+
   function showTurns() {
     find("turns").replaceChildren(...turns.filter((what) => data.turns[what]).map((what) => {
       const button = concord.element("button", { type: "button", class: concord.kindOfTurn(what), "aria-pressed": String(wanted === what), text: `${data.turns[what]} ${what}` });
@@ -158,7 +168,7 @@
   find("choice").textContent = `night ${data.night.id} of ${data.title}, ${data.night.started} UTC`;
   find("sentence").textContent = data.sentence;
   find("sentence").className = data.outcome;
-  if (data.notes.length) find("messages").append(concord.list(data.notes, "note"));
+  find("messages").append(concord.list(sinceTheNightBefore().concat(data.notes), "note"));
   find("changed").hidden = data.changes.length === 0;
   concord.followTheme(() => plots.draw());
   showTurns();
