@@ -70,9 +70,9 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
 
 std::string last_line(const AnalysisVerdict& result) {
   const Verdict& verdict = result.wrenches;
-  std::string text =
-      fmt::format("{} {}: {}: {} of {} components of joints and force elements judged", to_string(verdict.outcome),
-                  verdict.name, result.analysis, verdict.judged, verdict.total);
+  const ComponentCount count = count_components(verdict);
+  std::string text = fmt::format("{} {}: {}: {} of {} components of joints and force elements judged",
+                                 to_string(verdict.outcome), verdict.name, result.analysis, count.judged, count.total);
   const auto add = [&](const char* name, const std::optional<double>& digits) {
     if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
   };
@@ -202,12 +202,13 @@ std::string format_analysis(const Model& model, const AnalysisVerdict& result, b
 
 std::string format_analysis_json(const Model& model, const AnalysisVerdict& result) {
   const Verdict& verdict = result.wrenches;
+  const ComponentCount count = count_components(verdict);
   Json document{{"format", kFormat},
                 {"analysis", result.analysis},
                 {"model", verdict.name},
                 {"verdict", to_string(verdict.outcome)},
-                {"judged", verdict.judged},
-                {"total", verdict.total},
+                {"judged", count.judged},
+                {"total", count.total},
                 {"same_state", {{"digits", digits(verdict.same_state.digits)}}},
                 {"own", {{"digits", digits(verdict.same_run.digits)}}},
                 {"audit", {{"digits", digits(verdict.audit.digits)}}}};

@@ -29,7 +29,6 @@ std::optional<double> Nearest::resolvable() const {
 
 namespace {
 
-constexpr std::array kBoth{Who::cartesian, Who::relative};
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
 /// The states come from a run that need not be accurate, only closed.
 constexpr double kRunTolerance = 1e-7;
@@ -57,20 +56,20 @@ class BatteryRun {
 
   void run() {
     battery_.name = model_.name;
-    for (const Who who : kBoth) starts_[index(who)].samples = {{solvers_[index(who)]->assemble(), {}, 0.0}};
+    for (const Who who : kBothSolvers) starts_[index(who)].samples = {{solvers_[index(who)]->assemble(), {}, 0.0}};
     const State& start = starts_[index(Who::relative)].samples.front().state;
     if (!find_states(start)) return;
     for (Move& move : moves_of(model_, start, options_.moves, options_.seed)) {
       battery_.moves.push_back(
           {move.name, move.about, move.why_not, move.left, static_cast<int>(move.variants.size())});
-      for (const Who who : kBoth) {
+      for (const Who who : kBothSolvers) {
         MoveRow& row = battery_.rows.emplace_back();
         row.move = battery_.moves.size() - 1;
         row.who = who;
         row.applies = move.why_not.empty() && !(move.of_cuts && solvers_[index(who)]->cut_joints().empty());
       }
       for (const Variant& variant : move.variants) try_variant(variant, start);
-      for (std::size_t who = 0; who < 2; ++who) conclude(row_of(kBoth[who]));
+      for (std::size_t who = 0; who < 2; ++who) conclude(row_of(kBothSolvers[who]));
     }
   }
 
@@ -132,7 +131,7 @@ class BatteryRun {
 
   void try_variant(const Variant& variant, const State& start) {
     const Model again = started_in(variant.change.model(started_in(model_, start)), variant.change.state(start));
-    for (const Who who : kBoth) {
+    for (const Who who : kBothSolvers) {
       if (!row_of(who).applies) continue;
       const auto& make = who == Who::cartesian ? makers_.cartesian : makers_.relative;
       try {

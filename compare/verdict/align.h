@@ -15,6 +15,7 @@ enum class Who { cartesian = 0, relative = 1 };
 
 constexpr int index(Who who) { return static_cast<int>(who); }
 
+inline constexpr std::array kBothSolvers{Who::cartesian, Who::relative};
 inline constexpr std::array kSolverNames{"cartesian", "relative"};
 
 /// What both solvers say at the same times: `values[who]` has a row for each quantity of the layout and a column for

@@ -214,11 +214,11 @@ void sum_up(Rung rung, Verdict& verdict) {
 
 }  // namespace
 
-void judge(Verdict& verdict) {
-  const auto judge_row = [](QuantityRow& row) {
+void judge(Verdict& verdict, std::span<const Rung> rungs) {
+  const auto judge_row = [rungs](QuantityRow& row) {
     if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
-    for (const Rung rung : kRungs) {
+    for (const Rung rung : rungs) {
       if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
       if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
       // A rung that did not run, or did not converge, decides about no solver.
@@ -230,7 +230,7 @@ void judge(Verdict& verdict) {
   verdict.total = static_cast<int>(verdict.rows.size());
   verdict.judged = static_cast<int>(
       std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) { return is_judged(row); }));
-  for (const Rung rung : kRungs) sum_up(rung, verdict);
+  for (const Rung rung : rungs) sum_up(rung, verdict);
 }
 
 }  // namespace concord::compare

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "compare/verdict/agreement.h"
@@ -62,7 +63,8 @@ bool has_judged(const Verdict& verdict);
 /// Whether any of those that is judged carries more than nothing.
 bool carries_something(const Verdict& verdict);
 
-/// Judges every row and sums up the rungs: `judged`, `total`, worst digits over the judged rows, whether they hold.
-void judge(Verdict& verdict);
+/// Judges every row by the rungs that the verdict needs, in their order, and sums these up: `judged`, `total`, worst
+/// digits over the judged rows, whether they hold.
+void judge(Verdict& verdict, std::span<const Rung> rungs = kRungs);
 
 }  // namespace concord::compare

@@ -2,12 +2,11 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "common/solver.h"
+#include "compare/verdict/progress.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/verdict.h"
 
@@ -36,9 +35,8 @@ struct VerifyOptions {
   std::array<std::string, 2> integrators;
   /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.
   ThirdOpinion* third = nullptr;
-  /// Called from several threads, never at the same time: the rung, and the part of it that each solver has done, 0
-  /// to 1.
-  std::function<void(std::string_view rung, const std::array<double, 2>& done)> progress;
+  /// Called from several threads, never at the same time. Empty: nobody listens.
+  TellProgress progress;
 };
 
 /// Settings of a run: the options, else the model's, else the defaults.

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "compare/analyses/inverse.h"
+#include "compare/analyses/judge_steps.h"
+#include "compare/audit/digits.h"
+#include "compare/report/table.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// Accelerations of all bodies by the actuated machine, and the loads on them, against those of the driven one.
+double round_trip_digits(const Model& model, const State& state, const Evaluation& there, const Evaluation& back) {
+  const QuantityLayout layout(model);
+  const Series series = align(layout, std::vector<SharedState>{{state, {there, back}}});
+  const std::vector<Measured> measured = measure(layout, series);
+  const VecX asked = scaled_accelerations(model, there);
+  const VecX reached = scaled_accelerations(model, back);
+  const double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, there));
+  double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);
+  for (std::size_t row = 0; row < measured.size(); ++row) {
+    const Kind kind = layout.quantities()[row].kind;
+    if (kind == Kind::body_sum || kind == Kind::element) worst = std::min(worst, measured[row].digits);
+  }
+  return worst;
+}
+
+}  // namespace
+
+AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
+                              const std::vector<AskedAcceleration>& asked) {
+  const std::vector<Prescribed> coordinates = prescribed_coordinates(model, asked);
+  const State start = makers.cartesian(model)->assemble();
+  Model driven = driven_through(model, start, coordinates);
+  AnalysisVerdict result;
+  result.analysis = "inverse";
+  const Solvers solvers = make_solvers(driven, makers, result);
+  std::array<Evaluation, 2> there;
+  for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);
+  judge_wrenches(driven, solvers, {one_sample(start, there[0]), one_sample(start, there[1])}, false, result);
+
+  Lines lines{{"driven", "acceleration", "tau by cartesian", "by relative", "unit", "digits"}};
+  for (const Prescribed& one : coordinates) {
+    const auto tau = [&](Who who) { return there[index(who)].joints[one.joint].tau(one.speed(model)); };
+    const bool turn = turning_speeds(*model.joints[one.joint].type).at(static_cast<std::size_t>(one.speed(model)));
+    // Judged with the joint's wrench as its scale among the other rows; here for the reader.
+    const double scale = std::max(std::abs(tau(Who::cartesian)), std::abs(tau(Who::relative)));
+    const double digits = matching_digits(tau(Who::cartesian) - tau(Who::relative), scale);
+    lines.push_back({one.name(model), fmt::format("{:g}", one.acceleration),
+                     fmt::format("{:.12g}", tau(Who::cartesian)), fmt::format("{:.12g}", tau(Who::relative)),
+                     turn ? "N m" : "N", format_digits(digits)});
+  }
+  result.text += "forces that make the machine move as asked:\n" +
+                 format_table(lines, {false, true, true, true, false, true}) + '\n';
+  for (const Who who : kBothSolvers) {
+    const Model actuated = actuated_by(model, there[index(who)], coordinates);
+    for (const Who by : kBothSolvers) {
+      const auto solver = (by == Who::cartesian ? makers.cartesian : makers.relative)(actuated);
+      const double digits = round_trip_digits(driven, start, there[index(who)], solver->evaluate(start));
+      result.numbers.push_back(
+          {fmt::format("round trip: forces by {}, accelerations by {}", solvers[index(who)]->name(), solver->name()),
+           "",
+           {},
+           digits,
+           kRoundTrip});
+      result.text += fmt::format("{}: {} digits\n", result.numbers.back().name, format_digits(digits));
+    }
+  }
+  conclude(result);
+  result.driven = std::move(driven);
+  return result;
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.h"
+#include "compare/analyses/judge_steps.h"
+#include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/report/table.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/chart.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
+constexpr double kLeastDeflection = 1e-6;
+
+/// Calls `use` with name, unit, scale and number of every joint coordinate (balls left out) and modal coordinate.
+template <class Use>
+void for_each_coordinate(const Model& model, const State& state, const Use& use) {
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
+    const JointMotion motion =
+        read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), state.q[k]);
+    const std::vector<std::string> names = speed_names(*joint.type);
+    const std::vector<bool> turns = turning_speeds(*joint.type);
+    for (std::size_t word = 0; word < joint.type->permits.size(); ++word) {
+      if (std::holds_alternative<joints::Ball>(joint.type->permits[word])) continue;
+      const int q = first_q(*joint.type, static_cast<int>(word));
+      const int u = first_u(*joint.type, static_cast<int>(word));
+      for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {
+        const bool turn = turns[static_cast<std::size_t>(u + c)];
+        use(fmt::format("{} of {}", names[static_cast<std::size_t>(u + c)], joint.name), turn ? "rad" : "m",
+            turn ? 1.0 : model.length_scale(), motion.q(q + c));
+      }
+    }
+  }
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const VecX& a = state.bodies[i].a;
+    if (a.size() == 0) continue;
+    const VecX least = kLeastDeflection * model.length_scale() * largest_deflections(model.bodies[i]).cwiseInverse();
+    for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
+      use(fmt::format("a_{} of {}", mode + 1, model.bodies[i].name), "1",
+          std::max(a.cwiseAbs().maxCoeff(), least(mode)), a(mode));
+    }
+  }
+}
+
+/// Coordinates of two states, judged; and their values at the start in the text's table.
+std::string judge_coordinates(const Model& model, const State& start, const std::array<const State*, 2>& found,
+                              AnalysisVerdict& result) {
+  std::array<std::vector<double>, 3> values;
+  const std::array<const State*, 3> states{&start, found[0], found[1]};
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    for_each_coordinate(model, *states[k],
+                        [&](const std::string&, const char*, double, double value) { values[k].push_back(value); });
+  }
+  Lines lines{{"coordinate", "start", "cartesian", "relative", "unit", "digits"}};
+  std::size_t row = 0;
+  for_each_coordinate(model, *found[0], [&](const std::string& name, const char* unit, double scale, double) {
+    result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
+    lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),
+                     fmt::format("{:.10g}", values[2][row]), unit, format_digits(result.numbers.back().digits)});
+    ++row;
+  });
+  return lines.size() > 1 ? format_table(lines, {false, true, true, true, false, true}) : "";
+}
+
+std::vector<std::string> wrench_cells(const std::string& name, const std::string& body, const Wrench& wrench) {
+  std::vector<std::string> line{name, body};
+  for (const double value : wrench.vector()) line.push_back(fmt::format("{:.6g}", value));
+  return line;
+}
+
+/// Reactions on both sides and element wrenches on their ends, as one solver gives them.
+std::string wrench_text(const Model& model, const Evaluation& evaluation) {
+  Lines lines{{"joint or element", "on", "F_x [N]", "F_y", "F_z", "T_x [N m]", "T_y", "T_z"}};
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      lines.push_back(wrench_cells(model.joints[k].name, model.bodies[model.joints[k].on(side).body].name,
+                                   evaluation.joints[k].reaction_on(side).in_C));
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end == nullptr) continue;
+      lines.push_back(wrench_cells(model.elements[k].name, model.bodies[end->body].name,
+                                   evaluation.elements[k].on_side(side).in_C));
+    }
+  }
+  std::stable_sort(lines.begin() + 1, lines.end(), [](const auto& a, const auto& b) { return a.front() < b.front(); });
+  return "reactions and element wrenches by cartesian, in the frames of their sides:\n" +
+         format_table(lines, {false, false, true, true, true, true, true, true});
+}
+
+void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict& result) {
+  const auto size = [](const Equilibrium& one) { return static_cast<double>(one.free.size()); };
+  result.numbers.push_back(
+      number("directions without stiffness", "", size(found[0]), size(found[1]), 1.0, kMostDigits));
+  result.numbers.push_back(number("unstable directions", "", found[0].unstable, found[1].unstable, 1.0, kMostDigits));
+}
+
+}  // namespace
+
+AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
+  Model held = held_at_start(model);
+  AnalysisVerdict result;
+  result.analysis = "statics";
+  const Solvers solvers = make_solvers(held, makers, result);
+  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
+  judge_wrenches(held, solvers,
+                 {one_sample(found[0].state, found[0].evaluation), one_sample(found[1].state, found[1].evaluation)},
+                 true, result);
+  for (const Who who : kBothSolvers) {
+    result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
+  }
+  compare_stiffness(found, result);
+  result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
+  result.text += '\n' + wrench_text(held, found[0].evaluation);
+  conclude(result);
+  return result;
+}
+
+Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note) {
+  if (!model.run.from_equilibrium) return model;
+  Model held = held_at_start(model);
+  std::string branch;
+  const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
+  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
+  const std::array<Trajectory, 2> states{one_sample(found[0].state, found[0].evaluation),
+                                         one_sample(found[1].state, found[1].evaluation)};
+  const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
+  if (agreement.digits < own_need(model)) {
+    throw SolverError(
+        fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
+                    "`concord statics`",
+                    agreement.worst, format_digits(agreement.digits), own_need(model)));
+  }
+  note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
+  if (!branch.empty()) note += "; " + branch;
+  for (const FreeDirection& direction : found[0].free) {
+    note += fmt::format("{} {}",
+                        &direction == &found[0].free.front() ? "; without stiffness, left where they started:" : ",",
+                        direction.name);
+  }
+  return started_at(model, found[0].state);
+}
+
+}  // namespace concord::compare::analyses

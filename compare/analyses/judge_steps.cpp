@@ -1,0 +1,121 @@
+#include "compare/analyses/judge_steps.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "compare/audit/balance.h"
+#include "compare/audit/digits.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/judge.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/same_state.h"
+#include "compare/verdict/states.h"
+
+namespace concord::compare::analyses {
+
+Solvers make_solvers(Model& model, const SolverMakers& makers, AnalysisVerdict& result) {
+  std::string note;
+  Solvers solvers = make_solvers_on_one_branch(model, makers, note);
+  if (!note.empty()) result.text += "note: " + note + '\n';
+  return solvers;
+}
+
+Trajectory one_sample(const State& state, const Evaluation& evaluation) {
+  Trajectory trajectory;
+  trajectory.samples.push_back({state, evaluation, 0.0});
+  return trajectory;
+}
+
+double own_need(const Model& model) { return model.is_flexible() ? kOwnFlexible : kOwnRigid; }
+
+namespace {
+
+/// A row for each quantity; of a machine at rest, for all but accelerations. What each solver finds for itself has a
+/// need of its own, whatever the model says of runs.
+void make_rows_of(const QuantityLayout& layout, bool at_rest, AnalysisVerdict& result) {
+  Verdict& verdict = result.wrenches;
+  make_rows(layout, verdict);
+  if (at_rest) {
+    std::erase_if(verdict.others, [](const QuantityRow& row) { return row.quantity.kind == Kind::acceleration; });
+  }
+  result.own_need = own_need(layout.model());
+  for (auto* rows : {&verdict.rows, &verdict.others}) {
+    for (QuantityRow& row : *rows) row.need.same_run = result.own_need;
+  }
+}
+
+AuditReport audit(const Model& model, const Trajectory& found) {
+  Auditor auditor(model);
+  for (const Sample& sample : found.samples) auditor.add(sample.state, sample.evaluation);
+  return auditor.report();
+}
+
+}  // namespace
+
+void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, bool at_rest,
+                    AnalysisVerdict& result) {
+  Verdict& verdict = result.wrenches;
+  const QuantityLayout layout(model);
+  const std::array<Solver*, 2> both{solvers[0].get(), solvers[1].get()};
+  const std::array<const Trajectory*, 2> trajectories{&found[0], &found[1]};
+  Judge judge(layout, {Rung::same_state, Rung::same_run}, verdict);
+  judge.describe(both);
+  for (const Who who : kBothSolvers) {
+    verdict.solvers[index(who)].rank = both[index(who)]->rank(found[index(who)].samples.front().state);
+  }
+  make_rows_of(layout, at_rest, result);
+
+  SameState same_state(layout, both, kSeed, judge, verdict);
+  same_state.judge_states(share(both, run_states(trajectories)));
+
+  const auto samples = static_cast<int>(found[0].samples.size());
+  const WeighedRun own = weigh_run(same_state.weighed(), samples);
+  const Series series = align(layout, trajectories, samples);
+  judge.find_differences_on(series, judge.measure_rung(series, own.budget(), Rung::same_run), Rung::same_run);
+  verdict.motion = compare_motions(model, trajectories);
+
+  for (const Who who : kBothSolvers) judge.judge_audit(who, audit(model, found[index(who)]));
+  judge.judge_rows();
+  for (const Who who : kBothSolvers) verdict.trajectories[index(who)] = found[index(who)];
+}
+
+NumberRow number(std::string name, std::string unit, double one, double other, double scale, double need) {
+  return {std::move(name), std::move(unit), {one, other}, matching_digits(one - other, scale), need};
+}
+
+namespace {
+
+void note_numbers(AnalysisVerdict& result) {
+  for (const NumberRow& row : result.numbers) {
+    if (row.agrees()) continue;
+    result.wrenches.findings.push_back(
+        {fmt::format("{}: cartesian {:.10g}, relative {:.10g} {}, {} digits (need {:g})", row.name, row.values[0],
+                     row.values[1], row.unit, format_digits(row.digits), row.need),
+         fmt::format("{}: the solvers find different ones", result.analysis)});
+  }
+}
+
+}  // namespace
+
+void conclude(AnalysisVerdict& result) {
+  note_numbers(result);
+  Verdict& verdict = result.wrenches;
+  if (result.numbers.empty() && !(has_judged(verdict) && carries_something(verdict))) {
+    verdict.failures.emplace_back("nothing that was judged carries anything: agreement on nothing is no verdict");
+  }
+  conclude(verdict);
+}
+
+std::string equilibrium_text(const Equilibrium& found, std::string_view solver) {
+  std::string text =
+      fmt::format("{}: equilibrium after {} steps, the last of {:.1e}", solver, found.iterations - 1, found.last_step);
+  if (found.unstable > 0) text += fmt::format("; unstable in {} direction(s)", found.unstable);
+  text += '\n';
+  for (const FreeDirection& direction : found.free) {
+    text += fmt::format("  without stiffness, left where it started: {}\n", direction.name);
+  }
+  return text;
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compare/analyses/judge.h"
+#include "compare/analyses/statics.h"
+#include "compare/verdict/branch.h"
+
+/// What the judgement of every analysis takes: both solvers on one branch, their wrenches, numbers and an outcome.
+namespace concord::compare::analyses {
+
+/// Lines of a table, its header first.
+using Lines = std::vector<std::vector<std::string>>;
+
+/// Both solvers on one branch; `result` tells what the guesses left open.
+Solvers make_solvers(Model& model, const SolverMakers& makers, AnalysisVerdict& result);
+
+/// A trajectory of one state.
+Trajectory one_sample(const State& state, const Evaluation& evaluation);
+
+/// Digits that what each solver finds for itself needs: kOwnRigid or kOwnFlexible.
+double own_need(const Model& model);
+
+/// Judges the wrenches of what both solvers found: in the same states, and of each as it found them; and audits both.
+/// What they found stands in the verdict's trajectories. `at_rest`: accelerations vanish and have no scale.
+void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, bool at_rest,
+                    AnalysisVerdict& result);
+
+/// A number that both solvers give, with its digits on a scale of its own.
+NumberRow number(std::string name, std::string unit, double one, double other, double scale, double need);
+
+/// The outcome, from the wrenches and the numbers.
+void conclude(AnalysisVerdict& result);
+
+/// How a solver found the equilibrium, and what it left where it started.
+std::string equilibrium_text(const Equilibrium& found, std::string_view solver);
+
+}  // namespace concord::compare::analyses

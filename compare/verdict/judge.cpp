@@ -1,0 +1,85 @@
+#include "compare/verdict/judge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "compare/audit/digits.h"
+#include "compare/verdict/findings.h"
+#include "compare/verdict/needs.h"
+
+namespace concord::compare {
+
+Judge::Judge(const QuantityLayout& layout, std::vector<Rung> rungs, Verdict& verdict)
+    : layout_(layout), rungs_(std::move(rungs)), verdict_(verdict) {}
+
+void Judge::describe(const std::array<Solver*, 2>& solvers) {
+  const Model& model = layout_.model();
+  verdict_.name = model.name;
+  verdict_.bodies = static_cast<int>(model.bodies.size()) - 1;
+  verdict_.joints = static_cast<int>(model.joints.size());
+  verdict_.loops = verdict_.joints - verdict_.bodies;
+  for (const Body& body : model.bodies) verdict_.modes += body.n_modes();
+  verdict_.need = default_needs(model);
+  for (std::size_t who = 0; who < solvers.size(); ++who) verdict_.solvers[who].name = solvers[who]->name();
+}
+
+std::vector<Measured> Judge::measure_rung(const Series& series, const Budget& budget, Rung rung) {
+  std::vector<Measured> measured = measure(layout_, series, budget);
+  record(layout_, measured, rung, verdict_);
+  return measured;
+}
+
+void Judge::find_differences_on(const Series& series, const std::vector<Measured>& measured, Rung rung) {
+  std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
+  std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
+}
+
+void Judge::judge_uniqueness(WeighedStates& weighed) {
+  if (!weighed.dropped.empty()) verdict_.failures.push_back(weighed.dropped);
+  verdict_.rank_agrees = weighed.findings.empty() && !weighed.reports.empty();
+  std::move(weighed.findings.begin(), weighed.findings.end(), std::back_inserter(verdict_.findings));
+  weighed.findings.clear();
+}
+
+void Judge::note_singular_states(const WeighedStates& weighed) {
+  const std::vector<std::string>& singular = weighed.singular;
+  const auto is_singular = [](const std::string& why) { return !why.empty(); };
+  const auto first = std::find_if(singular.begin(), singular.end(), is_singular);
+  if (first == singular.end()) return;
+  verdict_.singular_states += static_cast<int>(std::count_if(first, singular.end(), is_singular));
+  verdict_.failures.push_back(*first);
+}
+
+void Judge::judge_audit(Who who, const AuditReport& found) {
+  if (found.states == 0) return;
+  SolverSummary& summary = verdict_.solvers[index(who)];
+  summary.audit_digits = found.digits();
+  summary.audit_worst = found.worst.text();
+  summary.audit_need = need_of(found.worst.rule);
+  verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), found.digits());
+  verdict_.audit.samples = static_cast<int>(found.states);
+  if (found.holds()) return;
+  verdict_.findings.push_back({fmt::format("{} {}: {} (need {:g})", summary.name, breach_of(found.worst.rule),
+                                           summary.audit_worst, summary.audit_need),
+                               "audit: from motions, wrenches, force laws and mass points alone; look into this solver "
+                               "first"});
+}
+
+void Judge::judge_rows() {
+  judge(verdict_, rungs_);
+  verdict_.audit.climbed = std::all_of(
+      verdict_.solvers.begin(), verdict_.solvers.end(),
+      [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
+}
+
+void conclude(Verdict& verdict) {
+  if (!verdict.failures.empty()) {
+    verdict.outcome = Outcome::failed;
+  } else {
+    verdict.outcome = verdict.findings.empty() ? Outcome::agree : Outcome::differ;
+  }
+}
+
+}  // namespace concord::compare

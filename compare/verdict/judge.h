@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/audit/balance.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/refinement.h"
+#include "compare/verdict/verdict.h"
+#include "compare/verdict/weighed_states.h"
+
+/// From what both solvers found to a verdict: the judge of runs and of analyses. These choose which values are compared
+/// and in which states; the judge holds them against their scale, what double precision resolves, where they are unique
+/// and what is needed.
+namespace concord::compare {
+
+/// Fills in one verdict, rung by rung; who judges a rung, or looks at its rows, finds those of the rungs before.
+class Judge {
+ public:
+  /// `rungs`: those that the verdict needs, in their order. Layout and verdict must outlive the judge.
+  Judge(const QuantityLayout& layout, std::vector<Rung> rungs, Verdict& verdict);
+
+  /// Name and size of the machine, names of the solvers, and the needs.
+  void describe(const std::array<Solver*, 2>& solvers);
+
+  /// Every row's scale and digits, resolvable digits too, on a rung: from the values of both solvers, where `budget`
+  /// says that they are unique and how far double precision resolves them. Replaces what the rung said before.
+  std::vector<Measured> measure_rung(const Series& series, const Budget& budget, Rung rung);
+
+  /// Adds a finding for each joint, force element or body that misses a need on a rung, and on none before.
+  void find_differences_on(const Series& series, const std::vector<Measured>& measured, Rung rung);
+
+  /// Adds a finding for each difference between both solvers' ranks and uniqueness, and a failure for states that were
+  /// dropped because of them. The findings move into the verdict.
+  void judge_uniqueness(WeighedStates& weighed);
+
+  /// Adds a failure if some states are singular: the first one's reason; the others are counted.
+  void note_singular_states(const WeighedStates& weighed);
+
+  /// The audit of one solver: its digits, and a finding if they miss their need. Nothing if no state was audited.
+  void judge_audit(Who who, const AuditReport& found);
+
+  /// Judges every row by its rungs, sums up rungs and audit.
+  void judge_rows();
+
+ private:
+  const QuantityLayout& layout_;
+  std::vector<Rung> rungs_;
+  Verdict& verdict_;
+  std::vector<Quantity> known_;  // named by a finding already
+};
+
+/// The outcome: failed if there is a failure, else differ if there is a finding, else agree.
+void conclude(Verdict& verdict);
+
+}  // namespace concord::compare

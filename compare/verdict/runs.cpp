@@ -1,0 +1,209 @@
+#include "compare/verdict/runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <future>
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "compare/audit/digits.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/needs.h"
+#include "compare/verdict/refinement.h"
+
+namespace concord::compare {
+
+namespace {
+
+RungSummary& summary_of(Verdict& verdict, Rung rung) {
+  return rung == Rung::same_run ? verdict.same_run : verdict.refined;
+}
+
+}  // namespace
+
+std::array<const Trajectory*, 2> view(const std::array<std::optional<Trajectory>, 2>& trajectories) {
+  std::array<const Trajectory*, 2> both{};
+  for (const Who who : kBothSolvers) {
+    if (trajectories[index(who)]) both[index(who)] = &*trajectories[index(who)];
+  }
+  return both;
+}
+
+RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed,
+                   Judge& judge, Progress& progress, Verdict& verdict)
+    : layout_(layout),
+      solvers_(solvers),
+      judge_(judge),
+      progress_(progress),
+      verdict_(verdict),
+      sensitivity_(layout.model(), solvers, seed) {}
+
+RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
+  const char* what = name_of(rung);
+  progress_.begin(what);
+  std::array<std::future<Trajectory>, 2> running;
+  for (const Who who : kBothSolvers) {
+    running[index(who)] = std::async(std::launch::async, [this, run, what, who] {
+      RunOptions own = run;
+      own.integrator = verdict_.solvers[index(who)].integrator;
+      return solvers_[index(who)]->integrate(own, [&](double t) { progress_.advance(what, who, t / own.until); });
+    });
+  }
+  RunPair pair{run, {}, {}, {}, {}};
+  for (const Who who : kBothSolvers) {
+    try {
+      pair.trajectories[index(who)] = running[index(who)].get();
+    } catch (const SolverError& error) {
+      verdict_.failures.push_back(fmt::format("{}: {}", what, error.what()));
+    }
+  }
+  return pair;
+}
+
+/// False if one of the runs is missing.
+bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
+  if (!pair.is_complete()) return false;
+  pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
+  measure_pair(pair, weighed_run_.budget(), rung);
+  return true;
+}
+
+void RunRungs::measure_pair(RunPair& pair, const Budget& budget, Rung rung) {
+  pair.measured = judge_.measure_rung(pair.series, budget, rung);
+  pair.motion = compare_motions(layout_.model(), view(pair.trajectories));
+}
+
+/// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.
+std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
+  if (!verdict_.findings.empty()) return std::nullopt;
+  const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+  if (!sensitivity_.is_measured()) {
+    progress_.begin("sensitivity");
+    sensitivity_.measure(pair, {verdict_.solvers[0].integrator, verdict_.solvers[1].integrator}, need);
+  }
+  const std::optional<Horizon> horizon = sensitivity_.horizon(pair.run.rtol, need);
+  if (!horizon) return std::nullopt;
+  if (!horizon->agree) {
+    verdict_.failures.push_back(disagreement_on(*horizon, rung));
+    return std::nullopt;
+  }
+  verdict_.notes.push_back(note_on(*horizon, rung, pair.run, need));
+  return horizon;
+}
+
+/// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish.
+std::optional<RunPair> RunRungs::run_looser(const RunOptions& run, Rung rung) {
+  RunOptions loose = run;
+  loose.rtol = run.rtol * kTighter;
+  RunPair pair = integrate(loose, rung);
+  if (!pair.is_complete()) return std::nullopt;
+  pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
+  return pair;
+}
+
+/// While runs miss the needs although the same state agrees, both solvers run again at a tighter tolerance: the needs
+/// stay. `looser`: the runs before the last ones, if there were any. False if a solver did not finish.
+bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need) {
+  if (!set_side_by_side(pair, rung)) return false;
+  const double first = pair.run.rtol;
+  while (!reaches_needs(verdict_, rung, pair, motion_need) && verdict_.findings.empty() &&
+         pair.run.rtol > kTightestRepeat) {
+    RunOptions tight = pair.run;
+    tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
+    RunPair tighter = integrate(tight, rung);
+    looser = std::move(pair);
+    pair = std::move(tighter);
+    if (!set_side_by_side(pair, rung)) return false;
+  }
+  if (looser) {
+    verdict_.notes.push_back(fmt::format("{}: repeated at rtol {:g}: at {:g} the integration was not accurate enough",
+                                         name_of(rung), pair.run.rtol, first));
+  }
+  return true;
+}
+
+/// Judges runs on a rung, or their repetition at tighter tolerances. What is left at the tightest is a difference, or
+/// an integration that does not converge. `before`: the runs of before, to see what tolerance changes. The number of
+/// samples that were judged; nothing if a solver did not finish.
+std::optional<int> RunRungs::climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
+                                   const WeighedStates& weighed) {
+  std::optional<RunPair> looser;
+  if (!repeat_tighter(pair, looser, rung, motion_need)) return std::nullopt;
+  const int samples = pair.run.samples + 1;
+  if (reaches_needs(verdict_, rung, pair, motion_need)) return samples;
+  const RunPair* compared = looser ? &*looser : before;
+  const std::optional<Horizon> horizon = seek_horizon(pair, rung);
+  if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
+  RunPair up_to = first_samples(layout_, pair, horizon->samples);
+  measure_pair(up_to, weigh_run(weighed, horizon->samples).budget(), rung);
+  pair.motion = up_to.motion;
+  summary_of(verdict_, rung).horizon = up_to.series.times.back();
+  if (!reaches_needs(verdict_, rung, up_to, motion_need) && !judge_misses(up_to, compared, rung, motion_need))
+    return std::nullopt;
+  return horizon->samples;
+}
+
+/// Judges runs that miss their needs at the tightest tolerance: as a difference, or as integrations that have not
+/// converged, which `compared`, runs at a looser tolerance, tell apart. False if a solver did not finish those.
+bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
+  std::optional<RunPair> looser;
+  // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor.
+  const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
+  if (!is_far && verdict_.findings.empty()) {
+    looser = run_looser(pair.run, rung);
+    if (!looser) return false;
+    compared = &*looser;
+  }
+  if (verdict_.findings.empty()) {
+    const auto samples = static_cast<int>(pair.series.times.size());
+    if (samples < compared->run.samples + 1) {
+      looser = first_samples(layout_, *compared, samples);
+      compared = &*looser;
+    }
+    if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
+      verdict_.failures.push_back(std::move(*why));
+      return true;
+    }
+  }
+  judge_.find_differences_on(pair.series, pair.measured, rung);
+  judge_motion(pair.motion, rung, motion_need);
+  return true;
+}
+
+/// Motions that part, where no reaction differs.
+void RunRungs::judge_motion(const MotionAgreement& motion, Rung rung, double need) {
+  if (motion.digits >= need || !verdict_.findings.empty()) return;
+  verdict_.findings.push_back(
+      {fmt::format("{}, t = {:.4g} s: {} digits (need {:g})", motion.worst, motion.t, format_digits(motion.digits),
+                   need),
+       fmt::format("{}: the motions part; look at integration, not at reactions", name_of(rung))});
+}
+
+void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
+  if (pair.is_complete()) weighed_run_ = weigh_run(weighed, pair.run.samples + 1);
+  const std::optional<int> judged = climb(pair, nullptr, Rung::same_run, verdict_.need.same_run, weighed);
+  for (const Who who : kBothSolvers) {
+    const auto& trajectory = pair.trajectories[index(who)];
+    if (trajectory) verdict_.solvers[index(who)].statistics = trajectory->statistics;
+  }
+  verdict_.run = pair.run;
+  if (!judged) return;
+  verdict_.motion = pair.motion;
+  verdict_.same_run.samples = *judged;
+}
+
+void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) {
+  if (!verdict_.same_run.samples) return;
+  RunOptions refined = of_same_run.run;
+  refined.rtol = refined_tolerance(refined.rtol);
+  RunPair pair = integrate(refined, Rung::refined);
+  const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
+  const std::optional<int> judged = climb(pair, &of_same_run, Rung::refined, motion_need, weighed);
+  if (!judged) return;
+  verdict_.refined_motion = pair.motion;
+  verdict_.refined.samples = *judged;
+}
+
+}  // namespace concord::compare

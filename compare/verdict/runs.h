@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "common/solver.h"
+#include "compare/verdict/convergence.h"
+#include "compare/verdict/horizon.h"
+#include "compare/verdict/judge.h"
+#include "compare/verdict/progress.h"
+#include "compare/verdict/weighed_states.h"
+
+/// The rungs "same run" and "refined": each solver integrates alone.
+namespace concord::compare {
+
+/// Both trajectories; nullptr where a solver did not finish.
+std::array<const Trajectory*, 2> view(const std::array<std::optional<Trajectory>, 2>& trajectories);
+
+class RunRungs {
+ public:
+  /// `seed`: of the displaced starts. What is referred to must outlive this.
+  RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed, Judge& judge,
+           Progress& progress, Verdict& verdict);
+
+  /// Both solvers at once, each in its own thread and by the integrator that the verdict names; neither sees the other.
+  /// Who does not finish is a failure. Nothing is judged.
+  RunPair integrate(const RunOptions& run, Rung rung);
+
+  /// Judges complete runs, whose states were weighed, or their repetition at tighter tolerances, which is left in
+  /// `pair`.
+  void judge_same_run(RunPair& pair, const WeighedStates& weighed);
+
+  /// Runs again at the refined tolerance and judges, if the same run was judged: call it after judge_same_run().
+  void refine(const RunPair& of_same_run, const WeighedStates& weighed);
+
+  /// What holds in the samples of a run; empty if no run was judged.
+  [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
+
+ private:
+  bool set_side_by_side(RunPair& pair, Rung rung);
+  void measure_pair(RunPair& pair, const Budget& budget, Rung rung);
+  std::optional<int> climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
+                           const WeighedStates& weighed);
+  bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
+  std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
+  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
+  bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need);
+  void judge_motion(const MotionAgreement& motion, Rung rung, double need);
+
+  const QuantityLayout& layout_;
+  std::array<Solver*, 2> solvers_;
+  Judge& judge_;
+  Progress& progress_;
+  Verdict& verdict_;
+  Sensitivity sensitivity_;
+  WeighedRun weighed_run_;
+};
+
+}  // namespace concord::compare

@@ -1,0 +1,115 @@
+#include "compare/verdict/same_state.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "common/error.h"
+#include "compare/verdict/resolution.h"
+#include "compare/verdict/uniqueness.h"
+
+namespace concord::compare {
+
+SameState::SameState(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed,
+                     Judge& judge, Verdict& verdict)
+    : layout_(layout), solvers_(solvers), seed_(seed), judge_(judge), verdict_(verdict) {}
+
+std::vector<Measured> SameState::judge_states(SharedStates found, SharedStates perturbed) {
+  for (const SharedStates* part : {&found, &perturbed}) note_failures(*part);
+  std::move(perturbed.states.begin(), perturbed.states.end(), std::back_inserter(found.states));
+  weighed_ = weigh(layout_, solvers_, std::move(found.states), seed_);
+  if (is_singular_throughout(found)) forget_neighbours();
+  judge_.judge_uniqueness(weighed_);
+  note_singular_start();
+  for (const SharedStates* part : {&found, &perturbed}) note_refusals(part->refusals);
+  verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
+  if (weighed_.states.empty()) return {};
+  std::vector<Measured> measured = judge_.measure_rung(weighed_.series, weighed_.budget(), Rung::same_state);
+  judge_.note_singular_states(weighed_);
+  judge_.find_differences_on(weighed_.series, measured, Rung::same_state);
+  note_resolution();
+  return measured;
+}
+
+void SameState::note_failures(const SharedStates& shared) {
+  verdict_.singular_states += static_cast<int>(shared.singular.size());
+  if (!shared.singular.empty()) verdict_.failures.push_back(shared.singular.front());
+  if (!shared.failures.empty()) verdict_.failures.push_back(shared.failures.front());
+}
+
+/// Whether a solver calls every state that they found a singular pose, or finds a lower rank in all of them.
+bool SameState::is_singular_throughout(const SharedStates& found) const {
+  bool some = !found.singular.empty();
+  for (std::size_t k = 0; k < weighed_.states.size(); ++k) {
+    if (weighed_.states[k].row < 0) continue;  // perturbed
+    if (weighed_.singular[k].empty()) return false;
+    some = true;
+  }
+  return some;
+}
+
+/// A loop that is locked in a singular pose closes beside it only by the root of round-off: such states, though of full
+/// rank, tell nothing.
+void SameState::forget_neighbours() {
+  weighed_.mask.setConstant(false);
+  weighed_.findings.clear();
+}
+
+/// A rank at the start that is lower than in other states is a singular pose.
+void SameState::note_singular_start() {
+  const std::array<int, 2> general = general_ranks(weighed_.reports);
+  for (std::size_t who = 0; who < 2; ++who) {
+    const int rank = verdict_.solvers[who].rank.rank;
+    if (rank >= general[who]) continue;
+    verdict_.notes.push_back(
+        fmt::format("{}: the start pose is singular: rank {} there, {} at a neighbouring pose; motion may branch",
+                    solvers_[who]->name(), rank, general[who]));
+  }
+}
+
+/// In a singular pose the solvers need not close alike: such a state is counted, and no difference.
+void SameState::note_refusals(const std::vector<RefusedState>& refused) {
+  const std::array<int, 2> general = general_ranks(weighed_.reports);
+  std::vector<std::string> elsewhere;
+  for (const RefusedState& one : refused) {
+    if (rank_in(one.state) < general[index(one.state.owner)]) {
+      ++verdict_.singular_states;
+      verdict_.failures.push_back(fmt::format("the pose is singular: {}", one.why));
+    } else {
+      elsewhere.push_back(one.why);
+    }
+  }
+  if (elsewhere.empty()) return;
+  verdict_.findings.push_back(
+      {elsewhere.front(),
+       fmt::format("same state: {} such states: the closures differ; hold what the joint forbids against what it "
+                   "permits",
+                   elsewhere.size())});
+}
+
+/// The rank that a state's owner finds there; a number above all ranks where it finds none.
+int SameState::rank_in(const OwnedState& state) const {
+  try {
+    return solvers_[index(state.owner)]->rank(state.state).rank;
+  } catch (const SolverError&) {
+    return std::numeric_limits<int>::max();
+  }
+}
+
+void SameState::note_resolution() {
+  if (weighed_.resolution.unknown_states > 0) {
+    verdict_.notes.push_back(
+        fmt::format("resolution unknown in {} of {} states: fewer than {} of {} draws within round-off were accepted; "
+                    "judged there by the need alone",
+                    weighed_.resolution.unknown_states, weighed_.states.size(), kFewestDraws, kDraws));
+  }
+  if (weighed_.resolution.closings_left_out > 0) {
+    verdict_.notes.push_back(fmt::format("resolution: {} closings found another state and were left out",
+                                         weighed_.resolution.closings_left_out));
+  }
+}
+
+}  // namespace concord::compare
