@@ -13,10 +13,10 @@ namespace concord::compare {
 using TellProgress = std::function<void(std::string_view rung, const std::array<double, 2>& done)>;
 
 /// Tells it from several threads, never at the same time.
-class Progress {
+class RungProgress {
  public:
   /// `tell`: may be empty; must outlive this.
-  explicit Progress(const TellProgress& tell) : tell_(tell) {}
+  explicit RungProgress(const TellProgress& tell) : tell_(tell) {}
 
   void begin(std::string_view rung) {
     done_ = {};

@@ -32,7 +32,7 @@ std::array<const Trajectory*, 2> view(const std::array<std::optional<Trajectory>
 }
 
 RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed,
-                   Judge& judge, Progress& progress, Verdict& verdict)
+                   Judge& judge, RungProgress& progress, Verdict& verdict)
     : layout_(layout),
       solvers_(solvers),
       judge_(judge),

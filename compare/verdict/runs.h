@@ -21,7 +21,7 @@ class RunRungs {
  public:
   /// `seed`: of the displaced starts. What is referred to must outlive this.
   RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed, Judge& judge,
-           Progress& progress, Verdict& verdict);
+           RungProgress& progress, Verdict& verdict);
 
   /// Both solvers at once, each in its own thread and by the integrator that the verdict names; neither sees the other.
   /// Who does not finish is a failure. Nothing is judged.
@@ -51,7 +51,7 @@ class RunRungs {
   const QuantityLayout& layout_;
   std::array<Solver*, 2> solvers_;
   Judge& judge_;
-  Progress& progress_;
+  RungProgress& progress_;
   Verdict& verdict_;
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;

@@ -312,7 +312,7 @@ class Verification {
   std::array<Solver*, 2> solvers_;
   const VerifyOptions& options_;
   Verdict verdict_;
-  Progress progress_;
+  RungProgress progress_;
   Judge judge_;
   SameState same_state_;
   RunRungs runs_;
