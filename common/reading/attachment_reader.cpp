@@ -6,6 +6,7 @@
 
 #include "common/reading/orientation_reader.h"
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 #include "common/rotation.h"
 
 namespace concord {

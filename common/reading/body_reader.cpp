@@ -8,6 +8,7 @@
 #include "common/reading/model_checks.h"
 #include "common/reading/modes_file.h"
 #include "common/reading/orientation_reader.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

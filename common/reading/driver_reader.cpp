@@ -7,6 +7,7 @@
 
 #include "common/reading/magnitude.h"
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

@@ -10,6 +10,7 @@
 #include "common/reading/force_law_reader.h"
 #include "common/reading/model_checks.h"
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

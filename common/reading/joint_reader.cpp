@@ -11,6 +11,7 @@
 #include "common/reading/force_law_reader.h"
 #include "common/reading/orientation_reader.h"
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

@@ -14,6 +14,7 @@
 #include "common/reading/model_parts.h"
 #include "common/reading/road_reader.h"
 #include "common/reading/spelling.h"
+#include "common/reading/text_file.h"
 
 namespace concord {
 

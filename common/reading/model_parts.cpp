@@ -7,6 +7,8 @@
 #include <set>
 
 #include "common/reading/spelling.h"
+#include "common/reading/text_file.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

@@ -10,6 +10,8 @@
 #include "common/decompositions.h"
 #include "common/reading/magnitude.h"
 #include "common/reading/model_checks.h"
+#include "common/reading/text_file.h"
+#include "common/reading/toml_document.h"
 #include "common/reading/toml_reader.h"
 #include "common/rotation.h"
 

@@ -9,6 +9,7 @@
 #include "common/reading/driver_reader.h"
 #include "common/reading/magnitude.h"
 #include "common/reading/spelling.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 

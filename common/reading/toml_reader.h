@@ -2,54 +2,17 @@
 
 #include <toml++/toml.h>
 
-#include <cstdint>
-#include <filesystem>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "common/error.h"
-#include "common/reading/expression.h"
+#include "common/reading/file_reading.h"
 #include "common/types.h"
 
 /// A typed reader over toml++: every reading that fails leaves a complaint and goes on, so that all errors of a file
 /// are reported together.
 namespace concord {
-
-/// What all readers of one file share.
-struct FileReading {
-  std::string file;
-  Parameters parameters;
-  std::vector<Diagnostic> complaints;
-  /// What stands in the model before the names that an included file defines; empty for the model file.
-  std::string prefix;
-  /// Names that the file, or a file that it includes, defines, as this file spells them: for "body", "joint", "road".
-  std::map<std::string, std::set<std::string>, std::less<>> own_names;
-  /// The file that includes this one; nullptr for the model file.
-  const FileReading* includer = nullptr;
-
-  /// The name in the model of what the file refers to as `name`: its own has the prefix, any other is the includer's.
-  [[nodiscard]] std::string name_in_model(std::string_view kind, const std::string& name) const;
-  /// How the file refers to what the model calls `name`.
-  [[nodiscard]] std::string name_in_file(std::string_view kind, const std::string& name) const;
-  [[nodiscard]] bool defines(std::string_view kind, const std::string& name) const;
-
-  [[nodiscard]] SourceLocation at(const toml::source_region& region) const;
-  /// Throws InputError with all complaints when they become too many to be read.
-  void complain(const SourceLocation& where, std::string message);
-
-  /// All complaints in the order of the file.
-  [[nodiscard]] std::vector<Diagnostic> sorted_complaints() const;
-  /// Throws InputError with these, if there are any.
-  void throw_if_any() const;
-};
-
-/// The document; throws InputError where TOML's own grammar is broken, and where it is nested deeper or holds more
-/// values than any model needs: such a document would use up stack or memory.
-toml::table parse_toml(std::string_view text, const std::string& file);
 
 /// Keys that a table may have.
 using KnownKeys = std::vector<std::string_view>;
@@ -117,21 +80,5 @@ class TableReader {
 
 /// Complains unless the document's `format` is there and is `known`.
 void check_format(const TableReader& document, int known);
-
-/// A file that is read must be no longer than this.
-inline constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20U;
-
-/// Everything in a regular file; throws InputError if it cannot be read, is too long, or is a folder, a fifo or a
-/// device, from which reading might never end: those are not waited for.
-std::string read_text_file(const std::filesystem::path& file);
-
-/// Title of a table in messages: "joint 'A'", or "joint" if it has no name.
-std::string title_with_name(const toml::table& table, std::string_view kind);
-
-/// Name of a value's type in messages: "a number", "a string", ...
-std::string_view type_name(const toml::node& node);
-
-/// The number of a node that is one. A whole number that double precision does not hold is rounded to one it holds.
-double number_in(const toml::node& node);
 
 }  // namespace concord

@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/reading/spelling.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/command.h"
 #include "compare/nightly/history.h"

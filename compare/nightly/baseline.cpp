@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 
 namespace concord::compare::nightly {
 

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "common/error.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/report/files.h"
 
 namespace concord::compare::nightly {

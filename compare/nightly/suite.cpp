@@ -10,6 +10,8 @@
 
 #include "common/joints/catalogue.h"
 #include "common/reading/spelling.h"
+#include "common/reading/text_file.h"
+#include "common/reading/toml_document.h"
 #include "common/reading/toml_reader.h"
 #include "compare/fuzz/generator.h"
 #include "compare/joint_check/coupling_check.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/audit/digits.h"
 #include "compare/report/files.h"
 #include "compare/report/junit.h"

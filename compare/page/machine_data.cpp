@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/audit/digits.h"
 #include "compare/page/packing.h"
 #include "compare/page/thinning.h"

@@ -11,7 +11,7 @@
 
 #include "common/error.h"
 #include "common/reading/magnitude.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 
 namespace concord::compare {
 

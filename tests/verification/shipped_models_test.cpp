@@ -10,7 +10,7 @@
 
 #include "closed_forms.h"
 #include "common/reading/modes_file.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/report/table.h"
 #include "compare/verdict/verify.h"
 

@@ -1,5 +1,3 @@
-#include "common/reading/toml_reader.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -9,6 +7,8 @@
 
 #include "common/reading/model_file.h"
 #include "common/reading/modes_file.h"
+#include "common/reading/text_file.h"
+#include "common/reading/toml_document.h"
 
 namespace concord {
 namespace {
