@@ -204,16 +204,8 @@ std::optional<double> read_shear_modulus(const TableReader& beam, double youngs_
   return youngs_modulus / (2.0 * (1.0 + *ratio));
 }
 
-}  // namespace
-
-std::optional<ModalData> read_beam(const toml::table& table, const std::string& body, FileReading& reading) {
-  const TableReader reader(
-      table, body + ", beam",
-      with_orientation({"first_end", "length", "elements", "section", "youngs_modulus", "shear_modulus",
-                        "poissons_ratio", "density", "support", "modes", "static_modes", "damping_ratio"}),
-      reading);
-  const std::size_t complaints_before = reading.complaints.size();
-  reader.require({"length", "section", "youngs_modulus", "density", "support"});
+/// All but its modes.
+BeamSpecification read_specification(const TableReader& reader) {
   BeamSpecification beam;
   beam.first_end_L = reader.vector3("first_end").value_or(beam.first_end_L);
   beam.axes = read_orientation(reader).value_or(beam.axes);
@@ -229,19 +221,42 @@ std::optional<ModalData> read_beam(const toml::table& table, const std::string& 
   beam.second_moment_y = section.second_moment_y;
   beam.second_moment_z = section.second_moment_z;
   beam.torsion_constant = section.torsion_constant;
+  return beam;
+}
+
+/// A beam without modes is complained of if nothing else is wrong: there were `complaints_before` before it was read.
+void read_chosen_modes(const TableReader& reader, std::size_t complaints_before, BeamSpecification& beam) {
   const auto modes = read_modes(reader, "modes", false);
   const auto static_modes = read_modes(reader, "static_modes", true);
   if (modes) beam.modes = *modes;
   if (static_modes) beam.modes.insert(beam.modes.end(), static_modes->begin(), static_modes->end());
-  if (modes && static_modes && beam.modes.empty() && reading.complaints.size() == complaints_before) {
+  if (modes && static_modes && beam.modes.empty() && reader.reading().complaints.size() == complaints_before) {
     reader.complain("a beam needs modes: give 'modes' or 'static_modes', or make the body rigid");
   }
+}
+
+void check_work(const TableReader& reader, const BeamSpecification& beam) {
   const double work = beam.elements * std::pow(static_cast<double>(beam.modes.size()), 2);
   if (work > kMostWork) {
     reader.complain(
         "elements",
         fmt::format("elements times the square of the number of modes, {:g}, must be at most {:g}", work, kMostWork));
   }
+}
+
+}  // namespace
+
+std::optional<ModalData> read_beam(const toml::table& table, const std::string& body, FileReading& reading) {
+  const TableReader reader(
+      table, body + ", beam",
+      with_orientation({"first_end", "length", "elements", "section", "youngs_modulus", "shear_modulus",
+                        "poissons_ratio", "density", "support", "modes", "static_modes", "damping_ratio"}),
+      reading);
+  const std::size_t complaints_before = reading.complaints.size();
+  reader.require({"length", "section", "youngs_modulus", "density", "support"});
+  BeamSpecification beam = read_specification(reader);
+  read_chosen_modes(reader, complaints_before, beam);
+  check_work(reader, beam);
   // The beam is made only of what was read without a fault.
   if (reading.complaints.size() != complaints_before) return std::nullopt;
   if (!check_sizes(reader, beam)) return std::nullopt;
