@@ -1,45 +1,11 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
-#include "compare/verdict/columns.h"
+#include "common/model.h"
+#include "compare/verdict/reference_file.h"
 #include "compare/verdict/verdict.h"
 
 /// A third column from outside: published or measured reactions and motions, with the error that their source states.
 namespace concord::compare {
-
-/// One component over time.
-struct ReferenceColumn {
-  Column column;
-  std::vector<double> values;
-  /// Stated error: part of the scale of the row (the joint's peak), or absolute in the column's unit.
-  double error = 0.0;
-  bool is_relative = true;
-};
-
-struct Reference {
-  std::string file;
-  std::vector<double> times;
-  std::vector<int> lines;  // of the file, for messages
-  std::vector<ReferenceColumn> columns;
-};
-
-/// Reads a reference: comma-separated values with a header as our own .reactions.csv, .elements.csv and .motion.csv
-/// have it, any choice of their columns and of further_columns(), `t [s]` first:
-///
-///     # error = 0.5 %
-///     # error D.child.T_z = 0.02 N m
-///     t [s],D.child.F_x [N],D.child.T_z [N m]
-///     0,12.1,0.31
-///
-/// Comment lines say the error, of all columns or of one: in percent of the row's scale (the joint's peak |F| or torque
-/// scale, as in the table; of a place, a speed or an acceleration that has no row, the peak of its vector in the run)
-/// or in the column's own unit. The sign of a set of Euler parameters means nothing and is chosen to fit. Throws
-/// InputError, with line and reason, for a column that the model does not have, a wrong unit, a column without an
-/// error, a number that is none, or times that do not rise.
-Reference read_reference(const std::filesystem::path& file, const Model& model);
 
 /// Throws InputError if a time of the reference is no output time of the run.
 void check_times(const Reference& reference, const RunOptions& run);

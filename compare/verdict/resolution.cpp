@@ -5,10 +5,8 @@
 #include <limits>
 
 #include "common/error.h"
-#include "common/laws/force_elements.h"
-#include "compare/audit/joint_motion.h"
-#include "compare/audit/places.h"
 #include "compare/verdict/draws.h"
+#include "compare/verdict/term_sizes.h"
 
 namespace concord::compare {
 
@@ -74,102 +72,6 @@ void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
   }
 }
 
-/// Loads on a body in one state.
-struct BodyLoad {
-  double mass = 0.0;
-  double least_inertia = 0.0;    // about any axis through the centre of mass, kg m2
-  double largest_inertia = 0.0;  // the same
-  double force = 0.0;
-  double torque = 0.0;  // about the body's origin
-  VecX modal;           // generalized forces by mode
-  VecX modal_mass;
-};
-
-class Loads {
- public:
-  Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
-    for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
-    for (const Evaluation& evaluation : shared.evaluations) add_wrenches(evaluation);
-  }
-
-  [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
-
- private:
-  void add_inertia(int i) {
-    const Body& body = model_.bodies[i];
-    const BodyState& state = shared_.state.bodies[i];
-    BodyLoad& load = bodies_[i];
-    const bool flexible = body.modal.has_value();
-    load.mass = flexible ? body.modal->G(0, 0) : body.mass;
-    const auto n_modes = static_cast<Eigen::Index>(body.n_modes());
-    load.modal = load.modal_mass = VecX::Zero(n_modes);
-    double reach = body.center_of_mass_L.norm();
-    if (flexible) {
-      for (const MassPoint& point : body.modal->mass_points) reach = std::max(reach, point.s0_L.norm());
-      for (Eigen::Index m = 0; m < n_modes; ++m) {
-        load.modal_mass(m) = body.modal->G.diagonal().segment<3>(4 + 3 * m).sum();
-      }
-      load.modal = (body.modal->stiffness.cwiseAbs() * state.a.cwiseAbs()) +
-                   (body.modal->damping.cwiseAbs() * state.adot.cwiseAbs());
-      const Vec3 center = body.modal->G.block<3, 1>(1, 0) / load.mass;
-      const Mat3 second = body.modal->G.block<3, 3>(1, 1) - load.mass * center * center.transpose();
-      take_inertia(second.trace() * Mat3::Identity() - second, load);
-    } else {
-      take_inertia(body.inertia_L, load);
-    }
-    for (const Evaluation& evaluation : shared_.evaluations) {
-      const BodyAcceleration& acceleration = evaluation.bodies[i];
-      const double turning = acceleration.omegadot.norm() + state.omega.squaredNorm();
-      const double size = model_.gravity.norm() + acceleration.vdot.norm() + reach * turning;
-      take_force(load, load.mass * size, reach);
-      load.torque = std::max(load.torque, load.largest_inertia * turning);  // I omegadot + omega x (I omega)
-      load.modal += (load.mass * load.modal_mass).cwiseSqrt() * size;
-    }
-  }
-
-  static void take_inertia(const Mat3& inertia, BodyLoad& load) {
-    load.least_inertia = std::max(0.0, inertia.diagonal().minCoeff());
-    load.largest_inertia = inertia.diagonal().maxCoeff();
-  }
-
-  static void take_force(BodyLoad& load, double force, double reach) {
-    load.force = std::max(load.force, force);
-    load.torque = std::max(load.torque, reach * force);
-  }
-
-  void take_wrench(const Attachment& side, const Wrench& wrench) {
-    if (side.body == kGround) return;
-    BodyLoad& load = bodies_[side.body];
-    const double force = wrench.force.norm();
-    take_force(load, force, side.point_L.norm());
-    load.torque = std::max(load.torque, wrench.torque.norm());
-    if (load.modal.size() > 0) {
-      load.modal += force * side.Psi_t_L.colwise().norm().transpose() +
-                    wrench.torque.norm() * side.Psi_r_L.colwise().norm().transpose();
-    }
-  }
-
-  void add_wrenches(const Evaluation& evaluation) {
-    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-      for (const Side side : kSides) {
-        take_wrench(model_.joints[k].on(side), evaluation.joints[k].total_on(side).in_C);
-        take_wrench(model_.joints[k].on(side), evaluation.joints[k].reaction_on(side).in_C);
-      }
-    }
-    for (std::size_t e = 0; e < model_.elements.size(); ++e) {
-      for (const Side side : kSides) {
-        if (const Attachment* end = end_of(model_.elements[e], side)) {
-          take_wrench(*end, evaluation.elements[e].on_side(side).in_C);
-        }
-      }
-    }
-  }
-
-  const Model& model_;
-  const SharedState& shared_;
-  std::vector<BodyLoad> bodies_;
-};
-
 }  // namespace
 
 StateSizes sizes_of(const Model& model, const State& state) {
@@ -207,101 +109,6 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
     move_by_roundoff(body.adot, sizes.modal_rate[i], draws);
   }
   return drawn;
-}
-
-namespace {
-
-/// How far apart two ends stand [m], over which a force on one is a torque about the other.
-double distance_of(const Attachment& one, const Attachment& other, const State& state) {
-  return (place(one, state.bodies[one.body]).r_P - place(other, state.bodies[other.body]).r_P).norm();
-}
-
-double distance_of_ends(const ForceElement& element, const State& state) {
-  const Attachment* parent = end_of(element, Side::parent);
-  const Attachment* child = end_of(element, Side::child);
-  return parent != nullptr && child != nullptr ? distance_of(*parent, *child, state) : 0.0;
-}
-
-}  // namespace
-
-VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
-  const Model& model = layout.model();
-  const Loads loads(model, shared);
-  const double length = model.length_scale();
-  const auto turns = [&](const CouplingTerm& term) -> bool {
-    return turning_speeds(*model.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model, term))];
-  };
-  // What a joint passes is the rest of the loads on its bodies, and of what couplings bring from other joints.
-  const auto of_bodies = [&](int k, bool is_torque) {
-    double force = 0.0;
-    double torque = 0.0;
-    for (const Attachment& side : model.joints[k].sides) {
-      if (side.body == kGround) continue;
-      force = std::max(force, loads.of(side.body).force);
-      torque = std::max(torque, loads.of(side.body).torque);
-    }
-    const Joint& joint = model.joints[k];
-    const double reach = std::max(length, distance_of(joint.sides[0], joint.sides[1], shared.state));
-    return is_torque ? std::max(torque, force * reach) : force;
-  };
-  const auto of_coupling = [&](const Coupling& coupling) {
-    double size = 0.0;
-    for (const CouplingTerm& term : coupling.terms) {
-      size = std::max(size, of_bodies(term.joint, turns(term)) / std::abs(term.factor));
-    }
-    return size;
-  };
-  const auto of_joint = [&](int k, bool is_torque) {
-    double size = of_bodies(k, is_torque);
-    for (const Coupling& coupling : model.couplings) {
-      for (const CouplingTerm& term : coupling.terms) {
-        if (term.joint != k || turns(term) != is_torque) continue;
-        size = std::max(size, of_coupling(coupling) * std::abs(term.factor));
-      }
-    }
-    return size;
-  };
-  VecX sizes(static_cast<Eigen::Index>(layout.quantities().size()));
-  for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
-    const Quantity& quantity = layout.quantities()[row];
-    const bool is_torque = unit_of(model, quantity) == "N m";
-    double& size = sizes(static_cast<Eigen::Index>(row));
-    size = 0.0;
-    switch (quantity.kind) {
-      case Kind::coupling:
-        size = of_coupling(model.couplings[quantity.owner]);
-        break;
-      case Kind::element: {
-        const ElementWrenches& wrenches = shared.evaluations[0].elements[quantity.owner];
-        const double reach = std::max(length, distance_of_ends(model.elements[quantity.owner], shared.state));
-        for (const SideWrench& side : wrenches.on) {
-          const double force = side.in_C.force.norm();
-          size = std::max(size, is_torque ? std::max(side.in_C.torque.norm(), force * reach) : force);
-        }
-        break;
-      }
-      case Kind::body_sum: {
-        const BodyLoad& load = loads.of(quantity.owner);
-        size = is_torque ? load.torque : load.force;
-        break;
-      }
-      case Kind::acceleration: {
-        const BodyLoad& load = loads.of(quantity.owner);
-        if (quantity.component < 3) {
-          size = load.mass > 0.0 ? load.force / load.mass : 0.0;
-        } else if (quantity.component < 6) {
-          size = load.least_inertia > 0.0 ? load.torque / load.least_inertia : 0.0;
-        } else {
-          const double mass = load.modal_mass(quantity.component - 6);
-          size = mass > 0.0 ? load.modal(quantity.component - 6) / mass : 0.0;
-        }
-        break;
-      }
-      default:
-        size = of_joint(quantity.owner, is_torque);
-    }
-  }
-  return sizes;
 }
 
 namespace {

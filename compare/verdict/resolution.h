@@ -48,10 +48,6 @@ StateSizes sizes_of(const Model& model, const State& state);
 /// `state` with every number moved by at most one unit of round-off of its kind's size, the same for the same seed.
 State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed);
 
-/// Size of the terms that a solver adds up to each quantity in a state [the quantity's unit]: loads of the bodies, and
-/// what passes through their joints.
-VecX term_sizes(const QuantityLayout& layout, const SharedState& shared);
-
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
 /// closing by each; over the three components of a force, torque or acceleration the largest; plus the floor, a unit of
 /// round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "common/error.h"
@@ -173,59 +174,86 @@ std::string in_states(const Disagreement& found, std::size_t total) {
   return fmt::format("in {} of {} states, first at t = {:.6g} s", found.states, total, found.t);
 }
 
+/// Where two solvers say different things of uniqueness and of counts, over states.
+class Disagreements {
+ public:
+  explicit Disagreements(const QuantityLayout& layout) : layout_(layout) {}
+
+  void add(const RankReport& one, const RankReport& other, double t) {
+    ++states_;
+    if (one.undecided || other.undecided) return;
+    add_counts({{{one.constraints - one.rank, other.constraints - other.rank},
+                 {one.degrees_of_freedom, other.degrees_of_freedom}}},
+               t);
+    const std::vector<Uniqueness> of_one = uniqueness_of(layout_, one);
+    const std::vector<Uniqueness> of_other = uniqueness_of(layout_, other);
+    std::set<Owner> here;  // each counts once in a state
+    for (std::size_t row = 0; row < of_one.size(); ++row) {
+      const Quantity& quantity = layout_.quantities()[row];
+      if (!can_be_redundant(quantity.kind) || quantity.kind == Kind::reaction_global) continue;
+      if (of_one[row] == Uniqueness::undecided || of_other[row] == Uniqueness::undecided) continue;
+      if (of_one[row] == of_other[row] || !can_carry(layout_.model(), quantity)) continue;
+      const Owner owner(quantity.kind, quantity.owner, quantity.side);
+      if (here.insert(owner).second) add_flag(owner, quantity, of_one[row] == Uniqueness::unique, t);
+    }
+  }
+
+  [[nodiscard]] std::vector<Finding> findings() const {
+    std::vector<Finding> findings;
+    constexpr std::array kWhat{"redundant constraints", "degrees of freedom"};
+    for (int what = 0; what < 2; ++what) {
+      const Disagreement& found = counts_[what];
+      if (found.states == 0) continue;
+      findings.push_back({fmt::format("rank: cartesian finds {} {}, relative {}, {}", found.counts[0], kWhat[what],
+                                      found.counts[1], in_states(found, states_)),
+                          "the solvers do not see the same constraints"});
+    }
+    for (const auto& [owner, found] : flags_) {
+      findings.push_back(
+          {fmt::format("rank: {}, {} is {} for cartesian, {} for relative, {}",
+                       describe_owner(layout_.model(), found.quantity), describe_component(found.quantity),
+                       found.unique_for_cartesian ? "unique" : "not unique",
+                       found.unique_for_cartesian ? "not unique" : "unique", in_states(found, states_)),
+           "the solvers do not see the same redundancy"});
+    }
+    return findings;
+  }
+
+ private:
+  using Owner = std::tuple<Kind, int, Side>;
+
+  void add_counts(const std::array<std::array<int, 2>, 2>& pairs, double t) {
+    for (int what = 0; what < 2; ++what) {
+      if (pairs[what][0] == pairs[what][1]) continue;
+      if (counts_[what].states == 0) counts_[what].counts = pairs[what];
+      take(counts_[what], t);
+    }
+  }
+
+  void add_flag(const Owner& owner, const Quantity& quantity, bool unique_for_cartesian, double t) {
+    Disagreement& found = flags_[owner];
+    if (found.states == 0) {
+      found.quantity = quantity;
+      found.unique_for_cartesian = unique_for_cartesian;
+    }
+    take(found, t);
+  }
+
+  const QuantityLayout& layout_;
+  std::size_t states_ = 0;
+  std::array<Disagreement, 2> counts_;
+  std::map<Owner, Disagreement> flags_;
+};
+
 }  // namespace
 
 std::vector<Finding> compare_uniqueness(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                         const RankReports& reports) {
-  const Model& model = layout.model();
-  std::array<Disagreement, 2> counts;
-  std::map<std::tuple<Kind, int, Side>, Disagreement> flags;
+  Disagreements disagreements(layout);
   for (std::size_t k = 0; k < reports.size(); ++k) {
-    const auto& [one, other] = reports[k];
-    const double t = states[k].state.t;
-    if (one.undecided || other.undecided) continue;
-    const std::array<std::array<int, 2>, 2> pairs{{{one.constraints - one.rank, other.constraints - other.rank},
-                                                   {one.degrees_of_freedom, other.degrees_of_freedom}}};
-    for (int what = 0; what < 2; ++what) {
-      if (pairs[what][0] == pairs[what][1]) continue;
-      if (counts[what].states == 0) counts[what].counts = pairs[what];
-      take(counts[what], t);
-    }
-    const std::vector<Uniqueness> of_one = uniqueness_of(layout, one);
-    const std::vector<Uniqueness> of_other = uniqueness_of(layout, other);
-    std::map<std::tuple<Kind, int, Side>, Quantity> here;
-    for (std::size_t row = 0; row < of_one.size(); ++row) {
-      const Quantity& quantity = layout.quantities()[row];
-      if (!can_be_redundant(quantity.kind) || quantity.kind == Kind::reaction_global) continue;
-      if (of_one[row] == Uniqueness::undecided || of_other[row] == Uniqueness::undecided) continue;
-      if (of_one[row] == of_other[row]) continue;
-      if (!can_carry(model, quantity)) continue;
-      const std::tuple place(quantity.kind, quantity.owner, quantity.side);
-      if (!here.emplace(place, quantity).second) continue;
-      Disagreement& found = flags[place];
-      if (found.states == 0) {
-        found.quantity = quantity;
-        found.unique_for_cartesian = of_one[row] == Uniqueness::unique;
-      }
-      take(found, t);
-    }
+    disagreements.add(reports[k][0], reports[k][1], states[k].state.t);
   }
-  std::vector<Finding> findings;
-  constexpr std::array kWhat{"redundant constraints", "degrees of freedom"};
-  for (int what = 0; what < 2; ++what) {
-    if (counts[what].states == 0) continue;
-    findings.push_back({fmt::format("rank: cartesian finds {} {}, relative {}, {}", counts[what].counts[0], kWhat[what],
-                                    counts[what].counts[1], in_states(counts[what], reports.size())),
-                        "the solvers do not see the same constraints"});
-  }
-  for (const auto& [place, found] : flags) {
-    findings.push_back(
-        {fmt::format("rank: {}, {} is {} for cartesian, {} for relative, {}", describe_owner(model, found.quantity),
-                     describe_component(found.quantity), found.unique_for_cartesian ? "unique" : "not unique",
-                     found.unique_for_cartesian ? "not unique" : "unique", in_states(found, reports.size())),
-         "the solvers do not see the same redundancy"});
-  }
-  return findings;
+  return disagreements.findings();
 }
 
 Mask mask_of_run(const Mask& mask, const std::vector<SharedState>& states, int samples) {

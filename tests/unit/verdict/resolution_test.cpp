@@ -1,4 +1,5 @@
 #include "compare/verdict/resolution.h"
+#include "compare/verdict/term_sizes.h"
 
 #include <gtest/gtest.h>
 

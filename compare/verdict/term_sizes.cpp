@@ -1,0 +1,213 @@
+#include "compare/verdict/term_sizes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "common/laws/force_elements.h"
+#include "common/results.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// Loads on a body in one state.
+struct BodyLoad {
+  double mass = 0.0;
+  double least_inertia = 0.0;    // about any axis through the centre of mass, kg m2
+  double largest_inertia = 0.0;  // the same
+  double force = 0.0;
+  double torque = 0.0;  // about the body's origin
+  VecX modal;           // generalized forces by mode
+  VecX modal_mass;
+};
+
+class Loads {
+ public:
+  Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
+    for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
+    for (const Evaluation& evaluation : shared.evaluations) add_wrenches(evaluation);
+  }
+
+  [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
+
+ private:
+  void add_inertia(int i) {
+    const Body& body = model_.bodies[i];
+    const BodyState& state = shared_.state.bodies[i];
+    BodyLoad& load = bodies_[i];
+    const bool flexible = body.modal.has_value();
+    load.mass = flexible ? body.modal->G(0, 0) : body.mass;
+    const auto n_modes = static_cast<Eigen::Index>(body.n_modes());
+    load.modal = load.modal_mass = VecX::Zero(n_modes);
+    double reach = body.center_of_mass_L.norm();
+    if (flexible) {
+      for (const MassPoint& point : body.modal->mass_points) reach = std::max(reach, point.s0_L.norm());
+      for (Eigen::Index m = 0; m < n_modes; ++m) {
+        load.modal_mass(m) = body.modal->G.diagonal().segment<3>(4 + 3 * m).sum();
+      }
+      load.modal = (body.modal->stiffness.cwiseAbs() * state.a.cwiseAbs()) +
+                   (body.modal->damping.cwiseAbs() * state.adot.cwiseAbs());
+      const Vec3 center = body.modal->G.block<3, 1>(1, 0) / load.mass;
+      const Mat3 second = body.modal->G.block<3, 3>(1, 1) - load.mass * center * center.transpose();
+      take_inertia(second.trace() * Mat3::Identity() - second, load);
+    } else {
+      take_inertia(body.inertia_L, load);
+    }
+    for (const Evaluation& evaluation : shared_.evaluations) {
+      const BodyAcceleration& acceleration = evaluation.bodies[i];
+      const double turning = acceleration.omegadot.norm() + state.omega.squaredNorm();
+      const double size = model_.gravity.norm() + acceleration.vdot.norm() + reach * turning;
+      take_force(load, load.mass * size, reach);
+      load.torque = std::max(load.torque, load.largest_inertia * turning);  // I omegadot + omega x (I omega)
+      load.modal += (load.mass * load.modal_mass).cwiseSqrt() * size;
+    }
+  }
+
+  static void take_inertia(const Mat3& inertia, BodyLoad& load) {
+    load.least_inertia = std::max(0.0, inertia.diagonal().minCoeff());
+    load.largest_inertia = inertia.diagonal().maxCoeff();
+  }
+
+  static void take_force(BodyLoad& load, double force, double reach) {
+    load.force = std::max(load.force, force);
+    load.torque = std::max(load.torque, reach * force);
+  }
+
+  void take_wrench(const Attachment& side, const Wrench& wrench) {
+    if (side.body == kGround) return;
+    BodyLoad& load = bodies_[side.body];
+    const double force = wrench.force.norm();
+    take_force(load, force, side.point_L.norm());
+    load.torque = std::max(load.torque, wrench.torque.norm());
+    if (load.modal.size() > 0) {
+      load.modal += force * side.Psi_t_L.colwise().norm().transpose() +
+                    wrench.torque.norm() * side.Psi_r_L.colwise().norm().transpose();
+    }
+  }
+
+  void add_wrenches(const Evaluation& evaluation) {
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      for (const Side side : kSides) {
+        take_wrench(model_.joints[k].on(side), evaluation.joints[k].total_on(side).in_C);
+        take_wrench(model_.joints[k].on(side), evaluation.joints[k].reaction_on(side).in_C);
+      }
+    }
+    for (std::size_t e = 0; e < model_.elements.size(); ++e) {
+      for (const Side side : kSides) {
+        if (const Attachment* end = end_of(model_.elements[e], side)) {
+          take_wrench(*end, evaluation.elements[e].on_side(side).in_C);
+        }
+      }
+    }
+  }
+
+  const Model& model_;
+  const SharedState& shared_;
+  std::vector<BodyLoad> bodies_;
+};
+
+/// The size of the terms of each quantity, from the loads on the bodies.
+class TermSizes {
+ public:
+  TermSizes(const Model& model, const SharedState& shared)
+      : model_(model), shared_(shared), loads_(model, shared), length_(model.length_scale()) {}
+
+  [[nodiscard]] double of(const Quantity& quantity) const {
+    const bool is_torque = unit_of(model_, quantity) == "N m";
+    switch (quantity.kind) {
+      case Kind::coupling:
+        return of_coupling(model_.couplings[quantity.owner]);
+      case Kind::element:
+        return of_element(quantity.owner, is_torque);
+      case Kind::body_sum:
+        return is_torque ? loads_.of(quantity.owner).torque : loads_.of(quantity.owner).force;
+      case Kind::acceleration:
+        return of_acceleration(loads_.of(quantity.owner), quantity.component);
+      default:
+        return of_joint(quantity.owner, is_torque);
+    }
+  }
+
+ private:
+  [[nodiscard]] bool turns(const CouplingTerm& term) const {
+    return turning_speeds(*model_.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model_, term))];
+  }
+
+  /// How far apart two ends stand, at least the machine's length [m]: a force on one is a torque about the other. A
+  /// load has one end.
+  [[nodiscard]] double reach(const Attachment* one, const Attachment* other) const {
+    if (one == nullptr || other == nullptr) return length_;
+    const auto& bodies = shared_.state.bodies;
+    return std::max(length_, (place(*one, bodies[one->body]).r_P - place(*other, bodies[other->body]).r_P).norm());
+  }
+
+  /// What a joint passes is the rest of the loads on its bodies, and of what couplings bring from other joints.
+  [[nodiscard]] double of_bodies(int k, bool is_torque) const {
+    double force = 0.0;
+    double torque = 0.0;
+    for (const Attachment& side : model_.joints[k].sides) {
+      if (side.body == kGround) continue;
+      force = std::max(force, loads_.of(side.body).force);
+      torque = std::max(torque, loads_.of(side.body).torque);
+    }
+    return is_torque ? std::max(torque, force * reach(&model_.joints[k].sides[0], &model_.joints[k].sides[1])) : force;
+  }
+
+  [[nodiscard]] double of_coupling(const Coupling& coupling) const {
+    double size = 0.0;
+    for (const CouplingTerm& term : coupling.terms) {
+      size = std::max(size, of_bodies(term.joint, turns(term)) / std::abs(term.factor));
+    }
+    return size;
+  }
+
+  [[nodiscard]] double of_joint(int k, bool is_torque) const {
+    double size = of_bodies(k, is_torque);
+    for (const Coupling& coupling : model_.couplings) {
+      for (const CouplingTerm& term : coupling.terms) {
+        if (term.joint != k || turns(term) != is_torque) continue;
+        size = std::max(size, of_coupling(coupling) * std::abs(term.factor));
+      }
+    }
+    return size;
+  }
+
+  [[nodiscard]] double of_element(int k, bool is_torque) const {
+    const ForceElement& element = model_.elements[k];
+    const double lever = reach(end_of(element, Side::parent), end_of(element, Side::child));
+    double size = 0.0;
+    for (const SideWrench& side : shared_.evaluations[0].elements[k].on) {
+      const double force = side.in_C.force.norm();
+      size = std::max(size, is_torque ? std::max(side.in_C.torque.norm(), force * lever) : force);
+    }
+    return size;
+  }
+
+  static double of_acceleration(const BodyLoad& load, int component) {
+    if (component < 3) return load.mass > 0.0 ? load.force / load.mass : 0.0;
+    if (component < 6) return load.least_inertia > 0.0 ? load.torque / load.least_inertia : 0.0;
+    const double mass = load.modal_mass(component - 6);
+    return mass > 0.0 ? load.modal(component - 6) / mass : 0.0;
+  }
+
+  const Model& model_;
+  const SharedState& shared_;
+  Loads loads_;
+  double length_;
+};
+
+}  // namespace
+
+VecX term_sizes(const QuantityLayout& layout, const SharedState& shared) {
+  const TermSizes sizes(layout.model(), shared);
+  VecX all(static_cast<Eigen::Index>(layout.quantities().size()));
+  for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
+    all(static_cast<Eigen::Index>(row)) = sizes.of(layout.quantities()[row]);
+  }
+  return all;
+}
+
+}  // namespace concord::compare
