@@ -5,6 +5,7 @@
 
 #include "common/solver.h"
 #include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/observe.h"
 

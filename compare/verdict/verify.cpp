@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "compare/attribution/attribution.h"
 #include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/verdict/judge.h"

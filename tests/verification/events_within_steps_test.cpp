@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "judged_machines.h"
 
 /// Regimes of tires that begin and end within one step of an integrator.

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
-#include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 
 /// Every integrator of both solvers on a damped flexible pendulum: energy, and errors that fall with the tolerance.
 namespace concord::verification {

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "judged_machines.h"
 
 /// Bodies far lighter than those that they link, as dummies in a model are.

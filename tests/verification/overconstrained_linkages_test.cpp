@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "judged_machines.h"
 
 /// Linkages whose constraints depend on each other on the motion, and only there: beside it their Jacobian has a larger

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
-#include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 #include "judged_machines.h"
 
 /// Machines whose loops leave a flexible body's modes no freedom of their own.

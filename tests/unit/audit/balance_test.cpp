@@ -1,4 +1,5 @@
 #include "compare/audit/balance.h"
+#include "compare/audit/energy.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

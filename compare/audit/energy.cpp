@@ -1,0 +1,92 @@
+#include "compare/audit/energy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "compare/audit/free_body.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr double kEnergyRoundOff = 1e-15;  // of the terms of an energy
+constexpr double kSmallestScale = 1e-6;    // of what the largest force would do
+
+struct Energies {
+  double kinetic = 0.0;
+  double potential = 0.0;
+  double terms = 0.0;  // the sizes of all that is added up
+};
+
+Energies energies_of(const Model& model, const State& state) {
+  Energies energies;
+  std::vector<MassPoint> of_rigid;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    const Mat3 A = rotation_of(body.p);
+    for (const MassPoint& point : mass_points_of(model.bodies[i], of_rigid)) {
+      const Vec3 s = A * (point.s0_L + point.Psi_t_L * body.a);
+      const Vec3 velocity = body.v + body.omega.cross(s) + A * (point.Psi_t_L * body.adot);
+      energies.kinetic += 0.5 * point.mass * velocity.squaredNorm();
+      const double weight = point.mass * model.gravity.dot(body.r + s);
+      energies.potential -= weight;
+      energies.terms += std::abs(weight);
+    }
+    if (!model.bodies[i].modal) continue;
+    const double bending = 0.5 * body.a.dot(model.bodies[i].modal->stiffness * body.a);
+    energies.potential += bending;
+    energies.terms += std::abs(bending);
+  }
+  energies.terms += energies.kinetic;
+  return energies;
+}
+
+double largest_force_in(const Evaluation& evaluation) {
+  double largest = 0.0;
+  for (const JointWrenches& joint : evaluation.joints) {
+    largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
+  }
+  for (const ElementWrenches& element : evaluation.elements) {
+    largest = std::max(largest, element.on_side(Side::child).in_C.force.norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+double mechanical_energy(const Model& model, const State& state) {
+  const Energies energies = energies_of(model, state);
+  return energies.kinetic + energies.potential;
+}
+
+EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
+  EnergyReport report;
+  if (trajectory.samples.empty()) return report;
+  const Energies start = energies_of(model, trajectory.samples.front().state);
+  const double length = model.length_scale();
+  // What comes and goes between two samples leaves its errors behind, too.
+  report.scale = trajectory.statistics.largest_work;
+  double lowest = start.potential;
+  double highest = start.potential;
+  for (const Sample& sample : trajectory.samples) {
+    const Energies now = energies_of(model, sample.state);
+    lowest = std::min(lowest, now.potential);
+    highest = std::max(highest, now.potential);
+    report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
+                             kSmallestScale * length * largest_force_in(sample.evaluation)});
+    const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
+    // High above the ground, or at rest, the sums lose more digits than the energy that moves has.
+    const double round_off = kEnergyRoundOff * (now.terms + start.terms);
+    double error = std::abs(gained - sample.work) - round_off;
+    if (error < 0.0) error = 0.0;
+    if (!std::isnan(report.error) && !(error <= report.error)) {
+      report.error = error;
+      report.t = sample.state.t;
+    }
+  }
+  return report;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,113 @@
+#include "compare/audit/free_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/decompositions.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// A rigid body as six mass points with its mass, centre of mass and inertia: at plus and minus the half axes of its
+/// ellipsoid of second moments tr(I)/2 1 - I.
+std::vector<MassPoint> six_points(const Body& body) {
+  if (body.mass <= 0.0) return {};
+  const Mat3 second_moment = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L;
+  const SymmetricEigenpairs ellipsoid = symmetric_eigenpairs(second_moment);
+  std::vector<MassPoint> points;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = std::sqrt(std::max(0.0, 3.0 * ellipsoid.values(axis) / body.mass));
+    for (const double way : {-reach, reach}) {
+      points.push_back({body.mass / 6.0, body.center_of_mass_L + way * ellipsoid.vectors.col(axis), Mat3X(3, 0)});
+    }
+  }
+  return points;
+}
+
+/// Sum over the mass points of their forces m (acceleration - g), moments about the body's origin and, by virtual work,
+/// modal rows; plus K a + D adot.
+Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& points, const Vec3& gravity,
+                              const BodyState& state, const BodyAcceleration& acceleration) {
+  const int n_modes = body.n_modes();
+  const Mat3 A = rotation_of(state.p);
+  const Vec3& omega = state.omega;
+  Balance balance(n_modes);
+  VecX sizes = VecX::Zero(6 + n_modes);
+  for (const MassPoint& point : points) {
+    const Vec3 s = A * (point.s0_L + point.Psi_t_L * state.a);
+    const Vec3 sdot = A * (point.Psi_t_L * state.adot);
+    const Vec3 sddot = A * (point.Psi_t_L * acceleration.addot);
+    const Vec3 point_acceleration = acceleration.vdot + acceleration.omegadot.cross(s) + omega.cross(omega.cross(s)) +
+                                    2.0 * omega.cross(sdot) + sddot;
+    const Vec3 force = point.mass * (point_acceleration - gravity);
+    const double size = point.mass * (point_acceleration.norm() + gravity.norm());
+    balance.rows.head<3>() += force;
+    balance.rows.segment<3>(3) += s.cross(force);
+    balance.rows.tail(n_modes) += point.Psi_t_L.transpose() * (A.transpose() * force);
+    sizes.head<3>().array() += size;
+    sizes.segment<3>(3).array() += s.norm() * size;
+    sizes.tail(n_modes) += size * point.Psi_t_L.colwise().norm().transpose();
+  }
+  if (body.modal) {
+    const VecX elastic = body.modal->stiffness * state.a;
+    const VecX damping = body.modal->damping * state.adot;
+    balance.rows.tail(n_modes) += elastic + damping;
+    sizes.tail(n_modes) = sizes.tail(n_modes).cwiseMax(elastic.cwiseAbs()).cwiseMax(damping.cwiseAbs());
+  }
+  balance.raise_scales(sizes);
+  return balance;
+}
+
+/// Takes away the generalized force of a wrench (global axes, at the deformed joint point), by its power (S20):
+/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
+void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
+  const auto n_modes = state.a.size();
+  const Mat3 A = rotation_of(state.p);
+  const PlacedFrame frame = place(side, state);
+  const Vec3 force_L = A.transpose() * wrench.force;
+  const Vec3 torque_L = A.transpose() * wrench.torque;
+  const Mat3X J_Psi_r = exponential_rate(side.Psi_r_L * state.a) * side.Psi_r_L;
+  balance.rows.head<3>() -= wrench.force;
+  balance.rows.segment<3>(3) -= wrench.torque + frame.lever.cross(wrench.force);
+  balance.rows.tail(n_modes) -= side.Psi_t_L.transpose() * force_L + J_Psi_r.transpose() * torque_L;
+  VecX sizes(6 + n_modes);
+  sizes.head<3>().setConstant(wrench.force.norm());
+  sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
+  sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
+                        wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
+  balance.raise_scales(sizes);
+}
+
+}  // namespace
+
+const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid) {
+  if (body.modal) return body.modal->mass_points;
+  of_rigid = six_points(body);
+  return of_rigid;
+}
+
+Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
+                   const Evaluation& evaluation) {
+  const BodyState& motion = state.bodies[body];
+  Balance balance = inertia_and_stiffness(model.bodies[body], points, model.gravity, motion, evaluation.bodies[body]);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment& attachment = model.joints[k].on(side);
+      if (attachment.body != body) continue;
+      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, balance);
+    }
+  }
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end == nullptr || end->body != body) continue;
+      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
+    }
+  }
+  return balance;
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "common/types.h"
+
+/// A body cut free: d'Alembert's sum over its mass points and what acts on it.
+namespace concord::compare {
+
+/// The mass points of a flexible body; of a rigid one, six that have its inertia, which are kept in `of_rigid`.
+const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid);
+
+/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
+struct Balance {
+  explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}
+
+  VecX rows;
+  VecX scales;
+
+  void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
+};
+
+/// d'Alembert's sum on a body in global axes: inertia of its mass points, weight, stiffness and damping, minus the
+/// total wrenches of joints and the wrenches of force elements on it.
+Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
+                   const Evaluation& evaluation);
+
+}  // namespace concord::compare
