@@ -7,7 +7,7 @@
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 

@@ -8,7 +8,7 @@
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/linearize.h"
 #include "compare/audit/digits.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/align.h"
 
 namespace concord::compare::analyses {

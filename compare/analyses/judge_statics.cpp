@@ -6,7 +6,7 @@
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/chart.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/observe.h"
 #include "compare/verdict/refinement.h"
 

@@ -17,7 +17,7 @@
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/interrupt.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/workers/pool.h"
 
 namespace concord::compare::fuzz {

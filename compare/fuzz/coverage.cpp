@@ -8,7 +8,7 @@
 #include "common/joints/catalogue.h"
 #include "compare/audit/digits.h"
 #include "compare/fuzz/elements.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::fuzz {
 

@@ -14,7 +14,7 @@
 #include "compare/report/files.h"
 #include "compare/report/interrupt.h"
 #include "compare/report/result_folder.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/verdict.h"
 
 namespace concord::compare::invariance {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::invariance {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/joint_check/word_properties.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::joint_check {
 

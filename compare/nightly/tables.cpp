@@ -14,7 +14,7 @@
 #include "compare/audit/digits.h"
 #include "compare/report/files.h"
 #include "compare/report/junit.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::nightly {
 

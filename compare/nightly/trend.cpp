@@ -9,7 +9,7 @@
 #include "common/reading/spelling.h"
 #include "compare/audit/digits.h"
 #include "compare/nightly/regression.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::nightly {
 

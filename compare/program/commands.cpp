@@ -20,6 +20,7 @@
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/branch.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"

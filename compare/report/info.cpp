@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "compare/audit/joint_motion.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/observe.h"
 
 namespace concord::compare {

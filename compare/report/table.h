@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "common/model.h"
 #include "compare/verdict/verdict.h"
@@ -13,12 +12,5 @@ namespace concord::compare {
 /// side the component that comes nearest to its need (or fails it most); `all_rows`: every component. Says nothing that
 /// changes from run to run.
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows);
-
-/// Columns of one width each, `| a | b |`, under a rule; every line has as many cells as the first. The columns named
-/// in `right` are aligned right.
-std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right);
-
-/// "1 loop", "2 loops".
-std::string plural(int count, const char* one, const char* many);
 
 }  // namespace concord::compare

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/third_words.h"
 
 namespace concord::compare {

@@ -14,7 +14,7 @@
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "common/reading/model_file.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/verify.h"

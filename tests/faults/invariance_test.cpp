@@ -11,7 +11,7 @@
 #include "common/reading/model_file.h"
 #include "compare/invariance/battery.h"
 #include "compare/invariance/report.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/verify.h"
 #include "relative/solver.h"
 #include "tests/faults/catalogue.h"

@@ -19,7 +19,7 @@
 #include "compare/fuzz/generator.h"
 #include "compare/fuzz/writer.h"
 #include "compare/report/files.h"
-#include "compare/report/table.h"
+#include "compare/report/text_table.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/weighed_states.h"

@@ -1,4 +1,5 @@
 #include "compare/report/table.h"
+#include "compare/report/text_table.h"
 
 #include <gmock/gmock.h>
 

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace concord::compare {
+
+/// Columns of one width each, `| a | b |`, under a rule; every line has as many cells as the first. The columns named
+/// in `right` are aligned right.
+std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right);
+
+/// "1 loop", "2 loops".
+std::string plural(int count, const char* one, const char* many);
+
+}  // namespace concord::compare
