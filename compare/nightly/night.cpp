@@ -118,6 +118,18 @@ void put_longest_first(const std::map<std::string, double>& wall_times, std::vec
   std::stable_sort(cases.begin(), cases.end(), [&](const Case* a, const Case* b) { return expected(a) > expected(b); });
 }
 
+namespace {
+
+Result not_run(const Case& one) {
+  Result result;
+  result.id = one.id;
+  result.work = work_names()[static_cast<std::size_t>(one.work)];
+  result.words = "the time of the night was up";
+  return result;
+}
+
+}  // namespace
+
 bool run_cases(std::vector<const Case*> cases, const NightOptions& options, const StoreResult& store,
                const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console) {
   const StagedFolder scratch(std::filesystem::temp_directory_path());
@@ -162,13 +174,7 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, cons
   };
   workers::Pool(task, jobs, {}).run_apart(next, watch);
   progress.wipe();
-  for (std::size_t k = given; k < cases.size(); ++k) {
-    Result result;
-    result.id = cases[k]->id;
-    result.work = work_names()[static_cast<std::size_t>(cases[k]->work)];
-    result.words = "the time of the night was up";
-    store(result);
-  }
+  for (std::size_t k = given; k < cases.size(); ++k) store(not_run(*cases[k]));
   return is_complete && given == cases.size();
 }
 
