@@ -5,19 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "common/decompositions.h"
 #include "common/joints/catalogue.h"
 #include "common/joints/named_coordinates.h"
-#include "compare/audit/joint_motion.h"
 #include "compare/fuzz/elements.h"
-#include "compare/fuzz/flexible.h"
 #include "compare/fuzz/laws.h"
+#include "compare/fuzz/part_drawing.h"
 #include "compare/fuzz/placing.h"
 #include "compare/fuzz/random.h"
+#include "compare/fuzz/recipe.h"
 #include "compare/joint_check/poses.h"
-#include "compare/joint_check/referee.h"
 
 namespace concord::compare::fuzz {
 
@@ -25,61 +22,6 @@ namespace {
 
 constexpr std::array kMixed{Style::generic, Style::loops,    Style::ordinary,  Style::forces,
                             Style::generic, Style::flexible, Style::redundant, Style::wide};
-
-/// What a machine is going to have, decided before any of its parts is drawn.
-struct Recipe {
-  bool is_aligned = false;
-  bool is_wide = false;
-  bool is_planar = false;
-  bool has_twin = false;
-  int bodies = 2;
-  int loops = 0;
-  int elements = 0;
-  double flexible = 0.0;  // shares
-  double driven = 0.0;
-  double sprung = 0.0;
-  double coupled = 0.0;
-  double resting = 0.0;
-};
-
-Recipe draw_recipe(Style style, Random& random) {
-  Recipe recipe;
-  recipe.bodies = 1 + random.below(4);
-  recipe.loops = random.chance(0.25) ? 1 : 0;
-  recipe.elements = random.chance(0.4) ? 1 + random.below(2) : 0;
-  recipe.flexible = random.chance(0.2) ? 0.4 : 0.0;
-  recipe.driven = 0.06;
-  recipe.sprung = 0.15;
-  recipe.coupled = 0.15;
-  if (style == Style::ordinary) {
-    recipe.is_aligned = true;
-    recipe.resting = 0.7;
-    recipe.is_planar = random.chance(0.4);
-    recipe.loops = recipe.is_planar && random.chance(0.5) ? 1 : 0;
-    recipe.flexible *= 0.5;
-  } else if (style == Style::loops) {
-    recipe.bodies = 2 + random.below(4);
-    recipe.loops = 1 + random.below(2);
-  } else if (style == Style::redundant) {
-    recipe.is_planar = random.chance(0.5);
-    recipe.has_twin = !recipe.is_planar;
-    recipe.bodies = recipe.is_planar ? 3 : 1 + random.below(3);
-    recipe.loops = 1;
-    recipe.flexible = 0.0;
-  } else if (style == Style::flexible) {
-    recipe.flexible = 0.7;
-    recipe.bodies = 1 + random.below(3);
-    recipe.loops = random.chance(0.3) ? 1 : 0;
-  } else if (style == Style::forces) {
-    recipe.elements = 2 + random.below(3);
-    recipe.sprung = 0.5;
-  } else if (style == Style::wide) {
-    recipe.is_wide = true;
-  }
-  return recipe;
-}
-
-double rounded(double value) { return value == 0.0 ? 0.0 : std::stod(fmt::format("{:.2g}", value)); }
 
 class Drawing {
  public:
@@ -124,162 +66,24 @@ class Drawing {
     machine_.bodies.front().name = "ground";
   }
 
-  Vec3 draw_point() {
-    if (!recipe_.is_aligned) return random_.vector(0.6 * units_.length);
-    if (random_.chance(0.3)) return Vec3::Zero();
-    const double sign = random_.chance(0.5) ? 1.0 : -1.0;
-    const int most = recipe_.is_planar ? 2 : 3;
-    return sign * rounded(random_.between(0.2, 1.0) * units_.length) * Vec3::Unit(random_.below(most));
-  }
-
-  Vec4 draw_frame() {
-    if (recipe_.is_planar) return about_z(recipe_.is_aligned ? 0.0 : random_.between(-2.0, 2.0));
-    if (!recipe_.is_aligned) return random_.rotation();
-    if (random_.chance(0.4)) return Vec4::Unit(0);
-    const double half = std::numbers::pi / 4.0 * (1 + random_.below(2));
-    Vec4 p = std::cos(half) * Vec4::Unit(0);
-    p(1 + random_.below(3)) = std::sin(half);
-    return p;
-  }
-
-  static Vec4 about_z(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle)}; }
-
-  BodyPlan draw_body(int i) {
-    BodyPlan body;
-    body.name = fmt::format("body{}", i);
-    const double spread = recipe_.is_wide ? 300.0 : 4.0;
-    body.mass = units_.mass * random_.log_between(1.0 / spread, spread);
-    if (recipe_.is_aligned) body.mass = rounded(body.mass);
-    const bool is_central = recipe_.is_aligned && random_.chance(0.5);
-    body.center_of_mass = is_central ? Vec3(Vec3::Zero()) : Vec3(0.5 * draw_point());
-    draw_inertia(body);
-    if (random_.chance(recipe_.flexible)) make_flexible(body);
-    return body;
-  }
-
-  void draw_inertia(BodyPlan& body) {
-    const double size = body.mass * std::pow(units_.length * random_.between(0.2, 0.5), 2);
-    Vec3 second = size * Vec3(random_.between(0.1, 1.0), random_.between(0.1, 1.0), random_.between(0.1, 1.0));
-    if (recipe_.is_aligned) {
-      if (random_.chance(0.4)) second.setConstant(second(0));
-      if (random_.chance(0.3)) second(1) = second(0);
-      for (double& one : second) one = rounded(one);
-    }
-    const Vec3 principal(second(1) + second(2), second(2) + second(0), second(0) + second(1));
-    if (recipe_.is_aligned) {
-      body.inertia << principal, Vec3::Zero();
-      return;
-    }
-    const Mat3 A = rotation_of(random_.rotation());
-    const Mat3 I = A * principal.asDiagonal() * A.transpose();
-    body.inertia << I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2);
-  }
-
-  void make_flexible(BodyPlan& body) {
-    body.flexible = random_.chance(0.75) ? draw_beam(body.mass, units_, recipe_.is_aligned, random_)
-                                         : draw_modes_file(body.mass, units_, random_);
-    const auto modes = body.flexible->a.size();
-    if (recipe_.loops == 0 && !random_.chance(recipe_.resting)) {
-      body.flexible->a = random_.vector(modes, 0.01 * units_.length * std::sqrt(body.mass));
-      body.flexible->adot = random_.vector(modes, 0.01 * units_.length * std::sqrt(body.mass) / units_.time);
-    }
-  }
-
-  End draw_end(int i) {
-    End end;
-    end.body = i;
-    end.p = draw_frame();
-    end.point = draw_point();
-    if (recipe_.is_planar && recipe_.is_aligned) end.point.z() = 0.0;
-    if (const auto& flexible = machine_.bodies[i].flexible) {
-      end.node = random_.below(static_cast<int>(flexible->nodes.size()));
-      const bool is_on_node = recipe_.is_aligned || random_.chance(0.5);
-      end.point = flexible->nodes[end.node] + (is_on_node ? Vec3(Vec3::Zero()) : Vec3(0.2 * end.point));
-    }
-    return end;
-  }
-
-  const joints::JointType* draw_type() {
-    const auto& all = joints::catalogue();
-    if (!recipe_.is_planar) return all[static_cast<std::size_t>(random_.below(static_cast<int>(all.size())))];
-    return joints::find("revolute");
-  }
-
-  /// A joint in a regular pose; its ends are still to be said.
-  JointPlan draw_joint(const joints::JointType* type) {
-    JointPlan joint;
-    joint.type = type;
-    joint.name = fmt::format("joint{}", machine_.joints.size() + 1);
-    for (const joints::Parameter& parameter : type->parameters) {
-      const bool is_length = parameter.unit.starts_with("m");
-      const double value = parameter.example * random_.between(0.7, 2.5) * (is_length ? units_.length : 1.0);
-      joint.parameters.push_back(recipe_.is_aligned ? rounded(value) : value);
-    }
-    joint.coordinates.resize(named_coordinates(*type).size());
-    joint.keeps_q.assign(type->permits.size(), false);
-    joint.keeps_u.assign(type->permits.size(), false);
-    draw_coordinates(joint);
-    for (int tries = 0; tries < 100 && !is_regular(joint); ++tries) draw_coordinates(joint);
-    return joint;
-  }
-
-  void draw_coordinates(JointPlan& joint) {
-    joint.q = VecX::Zero(joint.type->n_q());
-    joint.u = VecX::Zero(joint.type->n_u());
-    const bool rests = random_.chance(recipe_.resting);
-    for (int w = 0; w < static_cast<int>(joint.type->permits.size()); ++w) {
-      if (!std::holds_alternative<joints::Ball>(joint.type->permits[w])) continue;
-      joint.q.segment<4>(first_q(*joint.type, w)) = recipe_.is_aligned ? Vec4(Vec4::Unit(0)) : random_.rotation();
-      if (!rests) joint.u.segment<3>(first_u(*joint.type, w)) = random_.vector(1.5 / units_.time);
-    }
-    for (const joint_check::Coordinate& one : joint_check::coordinates_of(*joint.type)) {
-      joint.q(one.q) = draw_place(*joint.type, one);
-      if (!rests) joint.u(one.u) = random_.between(-1.5, 1.5) * (one.is_turn ? 1.0 : units_.length) / units_.time;
-    }
-  }
-
-  double draw_place(const joints::JointType& type, const joint_check::Coordinate& one) {
-    const auto* by = std::get_if<joints::ByMotion>(&type.permits[one.word]);
-    if (by != nullptr && !by->ranges.empty()) return random_.between(one.least, one.greatest);
-    if (recipe_.is_aligned) {
-      const int step = random_.below(7) - 3;
-      return one.is_turn ? step * std::numbers::pi / 12.0 : rounded(0.1 * step * units_.length);
-    }
-    const double reach =
-        one.is_turn ? std::min(one.greatest, random_.chance(0.1) ? one.greatest : 1.4) : one.greatest * units_.length;
-    return random_.between(-reach, reach);
-  }
-
-  /// Whether the columns of the motion are far from one another.
-  [[nodiscard]] bool is_regular(const JointPlan& joint) const {
-    constexpr double kLeast = 0.1;
-    const joints::JointType type = joint.own_type();
-    if (type.n_u() == 0) return true;
-    MatX S = joint_check::referee_permits(type, joint.q, VecX::Zero(type.n_u())).S.leftCols(type.n_u());
-    S.topRows<3>() /= units_.length;
-    const std::vector<bool> turning = turning_speeds(type);
-    for (Eigen::Index c = 0; c < S.cols(); ++c) {
-      if (!turning[static_cast<std::size_t>(c)]) S.col(c) *= units_.length;
-    }
-    return singular_values(S).minCoeff() > kLeast;
-  }
-
   void add_body(int i) {
-    machine_.bodies.push_back(draw_body(i));
+    machine_.bodies.push_back(parts_.draw_body(i));
     const auto& all = joints::catalogue();
     // The first joint walks along the catalogue, so that no type is left out for long.
     const bool takes_turn = i == 1 && !recipe_.is_planar;
-    const joints::JointType* type = takes_turn ? all[number_ % all.size()] : draw_type();
-    JointPlan joint = draw_joint(type);
+    const joints::JointType* type = takes_turn ? all[number_ % all.size()] : parts_.draw_type();
+    JointPlan joint = parts_.draw_joint(type, machine_.joints.size() + 1);
     const int inner = random_.chance(0.6) ? i - 1 : random_.below(i);
     const bool is_reversed = random_.chance(0.3);
-    const End inner_end = draw_end(inner);
-    const End outer_end = draw_end(i);
+    const End inner_end = draw_end_on(inner);
+    const End outer_end = draw_end_on(i);
     joint.ends = is_reversed ? std::array{outer_end, inner_end} : std::array{inner_end, outer_end};
     add_to_coordinates(joint);
     machine_.joints.push_back(std::move(joint));
     if (!place(machine_, choice_).ok()) undo_laws();
   }
+
+  End draw_end_on(int i) { return parts_.draw_end(i, machine_.bodies[i]); }
 
   /// Drivers and springs.
   void add_to_coordinates(JointPlan& joint) {
@@ -338,13 +142,14 @@ class Drawing {
   JointPlan draw_closing_joint(int tries) {
     const auto& all = joints::catalogue();
     const bool takes_turn = tries < 3 && !recipe_.is_planar;
-    JointPlan joint = draw_joint(takes_turn ? all[(number_ / 3) % all.size()] : draw_type());
+    JointPlan joint = parts_.draw_joint(takes_turn ? all[(number_ / 3) % all.size()] : parts_.draw_type(),
+                                        machine_.joints.size() + 1);
     joint.closes_loop = true;
     const int count = static_cast<int>(machine_.bodies.size());
     const int one = recipe_.is_planar ? 0 : random_.below(count);
     const int other = recipe_.is_planar ? count - 1 : (one + 1 + random_.below(count - 1)) % count;
-    joint.ends[0] = draw_end(one);
-    joint.ends[1] = draw_end(other);
+    joint.ends[0] = draw_end_on(one);
+    joint.ends[1] = draw_end_on(other);
     return joint;
   }
 
@@ -416,9 +221,9 @@ class Drawing {
     const int outer = 1 + random_.below(static_cast<int>(machine_.bodies.size()) - 1);
     const int other = one != outer ? one : 0;
     Ends ends;
-    ends.parent = draw_end(random_.chance(0.5) ? other : outer);
-    ends.child = draw_end(ends.parent.body == other ? outer : other);
-    ends.alone = draw_end(outer);
+    ends.parent = draw_end_on(random_.chance(0.5) ? other : outer);
+    ends.child = draw_end_on(ends.parent.body == other ? outer : other);
+    ends.alone = draw_end_on(outer);
     const std::string& table = element_tables()[static_cast<std::size_t>(kind)];
     const bool is_alone = table == "load" || table == "tire";
     const Units units = units_of(is_alone ? std::array{ends.alone, ends.alone} : std::array{ends.parent, ends.child});
@@ -449,6 +254,7 @@ class Drawing {
   std::uint64_t choice_;
   Recipe recipe_;
   Units units_;
+  PartDrawing parts_{recipe_, units_, random_};
   Machine machine_;
 };
 

@@ -7,28 +7,16 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/fuzz/random.h"
-#include "compare/joint_check/referee.h"
+#include "compare/fuzz/velocities.h"
 
 namespace concord::compare::fuzz {
 
 namespace {
 
-using Motion = joints::FunctionOfCoordinates::Motion;
-
 constexpr double kZero = 1e-9;         // of the largest singular value
 constexpr double kFarFromZero = 0.04;  // what is not zero is more than this
 constexpr double kIndependent = 0.1;   // the least new part of a unit row that is taken for independent
 constexpr double kLargestSpeed = 5.0;  // solved speeds over those that were drawn
-
-/// Place of a joint's frame on a side in the global frame.
-Pose frame_of(const End& end, const Pose& body) { return {body.r + body.A * end.point, body.A * rotation_of(end.p)}; }
-
-Motion motion_of(const JointPlan& joint, const joints::JointType& type) {
-  return joint_check::referee_permits(type, joint.q, joint.u);
-}
-
-/// The body that the joint carries in the tree stands on this side.
-Side outer_side(const JointPlan& joint, int body) { return joint.ends[1].body == body ? Side::child : Side::parent; }
 
 void follow_laws(Machine& machine) {
   for (JointPlan& joint : machine.joints) {
@@ -52,137 +40,6 @@ void close_loops(Machine& machine, const std::vector<Pose>& poses) {
     joint.ends[1].p = parameters_of(child.A.transpose() * parent.A * motion.placement.R);
   }
 }
-
-/// The velocity level of a machine in its pose: a column for each joint speed, scaled so that turns and slides compare.
-class Velocities {
- public:
-  Velocities(const Machine& machine, const std::vector<Pose>& poses) : machine_(machine), poses_(poses) {
-    for (const JointPlan& joint : machine.joints) {
-      types_.push_back(joint.own_type());
-      first_.push_back(n_);
-      n_ += joint.type->n_u();
-    }
-    find_scales();
-    move_tree();
-  }
-
-  [[nodiscard]] int n() const { return n_; }
-  [[nodiscard]] int first(int joint) const { return first_[joint]; }
-  /// What one unit of a scaled column is: m/s or rad/s.
-  [[nodiscard]] double scale(int column) const { return scale_(column); }
-
-  /// The loops: v_rel of the bodies is what the joint permits.
-  [[nodiscard]] MatX loops() const {
-    MatX rows(0, n_);
-    for (std::size_t k = 0; k < machine_.joints.size(); ++k) {
-      if (machine_.joints[k].closes_loop) append(rows, loop_rows(static_cast<int>(k)));
-    }
-    return rows * scale_.asDiagonal();
-  }
-
-  /// What must not slip.
-  [[nodiscard]] MatX slips() const {
-    MatX rows(0, n_);
-    for (std::size_t k = 0; k < machine_.joints.size(); ++k) {
-      if (types_[k].permits_speeds.empty()) continue;
-      const Motion motion = motion_of(machine_.joints[k], types_[k]);
-      const auto n_u = types_[k].n_u();
-      const MatX free = free_speeds(types_[k], motion.placement.R, motion.S.leftCols(n_u));
-      const MatX forbidden = kernel_of(free.transpose()).transpose();
-      MatX more = MatX::Zero(forbidden.rows(), n_);
-      more.middleCols(first_[k], n_u) = forbidden;
-      append(rows, more);
-    }
-    rows = rows * scale_.asDiagonal();
-    for (Eigen::Index k = 0; k < rows.rows(); ++k) rows.row(k).normalize();
-    return rows;
-  }
-
-  static void append(MatX& rows, const MatX& more) {
-    const Eigen::Index old = rows.rows();
-    rows.conservativeResize(old + more.rows(), more.cols());
-    rows.bottomRows(more.rows()) = more;
-  }
-
- private:
-  void find_scales() {
-    scale_ = VecX::Ones(n_);
-    for (std::size_t k = 0; k < types_.size(); ++k) {
-      const std::vector<bool> turning = turning_speeds(types_[k]);
-      for (std::size_t c = 0; c < turning.size(); ++c) {
-        if (!turning[c]) scale_(first_[k] + static_cast<int>(c)) = machine_.length;
-      }
-    }
-  }
-
-  /// v and omega of a body's origin, 3 rows each.
-  struct Speeds {
-    MatX v;
-    MatX omega;
-  };
-
-  [[nodiscard]] MatX at_point(const Speeds& body, const Vec3& arm) const {
-    MatX v = body.v;
-    for (int c = 0; c < n_; ++c) v.col(c) += Vec3(body.omega.col(c)).cross(arm);
-    return v;
-  }
-
-  /// Velocity and angular velocity of the child's frame against the parent's, in global axes, by the joint's speeds.
-  [[nodiscard]] Speeds permitted(int k, const Motion& motion, const Mat3& A_joint) const {
-    Speeds own{MatX::Zero(3, n_), MatX::Zero(3, n_)};
-    const auto n_u = types_[k].n_u();
-    own.v.middleCols(first_[k], n_u) = A_joint * motion.S.topRows<3>().leftCols(n_u);
-    own.omega.middleCols(first_[k], n_u) = A_joint * motion.S.bottomRows<3>().leftCols(n_u);
-    return own;
-  }
-
-  void move_tree() {
-    bodies_.resize(machine_.bodies.size());
-    bodies_[0] = {MatX::Zero(3, n_), MatX::Zero(3, n_)};
-    for (int i = 1; i < static_cast<int>(machine_.bodies.size()); ++i) {
-      const JointPlan& joint = machine_.joints[i - 1];
-      const Side outer = outer_side(joint, i);
-      const End& outer_end = joint.ends[index(outer)];
-      const End& inner_end = joint.ends[1 - index(outer)];
-      const Pose outer_frame = frame_of(outer_end, poses_[i]);
-      const Pose inner_frame = frame_of(inner_end, poses_[inner_end.body]);
-      const Mat3 A_joint = outer == Side::child ? inner_frame.A : outer_frame.A;
-      const Speeds own = permitted(i - 1, motion_of(joint, types_[i - 1]), A_joint);
-      const double sign = outer == Side::child ? 1.0 : -1.0;
-      const Speeds& inner = bodies_[inner_end.body];
-      bodies_[i].omega = inner.omega + sign * own.omega;
-      // ddot = v_Pi - v_Pj - omega_j x (r_Pi - r_Pj), whichever side is the outer one.
-      MatX v = at_point(inner, inner_frame.r - poses_[inner_end.body].r) + sign * own.v;
-      const MatX& omega_parent = outer == Side::child ? inner.omega : bodies_[i].omega;
-      for (int c = 0; c < n_; ++c) v.col(c) += Vec3(omega_parent.col(c)).cross(outer_frame.r - inner_frame.r);
-      bodies_[i].v = v;
-      bodies_[i].v = at_point(bodies_[i], poses_[i].r - outer_frame.r);
-    }
-  }
-
-  [[nodiscard]] MatX loop_rows(int k) const {
-    const JointPlan& joint = machine_.joints[k];
-    const Pose parent = frame_of(joint.ends[0], poses_[joint.ends[0].body]);
-    const Pose child = frame_of(joint.ends[1], poses_[joint.ends[1].body]);
-    const Speeds own = permitted(k, motion_of(joint, types_[k]), parent.A);
-    const Speeds& j = bodies_[joint.ends[0].body];
-    const Speeds& i = bodies_[joint.ends[1].body];
-    MatX rows(6, n_);
-    rows.topRows<3>() = at_point(i, child.r - poses_[joint.ends[1].body].r) -
-                        at_point(j, child.r - poses_[joint.ends[0].body].r) - own.v;
-    rows.topRows<3>() /= machine_.length;
-    rows.bottomRows<3>() = i.omega - j.omega - own.omega;
-    return rows;
-  }
-
-  const Machine& machine_;
-  const std::vector<Pose>& poses_;
-  std::vector<joints::JointType> types_;
-  std::vector<int> first_;
-  int n_ = 0;
-  VecX scale_;
-  std::vector<Speeds> bodies_;
-};
 
 struct Rank {
   int rank = 0;
@@ -208,7 +65,7 @@ struct Prescribed {
 
   void add(const VecX& row, double value) {
     const double size = row.norm();
-    Velocities::append(rows, row.transpose() / size);
+    append_rows(rows, row.transpose() / size);
     values.conservativeResize(values.size() + 1);
     values(values.size() - 1) = value / size;
   }
@@ -329,7 +186,7 @@ bool solve_speeds(Machine& machine, const Velocities& velocities, const std::vec
     if (!kept[k]) continue;
     MatX more = MatX::Zero(words[k].count, n);
     more.middleCols(words[k].first, words[k].count).setIdentity();
-    Velocities::append(rows, more);
+    append_rows(rows, more);
     const auto old = values.size();
     values.conservativeResize(old + words[k].count);
     values.tail(words[k].count) = drawn.segment(words[k].first, words[k].count);
@@ -376,7 +233,7 @@ std::string find_start(Machine& machine, const std::vector<Pose>& poses, std::ui
   const Rank loops = rank_of(rows);
   if (!machine.is_redundant && loops.rank < rows.rows()) return "loops depend on each other";
   if (!loops.is_clear && machine.is_regular) return "near a singular pose";
-  Velocities::append(rows, laws.rows);
+  append_rows(rows, laws.rows);
   Rank rank = rank_of(rows);
   if (rank.rank < loops.rank + laws.rows.rows()) return "laws depend on the joints";
   if (!rank.is_clear && machine.is_regular) return "near a singular pose of its laws";
@@ -386,7 +243,7 @@ std::string find_start(Machine& machine, const std::vector<Pose>& poses, std::ui
   VecX values = VecX::Zero(rows.rows());
   values.tail(laws.values.size()) = laws.values;
   const MatX slips = velocities.slips();
-  Velocities::append(rows, slips);
+  append_rows(rows, slips);
   values.conservativeResize(rows.rows());
   values.tail(slips.rows()).setZero();
   const int before = rank.rank;
