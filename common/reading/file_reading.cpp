@@ -9,7 +9,7 @@ namespace concord {
 
 namespace {
 
-bool in_order(const SourceLocation& a, const SourceLocation& b) {
+bool stands_before(const SourceLocation& a, const SourceLocation& b) {
   return a.line != b.line ? a.line < b.line : a.column < b.column;
 }
 
@@ -33,7 +33,7 @@ void FileReading::complain(const SourceLocation& where, std::string message) {
 std::vector<Diagnostic> FileReading::sorted_complaints() const {
   std::vector<Diagnostic> sorted = complaints;
   std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Diagnostic& a, const Diagnostic& b) { return in_order(a.where, b.where); });
+                   [](const Diagnostic& a, const Diagnostic& b) { return stands_before(a.where, b.where); });
   return sorted;
 }
 

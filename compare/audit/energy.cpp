@@ -43,7 +43,7 @@ Energies energies_of(const Model& model, const State& state) {
   return energies;
 }
 
-double largest_force_in(const Evaluation& evaluation) {
+double largest_force_on_children(const Evaluation& evaluation) {
   double largest = 0.0;
   for (const JointWrenches& joint : evaluation.joints) {
     largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
@@ -75,7 +75,7 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
     lowest = std::min(lowest, now.potential);
     highest = std::max(highest, now.potential);
     report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
-                             kSmallestScale * length * largest_force_in(sample.evaluation)});
+                             kSmallestScale * length * largest_force_on_children(sample.evaluation)});
     const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
     // High above the ground, or at rest, the sums lose more digits than the energy that moves has.
     const double round_off = kEnergyRoundOff * (now.terms + start.terms);

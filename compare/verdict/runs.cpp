@@ -17,7 +17,7 @@ namespace concord::compare {
 
 namespace {
 
-RungSummary& summary_of(Verdict& verdict, Rung rung) {
+RungSummary& summary_of_runs(Verdict& verdict, Rung rung) {
   return rung == Rung::same_run ? verdict.same_run : verdict.refined;
 }
 
@@ -139,7 +139,7 @@ std::optional<int> RunRungs::climb(RunPair& pair, const RunPair* before, Rung ru
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
   measure_pair(up_to, weigh_run(weighed, horizon->samples).budget(), rung);
   pair.motion = up_to.motion;
-  summary_of(verdict_, rung).horizon = up_to.series.times.back();
+  summary_of_runs(verdict_, rung).horizon = up_to.series.times.back();
   if (!reaches_needs(verdict_, rung, up_to, motion_need) && !judge_misses(up_to, compared, rung, motion_need))
     return std::nullopt;
   return horizon->samples;
