@@ -165,7 +165,7 @@ spring.slide_z = {{ stiffness = {:.16e}, damping = {:.16e} }}
       250.0 * force / size.length, 1.4 * force * size.time / size.length);
 }
 
-TEST_CASE("Analyses say the same of a machine of any size", "[analyses][quick]") {
+TEST_CASE("Analyses say the same of a machine of any size", "[analyses]") {
   const Size size = GENERATE(Size{1, 1, 1}, Size{1e-3, 1, 1}, Size{1e6, 1, 1}, Size{1, 1e-6, 1}, Size{1, 1e6, 1},
                              Size{1, 1, 1e-6}, Size{1, 1, 1e6}, Size{1e-3, 1e-6, 1e6}, Size{1e6, 1e-6, 1e-6});
   const Model model = parse(wand_on_a_crank(size));

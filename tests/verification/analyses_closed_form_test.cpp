@@ -261,7 +261,7 @@ TEST_CASE("Inverse dynamics and the way back agree to ten digits, in loops and w
   CHECK(result.wrenches.outcome == compare::Outcome::agree);
 }
 
-TEST_CASE("Machines whose motion is fully driven go through it alike", "[analyses][quick]") {
+TEST_CASE("Machines whose motion is fully driven go through it alike", "[analyses]") {
   const std::string name = GENERATE(as<std::string>{}, "driven_linkage", "slider_crank_rigid", "universal_shaft_30deg");
   const Model model = read(name);
   const AnalysisVerdict result = judge_kinematics(model, kMakers, {});
