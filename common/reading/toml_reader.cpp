@@ -143,7 +143,7 @@ std::optional<int> TableReader::count(std::string_view key, int smallest, int la
 
 std::optional<std::string> TableReader::text(std::string_view key) const {
   if (!has(key)) return std::nullopt;
-  if (const auto value = node(key)->value_exact<std::string>()) return value;
+  if (auto value = node(key)->value_exact<std::string>()) return value;
   complain(key, fmt::format("'{}' must be a string, found {}", key, type_name(*node(key))));
   return std::nullopt;
 }
