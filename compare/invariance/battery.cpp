@@ -12,9 +12,9 @@
 #include "compare/audit/digits.h"
 #include "compare/invariance/moved_solver.h"
 #include "compare/invariance/moves.h"
-#include "compare/verdict/term_sizes.h"
 #include "compare/verdict/branch.h"
 #include "compare/verdict/states.h"
+#include "compare/verdict/term_sizes.h"
 #include "compare/verdict/weighed_states.h"
 
 namespace concord::compare::invariance {

@@ -1,5 +1,4 @@
 #include "compare/audit/balance.h"
-#include "compare/audit/energy.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
+#include "compare/audit/energy.h"
 
 namespace concord::compare {
 namespace {

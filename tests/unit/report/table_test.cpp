@@ -1,10 +1,10 @@
 #include "compare/report/table.h"
-#include "compare/report/text_table.h"
 
 #include <gmock/gmock.h>
 
 #include <sstream>
 
+#include "compare/report/text_table.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
 

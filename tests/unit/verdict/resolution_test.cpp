@@ -1,5 +1,4 @@
 #include "compare/verdict/resolution.h"
-#include "compare/verdict/term_sizes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <limits>
 
 #include "common/reading/model_file.h"
+#include "compare/verdict/term_sizes.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
