@@ -1,0 +1,91 @@
+#include "compare/verdict/judge.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+/// What a judge makes of rows that agree to some digits, and of the audit.
+class JudgeTest : public ::testing::Test {
+ protected:
+  void record_rows(Rung rung, double digits) {
+    std::vector<Measured> measured(layout_.quantities().size());
+    for (Measured& one : measured) {
+      one.digits = one.unexplained_digits = digits;
+      one.scale = 2.0;
+      one.samples = 3;
+    }
+    record(layout_, measured, rung, verdict_);
+  }
+
+  static AuditReport audited_to(double digits) {
+    AuditReport report;
+    report.states = 4;
+    report.worst.digits = digits;
+    report.worst.where = "bob";
+    return report;
+  }
+
+  Model model_ = pendulum_model();
+  QuantityLayout layout_{model_};
+  Verdict verdict_;
+  Judge of_run_{layout_, {kRungs.begin(), kRungs.end()}, verdict_};
+  Judge of_analysis_{layout_, {Rung::same_state, Rung::same_run}, verdict_};
+};
+
+TEST_F(JudgeTest, RowsNeedTheRungsOfTheirVerdictAndNoOther) {
+  make_rows(layout_, verdict_);
+  record_rows(Rung::same_state, 13.0);
+  record_rows(Rung::same_run, 13.0);
+  of_analysis_.judge_rows();
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::agree);
+  EXPECT_TRUE(verdict_.same_run.climbed);
+  EXPECT_FALSE(verdict_.refined.climbed) << "it has not run";
+  of_run_.judge_rows();
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged) << "of a run, refined must say something too";
+}
+
+TEST_F(JudgeTest, ADifferenceOnOneRungIsNotTakenBackByARungThatSaysNothing) {
+  make_rows(layout_, verdict_);
+  record_rows(Rung::same_state, 3.0);
+  of_analysis_.judge_rows();
+  EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
+}
+
+TEST_F(JudgeTest, AnAuditBelowItsNeedIsAFindingThatNamesTheSolver) {
+  verdict_.solvers[0].name = "cartesian";
+  verdict_.solvers[1].name = "relative";
+  of_run_.judge_audit(Who::cartesian, audited_to(14.0));
+  EXPECT_TRUE(verdict_.findings.empty());
+  of_run_.judge_audit(Who::relative, audited_to(3.0));
+  ASSERT_EQ(verdict_.findings.size(), 1U);
+  EXPECT_EQ(verdict_.findings[0].what.substr(0, 8), "relative");
+  EXPECT_EQ(verdict_.audit.digits, 3.0);
+  EXPECT_EQ(verdict_.audit.samples, 4);
+  of_run_.judge_rows();
+  EXPECT_FALSE(verdict_.audit.climbed);
+}
+
+TEST_F(JudgeTest, AnAuditOfNoStateSaysNothing) {
+  AuditReport nothing = audited_to(3.0);
+  nothing.states = 0;
+  of_run_.judge_audit(Who::cartesian, nothing);
+  EXPECT_TRUE(verdict_.findings.empty());
+  EXPECT_FALSE(verdict_.solvers[0].audit_digits);
+}
+
+TEST_F(JudgeTest, AFailureOutweighsADifference) {
+  conclude(verdict_);
+  EXPECT_EQ(verdict_.outcome, Outcome::agree);
+  verdict_.findings.push_back({"a difference", ""});
+  conclude(verdict_);
+  EXPECT_EQ(verdict_.outcome, Outcome::differ);
+  verdict_.failures.emplace_back("no verdict");
+  conclude(verdict_);
+  EXPECT_EQ(verdict_.outcome, Outcome::failed);
+}
+
+}  // namespace
+}  // namespace concord::compare
