@@ -66,7 +66,7 @@ double size_of_parts(const Model& model, const std::vector<const Attachment*>& p
   }
   for (const Joint& joint : model.joints) {
     for (const joints::Permit& word : joint.type->permits) {
-      if (const auto* arm = std::get_if<joints::Arm>(&word)) largest = std::max(largest, std::abs(arm->length));
+      largest = std::max(largest, std::abs(joints::stated_length(word)));
     }
   }
   return largest;
@@ -97,6 +97,25 @@ double Model::length_scale() const {
 
 namespace {
 
+/// The frame reached by the words so far, led on by each word at its coordinates q.
+struct StartMotion {
+  const VecX& q;
+  Pose& reached;
+
+  void operator()(const joints::Turn& turn) const { reached.A = reached.A * rotation_about(turn.axis, q(0)); }
+  void operator()(const joints::Slide& slide) const { reached.r += reached.A.col(index(slide.axis)) * q(0); }
+  void operator()(const joints::Arm& arm) const { reached.r += reached.A.col(index(arm.axis)) * arm.length; }
+  void operator()(const joints::Ball&) const {  // its rotation alone
+    reached.A = Eigen::Quaterniond(q(0), q(1), q(2), q(3)).normalized().toRotationMatrix();
+  }
+  void operator()(const joints::ByMotion& by) const {
+    joints::FunctionOfCoordinates::Motion motion;
+    const VecX rest = VecX::Zero(q.size());
+    by.motion->evaluate(q.data(), rest.data(), motion);
+    reached = {motion.placement.d, motion.placement.R};
+  }
+};
+
 /// Position and orientation of the child's joint frame in the parent's for the start coordinates.
 Pose start_motion(const Joint& joint) {
   Pose reached;
@@ -105,21 +124,7 @@ Pose start_motion(const Joint& joint) {
     for (const Driver& driver : joint.drivers) {
       if (driver.word == static_cast<int>(k)) q(driver.component) = evaluate(driver.law, 0.0).f;
     }
-    const joints::Permit& word = joint.type->permits[k];
-    if (const auto* turn = std::get_if<joints::Turn>(&word)) {
-      reached.A = reached.A * rotation_about(turn->axis, q(0));
-    } else if (const auto* slide = std::get_if<joints::Slide>(&word)) {
-      reached.r += reached.A.col(index(slide->axis)) * q(0);
-    } else if (const auto* arm = std::get_if<joints::Arm>(&word)) {
-      reached.r += reached.A.col(index(arm->axis)) * arm->length;
-    } else if (std::holds_alternative<joints::ByMotion>(word)) {
-      joints::FunctionOfCoordinates::Motion motion;
-      const VecX rest = VecX::Zero(q.size());
-      std::get<joints::ByMotion>(word).motion->evaluate(q.data(), rest.data(), motion);
-      reached = {motion.placement.d, motion.placement.R};
-    } else {  // a ball: its rotation alone
-      reached.A = Eigen::Quaterniond(q(0), q(1), q(2), q(3)).normalized().toRotationMatrix();
-    }
+    std::visit(StartMotion{q, reached}, joint.type->permits[k]);
   }
   return reached;
 }

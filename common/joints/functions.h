@@ -17,6 +17,7 @@ struct Placement {
 
 /// Wrenches [F; T], one in each of at most six columns, without heap memory.
 using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+using WrenchesOfPlacement = Wrenches (*)(const Placement& at);
 
 /// At most six functions c(d, R) (S11), (S18).
 class FunctionOfPlacement {

@@ -13,17 +13,29 @@ struct Directions {
   std::vector<Axis> turns;
   bool arm = false;
   bool ball = false;
-  bool by_functions = false;
+  bool by_functions = false;  // or in any other way of which no axis is stated
 };
+
+void add_coordinate(const StatedCoordinate& coordinate, Directions& found) {
+  switch (coordinate.kind) {
+    case CoordinateKind::orientation:
+      found.ball = true;
+      return;
+    case CoordinateKind::angle:
+      if (coordinate.axis) found.turns.push_back(*coordinate.axis);
+      break;
+    case CoordinateKind::length:
+      if (coordinate.axis) found.slides.push_back(*coordinate.axis);
+      break;
+  }
+  if (!coordinate.axis) found.by_functions = true;
+}
 
 Directions directions_of(const JointType& type) {
   Directions found;
   for (const Permit& word : type.permits) {
-    std::visit(Overloaded{[&](const Turn& turn) { found.turns.push_back(turn.axis); },
-                          [&](const Slide& slide) { found.slides.push_back(slide.axis); },
-                          [&](const Arm&) { found.arm = true; }, [&](const Ball&) { found.ball = true; },
-                          [&](const ByMotion&) { found.by_functions = true; }},
-               word);
+    for (const StatedCoordinate& coordinate : stated_coordinates(word)) add_coordinate(coordinate, found);
+    if (arm_of(word)) found.arm = true;
   }
   return found;
 }
@@ -86,26 +98,15 @@ bool moves_along(const JointType& type, Side side, int component) {
 
 }  // namespace
 
-int n_q(const Permit& word) {
-  return std::visit(
-      Overloaded{[](const Turn&) { return 1; }, [](const Slide&) { return 1; }, [](const Arm&) { return 0; },
-                 [](const Ball&) { return 4; }, [](const ByMotion& by) { return by.motion->n(); }},
-      word);
-}
-
-int n_u(const Permit& word) { return std::holds_alternative<Ball>(word) ? 3 : n_q(word); }
-
-int rows(const Forbid& word) {
-  return std::visit(Overloaded{[](const Coincide&) { return 3; }, [](const NoGapAlong&) { return 1; },
-                               [](const Perpendicular&) { return 1; }, [](const SameDirection&) { return 2; },
-                               [](const SameOrientation&) { return 3; }, [](const KeepDistance&) { return 1; },
-                               [](const ByResidual& by) { return by.residual->n(); }},
-                    word);
-}
-
 int JointType::rows() const {
   int count = 0;
   for (const Forbid& word : forbids) count += joints::rows(word);
+  return count;
+}
+
+int JointType::nonholonomic_rows() const {
+  int count = 0;
+  for (const ForbidSpeed& word : forbids_speeds) count += joints::rows(word);
   return count;
 }
 

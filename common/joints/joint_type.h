@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/joints/facts.h"
 #include "common/joints/vocabulary.h"
 
 namespace concord::joints {
@@ -33,16 +34,11 @@ struct JointType {
   /// Number of constraint rows of `forbids`, which hold for positions and velocities.
   [[nodiscard]] int rows() const;
   /// Number of constraint rows of `forbids_speeds`, which hold for velocities alone.
-  [[nodiscard]] int nonholonomic_rows() const { return static_cast<int>(forbids_speeds.size()); }
+  [[nodiscard]] int nonholonomic_rows() const;
   /// Number of joint coordinates q and of joint speeds u of `permits`.
   [[nodiscard]] int n_q() const;
   [[nodiscard]] int n_u() const;
 };
-
-/// Numbers of q and u of one word of a motion, and of constraint rows of one word of what is forbidden.
-int n_q(const Permit& word);
-int n_u(const Permit& word);
-int rows(const Forbid& word);
 
 /// Whether the joint can carry a reaction in `component` (0..2 force x, y, z; 3..5 torque x, y, z) on `side`: on the
 /// child at P_i in the child's joint frame, on the parent at P_j in the parent's. False where the direction is

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct NamedCoordinate {
   int word = 0;       // of the type's motion
   int component = 0;  // of the word's coordinates
   int place = 0;      // in the list of all named coordinates
+  joints::CoordinateKind kind{};
+  std::optional<Axis> axis = {};  // see joints::StatedCoordinate
 };
 
 /// The named coordinates of a type in the order of its motion. An arm has none.

@@ -26,7 +26,7 @@ int find_joint(const TableReader& table, const std::string& name, const std::vec
 bool find_coordinate(const TableReader& table, const std::string& name, const Joint& joint, CouplingTerm& term) {
   std::vector<std::string> names;
   for (const NamedCoordinate& coordinate : named_coordinates(*joint.type)) {
-    if (std::holds_alternative<joints::Ball>(joint.type->permits[coordinate.word])) {
+    if (coordinate.kind == joints::CoordinateKind::orientation) {
       if (coordinate.name != name) continue;
       table.complain("coordinate", "a ball cannot be coupled: only a turn or a slide can");
       return false;

@@ -17,11 +17,9 @@ namespace concord {
 
 namespace {
 
-bool is_ball(const joints::Permit& word) { return std::holds_alternative<joints::Ball>(word); }
-
 /// q of a word: a number, or for a ball the Euler parameters of an orientation.
 std::optional<VecX> read_q(const TableReader& table, std::string_view key, const joints::Permit& word) {
-  if (!is_ball(word)) {
+  if (!is_orientation(word)) {
     const auto value = table.number(key);
     if (!value) return std::nullopt;
     return VecX(VecX::Constant(1, *value));
@@ -41,7 +39,7 @@ std::optional<VecX> read_q(const TableReader& table, std::string_view key, const
 }
 
 std::optional<VecX> read_u(const TableReader& table, std::string_view key, const joints::Permit& word) {
-  if (is_ball(word)) return table.vector(key, 3);
+  if (is_orientation(word)) return table.vector(key, n_u(word));
   const auto value = table.number(key);
   if (!value) return std::nullopt;
   return VecX(VecX::Constant(1, *value));
@@ -49,8 +47,7 @@ std::optional<VecX> read_u(const TableReader& table, std::string_view key, const
 
 WordStart unsaid(const joints::Permit& word) {
   WordStart start;
-  start.q = VecX::Zero(n_q(word));
-  if (is_ball(word)) start.q(0) = 1.0;
+  start.q = joints::home_of(word);
   start.u = VecX::Zero(n_u(word));
   return start;
 }
@@ -107,7 +104,7 @@ void for_each_coordinate(const TableReader& joint_table, std::string_view key, c
 void read_drivers(const TableReader& joint_table, Joint& joint) {
   for_each_coordinate(
       joint_table, "drive", *joint.type, [&](const TableReader& table, const NamedCoordinate& coordinate) {
-        if (is_ball(joint.type->permits[coordinate.word])) {
+        if (coordinate.kind == joints::CoordinateKind::orientation) {
           table.complain(coordinate.name, "a ball cannot be driven: only a turn or a slide follows a law of time");
           return;
         }
@@ -123,7 +120,7 @@ void read_drivers(const TableReader& joint_table, Joint& joint) {
 void read_springs(const TableReader& joint_table, Joint& joint) {
   for_each_coordinate(
       joint_table, "spring", *joint.type, [&](const TableReader& table, const NamedCoordinate& coordinate) {
-        if (is_ball(joint.type->permits[coordinate.word])) {
+        if (coordinate.kind == joints::CoordinateKind::orientation) {
           table.complain(coordinate.name,
                          "a ball has no spring: only a turn or a slide has; a [[bushing]] resists all rotations");
           return;

@@ -93,13 +93,6 @@ double exponent_of(double size) { return std::log10(std::abs(size)); }
 
 double largest_entry(const MatX& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
 
-/// Whether a coordinate of a joint's word is a length [m]; an angle [rad] else.
-bool is_length(const joints::Permit& word, int component) {
-  if (std::holds_alternative<joints::Slide>(word)) return true;
-  const auto* by_functions = std::get_if<joints::ByMotion>(&word);
-  return by_functions != nullptr && !by_functions->turns.at(static_cast<std::size_t>(component));
-}
-
 /// Decimal exponents of the largest sizes in a machine.
 class MachineSizes {
  public:
@@ -141,17 +134,18 @@ class MachineSizes {
     for (const Attachment& side : joint.sides) grow(length, side.point_L.norm());
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       const joints::Permit& permit = joint.type->permits[word];
-      if (const auto* arm = std::get_if<joints::Arm>(&permit)) grow(length, arm->length);
+      grow(length, joints::stated_length(permit));
       const WordStart& start = joint.start[word];
       for (Eigen::Index k = 0; k < start.u.size(); ++k) {
-        const bool slides = is_length(permit, static_cast<int>(k));
+        const bool slides = joints::is_length(permit, static_cast<int>(k));
         grow(slides ? speed : turn_rate, start.u(k));
         if (slides && k < start.q.size()) grow(length, start.q(k));
       }
     }
     for (const Driver& driver : joint.drivers) {
       const LawSizes sizes = sizes_of(driver.law, until_);
-      const bool slides = is_length(joint.type->permits[static_cast<std::size_t>(driver.word)], driver.component);
+      const bool slides =
+          joints::is_length(joint.type->permits[static_cast<std::size_t>(driver.word)], driver.component);
       grow(slides ? speed : turn_rate, sizes.rate);
       if (slides) grow(length, sizes.value);
     }
@@ -245,7 +239,7 @@ void check_body(const Body& body, const MachineSizes& sizes, ProductChecks& prod
 void check_joint(const Joint& joint, const MachineSizes& sizes, ProductChecks& products) {
   for (const JointSpring& spring : joint.springs) {
     const auto word = static_cast<std::size_t>(spring.word);
-    const bool slides = is_length(joint.type->permits[word], spring.component);
+    const bool slides = joints::is_length(joint.type->permits[word], spring.component);
     const VecX& q = joint.start[word].q;
     const double angle = spring.component < q.size() ? std::max(0.0, exponent_of(q(spring.component))) : 0.0;
     check_law(spring.law, slides ? sizes.length : angle, slides ? sizes.speed : sizes.turn_rate, sizes.until(),

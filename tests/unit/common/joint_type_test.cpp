@@ -56,6 +56,49 @@ TEST(JointType, ForbidsWhatItDoesNotPermit) {
   }
 }
 
+TEST(Facts, OfReadingsAreThoseOfTheMotion) {
+  for (const JointType* type : catalogue()) {
+    std::vector<CoordinateKind> of_motion;
+    std::vector<CoordinateKind> of_readings;
+    for (const Permit& word : type->permits) {
+      for (const StatedCoordinate& one : stated_coordinates(word)) of_motion.push_back(one.kind);
+    }
+    for (const Read& word : type->reads) {
+      for (const CoordinateKind kind : kinds_of(word)) of_readings.push_back(kind);
+    }
+    EXPECT_EQ(of_motion, of_readings) << type->name;
+  }
+}
+
+TEST(Facts, OfEachWordOfAMotion) {
+  const Permit turn = Turn{Axis::y};
+  EXPECT_EQ(stated_coordinates(turn)[0].name, "turn_y");
+  EXPECT_EQ(stated_coordinates(turn)[0].axis, Axis::y);
+  EXPECT_FALSE(is_length(turn, 0));
+  EXPECT_TRUE(is_length(Permit(Slide{Axis::x}), 0));
+  const Permit arm = Arm{Axis::z, 0.7};
+  EXPECT_EQ(stated_coordinates(arm).size(), 0);
+  EXPECT_EQ(stated_length(arm), 0.7);
+  EXPECT_EQ(arm_of(arm), Axis::z);
+  const Permit ball = Ball{};
+  EXPECT_TRUE(is_orientation(ball));
+  EXPECT_EQ(n_q(ball), 4);
+  EXPECT_EQ(n_u(ball), 3);
+  EXPECT_EQ(home_of(ball), VecX(Vec4::Unit(0)));
+  EXPECT_EQ(home_of(turn), VecX(VecX::Zero(1)));
+}
+
+TEST(Facts, OfAMotionByFunctionsAreThoseOfItsPage) {
+  const Permit& thread = find("screw")->permits.front();
+  const StatedCoordinates coordinates = stated_coordinates(thread);
+  ASSERT_EQ(coordinates.size(), 1);
+  EXPECT_EQ(coordinates[0].kind, CoordinateKind::angle);
+  EXPECT_EQ(coordinates[0].name, "turn");
+  EXPECT_FALSE(coordinates[0].axis.has_value()) << "it moves the child along the axis, too";
+  EXPECT_NE(function_of(thread), nullptr);
+  EXPECT_EQ(pushed_by(find("screw")->reads.front()), Push::stated);
+}
+
 TEST(JointType, ForbidsTheVelocityOfSkatesAndRollingBallsBesideTheirPlace) {
   EXPECT_EQ(find("knife_edge")->nonholonomic_rows(), 1);
   EXPECT_EQ(find("rolling_ball")->nonholonomic_rows(), 2);
