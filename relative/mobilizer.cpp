@@ -112,136 +112,54 @@ Vec4 euler_parameter_rate(const Vec4& p, const Vec3& omega) {
   return rate;
 }
 
-/// Applies one function to single coordinates and another to balls, walking along q and along numbers of n_u.
-template <class OnScalar, class OnBall>
-void walk(const std::vector<joints::Permit>& words, OnScalar on_scalar, OnBall on_ball) {
+/// Applies one function to single coordinates and another to orientations, walking along q and along numbers of n_u.
+template <class OnScalar, class OnOrientation>
+void walk(const std::vector<joints::CoordinateKind>& kinds, OnScalar on_scalar, OnOrientation on_orientation) {
   int first_q = 0;
   int first_u = 0;
-  for (const joints::Permit& word : words) {
-    if (std::holds_alternative<joints::Ball>(word)) {
-      on_ball(first_q, first_u);
-    } else {
-      for (int k = 0; k < joints::n_q(word); ++k) on_scalar(first_q + k, first_u + k);
+  for (const joints::CoordinateKind kind : kinds) {
+    switch (kind) {
+      case joints::CoordinateKind::angle:
+      case joints::CoordinateKind::length:
+        on_scalar(first_q, first_u);
+        break;
+      case joints::CoordinateKind::orientation:
+        on_orientation(first_q, first_u);
+        break;
     }
-    first_q += joints::n_q(word);
-    first_u += joints::n_u(word);
+    first_q += joints::n_q(kind);
+    first_u += joints::n_u(kind);
   }
-}
-
-void require_kinds_of(const joints::ByMotion& by) {
-  if (static_cast<int>(by.turns.size()) == by.motion->n()) return;
-  throw std::invalid_argument("a motion by functions has " + std::to_string(by.motion->n()) +
-                              " coordinates, but says of " + std::to_string(by.turns.size()) +
-                              " whether they are turns");
-}
-
-bool stand_in_order(const std::vector<joints::Permit>& words) {
-  enum { slides, turns, ball } reached = slides;
-  bool turn_waits_for_arm = false;
-  for (const joints::Permit& word : words) {
-    if (std::holds_alternative<joints::ByMotion>(word)) return words.size() == 1;
-    if (reached == ball) return false;
-    if (std::holds_alternative<joints::Slide>(word) && reached != slides) return false;
-    if (std::holds_alternative<joints::Turn>(word)) {
-      reached = turns;
-      turn_waits_for_arm = true;
-    }
-    if (std::holds_alternative<joints::Arm>(word)) turn_waits_for_arm = false;
-    if (std::holds_alternative<joints::Ball>(word)) {
-      if (turn_waits_for_arm) return false;
-      reached = ball;
-    }
-  }
-  return true;
 }
 
 }  // namespace
 
 Mobilizer::Mobilizer(const joints::JointType& type, double length)
-    : words_(type.permits), length_(length), n_q_(type.n_q()), n_u_(type.n_u()) {
-  if (!stand_in_order(words_) || n_u_ > 6) {
-    throw std::invalid_argument("joint type '" + type.name +
-                                "': a motion is slides, then turns, then at most one ball, with arms anywhere before "
-                                "it (each turn before a ball "
-                                "must carry one), or functions alone; at most six speeds");
-  }
-  classify_columns();
-  require_three_of_a_kind(type.name);
-  find_elevation();
-  if (!by_functions_) return;
-  for (const joints::Read& read : type.reads) {
-    if (const auto* reading = std::get_if<joints::ByReading>(&read)) stated_wrenches_ = reading->wrenches;
-  }
-}
-
-void Mobilizer::classify_columns() {
-  int column = 0;
-  int n_turns = 0;
-  std::array<bool, 3> slides{};
-  Axis last_turn = Axis::x;
-  const auto swing = [&] {
-    for (int c = 0; c < column; ++c) {
-      if (!kinds_[c].rotates) continue;
-      kinds_[c].displaces = true;
-      kinds_[c].is_fixed = false;
-    }
-    is_curved_ = is_curved_ || n_turns > 0;
-  };
+    : words_(type.permits), structure_(structure_of(type)), length_(length), n_q_(type.n_q()), n_u_(type.n_u()) {
   for (const joints::Permit& word : words_) {
-    if (const auto* slide = std::get_if<joints::Slide>(&word)) {
-      rank_is_certain_ = rank_is_certain_ && !slides[index(slide->axis)];
-      slides[index(slide->axis)] = true;
-      kinds_[column++] = {.displaces = true, .rotates = false, .is_length = true, .is_fixed = true};
-    } else if (const auto* turn = std::get_if<joints::Turn>(&word)) {
-      ++n_turns;
-      rank_is_certain_ = rank_is_certain_ && (n_turns == 1 || (n_turns == 2 && turn->axis != last_turn));
-      last_turn = turn->axis;
-      kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false, .is_fixed = n_turns == 1};
-    } else if (std::holds_alternative<joints::Arm>(word)) {
-      swing();
-    } else if (std::holds_alternative<joints::Ball>(word)) {
-      has_ball_ = true;
-      for (int c = 0; c < column; ++c) kinds_[c].rotates = false;
-      for (int axis = 0; axis < 3; ++axis) {
-        kinds_[column++] = {.displaces = false, .rotates = true, .is_length = false, .is_fixed = true};
-      }
-    } else {
-      require_kinds_of(std::get<joints::ByMotion>(word));
-      by_functions_ = is_curved_ = true;
-      ranges_ = std::get<joints::ByMotion>(word).ranges;
-      for (const bool turns : std::get<joints::ByMotion>(word).turns) {
-        kinds_[column++] = {.displaces = true, .rotates = true, .is_length = !turns, .is_fixed = false};
-      }
-    }
+    for (const joints::StatedCoordinate& one : stated_coordinates(word)) coordinates_.push_back(one.kind);
   }
-  rank_is_certain_ = rank_is_certain_ && !is_curved_;
-  for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kinds_[c].displaces && kinds_[c].rotates);
+  for (int c = 0; c < n_u_; ++c) couples_ = couples_ || (kind(c).displaces && kind(c).rotates);
+  require_three_of_a_kind(type.name);
+  if (!is_by_functions()) return;
+  for (const joints::Read& read : type.reads) {
+    if (const joints::WrenchesOfPlacement stated = stated_wrenches(read)) stated_wrenches_ = stated;
+  }
 }
 
 /// Where no speed both displaces and rotates, a fourth of either kind depends on the others in every pose.
 void Mobilizer::require_three_of_a_kind(const std::string& name) const {
   if (couples_) return;
-  const auto displacing = std::count_if(kinds_.begin(), kinds_.begin() + n_u_, [](auto k) { return k.displaces; });
+  const auto displacing =
+      std::count_if(structure_.kinds.begin(), structure_.kinds.begin() + n_u_, [](auto k) { return k.displaces; });
   if (displacing <= 3 && n_u_ - displacing <= 3) return;
   throw std::invalid_argument("joint type '" + name + "': " + std::to_string(displacing) +
                               " of its speeds displace and " + std::to_string(n_u_ - displacing) +
                               " rotate; more than three of either are one motion said twice");
 }
 
-/// Turn{a}, Turn{b}, Arm{c}, Ball{} with a, b and c at right angles: (q_a, q_b) and (q_a + pi, pi - q_b) are one pose.
-void Mobilizer::find_elevation() {
-  if (!has_ball_ || words_.size() < 4) return;
-  const auto* word = &words_[words_.size() - 4];
-  const auto* first = std::get_if<joints::Turn>(word);
-  const auto* second = std::get_if<joints::Turn>(word + 1);
-  const auto* arm = std::get_if<joints::Arm>(word + 2);
-  if (first == nullptr || second == nullptr || arm == nullptr) return;
-  const bool at_right_angles = first->axis != second->axis && first->axis != arm->axis && second->axis != arm->axis;
-  if (at_right_angles) elevation_ = n_u_ - 4;
-}
-
 void Mobilizer::count_turns(const double* turns) {
-  if (by_functions_) std::copy_n(turns, n_q_, turns_.begin());
+  if (is_by_functions()) std::copy_n(turns, n_q_, turns_.begin());
 }
 
 void Mobilizer::evaluate(const double* q, const double* u, JointMotion& motion) const {
@@ -261,7 +179,7 @@ bool Mobilizer::columns_are_dependent(const JointMotion& motion) const {
 Vec6 Mobilizer::comparable(const JointMotion& motion, int column) const {
   Vec6 result = motion.S.col(column);
   result.head<3>() /= length_;
-  if (kinds_[column].is_length) result *= length_;
+  if (kind(column).is_length) result *= length_;
   return result;
 }
 
@@ -271,7 +189,7 @@ bool Mobilizer::depend_separately(const JointMotion& motion) const {
   std::array<int, 2> n{};
   double largest = 0.0;
   for (int c = 0; c < n_u_; ++c) {
-    const int part = kinds_[c].displaces ? 0 : 1;
+    const int part = kind(c).displaces ? 0 : 1;
     parts[part].col(n[part]) = comparable(motion, c).segment<3>(3 * part);
     largest = std::max(largest, parts[part].col(n[part]++).norm());
   }
@@ -305,7 +223,7 @@ JointColumns Mobilizer::wrench_columns(const JointMotion& motion) const {
   if (stated_wrenches_ != nullptr) return stated_wrenches_({motion.d, motion.R});
   JointColumns D = JointColumns::Zero(6, n_u_);
   for (int c = 0; c < n_u_; ++c) {
-    const bool as_torque = by_functions_ ? !kinds_[c].is_length : kinds_[c].rotates;
+    const bool as_torque = is_by_functions() ? !kind(c).is_length : kind(c).rotates;
     const int row = as_torque ? 3 : 0;
     D.block<3, 1>(row, c) = motion.S.block<3, 1>(row, c);
   }
@@ -321,41 +239,44 @@ Vec6 Mobilizer::coordinate_wrench(const JointMotion& motion, const JointVector& 
 /// Gives the elevation of a link to the wanted side of a quarter turn and all turns to those nearest to `near`.
 void Mobilizer::rename(double* q, const double* near, bool on_far_side) const {
   constexpr double kPi = std::numbers::pi;
-  if (elevation_ >= 0 && (std::cos(q[elevation_]) < 0.0) != on_far_side) {
-    q[elevation_ - 1] += kPi;
-    q[elevation_] = kPi - q[elevation_];
+  if (structure_.elevation >= 0 && (std::cos(q[structure_.elevation]) < 0.0) != on_far_side) {
+    q[structure_.elevation - 1] += kPi;
+    q[structure_.elevation] = kPi - q[structure_.elevation];
   }
-  for (int c = 0; c < n_u_ - (has_ball_ ? 3 : 0); ++c) {
-    if (kinds_[c].is_length) continue;
+  for (int c = 0; c < structure_.n_scalars; ++c) {
+    if (kind(c).is_length) continue;
     q[c] += 2.0 * kPi * std::round((near[c] - q[c]) / (2.0 * kPi));
   }
 }
 
 void Mobilizer::choose_chart(double* q, const double* near) const {
-  if (by_functions_) return;
-  rename(q, near, elevation_ >= 0 && std::cos(near[elevation_]) < 0.0);
+  if (is_by_functions()) return;
+  rename(q, near, structure_.elevation >= 0 && std::cos(near[structure_.elevation]) < 0.0);
 }
 
 void Mobilizer::choose_canonical_chart(double* q) const {
-  if (elevation_ < 0 || (std::cos(q[elevation_]) >= 0.0 && std::abs(q[elevation_]) <= 0.5 * std::numbers::pi)) return;
+  if (structure_.elevation < 0 ||
+      (std::cos(q[structure_.elevation]) >= 0.0 && std::abs(q[structure_.elevation]) <= 0.5 * std::numbers::pi))
+    return;
   std::array<double, 6> wanted{};
-  std::copy_n(q, n_u_ - 3, wanted.begin());
-  wanted[elevation_] = 0.0;
+  std::copy_n(q, structure_.n_scalars, wanted.begin());
+  wanted[structure_.elevation] = 0.0;
   rename(q, wanted.data(), false);
 }
 
 bool Mobilizer::is_on_branch_of(const double* q, const double* near) const {
-  if (elevation_ >= 0) return (std::cos(q[elevation_]) < 0.0) == (std::cos(near[elevation_]) < 0.0);
-  if (!by_functions_) return true;
+  if (structure_.elevation >= 0)
+    return (std::cos(q[structure_.elevation]) < 0.0) == (std::cos(near[structure_.elevation]) < 0.0);
+  if (!is_by_functions()) return true;
   for (int c = 0; c < n_u_; ++c) {
-    if (!kinds_[c].is_length && std::abs(q[c] - near[c]) > std::numbers::pi) return false;
+    if (!kind(c).is_length && std::abs(q[c] - near[c]) > std::numbers::pi) return false;
   }
   return true;
 }
 
 void Mobilizer::compute_qdot(const double* q, const double* u, double* qdot) const {
   walk(
-      words_, [&](int iq, int iu) { qdot[iq] = u[iu]; },
+      coordinates_, [&](int iq, int iu) { qdot[iq] = u[iu]; },
       [&](int iq, int iu) {
         Eigen::Map<Vec4>(qdot + iq) =
             euler_parameter_rate(Eigen::Map<const Vec4>(q + iq), Eigen::Map<const Vec3>(u + iu));
@@ -364,7 +285,7 @@ void Mobilizer::compute_qdot(const double* q, const double* u, double* qdot) con
 
 void Mobilizer::advance(double* q, const double* step) const {
   walk(
-      words_, [&](int iq, int iu) { q[iq] += step[iu]; },
+      coordinates_, [&](int iq, int iu) { q[iq] += step[iu]; },
       [&](int iq, int iu) {
         Eigen::Map<Vec4> p(q + iq);
         const Vec3 turn = Eigen::Map<const Vec3>(step + iu);
@@ -379,28 +300,28 @@ void Mobilizer::advance(double* q, const double* step) const {
 
 void Mobilizer::normalize(double* q) const {
   walk(
-      words_, [](int, int) {}, [&](int iq, int) { Eigen::Map<Vec4>(q + iq).normalize(); });
+      coordinates_, [](int, int) {}, [&](int iq, int) { Eigen::Map<Vec4>(q + iq).normalize(); });
 }
 
 VecX Mobilizer::home() const {
   VecX q = VecX::Zero(n_q_);
   walk(
-      words_,
+      coordinates_,
       [&](int iq, int) {
-        if (has_range(iq)) q(iq) = std::clamp(0.0, ranges_[iq][0], ranges_[iq][1]);
+        if (has_range(iq)) q(iq) = std::clamp(0.0, structure_.ranges[iq][0], structure_.ranges[iq][1]);
       },
       [&](int iq, int) { q(iq) = 1.0; });
   return q;
 }
 
 bool Mobilizer::has_trials(int c) const {
-  if (kinds_[c].is_length) return has_range(c);
-  return c < n_u_ - (has_ball_ ? 3 : 0);
+  if (kind(c).is_length) return has_range(c);
+  return c < structure_.n_scalars;
 }
 
 double Mobilizer::trial(int c, int k, double given) const {
-  if (!kinds_[c].is_length) return given + 0.5 * std::numbers::pi * k;
-  const auto& [least, greatest] = ranges_[c];
+  if (!kind(c).is_length) return given + 0.5 * std::numbers::pi * k;
+  const auto& [least, greatest] = structure_.ranges[c];
   return least + (greatest - least) * (2 * k + 1) / 8.0;
 }
 

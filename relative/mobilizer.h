@@ -4,6 +4,7 @@
 
 #include "common/joints/joint_type.h"
 #include "common/types.h"
+#include "relative/motion_structure.h"
 
 /// Mobilizers: evaluation of what a joint permits, the motion q -> (d, R) and its velocity (S14).
 namespace concord::relative {
@@ -23,14 +24,6 @@ struct JointMotion {
   Vec6 Sdot_u = Vec6::Zero();
 };
 
-/// What one speed of a joint can do to the child at any pose, and the unit of its coordinate.
-struct ColumnKind {
-  bool displaces = false;  // S has entries in the rows of ddot
-  bool rotates = false;    // and in those of omega_rel
-  bool is_length = false;  // q in m; else in rad
-  bool is_fixed = false;   // the column is the same in every pose
-};
-
 /// The mobilizer of one joint type: the motion that its words permit, as a function of joint coordinates and speeds.
 class Mobilizer {
  public:
@@ -44,18 +37,18 @@ class Mobilizer {
   [[nodiscard]] int n_q() const { return n_q_; }
   [[nodiscard]] int n_u() const { return n_u_; }
   [[nodiscard]] double length() const { return length_; }
-  [[nodiscard]] const ColumnKind& kind(int column) const { return kinds_[column]; }
+  [[nodiscard]] const ColumnKind& kind(int column) const { return structure_.kinds[column]; }
   /// Whether any speed both displaces and rotates the child.
   [[nodiscard]] bool couples() const { return couples_; }
   /// Whether d or R depends on q other than by slides and turns in place, so that Newton's method needs care.
-  [[nodiscard]] bool is_curved() const { return is_curved_; }
-  [[nodiscard]] bool has_ball() const { return has_ball_; }
+  [[nodiscard]] bool is_curved() const { return structure_.is_curved; }
+  [[nodiscard]] bool has_ball() const { return structure_.has_ball; }
   /// Whether a link on two turns carries the child, so that two sets of coordinates name each pose.
-  [[nodiscard]] bool has_elevation() const { return elevation_ >= 0; }
+  [[nodiscard]] bool has_elevation() const { return structure_.elevation >= 0; }
   /// Whether coordinate q[c] is an angle, whose whole turns may be counted apart.
-  [[nodiscard]] bool is_turn(int c) const { return c < n_u_ - (has_ball_ ? 3 : 0) && !kinds_[c].is_length; }
+  [[nodiscard]] bool is_turn(int c) const { return c < structure_.n_scalars && !kind(c).is_length; }
   /// Whether the motion is stated by functions.
-  [[nodiscard]] bool is_by_functions() const { return by_functions_; }
+  [[nodiscard]] bool is_by_functions() const { return structure_.by_functions; }
 
   /// Counts whole turns apart from the coordinates (n_q numbers, zero but for turns): from now on q[c] means the angle
   /// q[c] + 2 pi turns[c], of which no digit is lost however many turns it has made.
@@ -66,7 +59,7 @@ class Mobilizer {
 
   /// Whether the columns of S are dependent in this pose, to 1e-6 of the largest, displacements counted in `length`.
   [[nodiscard]] bool loses_rank(const JointMotion& motion) const {  // (R13)
-    return !rank_is_certain_ && columns_are_dependent(motion);
+    return !structure_.rank_is_certain && columns_are_dependent(motion);
   }
 
   /// The coordinate wrench w_d of the coordinate forces tau (n_u numbers, N or N m) on the child at P_i, [F; T] in the
@@ -106,32 +99,25 @@ class Mobilizer {
   [[nodiscard]] double trial(int c, int k, double given) const;
 
  private:
-  void classify_columns();
   void require_three_of_a_kind(const std::string& name) const;
-  void find_elevation();
   void rename(double* q, const double* near, bool on_far_side) const;
   [[nodiscard]] bool columns_are_dependent(const JointMotion& motion) const;
   [[nodiscard]] Vec6 comparable(const JointMotion& motion, int column) const;
   [[nodiscard]] bool depend_separately(const JointMotion& motion) const;
   [[nodiscard]] bool depend_together(const JointMotion& motion) const;
-  [[nodiscard]] bool has_range(int c) const { return c < static_cast<int>(ranges_.size()); }
+  [[nodiscard]] bool has_range(int c) const { return c < static_cast<int>(structure_.ranges.size()); }
   [[nodiscard]] JointColumns wrench_columns(const JointMotion& motion) const;
 
   std::vector<joints::Permit> words_;
+  std::vector<joints::CoordinateKind> coordinates_;  // of all words, in their order
+  MotionStructure structure_;
   /// Of a motion by functions, the columns whose span its coordinate wrenches have, if it says so.
-  joints::Wrenches (*stated_wrenches_)(const joints::Placement& at) = nullptr;
-  std::vector<std::array<double, 2>> ranges_;  // of a motion by functions, if it states them
-  std::array<double, 6> turns_{};              // of a motion by functions; nothing else knows of whole turns
+  joints::WrenchesOfPlacement stated_wrenches_ = nullptr;
+  std::array<double, 6> turns_{};  // of a motion by functions; nothing else knows of whole turns
   double length_;
   int n_q_ = 0;
   int n_u_ = 0;
-  std::array<ColumnKind, 6> kinds_{};
-  int elevation_ = -1;  // the second of two turns that carry a link to a ball
   bool couples_ = false;
-  bool is_curved_ = false;
-  bool has_ball_ = false;
-  bool by_functions_ = false;
-  bool rank_is_certain_ = true;
 };
 
 }  // namespace concord::relative

@@ -206,6 +206,16 @@ void Start::throw_not_closing(const PrescribedMask& prescribed) const {
                                names_of_kept(prescribed), couplings_of_kept(prescribed)));
 }
 
+namespace {
+
+/// Whether whole turns of a coordinate that is one number change no pose: an angle about an axis, and nothing else.
+bool changes_no_pose_by_turns(const joints::Permit& word, int component) {
+  const joints::StatedCoordinate coordinate = stated_coordinates(word)[component];
+  return coordinate.kind == joints::CoordinateKind::angle && coordinate.axis.has_value();
+}
+
+}  // namespace
+
 /// Whole turns, which change no pose, for couplings that are off by more: on the turn with the smallest factor among
 /// those that are not prescribed.
 void Start::add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const {
@@ -216,7 +226,7 @@ void Start::add_turns_of_couplings(Coordinates& coordinates, const PrescribedMas
     for (const CouplingTerm& term : coupling.terms) {
       const int column = first_u(*model.joints[term.joint].type, term.word) + term.component;
       if (prescribed[topology.joints[term.joint].first_u + column] != 0) continue;
-      if (!std::holds_alternative<joints::Turn>(model.joints[term.joint].type->permits[term.word])) continue;
+      if (!changes_no_pose_by_turns(model.joints[term.joint].type->permits[term.word], term.component)) continue;
       if (least == nullptr || std::abs(term.factor) < std::abs(least->factor)) least = &term;
     }
     if (least == nullptr) continue;
@@ -276,7 +286,7 @@ void Start::require_kept(const Coordinates& closed, const Coordinates& said) con
         const auto n = start.q.size();
         VecX found = closed.q.segment(iq, n);
         VecX kept = said.q.segment(iq, n);
-        if (std::holds_alternative<joints::Ball>(joint.type->permits[word])) {
+        if (is_orientation(joint.type->permits[word])) {
           kept.normalize();
           if (found.dot(kept) < 0.0) kept = -kept;
         }
