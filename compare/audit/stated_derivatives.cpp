@@ -9,21 +9,26 @@ namespace concord::compare {
 
 namespace {
 
-using joints::ByMotion;
-using joints::ByReading;
-using joints::ByResidual;
+using joints::CoordinateKind;
 using joints::FunctionOfCoordinates;
 using joints::FunctionOfPlacement;
 
 constexpr double kLongestStep = 2e-3;  // rad, or of the length
 constexpr double kGoodSlope = 1e-10;   // of the terms
 
-template <class Word, class Words>
-const Word* word_of(const Words& words) {
+/// The first word that is stated by a function, or nullptr.
+template <class Words>
+const typename Words::value_type* word_by_function(const Words& words) {
   for (const auto& word : words) {
-    if (const auto* found = std::get_if<Word>(&word)) return found;
+    if (joints::function_of(word) != nullptr) return &word;
   }
   return nullptr;
+}
+
+std::vector<bool> are_angles(const joints::CoordinateKinds& kinds) {
+  std::vector<bool> angles;
+  for (const CoordinateKind kind : kinds) angles.push_back(kind == CoordinateKind::angle);
+  return angles;
 }
 
 /// Lengths in units of `length`: all six directions of [d; rho] are then of one kind.
@@ -37,14 +42,14 @@ class Notes {
   [[nodiscard]] std::vector<StatedDerivative> take() { return std::move(notes_); }
 
   /// Slopes of a motion over each coordinate, and Sdot u along the motion of the coordinates.
-  void note(const ByMotion& word, const VecX& q, const VecX& u) {
-    const FunctionOfCoordinates& function = *word.motion;
+  void note(const joints::Permit& word, const VecX& q, const VecX& u) {
+    const FunctionOfCoordinates& function = *joints::function_of(word);
     const FunctionOfCoordinates::Motion here = evaluate(function, q, u);
     const Vec6 weights = weights_of(length_);
     StatedDerivative slopes;
     double rate = 0.0;
     for (Eigen::Index k = 0; k < q.size(); ++k) {
-      const double unit = word.turns[static_cast<std::size_t>(k)] ? 1.0 : length_;
+      const double unit = joints::is_length(word, static_cast<int>(k)) ? length_ : 1.0;
       rate = std::max(rate, std::abs(u(k)) / unit);
       const auto reached = [&](double h) {
         const joints::Placement at = evaluate(function, q + h * unit * VecX::Unit(q.size(), k), u).placement;
@@ -149,20 +154,22 @@ std::vector<std::string> stated_derivatives(const joints::JointType& type) {
     names.push_back(std::string("slopes of the ") + of);
     names.push_back(std::string(what) + " of the " + of);
   };
-  if (word_of<ByMotion>(type.permits) != nullptr) add("Sdot u", "motion");
-  if (word_of<ByResidual>(type.forbids) != nullptr) add("bias", "residuals");
-  if (word_of<ByReading>(type.reads) != nullptr) add("bias", "reading");
+  if (word_by_function(type.permits) != nullptr) add("Sdot u", "motion");
+  if (word_by_function(type.forbids) != nullptr) add("bias", "residuals");
+  if (word_by_function(type.reads) != nullptr) add("bias", "reading");
   return names;
 }
 
 std::vector<StatedDerivative> compute_stated_derivatives(const joints::JointType& type, const RelativeMotion& relative,
                                                          const JointMotion& motion, double length) {
   Notes notes(relative, length);
-  if (const auto* word = word_of<ByMotion>(type.permits)) notes.note(*word, motion.q, motion.u);
-  if (const auto* word = word_of<ByResidual>(type.forbids)) {
-    notes.note(*word->residual, std::vector<bool>(static_cast<std::size_t>(word->residual->n()), false));
+  if (const joints::Permit* word = word_by_function(type.permits)) notes.note(*word, motion.q, motion.u);
+  if (const joints::Forbid* word = word_by_function(type.forbids)) {
+    notes.note(*joints::function_of(*word), std::vector<bool>(static_cast<std::size_t>(joints::rows(*word)), false));
   }
-  if (const auto* word = word_of<ByReading>(type.reads)) notes.note(*word->reading, word->turns);
+  if (const joints::Read* word = word_by_function(type.reads)) {
+    notes.note(*joints::function_of(*word), are_angles(joints::kinds_of(*word)));
+  }
   return notes.take();
 }
 

@@ -169,9 +169,8 @@ class Drawing {
   /// Of a twin: whether all its words go along or about z, so that the two joints move together.
   static bool moves_along_z(const joints::JointType& type) {
     return std::all_of(type.permits.begin(), type.permits.end(), [](const joints::Permit& word) {
-      if (const auto* turn = std::get_if<joints::Turn>(&word)) return turn->axis == Axis::z;
-      if (const auto* slide = std::get_if<joints::Slide>(&word)) return slide->axis == Axis::z;
-      return false;
+      const joints::StatedCoordinates all = stated_coordinates(word);
+      return all.size() > 0 && std::all_of(all.begin(), all.end(), [](const auto& one) { return one.axis == Axis::z; });
     });
   }
 

@@ -11,7 +11,7 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/fuzz/flexible.h"
-#include "compare/joint_check/referee.h"
+#include "compare/audit/referee.h"
 
 namespace concord::compare::fuzz {
 
@@ -151,7 +151,7 @@ bool PartDrawing::is_regular(const JointPlan& joint) const {
   constexpr double kLeast = 0.1;
   const joints::JointType type = joint.own_type();
   if (type.n_u() == 0) return true;
-  MatX S = joint_check::referee_permits(type, joint.q, VecX::Zero(type.n_u())).S.leftCols(type.n_u());
+  MatX S = referee_permits(type, joint.q, VecX::Zero(type.n_u())).S.leftCols(type.n_u());
   S.topRows<3>() /= units_.length;
   const std::vector<bool> turning = turning_speeds(type);
   for (Eigen::Index c = 0; c < S.cols(); ++c) {

@@ -6,6 +6,7 @@
 #include "common/decompositions.h"
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/referee.h"
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/velocities.h"
 

@@ -2,14 +2,14 @@
 
 #include "common/decompositions.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/joint_check/referee.h"
+#include "compare/audit/referee.h"
 
 namespace concord::compare::fuzz {
 
 Pose frame_of(const End& end, const Pose& body) { return {body.r + body.A * end.point, body.A * rotation_of(end.p)}; }
 
 Motion motion_of(const JointPlan& joint, const joints::JointType& type) {
-  return joint_check::referee_permits(type, joint.q, joint.u);
+  return referee_permits(type, joint.q, joint.u);
 }
 
 Side outer_side(const JointPlan& joint, int body) { return joint.ends[1].body == body ? Side::child : Side::parent; }

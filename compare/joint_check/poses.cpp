@@ -6,7 +6,7 @@
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/joint_check/referee.h"
+#include "compare/audit/referee.h"
 
 namespace concord::compare::joint_check {
 

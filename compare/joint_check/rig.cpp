@@ -8,7 +8,7 @@
 #include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/joint_check/parts.h"
-#include "compare/joint_check/referee.h"
+#include "compare/audit/referee.h"
 #include "compare/verdict/observe.h"
 #include "relative/equations.h"
 #include "relative/states.h"

@@ -14,7 +14,7 @@
 #include "common/model.h"
 #include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/joint_check/referee.h"
+#include "compare/audit/referee.h"
 #include "relative/mobilizer.h"
 #include "relative/nonholonomic_constraint.h"
 

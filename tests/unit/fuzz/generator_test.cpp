@@ -9,11 +9,11 @@
 #include "common/error.h"
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
+#include "compare/audit/referee.h"
 #include "compare/fuzz/coverage.h"
 #include "compare/fuzz/elements.h"
 #include "compare/fuzz/placing.h"
 #include "compare/fuzz/writer.h"
-#include "compare/joint_check/referee.h"
 
 using namespace concord;
 using namespace concord::compare::fuzz;
@@ -38,7 +38,7 @@ double gap_of(const Machine& machine, const JointPlan& joint) {
   };
   const Pose parent = frame(joint.ends[0]);
   const Pose child = frame(joint.ends[1]);
-  const auto motion = compare::joint_check::referee_permits(joint.own_type(), joint.q, joint.u);
+  const auto motion = compare::referee_permits(joint.own_type(), joint.q, joint.u);
   const Vec3 d = parent.A.transpose() * (child.r - parent.r) - motion.placement.d;
   const Mat3 R = parent.A.transpose() * child.A - motion.placement.R;
   return std::max(d.lpNorm<Eigen::Infinity>() / machine.length, R.lpNorm<Eigen::Infinity>());
