@@ -27,32 +27,11 @@ const joints::Read* reading_of(const JointType& type, std::size_t word) {
   return place < type.reads.size() ? &type.reads[place] : nullptr;
 }
 
-struct RangeWriter {
-  const joints::Read* reading;
-  Coordinate& coordinate;
-
-  void operator()(const joints::Turn&) const {
-    const bool rises = reading != nullptr && std::holds_alternative<joints::ElevationOfGap>(*reading);
-    reach(true, rises ? kElevationReach : kTurnReach);
-  }
-  void operator()(const joints::Slide&) const { reach(false, kSlideReach); }
-  void operator()(const joints::Arm&) const {}
-  void operator()(const joints::Ball&) const {}
-  void operator()(const joints::ByMotion& by) const {
-    const bool is_turn = by.turns[coordinate.component];
-    reach(is_turn, is_turn ? kTurnReach : kSlideReach);
-    if (by.ranges.empty()) return;
-    coordinate.least = by.ranges[coordinate.component][0];
-    coordinate.greatest = by.ranges[coordinate.component][1];
-  }
-
- private:
-  void reach(bool is_turn, double to_both_sides) const {
-    coordinate.is_turn = is_turn;
-    coordinate.least = -to_both_sides;
-    coordinate.greatest = to_both_sides;
-  }
-};
+/// How far a coordinate reaches to both sides where its word does not say.
+double reach_of(joints::CoordinateKind kind, const joints::Read* reading) {
+  if (kind == joints::CoordinateKind::length) return kSlideReach;
+  return reading != nullptr && is_elevation(*reading) ? kElevationReach : kTurnReach;
+}
 
 }  // namespace
 
@@ -96,11 +75,15 @@ std::vector<Coordinate> coordinates_of(const JointType& type) {
   std::vector<Coordinate> coordinates;
   for (std::size_t k = 0; k < type.permits.size(); ++k) {
     const joints::Permit& permit = type.permits[k];
-    if (std::holds_alternative<joints::Ball>(permit)) continue;
+    if (is_orientation(permit)) continue;
     const int word = static_cast<int>(k);
-    for (int c = 0; c < n_u(permit); ++c) {
+    const joints::StatedCoordinates stated = stated_coordinates(permit);
+    for (int c = 0; c < stated.size(); ++c) {
       Coordinate coordinate{word, c, first_q(type, word) + c, first_u(type, word) + c};
-      std::visit(RangeWriter{reading_of(type, k), coordinate}, permit);
+      coordinate.is_turn = stated[c].kind == joints::CoordinateKind::angle;
+      const double reach = reach_of(stated[c].kind, reading_of(type, k));
+      coordinate.least = stated[c].range ? (*stated[c].range)[0] : -reach;
+      coordinate.greatest = stated[c].range ? (*stated[c].range)[1] : reach;
       coordinates.push_back(coordinate);
     }
   }
@@ -128,7 +111,7 @@ bool PoseSource::is_regular(const VecX& q) const { return rank_value(*type_, q) 
 VecX PoseSource::draw_q(Numbers& numbers) const {
   VecX q(type_->n_q());
   for (std::size_t k = 0; k < type_->permits.size(); ++k) {
-    if (!std::holds_alternative<joints::Ball>(type_->permits[k])) continue;
+    if (!is_orientation(type_->permits[k])) continue;
     q.segment<4>(first_q(*type_, static_cast<int>(k))) = numbers.vector(4, 1.0).normalized();
   }
   for (const Coordinate& coordinate : coordinates_) {

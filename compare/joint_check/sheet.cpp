@@ -8,6 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "compare/joint_check/statement_properties.h"
 #include "compare/joint_check/word_properties.h"
 #include "compare/report/text_table.h"
 
@@ -16,18 +17,6 @@ namespace concord::compare::joint_check {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-char letter(Axis axis) { return "xyz"[index(axis)]; }
-
-struct Namer {
-  std::vector<std::string>& names;
-
-  void operator()(const joints::Turn& turn) const { names.push_back(fmt::format("turn_{}", letter(turn.axis))); }
-  void operator()(const joints::Slide& slide) const { names.push_back(fmt::format("slide_{}", letter(slide.axis))); }
-  void operator()(const joints::Arm&) const {}
-  void operator()(const joints::Ball&) const { names.emplace_back("ball"); }
-  void operator()(const joints::ByMotion& by) const { names.insert(names.end(), by.names.begin(), by.names.end()); }
-};
 
 /// Calls visit(property) for all of a sheet.
 void each_property(const Sheet& sheet, const std::function<void(const Property&)>& visit) {
@@ -159,7 +148,9 @@ Sheet check_joint(const JointType& type, const SheetOptions& options) {
   sheet.rows = type.rows();
   sheet.nonholonomic_rows = type.nonholonomic_rows();
   sheet.options = options;
-  for (const joints::Permit& word : type.permits) std::visit(Namer{sheet.coordinates}, word);
+  for (const joints::Permit& word : type.permits) {
+    for (const joints::StatedCoordinate& one : stated_coordinates(word)) sheet.coordinates.emplace_back(one.name);
+  }
   sheet.properties = check_statement(type);
   if (!sheet.holds()) return sheet;
   const Properties of_words = check_words(type, options.seed, options.poses);

@@ -1,21 +1,16 @@
 #include "compare/joint_check/word_properties.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <stdexcept>
+#include <optional>
 
-#include "cartesian/joint_rows.h"
 #include "common/decompositions.h"
-#include "common/model.h"
-#include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/audit/referee.h"
-#include "relative/mobilizer.h"
+#include "compare/joint_check/derivative_properties.h"
+#include "compare/joint_check/evaluated_pose.h"
 #include "relative/nonholonomic_constraint.h"
 
 namespace concord::compare::joint_check {
@@ -25,102 +20,13 @@ namespace {
 using cartesian::ConstraintRow;
 using cartesian::RelativeMotion;
 using joints::FunctionOfCoordinates;
+using joints::Placement;
 
 constexpr double kExact = 13.0;         // digits of what only round-off parts
 constexpr double kByDifferences = 8.0;  // digits of a central difference, extrapolated
 constexpr double kNearby = 1e-11;       // m, rad: what Newton's method may leave
-constexpr double kStep = 1e-3;          // m, rad
 constexpr double kIndependent = 0.01;   // least singular value of unit columns that do not depend on each other
 constexpr double kDisturbance = 0.15;   // m, rad
-
-Vec6 gradient_of(const ConstraintRow& row) { return (Vec6() << row.over_d, row.over_rho).finished(); }
-
-/// The placement after moving with constant ddot and omega for `time`.
-Placement after(const Placement& at, const Vec6& v_rel, double time) {
-  const Vec3 omega = v_rel.tail<3>();
-  const double speed = omega.norm();
-  const Mat3 turned = speed > 0.0 ? rotation_about(Vec3(omega / speed), speed * time) : Mat3(Mat3::Identity());
-  return {at.d + time * v_rel.head<3>(), turned * at.R};
-}
-
-RelativeMotion relative_motion(const Placement& at, const Vec6& v_rel) {
-  return {at.d, at.R, v_rel.head<3>(), v_rel.tail<3>()};
-}
-
-std::vector<ConstraintRow> forbids(const JointType& type, const RelativeMotion& motion) {
-  std::vector<ConstraintRow> rows(cartesian::kMaxRows);
-  rows.resize(cartesian::evaluate_forbids(type, motion, rows.data()));
-  return rows;
-}
-
-/// One row for each speed: the readings, and of an orientation the three rows of its distance from `target`.
-std::vector<ConstraintRow> reads(const JointType& type, const RelativeMotion& motion, const Mat3& target) {
-  std::vector<ConstraintRow> rows;
-  for (const joints::Read& word : type.reads) {
-    if (std::holds_alternative<joints::OrientationOf>(word)) {
-      rows.resize(rows.size() + 3);
-      cartesian::evaluate_orientation(target, motion, &rows[rows.size() - 3]);
-      continue;
-    }
-    for (int c = 0; c < cartesian::n_speeds(word); ++c) rows.push_back(cartesian::evaluate_read(word, c, motion));
-  }
-  return rows;
-}
-
-/// Change of an angle or of a length.
-double change(double from, double to, bool is_turn) {
-  return is_turn ? std::remainder(to - from, 2.0 * std::numbers::pi) : to - from;
-}
-
-/// Derivative at zero of a function of one variable: central differences of two step lengths, extrapolated.
-template <class Function>
-auto differentiate(const Function& f) {
-  using Value = std::decay_t<decltype(f(0.0))>;
-  const Value fine = (f(kStep) - f(-kStep)) / (2.0 * kStep);
-  const Value coarse = (f(2.0 * kStep) - f(-2.0 * kStep)) / (4.0 * kStep);
-  return Value((4.0 * fine - coarse) / 3.0);
-}
-
-Vec6 rotation_and_displacement(const Placement& from, const Placement& to) {
-  const Eigen::AngleAxisd turned(Mat3(to.R * from.R.transpose()));
-  Vec6 step;
-  step << to.d - from.d, turned.angle() * turned.axis();
-  return step;
-}
-
-/// A joint type evaluated at one pose by all who know it: both solvers and the referee.
-struct EvaluatedPose {
-  EvaluatedPose(const JointType& of, const MotionPose& pose_of)
-      : type(of), pose(pose_of), words(of), referee(referee_permits(of, pose.q, pose.u)) {
-    words.evaluate(pose.q.data(), pose.u.data(), permitted);
-    at = {permitted.d, permitted.R};
-    motion = relative_motion(at, permitted.v_rel);
-    forbidden = forbids(type, motion);
-    readings = reads(type, motion, permitted.R);
-  }
-
-  /// The motion with other coordinates: moved by `step` along the speeds.
-  [[nodiscard]] relative::JointMotion moved(const VecX& step) const {
-    VecX q = pose.q;
-    words.advance(q.data(), step.data());
-    relative::JointMotion reached;
-    words.evaluate(q.data(), pose.u.data(), reached);
-    return reached;
-  }
-
-  [[nodiscard]] MatX S() const { return permitted.S.leftCols(type.n_u()); }
-  [[nodiscard]] double speed() const { return 1.0 + permitted.v_rel.norm(); }
-
-  const JointType& type;
-  const MotionPose& pose;
-  relative::Mobilizer words;
-  relative::JointMotion permitted;
-  FunctionOfCoordinates::Motion referee;
-  Placement at;
-  RelativeMotion motion;
-  std::vector<ConstraintRow> forbidden;
-  std::vector<ConstraintRow> readings;
-};
 
 auto in_words(const char* format, double a, double b) {
   return [=] { return fmt::format(fmt::runtime(format), a, b); };
@@ -202,13 +108,13 @@ VecX read_q(const JointType& type, const Placement& at) {
   VecX q(type.n_q());
   Eigen::Index place = 0;
   for (const joints::Read& word : type.reads) {
-    if (std::holds_alternative<joints::OrientationOf>(word)) {
+    if (is_orientation(word)) {
       const Eigen::Quaterniond turned(at.R);
       q.segment<4>(place) << turned.w(), turned.vec();
       place += 4;
       continue;
     }
-    for (int c = 0; c < cartesian::n_speeds(word); ++c) q(place++) = cartesian::evaluate_read(word, c, motion).value;
+    for (int c = 0; c < n_u(word); ++c) q(place++) = cartesian::evaluate_read(word, c, motion).value;
   }
   return q;
 }
@@ -260,18 +166,6 @@ void rates_of_readings_are_the_speeds(const EvaluatedPose& evaluated, Property& 
     property.note(at_rest / (evaluated.speed() * evaluated.speed()), evaluated.pose.number,
                   in_row("acceleration at constant speed of coordinate", k, at_rest, 0.0));
   }
-}
-
-void note_difference(Property& property, const EvaluatedPose& evaluated, const char* what, std::size_t row,
-                     double found, double expected, double scale) {
-  property.note((found - expected) / scale, evaluated.pose.number,
-                [&] { return fmt::format("{} {}: {:.12g}, expected {:.12g}", what, row + 1, found, expected); });
-}
-
-std::vector<ConstraintRow> forbidden_speeds(const JointType& type, const RelativeMotion& motion) {
-  std::vector<ConstraintRow> rows(cartesian::kMaxRows);
-  rows.resize(cartesian::evaluate_forbidden_speeds(type, motion, rows.data()));
-  return rows;
 }
 
 /// S of the speeds that are possible, 6 x n, as the third opinion reads them from what the page permits.
@@ -355,93 +249,6 @@ void coordinate_wrenches_work_on_their_coordinate(const EvaluatedPose& evaluated
   }
 }
 
-// Derivatives by differences -----------------------------------------------------------------------------------------
-
-template <class RowsAt>
-void rows_by_differences(const EvaluatedPose& evaluated, const std::vector<ConstraintRow>& rows, const RowsAt& rows_at,
-                         const std::vector<bool>& wraps, Property& jacobian, Property& gamma) {
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    for (int c = 0; c < 6; ++c) {
-      const double expected = differentiate([&](double h) {
-        const double value = rows_at(relative_motion(after(evaluated.at, Vec6::Unit(c), h), Vec6::Zero()))[k].value;
-        return change(rows[k].value, value, wraps[k]);
-      });
-      note_difference(jacobian, evaluated, "row", k, gradient_of(rows[k])(c), expected,
-                      1.0 + gradient_of(rows[k]).norm());
-    }
-    const double expected = differentiate([&](double h) {
-      const ConstraintRow later =
-          rows_at(relative_motion(after(evaluated.at, evaluated.permitted.v_rel, h), evaluated.permitted.v_rel))[k];
-      return gradient_of(later).dot(evaluated.permitted.v_rel);
-    });
-    note_difference(gamma, evaluated, "row", k, rows[k].bias, expected,
-                    evaluated.speed() * evaluated.speed() * (1.0 + gradient_of(rows[k]).norm()));
-  }
-}
-
-/// What is forbidden, then what reads.
-void rows_against_differences(const EvaluatedPose& evaluated, Property* properties) {
-  const std::vector<bool> straight(evaluated.forbidden.size(), false);
-  rows_by_differences(
-      evaluated, evaluated.forbidden, [&](const RelativeMotion& motion) { return forbids(evaluated.type, motion); },
-      straight, properties[0], properties[1]);
-  std::vector<bool> wraps(evaluated.readings.size(), false);
-  for (const Coordinate& coordinate : coordinates_of(evaluated.type)) wraps[coordinate.u] = coordinate.is_turn;
-  rows_by_differences(
-      evaluated, evaluated.readings,
-      [&](const RelativeMotion& motion) { return reads(evaluated.type, motion, evaluated.at.R); }, wraps, properties[2],
-      properties[3]);
-}
-
-void motion_against_differences(const EvaluatedPose& evaluated, Property& columns, Property& rates) {
-  for (int c = 0; c < evaluated.type.n_u(); ++c) {
-    const VecX direction = VecX::Unit(evaluated.type.n_u(), c);
-    const Vec6 expected = differentiate([&](double h) {
-      const relative::JointMotion reached = evaluated.moved(h * direction);
-      return rotation_and_displacement(evaluated.at, {reached.d, reached.R});
-    });
-    const Vec6 found = evaluated.permitted.S.col(c);
-    columns.note((found - expected).norm() / (1.0 + expected.norm()), evaluated.pose.number,
-                 [&] { return fmt::format("column {} is off by {:.3g}", c + 1, (found - expected).norm()); });
-  }
-  const Vec6 expected = differentiate([&](double h) { return evaluated.moved(h * evaluated.pose.u).v_rel; });
-  const double error = (evaluated.permitted.Sdot_u - expected).norm();
-  rates.note(error / (evaluated.speed() * evaluated.speed()), evaluated.pose.number,
-             in_words("Sdot u is off by {:.3g} of {:.3g}", error, expected.norm()));
-}
-
-// Derivatives by the referee -----------------------------------------------------------------------------------------
-
-void rows_against_referee(const EvaluatedPose& evaluated, const std::vector<ConstraintRow>& rows,
-                          const std::vector<RefereedRow>& refereed, Property& property) {
-  property.require(rows.size() == refereed.size(), evaluated.pose.number,
-                   [&] { return fmt::format("{} rows, {} expected", rows.size(), refereed.size()); });
-  for (std::size_t k = 0; k < std::min(rows.size(), refereed.size()); ++k) {
-    const double scale = 1.0 + refereed[k].gradient.norm();
-    property.note((gradient_of(rows[k]) - refereed[k].gradient).norm() / scale, evaluated.pose.number, [&] {
-      return fmt::format("gradient of row {} is off by {:.3g}", k + 1,
-                         (gradient_of(rows[k]) - refereed[k].gradient).norm());
-    });
-    note_difference(property, evaluated, "bias of row", k, rows[k].bias, refereed[k].bias,
-                    scale * evaluated.speed() * evaluated.speed());
-  }
-}
-
-void motion_against_referee(const EvaluatedPose& evaluated, Property& property) {
-  const auto note = [&](const char* what, double error, double scale) {
-    property.note(error / scale, evaluated.pose.number,
-                  [&] { return fmt::format("{} is off by {:.3g}", what, error); });
-  };
-  const relative::JointMotion& found = evaluated.permitted;
-  const FunctionOfCoordinates::Motion& expected = evaluated.referee;
-  const Eigen::Index n = evaluated.type.n_u();
-  note("d", (found.d - expected.placement.d).norm(), 1.0 + found.d.norm());
-  note("R", (found.R - expected.placement.R).norm(), 1.0);
-  if (n > 0) note("S", (found.S.leftCols(n) - expected.S.leftCols(n)).norm(), 1.0 + expected.S.norm());
-  note("S u", (found.v_rel - expected.S.leftCols(n) * evaluated.pose.u).norm(), evaluated.speed());
-  note("Sdot u", (found.Sdot_u - expected.Sdot_u).norm(), evaluated.speed() * evaluated.speed());
-}
-
 struct PropertyCheck {
   const char* name;
   std::optional<double> need;
@@ -468,79 +275,7 @@ const std::vector<PropertyCheck>& single_checks() {
   return checks;
 }
 
-// The numbers of a statement -----------------------------------------------------------------------------------------
-
-std::string rows_and_speeds(const JointType& type) {
-  const auto permitted = static_cast<int>(type.permits_speeds.size());
-  if (type.nonholonomic_rows() + permitted > 0 && type.rows() + type.nonholonomic_rows() + permitted != 6) {
-    return fmt::format(
-        "{} rows are forbidden, {} of velocities alone, and {} velocities permitted; together they must be 6",
-        type.rows(), type.nonholonomic_rows(), permitted);
-  }
-  if (type.rows() + type.n_u() == 6) return {};
-  return fmt::format("{} rows are forbidden and {} speeds permitted; together they must be 6", type.rows(), type.n_u());
-}
-
-std::string readings_beside_words(const JointType& type) {
-  std::vector<int> of_motion;
-  for (const joints::Permit& word : type.permits) {
-    if (n_q(word) > 0) of_motion.push_back(n_u(word));
-  }
-  std::vector<int> of_reading;
-  for (const joints::Read& word : type.reads) of_reading.push_back(cartesian::n_speeds(word));
-  if (of_motion == of_reading) return {};
-  return fmt::format("the words of the motion have {} speeds, the readings beside them {}; they must be the same",
-                     fmt::join(of_motion, ", "), fmt::join(of_reading, ", "));
-}
-
-std::string order_of_words(const JointType& type) {
-  try {
-    const relative::Mobilizer motion(type);
-    return {};
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-}
-
-/// What a motion by functions must say of each of its coordinates.
-std::string words_by_functions(const JointType& type) {
-  for (const joints::Permit& word : type.permits) {
-    const auto* by = std::get_if<joints::ByMotion>(&word);
-    if (by == nullptr) continue;
-    const auto n = static_cast<std::size_t>(by->motion->n());
-    if (by->turns.size() != n || by->names.size() != n || (!by->ranges.empty() && by->ranges.size() != n)) {
-      return fmt::format("the motion has {} coordinates, but {} turns, {} names and {} ranges", n, by->turns.size(),
-                         by->names.size(), by->ranges.size());
-    }
-    const auto* reading = type.reads.size() == 1 ? std::get_if<joints::ByReading>(&type.reads.front()) : nullptr;
-    if (reading == nullptr) return "a motion by functions needs one reading by functions";
-    if (reading->turns != by->turns) return "motion and reading differ in which coordinates are turns";
-    if (reading->wrenches == nullptr) return "the reading states no coordinate wrenches";
-    const VecX q = PoseSource(type, 0).pose(0).q;
-    const joints::Wrenches said = reading->wrenches(referee_permits(type, q, VecX::Zero(type.n_u())).placement);
-    if (said.cols() != by->motion->n()) {
-      return fmt::format("{} coordinate wrenches for {} coordinates", said.cols(), n);
-    }
-  }
-  return {};
-}
-
 }  // namespace
-
-Properties check_statement(const JointType& type) {
-  Properties properties;
-  const auto check = [&](const char* name, std::string (*complaint_about)(const JointType&)) {
-    // A statement that is wrong in one way is not looked at in the next.
-    if (!properties.empty() && !properties.back().holds()) return;
-    const std::string complaint = complaint_about(type);
-    properties.emplace_back(name, std::nullopt).require(complaint.empty(), -1, [&] { return complaint; });
-  };
-  check("rows and speeds are six together", rows_and_speeds);
-  check("every coordinate has its reading", readings_beside_words);
-  check("words stand in an order that has a meaning", order_of_words);
-  check("functions say all that is asked of them", words_by_functions);
-  return properties;
-}
 
 Properties check_words(const JointType& type, std::uint32_t seed, const std::vector<int>& poses) {
   Properties properties;
@@ -563,10 +298,7 @@ Properties check_words(const JointType& type, std::uint32_t seed, const std::vec
     for (std::size_t k = 0; k < single_checks().size(); ++k) single_checks()[k].check(evaluated, properties[k]);
     rows_against_differences(evaluated, &properties[differences]);
     motion_against_differences(evaluated, properties[differences + 4], properties[differences + 5]);
-    rows_against_referee(evaluated, evaluated.forbidden, referee_forbids(type, evaluated.at, evaluated.permitted.v_rel),
-                         properties[referee]);
-    rows_against_referee(evaluated, evaluated.readings, referee_reads(type, evaluated.at, evaluated.permitted.v_rel),
-                         properties[referee + 1]);
+    rows_against_referee(evaluated, properties[referee], properties[referee + 1]);
     motion_against_referee(evaluated, properties[referee + 2]);
   }
   return properties;
