@@ -42,9 +42,9 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
       if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
       const joints::Read* read = read_of(*stated.type, static_cast<int>(word));
       if (read == nullptr) continue;
-      const int n = n_speeds(*read);
+      const int n = n_u(*read);
       ConstraintRow rows[kMaxRows];
-      if (std::holds_alternative<joints::OrientationOf>(*read)) {
+      if (is_orientation(*read)) {
         const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
         for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
       } else {
@@ -75,11 +75,13 @@ void each_counting_reading(const Model& model, const Visit& visit) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     int place = 0;
     for (const joints::Read& read : model.joints[k].type->reads) {
-      const auto* by = std::get_if<joints::ByReading>(&read);
-      for (int c = 0; by != nullptr && c < n_speeds(read); ++c) {
-        if (by->turns[c] && !reads_turn(read, c)) visit(static_cast<int>(k), place + c, read, c);
+      const joints::CoordinateKinds kinds = kinds_of(read);
+      for (int c = 0; c < kinds.size(); ++c) {
+        if (kinds[c] == joints::CoordinateKind::angle && !reads_turn(read, c)) {
+          visit(static_cast<int>(k), place + c, read, c);
+        }
       }
-      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+      place += n_q(read);
     }
   }
 }

@@ -99,8 +99,8 @@ Constraints::Constraints(const Model& model, const Layout& layout)
     }
     int place = 0;
     for (const joints::Read& read : joint.type->reads) {
-      if (std::holds_alternative<joints::ElevationOfGap>(read)) equations.elevation = place;
-      place += std::holds_alternative<joints::OrientationOf>(read) ? 4 : n_speeds(read);
+      if (is_elevation(read)) equations.elevation = place;
+      place += n_q(read);
     }
     for (const Side side : {Side::parent, Side::child}) {
       const Attachment& attachment = joint.on(side);

@@ -39,16 +39,16 @@ void read_joint_coordinates(const Model& model, const Constraints& constraints, 
     int at_q = 0;
     int at_u = 0;
     for (const joints::Read& read : type.reads) {
-      if (std::holds_alternative<joints::OrientationOf>(read)) {
+      if (is_orientation(read)) {
         const Vec4 p = euler_parameters_of(motion.R);
         auto known = q[k].segment<4>(at_q);
         known = known.dot(p) < 0.0 ? Vec4(-p) : p;
         u[k].segment<3>(at_u) = motion.omega;
-        at_q += 4;
-        at_u += 3;
+        at_q += n_q(read);
+        at_u += n_u(read);
         continue;
       }
-      for (int component = 0; component < n_speeds(read); ++component) {
+      for (int component = 0; component < n_u(read); ++component) {
         const ConstraintRow row = evaluate_read(read, component, motion);
         double& known = q[k](at_q++);
         known = value_near(reads_turn(read, component), row, known);

@@ -232,7 +232,7 @@ bool goes_beyond_turns(const joints::Read& word, int component) {
 }
 
 bool is_by_functions(const joints::JointType& type) {
-  return type.reads.size() == 1 && std::holds_alternative<ByReading>(type.reads.front());
+  return type.reads.size() == 1 && function_of(type.reads.front()) != nullptr;
 }
 
 /// S of a type whose coordinates read by functions: what no row forbids and moves one reading at unit speed (C25).
@@ -271,10 +271,10 @@ bool on_branch(const joints::JointType& type, const RelativeMotion& motion) {
 }
 
 const joints::Read* read_of(const joints::JointType& type, int word) {
-  if (std::holds_alternative<joints::Arm>(type.permits[word])) return nullptr;
+  if (n_q(type.permits[word]) == 0) return nullptr;
   int place = word;
   for (int before = 0; before < word; ++before) {
-    if (std::holds_alternative<joints::Arm>(type.permits[before])) --place;
+    if (n_q(type.permits[before]) == 0) --place;
   }
   return &type.reads[place];
 }
@@ -284,9 +284,15 @@ ConstraintRow evaluate_read(const joints::Read& word, int component, const Relat
 }
 
 bool reads_turn(const joints::Read& word, int component) {
-  if (const auto* by = std::get_if<ByReading>(&word))
-    return by->turns[component] && !goes_beyond_turns(word, component);
-  return !std::holds_alternative<SlideAlong>(word);
+  switch (kind_of(word, component)) {
+    case joints::CoordinateKind::length:
+      return false;
+    case joints::CoordinateKind::orientation:
+      return true;
+    case joints::CoordinateKind::angle:
+      return function_of(word) == nullptr || !goes_beyond_turns(word, component);
+  }
+  return false;
 }
 
 namespace {
@@ -336,11 +342,6 @@ Vec6 coordinate_wrench(const joints::JointType& type, const RelativeMotion& moti
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> work = S.transpose() * span;
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> weights = work.partialPivLu().solve(tau);
   return span * weights;
-}
-
-int n_speeds(const joints::Read& word) {
-  if (const auto* by = std::get_if<ByReading>(&word)) return by->reading->n();
-  return std::holds_alternative<OrientationOf>(word) ? 3 : 1;
 }
 
 }  // namespace concord::cartesian

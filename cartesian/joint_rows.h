@@ -75,7 +75,4 @@ void evaluate_orientation(const Mat3& target, const RelativeMotion& motion, Cons
 /// move the arm's end; of readings by functions: of what they say), with S^T w = tau (C24).
 Vec6 coordinate_wrench(const joints::JointType& type, const RelativeMotion& motion, const Eigen::Ref<const VecX>& tau);
 
-/// Number of speeds that a reading stands for: 3 for an orientation, else one for each number.
-int n_speeds(const joints::Read& read);
-
 }  // namespace concord::cartesian
