@@ -13,7 +13,7 @@ namespace {
 /// The first speed of a joint's ball; -1 without one.
 int ball_of(const joints::JointType& type) {
   for (std::size_t word = 0; word < type.permits.size(); ++word) {
-    if (std::holds_alternative<joints::Ball>(type.permits[word])) return first_u(type, static_cast<int>(word));
+    if (is_orientation(type.permits[word])) return first_u(type, static_cast<int>(word));
   }
   return -1;
 }

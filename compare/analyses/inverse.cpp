@@ -56,7 +56,7 @@ std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::ve
     for (const NamedCoordinate& named : named_coordinates(*joint.type)) {
       if (joint.start.at(named.word).role_u != StartRole::keep) continue;
       if (driver_of(joint, named.word, named.component) != nullptr) continue;
-      if (std::holds_alternative<joints::Ball>(joint.type->permits[named.word])) {
+      if (named.kind == joints::CoordinateKind::orientation) {
         refuse(model, joint, "it keeps a ball, which no driver can move: keep coordinates that turn or slide instead");
       }
       const auto found = std::find_if(asked.begin(), asked.end(), [&](const AskedAcceleration& one) {

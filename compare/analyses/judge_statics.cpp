@@ -28,7 +28,7 @@ void for_each_coordinate(const Model& model, const State& state, const Use& use)
     const std::vector<std::string> names = speed_names(*joint.type);
     const std::vector<bool> turns = turning_speeds(*joint.type);
     for (std::size_t word = 0; word < joint.type->permits.size(); ++word) {
-      if (std::holds_alternative<joints::Ball>(joint.type->permits[word])) continue;
+      if (is_orientation(joint.type->permits[word])) continue;
       const int q = first_q(*joint.type, static_cast<int>(word));
       const int u = first_u(*joint.type, static_cast<int>(word));
       for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {

@@ -79,7 +79,7 @@ State predict(const Model& model, const Sample& now, double h) {
     const joints::JointType& type = *model.joints[k].type;
     for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {
       const joints::Permit& permit = type.permits[word];
-      if (std::holds_alternative<joints::Ball>(permit)) continue;
+      if (is_orientation(permit)) continue;
       guess.q[k].segment(first_q(type, word), n_q(permit)) += h * guess.u[k].segment(first_u(type, word), n_u(permit));
     }
   }

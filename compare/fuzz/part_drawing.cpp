@@ -124,7 +124,7 @@ void PartDrawing::draw_coordinates(JointPlan& joint) {
   joint.u = VecX::Zero(joint.type->n_u());
   const bool rests = random_.chance(recipe_.resting);
   for (int w = 0; w < static_cast<int>(joint.type->permits.size()); ++w) {
-    if (!std::holds_alternative<joints::Ball>(joint.type->permits[w])) continue;
+    if (!is_orientation(joint.type->permits[w])) continue;
     joint.q.segment<4>(first_q(*joint.type, w)) = recipe_.is_aligned ? Vec4(Vec4::Unit(0)) : random_.rotation();
     if (!rests) joint.u.segment<3>(first_u(*joint.type, w)) = random_.vector(1.5 / units_.time);
   }
@@ -135,8 +135,8 @@ void PartDrawing::draw_coordinates(JointPlan& joint) {
 }
 
 double PartDrawing::draw_place(const joints::JointType& type, const joint_check::Coordinate& one) {
-  const auto* by = std::get_if<joints::ByMotion>(&type.permits[one.word]);
-  if (by != nullptr && !by->ranges.empty()) return random_.between(one.least, one.greatest);
+  const bool has_range = stated_coordinates(type.permits[one.word])[one.component].range.has_value();
+  if (has_range) return random_.between(one.least, one.greatest);
   if (recipe_.is_aligned) {
     const int step = random_.below(7) - 3;
     return one.is_turn ? step * std::numbers::pi / 12.0 : rounded(0.1 * step * units_.length);

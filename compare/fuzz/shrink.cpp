@@ -181,9 +181,9 @@ void straighten(const Machine& machine, Candidates& candidates) {
     candidates.change([&](Machine& one) { one.joints[k].u.setZero(); });
     candidates.change([&](Machine& one) {
       JointPlan& joint = one.joints[k];
-      joint.q.setZero();
       for (int w = 0; w < static_cast<int>(joint.type->permits.size()); ++w) {
-        if (std::holds_alternative<joints::Ball>(joint.type->permits[w])) joint.q(first_q(*joint.type, w)) = 1.0;
+        const VecX home = joints::home_of(joint.type->permits[w]);
+        joint.q.segment(first_q(*joint.type, w), home.size()) = home;
       }
     });
     candidates.change([&](Machine& one) { one.joints[k].named_as_cut = false; });
@@ -224,7 +224,7 @@ void round_numbers(Machine& machine, int digits) {
     }
     round_all(joint.q, digits);
     for (int w = 0; w < static_cast<int>(joint.type->permits.size()); ++w) {
-      if (!std::holds_alternative<joints::Ball>(joint.type->permits[w])) continue;
+      if (!is_orientation(joint.type->permits[w])) continue;
       joint.q.segment<4>(first_q(*joint.type, w)).normalize();
     }
     round_all(joint.u, digits);

@@ -105,7 +105,7 @@ class Writer {
   void write_start(const JointPlan& joint, const NamedCoordinate& named) {
     const int q = first_q(*joint.type, named.word) + named.component;
     const int u = first_u(*joint.type, named.word) + named.component;
-    const bool is_ball = std::holds_alternative<joints::Ball>(joint.type->permits[named.word]);
+    const bool is_ball = named.kind == joints::CoordinateKind::orientation;
     const std::string place =
         is_ball ? inline_table({{"euler_parameters", list_text(joint.q.segment<4>(q))}}) : number_text(joint.q(q));
     const std::string speed = is_ball ? list_text(joint.u.segment<3>(u)) : number_text(joint.u(u));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "common/joints/named_coordinates.h"
 #include "common/overloaded.h"
 #include "common/rotation.h"
 #include "compare/audit/places.h"
@@ -18,7 +19,7 @@ namespace {
 /// gets a constant more, slides and a ball are seen in the parent's turned axes.
 struct FrameTurn {
   std::array<Mat3, 2> G{Mat3::Identity(), Mat3::Identity()};
-  std::vector<double> shift;  // by word
+  std::vector<double> shift;  // by named coordinate
   bool turns = false;
 
   [[nodiscard]] const Mat3& on(Side side) const { return G[static_cast<std::size_t>(index(side))]; }
@@ -26,52 +27,57 @@ struct FrameTurn {
 };
 
 /// Whether a motion by functions is the same about a turned axis.
-bool is_round_about(const joints::ByMotion& word, const Mat3& G) {
+bool is_round_about(const joints::FunctionOfCoordinates& motion, const Mat3& G) {
   constexpr double kNoDifference = 1e-12;
-  const auto n = static_cast<Eigen::Index>(word.motion->n());
+  const auto n = static_cast<Eigen::Index>(motion.n());
   for (const double size : {0.4, -0.9}) {
     const VecX q = VecX::LinSpaced(n, size, 0.7 * size);
     const VecX u = VecX::Zero(n);
     joints::FunctionOfCoordinates::Motion at;
-    word.motion->evaluate(q.data(), u.data(), at);
+    motion.evaluate(q.data(), u.data(), at);
     if ((G * at.placement.R - at.placement.R * G).norm() > kNoDifference) return false;
     if ((G * at.placement.d - at.placement.d).norm() > kNoDifference * (1.0 + at.placement.d.norm())) return false;
   }
   return true;
 }
 
-/// The words of a motion, by kind.
-struct Words {
+/// The coordinates of a motion, by kind.
+struct CoordinatesByKind {
   std::vector<Axis> slides;
   std::optional<Axis> first_turn;
   std::optional<Axis> last_turn;
-  int first_turn_word = 0;
-  int last_turn_word = 0;
-  const joints::ByMotion* functions = nullptr;
+  std::size_t first_turn_place = 0;  // among the named coordinates
+  std::size_t last_turn_place = 0;
+  const joints::FunctionOfCoordinates* functions = nullptr;
   bool ball = false;
+  bool is_known = true;  // what each one does
 };
 
-Words words_of(const joints::JointType& type) {
-  Words words;
-  for (int k = 0; k < static_cast<int>(type.permits.size()); ++k) {
-    std::visit(Overloaded{[&](const joints::Slide& slide) { words.slides.push_back(slide.axis); },
-                          [&](const joints::Turn& turn) {
-                            if (!words.first_turn) words.first_turn_word = k;
-                            if (!words.first_turn) words.first_turn = turn.axis;
-                            words.last_turn = turn.axis;
-                            words.last_turn_word = k;
-                          },
-                          [](const joints::Arm&) {}, [&](const joints::Ball&) { words.ball = true; },
-                          [&](const joints::ByMotion& motion) { words.functions = &motion; }},
-               type.permits[static_cast<std::size_t>(k)]);
+void add_coordinate(const joints::JointType& type, const NamedCoordinate& one, CoordinatesByKind& found) {
+  if (one.kind == joints::CoordinateKind::orientation) {
+    found.ball = true;
+  } else if (!one.axis) {
+    found.functions = function_of(type.permits[static_cast<std::size_t>(one.word)]);
+    found.is_known = found.is_known && found.functions != nullptr;
+  } else if (one.kind == joints::CoordinateKind::length) {
+    found.slides.push_back(*one.axis);
+  } else {
+    const auto place = static_cast<std::size_t>(one.place);
+    if (!found.first_turn) found.first_turn_place = place;
+    if (!found.first_turn) found.first_turn = one.axis;
+    found.last_turn = one.axis;
+    found.last_turn_place = place;
   }
-  return words;
+}
+
+CoordinatesByKind coordinates_by_kind(const joints::JointType& type) {
+  CoordinatesByKind found;
+  for (const NamedCoordinate& one : named_coordinates(type)) add_coordinate(type, one, found);
+  return found;
 }
 
 bool says_speeds_of_child(const joints::JointType& type) {
-  return std::any_of(type.forbids_speeds.begin(), type.forbids_speeds.end(), [](const joints::ForbidSpeed& word) {
-    return std::get<joints::NoSlip>(word).axis_of == Side::child;
-  });
+  return std::any_of(type.forbids_speeds.begin(), type.forbids_speeds.end(), joints::is_seen_from_child);
 }
 
 /// The axis about which the parent's frame may turn while slides stay slides along the same axes, as a plane or a line:
@@ -83,14 +89,14 @@ std::optional<Axis> axis_of_slides(const std::vector<Axis>& slides) {
 }
 
 /// Both frames by the same rotation: types that fix the child's orientation.
-void turn_together(const Words& words, Draw& draw, FrameTurn& turn) {
-  const std::optional<Axis> axis = axis_of_slides(words.slides);
-  if (words.slides.size() > 1) return;
-  if (words.functions != nullptr) {
+void turn_together(const CoordinatesByKind& found, Draw& draw, FrameTurn& turn) {
+  const std::optional<Axis> axis = axis_of_slides(found.slides);
+  if (found.slides.size() > 1) return;
+  if (found.functions != nullptr) {
     const double angle = draw.angle();
     for (const Axis about : {Axis::z, Axis::x, Axis::y}) {
       const Mat3 G = rotation_about(about, angle);
-      if (!is_round_about(*words.functions, G)) continue;
+      if (!is_round_about(*found.functions, G)) continue;
       turn.G = {G, G};
       turn.turns = true;
       return;
@@ -103,57 +109,58 @@ void turn_together(const Words& words, Draw& draw, FrameTurn& turn) {
 }
 
 /// The parent's frame alone: about the first turn, if slides allow it; in front of a ball in any way that slides allow.
-void turn_parent(const Words& words, bool forced, Draw& draw, FrameTurn& turn) {
-  const std::optional<Axis> allowed = axis_of_slides(words.slides);
-  if (words.slides.size() > 1 && forced) return;  // slides would mix, and what acts on them
-  if (words.first_turn) {
-    const Axis axis = *words.first_turn;
-    if (words.slides.size() == 3 || (allowed && *allowed != axis)) return;
+void turn_parent(const CoordinatesByKind& found, bool forced, Draw& draw, FrameTurn& turn) {
+  const std::optional<Axis> allowed = axis_of_slides(found.slides);
+  if (found.slides.size() > 1 && forced) return;  // slides would mix, and what acts on them
+  if (found.first_turn) {
+    const Axis axis = *found.first_turn;
+    if (found.slides.size() == 3 || (allowed && *allowed != axis)) return;
     const double angle = draw.angle();
     turn.on(Side::parent) = rotation_about(axis, angle);
-    turn.shift[static_cast<std::size_t>(words.first_turn_word)] -= angle;
+    turn.shift[found.first_turn_place] -= angle;
   } else {
     turn.on(Side::parent) = allowed ? rotation_about(*allowed, draw.angle()) : draw.rotation();
   }
   turn.turns = true;
 }
 
-void turn_child(const Words& words, Draw& draw, FrameTurn& turn) {
-  if (words.ball) {
+void turn_child(const CoordinatesByKind& found, Draw& draw, FrameTurn& turn) {
+  if (found.ball) {
     turn.on(Side::child) = draw.rotation();
   } else {
     const double angle = draw.angle();
-    turn.on(Side::child) = rotation_about(*words.last_turn, angle);
-    turn.shift[static_cast<std::size_t>(words.last_turn_word)] += angle;
+    turn.on(Side::child) = rotation_about(*found.last_turn, angle);
+    turn.shift[found.last_turn_place] += angle;
   }
   turn.turns = true;
 }
 
 FrameTurn turn_of(const Model& model, int k, Draw& draw) {
   const joints::JointType& type = *model.joints[static_cast<std::size_t>(k)].type;
-  const Words words = words_of(type);
+  const CoordinatesByKind found = coordinates_by_kind(type);
   FrameTurn turn;
-  turn.shift.assign(type.permits.size(), 0.0);
-  if (!words.ball && !words.last_turn) {
-    turn_together(words, draw, turn);
+  turn.shift.assign(named_coordinates(type).size(), 0.0);
+  if (!found.is_known) return turn;
+  if (!found.ball && !found.last_turn) {
+    turn_together(found, draw, turn);
     return turn;
   }
-  turn_parent(words, is_forced(model, k), draw, turn);
-  if (!says_speeds_of_child(type)) turn_child(words, draw, turn);
+  turn_parent(found, is_forced(model, k), draw, turn);
+  if (!says_speeds_of_child(type)) turn_child(found, draw, turn);
   return turn;
 }
 
-/// Coordinates and speeds of a joint between turned frames. `sign` -1 leads back.
+/// CoordinatesByKind and speeds of a joint between turned frames. `sign` -1 leads back.
 void turn_coordinates(const joints::JointType& type, const FrameTurn& turn, int sign, VecX& q, VecX& u) {
   const Mat3 parent = sign > 0 ? turn.on(Side::parent) : Mat3(turn.on(Side::parent).transpose());
   const Mat3 child = sign > 0 ? turn.on(Side::child) : Mat3(turn.on(Side::child).transpose());
   Vec3 d = Vec3::Zero();
   Vec3 ddot = Vec3::Zero();
+  const std::vector<NamedCoordinate> coordinates = named_coordinates(type);
   const auto for_each_slide = [&](const auto& use) {
-    for (std::size_t word = 0; word < type.permits.size(); ++word) {
-      const auto* slide = std::get_if<joints::Slide>(&type.permits[word]);
-      if (slide == nullptr) continue;
-      use(index(slide->axis), first_q(type, static_cast<int>(word)), first_u(type, static_cast<int>(word)));
+    for (const NamedCoordinate& one : coordinates) {
+      if (one.kind != joints::CoordinateKind::length || !one.axis) continue;
+      use(index(*one.axis), first_q(type, one.word) + one.component, first_u(type, one.word) + one.component);
     }
   };
   for_each_slide([&](int axis, int at_q, int at_u) {
@@ -166,14 +173,22 @@ void turn_coordinates(const joints::JointType& type, const FrameTurn& turn, int 
     q(at_q) = d(axis);
     u(at_u) = ddot(axis);
   });
-  for (std::size_t word = 0; word < type.permits.size(); ++word) {
-    const int at_q = first_q(type, static_cast<int>(word));
-    const int at_u = first_u(type, static_cast<int>(word));
-    if (std::holds_alternative<joints::Turn>(type.permits[word])) q(at_q) += sign * turn.shift[word];
-    if (!std::holds_alternative<joints::Ball>(type.permits[word])) continue;
-    const Mat3 R = rotation_of(Vec4(q.segment<4>(at_q).normalized()));
-    q.segment<4>(at_q) = euler_parameters_of(parent.transpose() * R * child);
-    u.segment<3>(at_u) = parent.transpose() * u.segment<3>(at_u).eval();
+  for (const NamedCoordinate& one : coordinates) {
+    const int at_q = first_q(type, one.word) + one.component;
+    const int at_u = first_u(type, one.word) + one.component;
+    switch (one.kind) {
+      case joints::CoordinateKind::length:
+        break;
+      case joints::CoordinateKind::angle:
+        if (one.axis) q(at_q) += sign * turn.shift[static_cast<std::size_t>(one.place)];
+        break;
+      case joints::CoordinateKind::orientation: {
+        const Mat3 R = rotation_of(Vec4(q.segment<4>(at_q).normalized()));
+        q.segment<4>(at_q) = euler_parameters_of(parent.transpose() * R * child);
+        u.segment<3>(at_u) = parent.transpose() * u.segment<3>(at_u).eval();
+        break;
+      }
+    }
   }
 }
 
@@ -253,9 +268,9 @@ struct Turning {
         Attachment& at = joint.sides[static_cast<std::size_t>(index(side))];
         at.C = at.C * joints[k].on(side);
       }
-      for (std::size_t word = 0; word < joints[k].shift.size(); ++word) {
-        if (joints[k].shift[word] == 0.0) continue;
-        shift_coordinate(model, static_cast<int>(k), static_cast<int>(word), 0, joints[k].shift[word]);
+      for (const NamedCoordinate& one : named_coordinates(*joint.type)) {
+        const double shift = joints[k].shift[static_cast<std::size_t>(one.place)];
+        if (shift != 0.0) shift_coordinate(model, static_cast<int>(k), one.word, one.component, shift);
       }
       turn_start(joint, joints[k]);
     }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "common/joints/named_coordinates.h"
 #include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
@@ -26,16 +27,16 @@ struct Reversal {
 };
 
 /// Whether a motion of one coordinate runs backwards if its coordinate changes sign.
-bool is_odd(const joints::ByMotion& word) {
-  if (word.motion->n() != 1) return false;
+bool is_odd(const joints::FunctionOfCoordinates& motion) {
+  if (motion.n() != 1) return false;
   constexpr double kNoDifference = 1e-12;
   const double u = 0.0;
   for (const double q : {0.3, -0.8, 1.7}) {
     joints::FunctionOfCoordinates::Motion forth;
     joints::FunctionOfCoordinates::Motion back;
     const double minus_q = -q;
-    word.motion->evaluate(&q, &u, forth);
-    word.motion->evaluate(&minus_q, &u, back);
+    motion.evaluate(&q, &u, forth);
+    motion.evaluate(&minus_q, &u, back);
     const Mat3 R = forth.placement.R.transpose();
     if ((back.placement.R - R).norm() > kNoDifference) return false;
     if ((back.placement.d + R * forth.placement.d).norm() > kNoDifference * (1.0 + forth.placement.d.norm()))
@@ -44,22 +45,23 @@ bool is_odd(const joints::ByMotion& word) {
   return true;
 }
 
+/// Whether a ball is all that a type permits.
+bool is_ball(const joints::JointType& type) { return type.permits.size() == 1 && is_orientation(type.permits.front()); }
+
 bool reads_backwards(const joints::JointType& type, Reversal& reversal) {
   if (!type.forbids_speeds.empty()) return false;
   if (type.permits.size() == 1) {
-    if (const auto* motion = std::get_if<joints::ByMotion>(&type.permits.front())) return is_odd(*motion);
-    if (std::holds_alternative<joints::Ball>(type.permits.front())) return true;
+    if (const joints::FunctionOfCoordinates* motion = function_of(type.permits.front())) return is_odd(*motion);
   }
+  if (is_ball(type)) return true;
   std::vector<Axis> axes;
   bool only_turns = true;
-  for (const joints::Permit& word : type.permits) {
-    if (const auto* turn = std::get_if<joints::Turn>(&word)) axes.push_back(turn->axis);
-    if (const auto* slide = std::get_if<joints::Slide>(&word)) {
-      axes.push_back(slide->axis);
-      only_turns = false;
-    }
+  for (const NamedCoordinate& coordinate : named_coordinates(type)) {
+    if (!coordinate.axis) return false;
+    axes.push_back(*coordinate.axis);
+    only_turns = only_turns && coordinate.kind == joints::CoordinateKind::angle;
   }
-  if (axes.size() != type.permits.size()) return false;
+  if (axes.size() != type.permits.size()) return false;  // an arm, or a word of several coordinates
   if (std::all_of(axes.begin(), axes.end(), [&](Axis axis) { return axis == axes.front(); })) return true;
   if (!only_turns || axes.size() != 2) return false;
   // A half turn between both axes changes them.
@@ -72,10 +74,10 @@ bool reads_backwards(const joints::JointType& type, Reversal& reversal) {
 
 /// The axis of the frame along which the arm of a link points; nothing of other types.
 std::optional<Axis> arm_of_link(const joints::JointType& type) {
-  const bool is_link = type.forbids.size() == 1 && std::holds_alternative<joints::KeepDistance>(type.forbids.front());
+  const bool is_link = type.forbids.size() == 1 && joints::stated_length(type.forbids.front()) > 0.0;
   if (!is_link) return std::nullopt;
   for (const joints::Permit& word : type.permits) {
-    if (const auto* arm = std::get_if<joints::Arm>(&word)) return arm->axis;
+    if (const std::optional<Axis> arm = joints::arm_of(word)) return arm;
   }
   return std::nullopt;
 }
@@ -118,14 +120,14 @@ Reversal reversal_of(const Model& model, int k, const std::optional<State>& at) 
 
 /// Coordinates of the child in the parent turned into those of the parent in the child: slides and turns along one axis
 /// change sign, a ball's Euler parameters are conjugated.
-VecX reversed_coordinates(const VecX& q) {
-  if (q.size() != 4) return -q;
+VecX reversed_coordinates(bool of_ball, const VecX& q) {
+  if (!of_ball) return -q;
   return Vec4(q(0), -q(1), -q(2), -q(3));
 }
 
 /// The same for speeds: a ball's are seen from the other side.
-VecX reversed_speeds(const VecX& q, const VecX& u) {
-  if (q.size() != 4) return -u;
+VecX reversed_speeds(bool of_ball, const VecX& q, const VecX& u) {
+  if (!of_ball) return -u;
   return -(rotation_of(Vec4(q.normalized())).transpose() * u);
 }
 
@@ -135,8 +137,8 @@ void reverse_words(Joint& joint, const Reversal& reversal) {
   if (reversal.words_change_places) std::reverse(joint.start.begin(), joint.start.end());
   for (WordStart& word : joint.start) {
     if (word.q.size() == 0) continue;
-    word.u = reversed_speeds(word.q, word.u);
-    word.q = reversed_coordinates(word.q);
+    word.u = reversed_speeds(is_ball(*joint.type), word.q, word.u);
+    word.q = reversed_coordinates(is_ball(*joint.type), word.q);
   }
   for (Driver& driver : joint.drivers) {
     driver.word = place_of(driver.word);
@@ -190,8 +192,9 @@ struct Swapping {
         read_coordinates(told.joints[k], state, state.q[k], state.u[k]);
         continue;
       }
-      state.u[k] = reversed_speeds(state.q[k], state.u[k]);
-      state.q[k] = reversed_coordinates(state.q[k]);
+      const bool of_ball = is_ball(*told.joints[k].type);
+      state.u[k] = reversed_speeds(of_ball, state.q[k], state.u[k]);
+      state.q[k] = reversed_coordinates(of_ball, state.q[k]);
       if (!joints[k].words_change_places) continue;
       state.q[k].reverseInPlace();
       state.u[k].reverseInPlace();

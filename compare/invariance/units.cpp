@@ -12,13 +12,6 @@ namespace concord::compare::invariance {
 
 namespace {
 
-/// Whether coordinate `component` of a word is a length.
-bool is_length(const joints::Permit& word, int component) {
-  if (std::holds_alternative<joints::Slide>(word)) return true;
-  const auto* motion = std::get_if<joints::ByMotion>(&word);
-  return motion != nullptr && !motion->turns[static_cast<std::size_t>(component)];
-}
-
 std::optional<ForceTable> table_in_units(const std::optional<ForceTable>& table, double x, double force) {
   if (!table) return {};
   const SplineTable points = scaled(table->points(), x, force);
@@ -84,16 +77,16 @@ void tell_body(Body& body, const Units& units) {
 }
 
 /// The lead of a thread: how far a motion of one coordinate leads for each radian.
-double lead_of(const joints::ByMotion& word) {
+double lead_of(const joints::FunctionOfCoordinates& motion) {
   joints::FunctionOfCoordinates::Motion at;
   const double q = 1.0;
   const double u = 0.0;
-  word.motion->evaluate(&q, &u, at);
+  motion.evaluate(&q, &u, at);
   return at.placement.d.norm();
 }
 
 bool has_motion_by_functions(const joints::JointType& type) {
-  return !type.permits.empty() && std::holds_alternative<joints::ByMotion>(type.permits.front());
+  return !type.permits.empty() && function_of(type.permits.front()) != nullptr;
 }
 
 /// The length that a joint type with a parameter states: of its arm, its rolling radius, or its lead; nothing where
@@ -101,13 +94,13 @@ bool has_motion_by_functions(const joints::JointType& type) {
 std::optional<double> length_of(const joints::JointType& type) {
   if (type.parameters.size() != 1) return std::nullopt;
   for (const joints::Permit& word : type.permits) {
-    if (const auto* arm = std::get_if<joints::Arm>(&word)) return arm->length;
-    if (const auto* motion = std::get_if<joints::ByMotion>(&word)) {
-      const bool is_thread = type.name == "screw" && motion->motion->n() == 1;
+    if (arm_of(word)) return joints::stated_length(word);
+    if (const joints::FunctionOfCoordinates* motion = function_of(word)) {
+      const bool is_thread = type.name == "screw" && motion->n() == 1;
       return is_thread ? std::optional(lead_of(*motion)) : std::nullopt;
     }
   }
-  for (const joints::ForbidSpeed& word : type.forbids_speeds) return std::get<joints::NoSlip>(word).below;
+  for (const joints::ForbidSpeed& word : type.forbids_speeds) return joints::stated_length(word);
   return std::nullopt;
 }
 

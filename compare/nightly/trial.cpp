@@ -9,7 +9,6 @@
 #include <set>
 
 #include "common/joints/catalogue.h"
-#include "common/overloaded.h"
 #include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "compare/fuzz/generator.h"
@@ -36,33 +35,43 @@ void name_cuts(const Case& one, Model& model) {
   if (!asked.empty()) throw refusal(one, fmt::format("the suite cuts joint '{}', which is not there", *asked.begin()));
 }
 
-/// Sizes by which a word's coordinates and speeds are moved.
-std::array<double, 2> sizes_of(const StartDraw& draw, const joints::Permit& word) {
-  const std::array turn{draw.turn, draw.turn_speed};
-  const std::array slide{draw.slide, draw.slide_speed};
-  const std::array none{0.0, 0.0};
-  return std::visit(Overloaded{[&](const joints::Turn&) { return turn; }, [&](const joints::Slide&) { return slide; },
-                               [&](const joints::Arm&) { return none; },
-                               [&](const joints::Ball&) {
-                                 return std::array{0.0, draw.turn_speed};
-                               },
-                               [&](const joints::ByMotion& motion) { return motion.turns.front() ? turn : slide; }},
-                    word);
+/// Sizes by which a coordinate and its speeds are moved.
+std::array<double, 2> sizes_of(const StartDraw& draw, joints::CoordinateKind kind) {
+  switch (kind) {
+    case joints::CoordinateKind::angle:
+      return {draw.turn, draw.turn_speed};
+    case joints::CoordinateKind::length:
+      return {draw.slide, draw.slide_speed};
+    case joints::CoordinateKind::orientation:
+      return {0.0, draw.turn_speed};
+  }
+  return {};
 }
 
 void move_start(const Case& one, Model& model) {
   fuzz::Random random(one.start->seed, one.start->number);
   bool moves = false;
-  const auto move = [&](StartRole role, double size, VecX& values) {
+  const auto move = [&](StartRole role, double size, Eigen::Ref<VecX> values) {
     if (role != StartRole::keep || size == 0.0) return;
     values += random.vector(values.size(), size);
     moves = true;
   };
   for (Joint& joint : model.joints) {
     for (std::size_t k = 0; k < joint.start.size(); ++k) {
-      const auto [place, speed] = sizes_of(*one.start, joint.type->permits.at(k));
-      move(joint.start[k].role_q, place, joint.start[k].q);
-      move(joint.start[k].role_u, speed, joint.start[k].u);
+      WordStart& start = joint.start[k];
+      const joints::StatedCoordinates coordinates = stated_coordinates(joint.type->permits.at(k));
+      Eigen::Index next = 0;
+      for (const joints::StatedCoordinate& coordinate : coordinates) {
+        move(start.role_q, sizes_of(*one.start, coordinate.kind)[0],
+             start.q.segment(next, joints::n_q(coordinate.kind)));
+        next += joints::n_q(coordinate.kind);
+      }
+      next = 0;
+      for (const joints::StatedCoordinate& coordinate : coordinates) {
+        move(start.role_u, sizes_of(*one.start, coordinate.kind)[1],
+             start.u.segment(next, joints::n_u(coordinate.kind)));
+        next += joints::n_u(coordinate.kind);
+      }
     }
   }
   if (!moves) throw refusal(one, "the suite draws starts, but the model keeps no coordinate or speed that they move");

@@ -53,12 +53,12 @@ SimTK::Body::Rigid part_of_ground() {
 /// The length of a link, the radius of a ball, the lead of a screw, as the joint's own type states it.
 double length_of_link(const joints::JointType& type) {
   for (const joints::Permit& word : type.permits) {
-    if (const auto* arm = std::get_if<joints::Arm>(&word)) return arm->length;
+    if (joints::arm_of(word)) return joints::stated_length(word);
   }
   throw std::logic_error(type.name + " has no arm");
 }
 
-double radius_of(const joints::JointType& type) { return std::get<joints::NoSlip>(type.forbids_speeds.front()).below; }
+double radius_of(const joints::JointType& type) { return joints::stated_length(type.forbids_speeds.front()); }
 
 template <class Kind, class... Details>
 MobilizedBodyIndex add(MobilizedBody& parent, const Transform& on_parent, const SimTK::Body& body,
@@ -128,7 +128,7 @@ bool is_forced(const Model& model, int k, int speed) {
 double lead_of(const joints::JointType& type) {
   const double zero = 0.0;
   joints::FunctionOfCoordinates::Motion motion;
-  std::get<joints::ByMotion>(type.permits.front()).motion->evaluate(&zero, &zero, motion);
+  joints::function_of(type.permits.front())->evaluate(&zero, &zero, motion);
   return motion.S(2, 0);
 }
 

@@ -43,7 +43,7 @@ void for_each_pair(const Model& model, const std::vector<VecX>& one, const std::
     for (const NamedCoordinate& coordinate : named_coordinates(type)) {
       const int q = first_q(type, coordinate.word) + coordinate.component;
       const WordStart& word = model.joints[k].start[static_cast<std::size_t>(coordinate.word)];
-      if (std::holds_alternative<joints::Ball>(type.permits[static_cast<std::size_t>(coordinate.word)])) {
+      if (coordinate.kind == joints::CoordinateKind::orientation) {
         const Mat3 turn = rotation_of(one[k].segment<4>(q)) * rotation_of(other[k].segment<4>(q)).transpose();
         use(k, coordinate, word, rotation_vector_of(turn).norm(), 0.0);
       } else {

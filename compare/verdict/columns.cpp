@@ -10,27 +10,15 @@ namespace {
 
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
-/// Units of a joint's coordinates, of its speeds and of the forces that drive them.
-struct WordUnits {
-  const char* q;
-  const char* u;
-  const char* tau;
-};
-
-WordUnits units_of(const joints::Permit& word, int number) {
-  constexpr WordUnits kLength{"m", "m/s", "N"};
-  constexpr WordUnits kAngle{"rad", "rad/s", "N m"};
-  if (std::holds_alternative<joints::Slide>(word)) return kLength;
-  if (std::holds_alternative<joints::Ball>(word)) return {"1", "rad/s", "N m"};
-  const auto* by_functions = std::get_if<joints::ByMotion>(&word);
-  return by_functions != nullptr && !by_functions->turns.at(static_cast<std::size_t>(number)) ? kLength : kAngle;
-}
-
-std::vector<std::string> unit_list(const joints::JointType& type, int (*count)(const joints::Permit&),
-                                   const char* WordUnits::*which) {
+/// One unit for each number of a joint's coordinates or speeds; which count and which unit, the members say.
+std::vector<std::string> unit_list(const joints::JointType& type, int joints::KindFacts::*count,
+                                   const char* joints::KindFacts::*unit) {
   std::vector<std::string> units;
   for (const joints::Permit& word : type.permits) {
-    for (int number = 0; number < count(word); ++number) units.emplace_back(units_of(word, number).*which);
+    for (const joints::StatedCoordinate& one : stated_coordinates(word)) {
+      const joints::KindFacts facts = joints::facts_of(one.kind);
+      units.insert(units.end(), static_cast<std::size_t>(facts.*count), facts.*unit);
+    }
   }
   return units;
 }
@@ -83,15 +71,15 @@ const Wrench& wrench_of(const Column& column, const Evaluation& evaluation) {
 }  // namespace
 
 std::vector<std::string> coordinate_units(const joints::JointType& type) {
-  return unit_list(type, joints::n_q, &WordUnits::q);
+  return unit_list(type, &joints::KindFacts::n_q, &joints::KindFacts::unit_of_q);
 }
 
 std::vector<std::string> speed_units(const joints::JointType& type) {
-  return unit_list(type, joints::n_u, &WordUnits::u);
+  return unit_list(type, &joints::KindFacts::n_u, &joints::KindFacts::unit_of_u);
 }
 
 std::vector<std::string> speed_force_units(const joints::JointType& type) {
-  return unit_list(type, joints::n_u, &WordUnits::tau);
+  return unit_list(type, &joints::KindFacts::n_u, &joints::KindFacts::unit_of_tau);
 }
 
 double value_of(const Column& column, const Sample& sample) {
