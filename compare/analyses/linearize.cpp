@@ -167,7 +167,7 @@ class FirstOrder {
   /// Coordinates, or rates where those are larger.
   [[nodiscard]] Eigen::VectorXcd shape_of_state(const Eigen::VectorXcd& state, const Complex& value) const {
     const Eigen::Index held = motions_.held.cols();
-    const Eigen::VectorXcd rates = all_ * state.tail(B_.rows());
+    Eigen::VectorXcd rates = all_ * state.tail(B_.rows());
     if (value == 0.0) return rates;
     const Eigen::VectorXcd coordinates =
         motions_.held * state.head(held) +

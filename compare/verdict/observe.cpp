@@ -151,7 +151,7 @@ std::string describe_owner(const Model& model, const Quantity& quantity) {
     return fmt::format("{} of joint {}", actor_on(model, quantity.owner, quantity.component), joint.name);
   }
   const std::string& body = model.bodies[joint.on(quantity.side).body].name;
-  const std::string owner = fmt::format("joint {} on {}", joint.name, body);
+  std::string owner = fmt::format("joint {} on {}", joint.name, body);
   if (quantity.kind == Kind::total) return owner + " (total wrench)";
   if (quantity.kind == Kind::reaction_global) return owner + " (global axes)";
   return owner;

@@ -43,8 +43,8 @@ StatePerturbation::StatePerturbation(const Model& model, const std::vector<Owned
     : draws_(seed), length_(model.length_scale()) {
   modal_.reserve(model.bodies.size());
   for (const Body& body : model.bodies) {
-    modal_.push_back(VecX::Zero(body.n_modes()));
-    modal_rate_.push_back(VecX::Zero(body.n_modes()));
+    modal_.emplace_back(VecX::Zero(body.n_modes()));
+    modal_rate_.emplace_back(VecX::Zero(body.n_modes()));
   }
   for (const OwnedState& owned : run) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
