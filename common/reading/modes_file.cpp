@@ -148,7 +148,7 @@ std::optional<MatX> read_integrals(const TableReader& document, int m) {
                                   size, m, rows->size()));
     return std::nullopt;
   }
-  const auto G = document.matrix("inertia_integrals", size, size);
+  auto G = document.matrix("inertia_integrals", size, size);
   if (!G || !check_semidefinite(document, "inertia_integrals", *G, without_units(*G))) return std::nullopt;
   if ((*G)(0, 0) > 0.0) return G;
   document.complain("inertia_integrals", fmt::format("the mass, entry (1, 1), must be positive, found {}", (*G)(0, 0)));
@@ -197,7 +197,7 @@ void read_nodes(const TableReader& document, int m, std::vector<ModalNode>& node
 }
 
 std::optional<VecX> read_damping_ratios(const TableReader& document, int m) {
-  const auto ratios = document.vector("damping_ratios", m);
+  auto ratios = document.vector("damping_ratios", m);
   if (!ratios || ratios->minCoeff() >= 0.0) return ratios;
   document.complain("damping_ratios",
                     fmt::format("a damping ratio must not be negative, found {}", ratios->minCoeff()));

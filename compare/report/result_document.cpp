@@ -35,7 +35,7 @@ ResultJson inertia_box(const Body& body) {
   if (principal.info() != Eigen::Success) return nullptr;
   Mat3 axes = principal.eigenvectors();
   if (axes.determinant() < 0.0) axes.col(2) *= -1.0;
-  const Vec3 moments = principal.eigenvalues();
+  const Vec3& moments = principal.eigenvalues();
   const double sum = moments.sum() / 2.0;  // of m x^2, m y^2, m z^2
   const Vec3 half = (3.0 / body.mass * (sum - moments.array())).max(0.0).sqrt();
   return {{"axes", numbers(axes)}, {"half", numbers(half)}};
