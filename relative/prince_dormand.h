@@ -1,6 +1,6 @@
 #pragma once
 
-#include <arkode/arkode_butcher.h>
+#include <arkode/arkode.h>
 
 #include <memory>
 
