@@ -121,7 +121,8 @@ class PartsReader {
   /// A parameter that is said where a file is included and of which the file says nothing is a slip. What the file
   /// includes itself may use it.
   static void require_use(std::string_view text, const Inclusion& inclusion, ModelPart& part) {
-    if (part.reading.includer == nullptr || !part.document->tables("include").empty()) return;
+    if (part.reading.includer == nullptr || !part.reading.complaints.empty()) return;
+    if (!part.document->tables("include").empty()) return;
     for (const ParameterDefinition& said : inclusion.parameters) {
       if (has_word(text, said.name)) continue;
       part.reading.complain(said.where, fmt::format("include, parameters: unknown name '{}': '{}' neither defines nor "
