@@ -14,6 +14,7 @@
 #include "compare/analyses/deviations.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/statics.h"
+#include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
 
@@ -41,7 +42,7 @@ MatX damping_matrix(Deviations& deviations, const Solver& solver, double rate) {
           "{}: at t = {:.6g} s no closed states with another speed along {} are found: is the pose singular?",
           solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
     }
-    B.col(k) = *column;
+    B.col(k) = column->value;
   }
   return B;
 }
@@ -319,8 +320,9 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
   result.rate = deviations.speed();
   if (reference > 0.0) result.unsteadiness = deviations.accelerations().norm() / reference;
   const auto held = [&](const VecX& delta) { return deviations.accelerations_at(delta, none); };
-  result.A = stiffness_matrix(chart, solver, held, reference);
-  const StiffnessSplit split(chart, result.A, reference);
+  const Stiffness stiffness = stiffness_matrix(chart, solver, held, reference);
+  result.A = stiffness.J;
+  const StiffnessSplit split(chart, stiffness, reference, none);
   result.resolution = std::sqrt(split.least());
   const double rate = typical_rate(reference, split, result.A);
   const double frequency = std::max(std::sqrt(result.A.norm()), rate);

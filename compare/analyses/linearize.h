@@ -40,7 +40,8 @@ struct Linearization {
   MatX directions;
   /// Ordered by |lambda|, then by its real part.
   std::vector<Mode> modes;
-  /// Eigenvalues are told apart from zero above this [1/s].
+  /// Eigenvalues are told apart from zero above this [1/s]: the root of what differences resolve of the softest
+  /// motion's stiffness, see StiffnessSplit.
   double resolution = 0.0;
   /// Size of that motion's speeds [1/s], and of its accelerations as a part of what its forces and speeds cause: zero
   /// if it is steady.

@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "compare/analyses/growth.h"
+#include "compare/analyses/stiffness.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+#include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
 
 namespace concord::compare::analyses {
@@ -19,29 +21,64 @@ namespace concord::compare::analyses {
 namespace {
 
 constexpr int kMostIterations = 300;
-constexpr double kLongestStep = 0.3;      // of the machine's length, rad
-constexpr double kDifferenceStep = 0.02;  // the same, for derivatives
-constexpr double kLeastDifferenceStep = 1e-6;
-constexpr double kNoStiffness = 1e-9;      // of the largest
-constexpr double kRoundOff = 1e-14;        // differences resolve no stiffness below this part of all of it
+constexpr double kLongestStep = 0.3;       // of the machine's length, rad
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
 constexpr double kSmallStep = 1e-9;        // Newton's method may end
 constexpr double kRoundOffStep = 1e-14;    // and does end
 /// The longest pseudo time step, in units of the time in which forces move the machine by its length.
 constexpr double kLongestTime = 1e4;
 
-/// So far that stiff directions change the accelerations by ten times `reference`, soft ones as far as is good.
-double difference_step(const std::function<std::optional<VecX>(double)>& function, double reference) {
-  constexpr double kTimesReference = 10.0;
-  const auto plus = function(kLeastDifferenceStep);
-  const auto minus = function(-kLeastDifferenceStep);
-  if (!plus || !minus || reference == 0.0) return kDifferenceStep;
-  const double slope = (*plus - *minus).norm() / (2.0 * kLeastDifferenceStep);
-  if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
-  return std::max(4.0 * kLeastDifferenceStep, kTimesReference * reference / slope);
+/// The largest change of a joint's or modal coordinate in a step [rad, of the machine's length].
+double largest_joint_motion(const Model& model, const Chart& chart, const VecX& step) {
+  const State moving = chart.origin_moving(step);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    const auto frame = [&](Side side) { return place(joint.on(side), moving.bodies[joint.on(side).body]); };
+    const VecX u = read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), moving.q[k]).u;
+    const std::vector<bool> turns = turning_speeds(*joint.type);
+    for (Eigen::Index c = 0; c < u.size(); ++c) {
+      largest = std::max(largest, std::abs(u(c)) / (turns[static_cast<std::size_t>(c)] ? 1.0 : model.length_scale()));
+    }
+  }
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].n_modes() == 0) continue;
+    const VecX deflections = largest_deflections(model.bodies[i]) / model.length_scale();
+    largest = std::max(largest, deflections.cwiseProduct(moving.bodies[i].adot).lpNorm<Eigen::Infinity>());
+  }
+  return largest;
 }
 
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+
+/// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
+std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evaluation) {
+  std::vector<double> forces(model.bodies.size(), 0.0);
+  const auto add = [&](int body, const Wrench& wrench) {
+    forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / model.length_scale());
+  };
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
+    }
+  }
+  return forces;
+}
+
+/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
+/// the machine's length.
+double slow_acceleration(const Model& model, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, evaluation);
+  double mass = 0.0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
+  double largest = model.gravity.norm();
+  if (mass > 0.0) largest = std::max(largest, *std::max_element(forces.begin() + 1, forces.end()) / mass);
+  return largest / model.length_scale();
+}
 
 }  // namespace
 
@@ -56,86 +93,13 @@ Model held_at_start(const Model& model) {
 }
 
 double reference_acceleration(const Model& model, const Evaluation& evaluation) {
-  const double length = model.length_scale();
-  std::vector<double> forces(model.bodies.size(), 0.0);
-  const auto add = [&](int body, const Wrench& wrench) {
-    forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / length);
-  };
-  for (const Side side : {Side::parent, Side::child}) {
-    for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
-    }
-    for (std::size_t k = 0; k < model.elements.size(); ++k) {
-      const Attachment* end = end_of(model.elements[k], side);
-      if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
-    }
-  }
+  const std::vector<double> forces = forces_on_bodies(model, evaluation);
   double largest = model.gravity.norm();
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const double mass = mass_of(model.bodies[i]);
     if (mass > 0.0) largest = std::max(largest, forces[i] / mass);
   }
-  return largest / length;
-}
-
-StiffnessSplit::StiffnessSplit(const Chart& chart, const MatX& J, double reference) {
-  const Eigen::Index n = J.cols();
-  const Eigen::Index m = chart.n_modal();
-  MatX range = MatX::Identity(n, n);
-  if (m > 0) range = orthogonal_completion(J.leftCols(m));
-  onto_modes_ = range.leftCols(m);
-  beyond_ = range.rightCols(n - m);
-  R11_ = onto_modes_.transpose() * J.leftCols(m);
-  R12_ = onto_modes_.transpose() * J.rightCols(n - m);
-  free_ = MatX(n, 0);
-  least_ = std::max(kNoStiffness * reference, kRoundOff * J.norm());
-  if (n == m) return;
-  const Eigen::JacobiSVD<MatX> svd(MatX(beyond_.transpose() * J.rightCols(n - m)),
-                                   Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const VecX& sigma = svd.singularValues();
-  largest_ = sigma(0);
-  least_ = std::max(least_, kNoStiffness * largest_);
-  const Eigen::Index rank = (sigma.array() > least_).count();
-  const Eigen::Index missing = n - m - rank;
-  pseudo_inverse_ = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
-                    svd.matrixU().leftCols(rank).transpose();
-  unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
-  free_ = MatX::Zero(n, missing);
-  free_.bottomRows(n - m) = svd.matrixV().rightCols(missing);
-  if (m > 0 && missing > 0) free_.topRows(m) = -least_squares(R11_, R12_ * free_.bottomRows(n - m));
-}
-
-VecX StiffnessSplit::newton_step(const VecX& f) const {
-  const Eigen::Index m = onto_modes_.cols();
-  const Eigen::Index rigid = beyond_.cols();
-  VecX step = VecX::Zero(f.size());
-  if (rigid > 0) step.tail(rigid) = -(pseudo_inverse_ * (beyond_.transpose() * f));
-  if (m > 0) {
-    step.head(m) = least_squares(R11_, -(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
-  }
-  return step;
-}
-
-VecX StiffnessSplit::unmet(const VecX& f) const {
-  if (beyond_.cols() == 0) return VecX::Zero(f.size());
-  return beyond_ * (unmet_projector_ * (beyond_.transpose() * f));
-}
-
-MatX stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
-                      double reference) {
-  MatX J(chart.n(), chart.n());
-  for (int k = 0; k < chart.n(); ++k) {
-    const auto along = [&](double step) { return accelerations(step * VecX::Unit(chart.n(), k)); };
-    const auto column = derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
-    if (!column) {
-      throw SingularPose(fmt::format(
-          "{}: at t = {:.6g} s the constraints permit {}, but no closed states are found along it: the pose "
-          "is singular, or the machine cannot move so far there",
-          solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
-    }
-    J.col(k) = *column;
-  }
-  return J;
+  return largest / model.length_scale();
 }
 
 namespace {
@@ -148,7 +112,7 @@ class PseudoTransientContinuation {
 
   Equilibrium run() {
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
-      if (advance()) return conclude(iteration);
+      if (advance(iteration)) return conclude(iteration);
     }
     throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
                                   kMostIterations, describe_motion(model_, state_, last_force_)));
@@ -158,32 +122,69 @@ class PseudoTransientContinuation {
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
 
   /// One step; true if the state is at rest already.
-  bool advance() {
+  bool advance(int iteration) {
     evaluation_ = solver_.evaluate(state_);
     Chart chart(model_, solver_, state_);
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
     const double reference = reference_acceleration(model_, evaluation_);
-    const MatX J = stiffness_matrix(
-        chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
-    const StiffnessSplit split(chart, J, reference);
+    const int rigid = chart.n() - chart.n_modal();
+    is_cautious_ = iteration * rigid * rigid <= kCautiousSteps;
+    if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
+    refuse_singular(chart);
+    const AccelerationsAt accelerations = [&](const VecX& delta) { return at_rest(chart, delta); };
+    const Stiffness stiffness = stiffness_matrix(chart, solver_, accelerations, reference);
+    const StiffnessSplit split(chart, stiffness, reference, f);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
-    const double slope = steepest_way_down(J, std::max(reference, split.largest()));
+    const Growth growth(stiffness, kNoGrowth * reference);
+    unstable_directions_ = growth.count();
     name_free_directions(chart, split);
     const bool is_met = unmet.norm() <= kNegligibleForce * reference;
     if (is_met && is_done(newton.norm())) return true;
-    const bool by_newton = is_met && slope <= 0.0 && time_ * reference >= kLongestTime;
-    if (!by_newton) lengthen(f, slope, reference);
-    if (by_newton || !is_met) refuse_if_pushed(chart, unmet, reference);
+    const bool by_newton = is_met && growth.count() == 0 && time_ >= longest_time();
+    if (!by_newton) lengthen(f, growth);
+    refuse_if_pushed(chart, unmet, reference);
     last_step_ = newton.norm();
-    move(chart, by_newton ? newton : flow_step(J, f));
+    move(chart, by_newton ? newton : flow_step(stiffness.J, growth, f));
     return false;
   }
 
-  [[nodiscard]] std::optional<VecX> at_rest(Chart& chart, const VecX& delta) const {
-    const auto state = chart.at(delta, VecX::Zero(chart.n()));
+  /// Far from rest derivatives need not be good; for many coordinates they cost most.
+  [[nodiscard]] bool is_on_the_way() {
+    if (is_cautious_) return false;
+    if (time_ < longest_time()) return true;
+    return last_move_ >= kNearRest && ++long_steps_ < kLongSteps;
+  }
+
+  /// A step with rough derivatives, where these can be had.
+  bool flow_roughly(Chart& chart, const VecX& f, double reference) {
+    const auto J = rough_stiffness(
+        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+    if (!J) return false;
+    const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
+    lengthen(f, growth);
+    move(chart, flow_step(*J, growth, f));
+    return true;
+  }
+
+  /// Neighbours have as many directions of motion as the pose itself, or it is singular: looked at in one of them.
+  void refuse_singular(Chart& chart) const {
+    VecX direction(chart.n());
+    for (Eigen::Index k = 0; k < direction.size(); ++k) direction(k) = std::cos(2.0 * static_cast<double>(k));
+    direction.normalize();
+    for (const double step : {1e-3, 1e-4, 1e-5, 1e-6}) {
+      if (chart.at(step * direction, VecX::Zero(chart.n()))) return;
+    }
+    throw SingularPose(
+        fmt::format("{}: the constraints permit {}, but no closed states with as many directions of motion are found "
+                    "along it: the pose is singular",
+                    name(), chart.describe(direction)));
+  }
+
+  [[nodiscard]] std::optional<VecX> at_rest(const Chart& chart, const VecX& delta) const {
+    const auto state = chart.place_at(delta);
     if (!state) return std::nullopt;
     return chart.accelerations(*state, solver_.evaluate(*state));
   }
@@ -193,36 +194,30 @@ class PseudoTransientContinuation {
     return step <= kRoundOffStep || (step <= kSmallStep && last_step_ > 0.0 && step >= 0.3 * last_step_);
   }
 
-  /// The largest growth rate squared of a motion away from rest, or zero; counts such motions.
-  double steepest_way_down(const MatX& J, double largest) {
-    const Eigen::VectorXcd eigenvalues = J.eigenvalues();
-    const double least = 1e-8 * largest + 1e-13 * J.norm();
-    unstable_directions_ = 0;
-    double steepest = 0.0;
-    for (const auto& one : eigenvalues) {
-      if (one.real() <= least) continue;
-      ++unstable_directions_;
-      steepest = std::max(steepest, one.real());
-    }
-    return steepest;
+  /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
+  [[nodiscard]] double longest_time() const {
+    return kLongestTime / (is_cautious_ ? reference_acceleration : slow_acceleration)(model_, evaluation_);
   }
 
-  /// Pseudo time steps grow tenfold, but stay short enough not to jump to a place from which the machine falls.
-  void lengthen(const VecX& f, double slope, double reference) {
+  /// Pseudo time steps grow tenfold. Cautious ones stay short enough not to jump to a place from which the machine
+  /// falls.
+  void lengthen(const VecX& f, const Growth& growth) {
     time_ = time_ == 0.0 ? kLongestStep / (3.0 * f.norm()) : 10.0 * time_;
-    time_ = std::min(time_, kLongestTime / reference);
-    if (slope > 0.0) time_ = std::min(time_, 0.5 / slope);
+    time_ = std::min(time_, longest_time());
+    if (is_cautious_ && growth.count() > 0) time_ = std::min(time_, 0.5 / growth.steepest());
   }
 
-  [[nodiscard]] VecX flow_step(const MatX& J, const VecX& f) const {
+  /// Implicit Euler; along motions that grow faster than the step can follow, against their growth reversed.
+  [[nodiscard]] VecX flow_step(const MatX& J, const Growth& growth, const VecX& f) {
     MatX system = -J;
+    if (!is_cautious_) system += growth.reversed_above(0.5 / time_);
     system.diagonal().array() += 1.0 / time_;
     return solve_square(system, f);
   }
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
   void refuse_if_pushed(const Chart& chart, const VecX& unmet, double reference) {
-    if (time_ * reference < kLongestTime || unmet.norm() <= kNegligibleForce * reference) {
+    if (time_ < longest_time() || unmet.norm() <= kNegligibleForce * reference) {
       pushed_ = 0;
       return;
     }
@@ -235,11 +230,15 @@ class PseudoTransientContinuation {
   }
 
   void move(Chart& chart, VecX step) {
-    if (step.norm() > kLongestStep) step *= kLongestStep / step.norm();
+    const double longest = is_cautious_ ? step.norm() : largest_joint_motion(model_, chart, step);
+    if (longest > kLongestStep) step *= kLongestStep / longest;
+    if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
+    last_move_ = std::min(longest, kLongestStep);
     constexpr int kTries = 20;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
       if (auto moved = chart.exactly_at(step)) {
         state_ = std::move(*moved);
+        reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
         return;
       }
     }
@@ -262,6 +261,11 @@ class PseudoTransientContinuation {
   }
 
   static constexpr int kPushes = 25;
+  static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
+  static constexpr int kLongSteps = 30;
+  static constexpr double kMoreReach = 1.3;
+  static constexpr double kNearRest = 0.1;
+  static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
   const Model& model_;
   Solver& solver_;
@@ -271,6 +275,11 @@ class PseudoTransientContinuation {
   std::vector<FreeDirection> free_;
   double time_ = 0.0;
   double last_step_ = 0.0;
+  double last_move_ = kLongestStep;
+  /// Longer steps would hardly end in a closed state.
+  double reach_ = std::numeric_limits<double>::infinity();
+  bool is_cautious_ = true;
+  int long_steps_ = 0;
   int pushed_ = 0;
   int unstable_directions_ = 0;
 };

@@ -212,7 +212,7 @@ std::optional<State> Chart::at(const VecX& delta, const VecX& deltadot) {
       delta, [this](const State& state) { return own_rates(state); }, deltadot);
 }
 
-std::optional<State> Chart::at(const VecX& delta, const Rates& rates, const VecX& wanted) {
+State Chart::moved_by(const VecX& delta) const {
   const VecX moved = velocities(delta);
   State guess = origin_;
   for_each_body(model_, [&](std::size_t i, Eigen::Index row) {
@@ -221,7 +221,13 @@ std::optional<State> Chart::at(const VecX& delta, const Rates& rates, const VecX
     body.p = turned(body.p, moved.segment<3>(row + 3));
     body.a += moved.segment(row + 6, body.a.size());
   });
-  std::optional<State> closed = solver_.close(guess);
+  return guess;
+}
+
+std::optional<State> Chart::place_at(const VecX& delta) const { return solver_.close(moved_by(delta)); }
+
+std::optional<State> Chart::at(const VecX& delta, const Rates& rates, const VecX& wanted) {
+  std::optional<State> closed = solver_.close(moved_by(delta));
   if (!closed || n() == 0) return closed;
   // Along the permitted velocities there, so that the rates are as asked.
   const MatX tangent = scaled_tangent(*closed);
@@ -266,8 +272,8 @@ VecX scaled_accelerations(const Model& model, const Evaluation& evaluation) {
   return scaled;
 }
 
-std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
-                                       double least, double scale) {
+std::optional<Derivative> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
+                                             double least, double scale) {
   const auto difference = [&](double h) -> std::optional<VecX> {
     const auto plus = function(h);
     if (!plus) return std::nullopt;
@@ -279,7 +285,7 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
   constexpr double kGood = 1e-12;
   constexpr double kFair = 1e-5;  // worse than that, a derivative jumps within the step
   constexpr int kPatience = 2;
-  std::optional<VecX> best;
+  std::optional<Derivative> best;
   double least_error = 0.0;
   int worse = 0;
   for (double h = step; h >= least && worse < kPatience; h *= 0.25) {
@@ -290,16 +296,17 @@ std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(d
     if (!middle || !fine) continue;
     const VecX first = (4.0 * *middle - *coarse) / 3.0;
     const VecX second = (4.0 * *fine - *middle) / 3.0;
-    const VecX extrapolated = (16.0 * second - first) / 15.0;
-    const double error = (extrapolated - second).norm();
+    VecX extrapolated = (16.0 * second - first) / 15.0;
+    VecX difference_of_orders = extrapolated - second;
+    const double error = difference_of_orders.norm();
     if (best && error >= least_error) {
-      if (least_error <= kFair * std::max(best->norm(), scale)) ++worse;
+      if (least_error <= kFair * std::max(best->value.norm(), scale)) ++worse;
       continue;
     }
     worse = 0;
-    best = extrapolated;
+    best = Derivative{std::move(extrapolated), std::move(difference_of_orders)};
     least_error = error;
-    if (error <= kGood * std::max(extrapolated.norm(), scale)) break;
+    if (error <= kGood * std::max(best->value.norm(), scale)) break;
   }
   return best;
 }

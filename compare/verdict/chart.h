@@ -39,6 +39,10 @@ class Chart {
   /// The same, but moving so that `rates` of it are as wanted.
   [[nodiscard]] std::optional<State> at(const VecX& delta, const Rates& rates, const VecX& wanted);
 
+  /// The closed state near the coordinates delta, at rest where the origin is and drivers are: at() without looking how
+  /// many directions of motion it has, which for many bodies costs most. Nothing if the solver finds none.
+  [[nodiscard]] std::optional<State> place_at(const VecX& delta) const;
+
   /// The places of the origin with no velocities but velocities(delta).
   [[nodiscard]] State origin_moving(const VecX& delta) const;
 
@@ -66,6 +70,7 @@ class Chart {
   [[nodiscard]] MatX scaled_tangent(const State& state) const;
   [[nodiscard]] VecX coordinates(const State& state) const;
   [[nodiscard]] VecX own_rates(const State& state) const;
+  [[nodiscard]] State moved_by(const VecX& delta) const;
   void add_velocity(const VecX& scaled, State& state) const;
 
   const Model& model_;
@@ -84,11 +89,17 @@ VecX largest_deflections(const Body& body);
 /// Accelerations of bodies 1, 2, ... in the chart's scaled rows [1/s2].
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);
 
+/// A derivative and how far its two best orders differ: what it may be wrong by, component by component.
+struct Derivative {
+  VecX value;
+  VecX error;
+};
+
 /// Derivative at zero of a vector function of one number: central differences with three steps, extrapolated to the
 /// sixth order. The first step shrinks, down to `least`, while the function gives nothing and as long as that brings
 /// the orders nearer to each other: a jump of a derivative within the step, or round-off, drives them apart. `scale`:
 /// what is large for the derivative, so that zeros need no digits. Nothing if the function never gives anything.
-std::optional<VecX> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
-                                       double least, double scale);
+std::optional<Derivative> derivative_at_zero(const std::function<std::optional<VecX>(double)>& function, double step,
+                                             double least, double scale);
 
 }  // namespace concord::compare

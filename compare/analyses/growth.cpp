@@ -1,0 +1,48 @@
+#include "compare/analyses/growth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/decompositions.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+/// What an eigenvalue may be wrong by: |y E x| for measured errors, and round-off of the entries of J.
+double unresolved_growth(const Stiffness& stiffness, const Eigen::VectorXcd& x, const Eigen::RowVectorXcd& y) {
+  constexpr double kRoundOff = 4.0 * std::numeric_limits<double>::epsilon();
+  const double round_off = kRoundOff * y.cwiseAbs().dot(stiffness.J.cwiseAbs() * x.cwiseAbs());
+  return round_off + y.cwiseAbs().dot(stiffness.error.cwiseAbs() * x.cwiseAbs());
+}
+
+}  // namespace
+
+Growth::Growth(const Stiffness& stiffness, double least) {
+  constexpr double kClearly = 30.0;
+  GeneralEigenpairs pairs = eigenpairs(stiffness.J);
+  values_ = std::move(pairs.values);
+  right_ = std::move(pairs.vectors);
+  left_ = inverse_of(right_);
+  for (Eigen::Index k = 0; k < values_.size(); ++k) {
+    const double growth = values_(k).real();
+    if (growth <= least) continue;
+    const double unresolved = kClearly * unresolved_growth(stiffness, right_.col(k), left_.row(k));
+    if (!(growth > unresolved)) continue;
+    ++count_;
+    steepest_ = std::max(steepest_, growth);
+  }
+}
+
+MatX Growth::reversed_above(double rate) const {
+  MatX reversed = MatX::Zero(values_.size(), values_.size());
+  if (!left_.allFinite()) return reversed;
+  for (Eigen::Index k = 0; k < values_.size(); ++k) {
+    if (values_(k).real() <= rate) continue;
+    reversed += 2.0 * values_(k).real() * (right_.col(k) * left_.row(k)).real();
+  }
+  return reversed;
+}
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "compare/analyses/stiffness.h"
+
+namespace concord::compare::analyses {
+
+/// Motions of a machine at rest that grow: positive eigenvalues of its stiffness per inertia, which are squared rates.
+class Growth {
+ public:
+  /// Counts growth that exceeds `least` [1/s2] and what differences resolve of the eigenvalue.
+  Growth(const Stiffness& stiffness, double least);
+
+  [[nodiscard]] int count() const { return count_; }
+  /// The largest of them [1/s2], or zero.
+  [[nodiscard]] double steepest() const { return steepest_; }
+
+  /// What to subtract from the stiffness per inertia so that growth by more than `rate` [1/s2] becomes decay as fast:
+  /// twice the real part, in the subspace of these motions.
+  [[nodiscard]] MatX reversed_above(double rate) const;
+
+ private:
+  Eigen::VectorXcd values_;
+  Eigen::MatrixXcd right_;
+  Eigen::MatrixXcd left_;  // rows; right_ inverted
+  int count_ = 0;
+  double steepest_ = 0.0;
+};
+
+}  // namespace concord::compare::analyses

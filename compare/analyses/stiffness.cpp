@@ -1,0 +1,179 @@
+#include "compare/analyses/stiffness.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/decompositions.h"
+#include "common/error.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kDifferenceStep = 0.02;  // of the machine's length, rad
+constexpr double kLeastDifferenceStep = 1e-6;
+constexpr double kRoughStep = 1e-5;
+constexpr double kTimesReference = 10.0;
+/// Errors and round-off are measured once; what exceeds them so many times is stiffness.
+constexpr double kClearly = 30.0;
+constexpr double kRoundOffOfReference = 1e-12;  // derivative_at_zero() looks no further
+
+constexpr double kNearRest = 1e-9;  // of what forces cause
+
+using AlongLine = std::function<std::optional<VecX>(double)>;
+
+/// So far that stiff directions change the accelerations by ten times `reference`, soft ones as far as is good.
+double difference_step(const AlongLine& function, double reference) {
+  const auto plus = function(kLeastDifferenceStep);
+  const auto minus = function(-kLeastDifferenceStep);
+  if (!plus || !minus || reference == 0.0) return kDifferenceStep;
+  const double slope = (*plus - *minus).norm() / (2.0 * kLeastDifferenceStep);
+  if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
+  return std::max(4.0 * kLeastDifferenceStep, kTimesReference * reference / slope);
+}
+
+std::optional<Derivative> derivative_along(const AccelerationsAt& accelerations, const VecX& direction,
+                                           double reference) {
+  const AlongLine along = [&](double step) { return accelerations(step * direction); };
+  return derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
+}
+
+/// Differences soft directions along themselves where an error covers more than the last eight digits of them.
+void refine_soft_directions(const AccelerationsAt& accelerations, double reference, Stiffness& stiffness) {
+  constexpr double kResolved = 1e-8;
+  const Eigen::JacobiSVD<MatX> svd(stiffness.J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  for (Eigen::Index k = 1; k < stiffness.J.cols(); ++k) {
+    const VecX direction = svd.matrixV().col(k);
+    const VecX error = stiffness.error * direction;
+    if (error.norm() <= kResolved * std::max(svd.singularValues()(k), kResolved * reference)) continue;
+    const auto again = derivative_along(accelerations, direction, reference);
+    if (!again || again->error.norm() >= error.norm()) continue;
+    stiffness.J += (again->value - stiffness.J * direction) * direction.transpose();
+    stiffness.error += (again->error - error) * direction.transpose();
+  }
+}
+
+/// What turning the accelerations f of the chart's origin with the bodies adds to derivatives, at most: rows by the
+/// accelerations `rows`, columns by the motions `columns`. Accelerations beyond `most` are those of a machine on its
+/// way, for which nothing is decided yet.
+MatX feigned_stiffness(const Chart& chart, const MatX& rows, const MatX& columns, const VecX& f, double most) {
+  const VecX accelerations = (chart.basis() * f).cwiseAbs();
+  const MatX seen = (chart.basis() * rows).cwiseAbs();
+  MatX feigned = MatX::Zero(rows.cols(), columns.cols());
+  const MatX moved = (chart.basis() * columns).cwiseAbs();
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < chart.origin().bodies.size(); ++i) {
+    const Eigen::Index size = 6 + chart.origin().bodies[i].a.size();
+    const double largest = std::min(accelerations.segment(row, size).norm(), most);
+    feigned += largest * seen.middleRows(row, size).colwise().norm().transpose() *
+               moved.middleRows(row, size).colwise().norm();
+    row += size;
+  }
+  return feigned;
+}
+
+}  // namespace
+
+Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
+                           double reference) {
+  Stiffness stiffness{MatX(chart.n(), chart.n()), MatX(chart.n(), chart.n())};
+  for (int k = 0; k < chart.n(); ++k) {
+    const auto column = derivative_along(accelerations, VecX::Unit(chart.n(), k), reference);
+    if (!column) {
+      throw SingularPose(fmt::format(
+          "{}: at t = {:.6g} s the constraints permit {}, but no closed states are found along it: the pose "
+          "is singular, or the machine cannot move so far there",
+          solver.name(), chart.origin().t, chart.describe(VecX::Unit(chart.n(), k))));
+    }
+    stiffness.J.col(k) = column->value;
+    stiffness.error.col(k) = column->error;
+  }
+  refine_soft_directions(accelerations, reference, stiffness);
+  return stiffness;
+}
+
+std::optional<MatX> rough_stiffness(const Chart& chart, const AccelerationsAt& accelerations, double reference) {
+  MatX J(chart.n(), chart.n());
+  for (int k = 0; k < chart.n(); ++k) {
+    const auto plus = accelerations(kRoughStep * VecX::Unit(chart.n(), k));
+    if (!plus) return std::nullopt;
+    const auto minus = accelerations(-kRoughStep * VecX::Unit(chart.n(), k));
+    if (!minus) return std::nullopt;
+    J.col(k) = (*plus - *minus) / (2.0 * kRoughStep);
+    if (!(J.col(k).norm() * kRoughStep <= kTimesReference * reference)) return std::nullopt;
+  }
+  return J;
+}
+
+StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f) {
+  const MatX& J = stiffness.J;
+  const Eigen::Index n = J.cols();
+  const Eigen::Index m = chart.n_modal();
+  MatX range = MatX::Identity(n, n);
+  if (m > 0) range = orthogonal_completion(J.leftCols(m));
+  onto_modes_ = range.leftCols(m);
+  beyond_ = range.rightCols(n - m);
+  R11_ = onto_modes_.transpose() * J.leftCols(m);
+  R12_ = onto_modes_.transpose() * J.rightCols(n - m);
+  free_ = MatX(n, 0);
+  if (n == m) return;
+  // Rigid motions, in which modes follow statically.
+  MatX motions = MatX::Zero(n, n - m);
+  motions.bottomRows(n - m).setIdentity();
+  if (m > 0) motions.topRows(m) = -least_squares(R11_, R12_);
+  const MatX round_off = 4.0 * kEpsilon * (beyond_.cwiseAbs().transpose() * J.cwiseAbs() * motions.cwiseAbs());
+  const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * reference);
+  const MatX of_reference = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * reference);
+  split(beyond_.transpose() * J.rightCols(n - m), beyond_.transpose() * stiffness.error * motions,
+        round_off + feigned + of_reference);
+  const MatX directions = free_;
+  free_ = motions * directions;
+}
+
+void StiffnessSplit::split(const MatX& stiffness, const MatX& error, const MatX& round_off) {
+  const Eigen::JacobiSVD<MatX> svd(stiffness, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const VecX& sigma = svd.singularValues();
+  const Eigen::Index n = sigma.size();
+  const MatX unresolved = (svd.matrixU().transpose() * error * svd.matrixV()).cwiseAbs() +
+                          svd.matrixU().cwiseAbs().transpose() * round_off * svd.matrixV().cwiseAbs();
+  // Of a direction among those that are at most as stiff, and what those that are stiffer pass on to it.
+  const auto least_in = [&](Eigen::Index k) {
+    double least = unresolved.bottomRightCorner(n - k, n - k).norm();
+    for (Eigen::Index i = 0; i < k; ++i) {
+      least += unresolved.row(i).tail(n - k).norm() * unresolved.col(i).tail(n - k).norm() / sigma(i);
+    }
+    return kClearly * least;
+  };
+  Eigen::Index rank = 0;
+  while (rank < n && sigma(rank) > least_in(rank)) ++rank;
+  largest_ = sigma(0);
+  least_ = least_in(std::min(rank, n - 1));
+  const Eigen::Index missing = n - rank;
+  pseudo_inverse_ = svd.matrixV().leftCols(rank) * sigma.head(rank).cwiseInverse().asDiagonal() *
+                    svd.matrixU().leftCols(rank).transpose();
+  unmet_projector_ = svd.matrixU().rightCols(missing) * svd.matrixU().rightCols(missing).transpose();
+  free_ = svd.matrixV().rightCols(missing);
+}
+
+VecX StiffnessSplit::newton_step(const VecX& f) const {
+  const Eigen::Index m = onto_modes_.cols();
+  const Eigen::Index rigid = beyond_.cols();
+  VecX step = VecX::Zero(f.size());
+  if (rigid > 0) step.tail(rigid) = -(pseudo_inverse_ * (beyond_.transpose() * f));
+  if (m > 0) {
+    step.head(m) = least_squares(R11_, -(onto_modes_.transpose() * f) - R12_ * step.tail(rigid));
+  }
+  return step;
+}
+
+VecX StiffnessSplit::unmet(const VecX& f) const {
+  if (beyond_.cols() == 0) return VecX::Zero(f.size());
+  return beyond_ * (unmet_projector_ * (beyond_.transpose() * f));
+}
+
+}  // namespace concord::compare::analyses
