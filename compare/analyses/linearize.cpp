@@ -81,6 +81,15 @@ VecX conditions_of(const Eigen::MatrixXcd& vectors) {
   return conditions;
 }
 
+/// Round-off of the fastest square (1e-15 of it) reaches the root of a far smaller one, divided by twice that root: the
+/// slowest, which only this resolves, move by so much more.
+double condition_of_root(double root, double fastest) {
+  constexpr double kFarSlower = 3e-5;
+  constexpr double kRoundOff = 1e-3;  // of what derivatives are good to
+  if (root == 0.0 || root >= kFarSlower * fastest) return 1.0;
+  return kRoundOff * fastest / (2.0 * root);
+}
+
 /// lambda^2 = an eigenvalue of A: exact pairs where nothing is damped. Free motions are taken out of the problem: their
 /// eigenvalues are zero, and of what round-off left in their place nothing reaches the others.
 Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
@@ -90,13 +99,14 @@ Eigenpairs undamped_pairs(const MatX& A, const Motions& motions) {
   const GeneralEigenpairs solution = eigenpairs(motions.held.transpose() * pull);
   const Eigen::MatrixXcd& vectors = solution.vectors;
   const VecX conditions = conditions_of(vectors);
+  const double fastest = std::sqrt(solution.values.cwiseAbs().maxCoeff());
   Eigenpairs pairs{Eigen::VectorXcd(2 * n), Eigen::MatrixXcd(A.rows(), 2 * n), VecX(2 * n)};
   for (Eigen::Index k = 0; k < n; ++k) {
     const Complex square = solution.values(k);
     const Complex root = std::sqrt(square);
     pairs.values(2 * k) = root;
     pairs.values(2 * k + 1) = -root;
-    pairs.condition(2 * k) = pairs.condition(2 * k + 1) = conditions(k);
+    pairs.condition(2 * k) = pairs.condition(2 * k + 1) = conditions(k) * condition_of_root(std::abs(root), fastest);
     Eigen::VectorXcd shape = motions.held * vectors.col(k);
     if (square != 0.0) shape += motions.free * (motions.free.transpose() * (pull * vectors.col(k))) / square;
     pairs.vectors.col(2 * k) = pairs.vectors.col(2 * k + 1) = shape;
