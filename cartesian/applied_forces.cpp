@@ -443,6 +443,25 @@ ElementWrenches AppliedForces::element(int e) const {
   return wrenches;
 }
 
+std::vector<SpringLine> AppliedForces::spring_lines(double t) const {
+  std::vector<SpringLine> lines;
+  for (const Actor& actor : actors_) {
+    const ForceElement* element = element_of(actor);
+    const auto* spring = element != nullptr ? std::get_if<LineSpring>(&element->what) : nullptr;
+    if (spring == nullptr) continue;
+    const Marker& parent = actor.markers[index(Side::parent)];
+    const Marker& child = actor.markers[index(Side::child)];
+    const Vec3 rate = child.velocity - parent.velocity;
+    const double speed = rate.norm();
+    const double actuator = evaluate_actuator(spring->law, t);
+    // The tension of ends that come together, and of ends that go apart: continuous if it only changes its sign.
+    const double before = evaluate_resistance(spring->law, 0.0, -speed).force + actuator;
+    const double behind = evaluate_resistance(spring->law, 0.0, speed).force + actuator;
+    lines.push_back({&element->name, child.point - parent.point, rate, before != -behind});
+  }
+  return lines;
+}
+
 void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
   for (Actor& actor : actors_) {
     if (const std::optional<int> joint = actor.joint()) actor.known_q = q[*joint];

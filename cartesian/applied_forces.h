@@ -51,6 +51,14 @@ struct Actor {
   }
 };
 
+/// The line of a line spring at some time.
+struct SpringLine {
+  const std::string* name;
+  Vec3 span;                     // from the parent's end to the child's, global axes [m]
+  Vec3 rate;                     // its rate of change [m/s]
+  bool is_reversed_with_a_jump;  // the force jumps where the ends pass each other at the present speed
+};
+
 class AppliedForces {
  public:
   /// Both must outlive this object.
@@ -89,6 +97,9 @@ class AppliedForces {
   [[nodiscard]] const Actor* springs_of(int k) const;
   /// Wrenches of element e on both its ends.
   [[nodiscard]] ElementWrenches element(int e) const;
+
+  /// The line springs as they lie at the last update, which was at time t, in the order of the model.
+  [[nodiscard]] std::vector<SpringLine> spring_lines(double t) const;
 
   /// Joint coordinates (by joint) from which the turns of sprung angles are counted: at most half a turn away.
   void count_turns_from(const std::vector<VecX>& q);

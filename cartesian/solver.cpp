@@ -14,6 +14,7 @@
 #include "cartesian/joint_coordinates.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/rank.h"
+#include "cartesian/line_watch.h"
 #include "cartesian/reactions.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
@@ -166,6 +167,7 @@ class CartesianSolver : public Solver {
     trajectory.samples.reserve(options.samples + 1);
     std::vector<VecX> turns = start.q;
     equations_.measure_terms(0.0, motion_.q);
+    LineWatch lines(0.0, equations_.applied(), model_.length_scale());
     std::vector<VecX> speeds = zero_speeds(model_);
     trajectory.samples.push_back(sample(0.0, turns, trajectory.statistics));
     Pace pace(options.until);
@@ -186,6 +188,7 @@ class CartesianSolver : public Solver {
       }
       equations_.update(t, motion_.q, motion_.Y);
       equations_.solve(true);
+        lines.follow(reached, equations_.applied());
       equations_.project(t, motion_.q, motion_.Y);
       if (has_dependent_rows) close_all_rows(t);
       trajectory.samples.push_back(sample(t, turns, trajectory.statistics));

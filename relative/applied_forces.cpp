@@ -153,6 +153,26 @@ std::string AppliedForces::least_contact() const {
   return found.owner == nullptr ? "" : fmt::format("{} '{}'", found.kind, *found.owner);
 }
 
+bool AppliedForces::has_line_springs() const {
+  return std::any_of(elements_.begin(), elements_.end(), [](const Element& element) {
+    return std::holds_alternative<LineSpring>(element.statement->what);
+  });
+}
+
+std::vector<LineState> AppliedForces::lines(double t) const {
+  std::vector<LineState> found;
+  for (const Element& element : elements_) {
+    const auto* spring = std::get_if<LineSpring>(&element.statement->what);
+    if (spring == nullptr) continue;
+    const JointPoint& parent = element.ends.front();
+    const JointPoint& child = element.ends.back();
+    const Vec3 velocity = child.v - parent.v;
+    found.push_back(
+        {&element.statement->name, child.r - parent.r, velocity, jump_where_ends_pass(*spring, t, velocity.norm())});
+  }
+  return found;
+}
+
 /// On the child's body, and the answer on the parent's, if there is one.
 void AppliedForces::apply_element(double t, const Element& element, ElementWrenches& wrenches) {
   const JointPoint& child = element.ends.back();

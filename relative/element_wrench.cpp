@@ -70,6 +70,11 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
   return w;
 }
 
+double jump_where_ends_pass(const LineSpring& spring, double t, double speed) {
+  return evaluate_resistance(spring.law, 0.0, -speed).force + evaluate_resistance(spring.law, 0.0, speed).force +
+         2.0 * evaluate_actuator(spring.law, t);
+}
+
 /// The child's x axis c in the parent's frame moves by rho x c, so that x = atan2(c_y, c_x) changes by
 /// rho_z - c_z (c_x rho_x + c_y rho_y) / (c_x^2 + c_y^2).
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,

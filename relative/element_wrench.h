@@ -34,6 +34,10 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime);
 
+/// By how much the force of a line spring jumps where its ends pass each other with this speed [N]: x' is -speed before
+/// and speed behind, the direction turns over, so that f(0, -speed) + f(0, speed) is left.
+double jump_where_ends_pass(const LineSpring& spring, double t, double speed);
+
 /// -f dx/drho about the parent's point of view. Throws SolverError beyond 175 deg, or if the child's x axis points
 /// along the parent's z.
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,

@@ -12,6 +12,7 @@
 
 #include "common/laws/break_times.h"
 #include "common/sundials.h"
+#include "relative/line_watch.h"
 #include "relative/regime_events.h"
 #include "relative/singularity_watch.h"
 #include "relative/stepper.h"
@@ -135,6 +136,8 @@ struct Run {
   bool has_work = false;
   long evaluations = 0;
   SingularityWatch watch;
+  LineWatch lines{};
+  std::string advice_if_stiff{};  // ends a message
   double largest_work = 0.0;
   std::string last_reason{};  // of the last evaluation or projection that failed
   bool is_singular = false;   // whether that was a singular pose
@@ -213,6 +216,13 @@ struct Run {
     variables.pack(coordinates.q, coordinates.u, y);
     watch.pass(coordinates);
     equations.loops().keep_rows();
+    follow_lines();
+  }
+
+  void follow_lines() {
+    if (!equations.applied_forces().has_line_springs()) return;
+    equations.update_forces(coordinates.t, coordinates.q, coordinates.u);
+    lines.pass(coordinates.t, equations.applied_forces());
   }
 };
 
@@ -269,6 +279,7 @@ Sample take_sample(Run& run, States& states, double t, const Eigen::Ref<const Ve
   Sample sample;
   sample.work = y(run.variables.work());
   try {
+    run.lines.settle();
     run.assembly.project(run.coordinates);
     run.equations.compute_accelerations(t, run.coordinates.q, run.coordinates.u);
     run.assembly.closure_rank().require_general(run.coordinates);
@@ -327,6 +338,8 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
           SingularityWatch(equations, assembly)};
   run.has_work = equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible();
   run.watch.pass(start);
+  run.lines = LineWatch(assembly.scales().length());
+  run.follow_lines();
   const RowsOfSteps rows(equations);
 
   const sundials::Context context;

@@ -79,6 +79,7 @@ int Stepper::advance(double t_end, N_Vector y, double& t) {
 int Stepper::step(double t_end, N_Vector y, double& t) {
   constexpr int kMostTries = 20;
   constexpr double kShorter = 0.25;
+  constexpr double kShortest = 1e-13;  // of the time: nothing moves in such steps
   const double t_before = t;
   N_VScale(1.0, y, before_.get());
   double h = 0.0;
@@ -86,7 +87,7 @@ int Stepper::step(double t_end, N_Vector y, double& t) {
   if (code < 0) return code;
   if (!(h > 0.0) || h > t_end - t) h = t_end - t;
   code = try_step(t_end, y, t);
-  for (int k = 1; k < kMostTries && code == ARK_UNREC_RHSFUNC_ERR; ++k) {
+  for (int k = 1; k < kMostTries && code == ARK_UNREC_RHSFUNC_ERR && h > kShortest * t_end; ++k) {
     h *= kShorter;
     t = t_before;
     N_VScale(1.0, before_.get(), y);
