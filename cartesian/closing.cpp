@@ -328,6 +328,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
     closing.joints_left_open = {equations.model().joints[*joint].name};
     return closing;
   }
+  closing.places_closed = true;
   close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
 }

@@ -11,6 +11,7 @@ namespace concord::cartesian {
 /// How far closing came: the largest residuals in the machine's units (its length, rad; for velocities 1/s).
 struct Closing {
   bool closed = false;
+  bool places_closed = false;  // on the branch that the joints mean; what is left then is in the velocities
   double position_residual = 0.0;
   double velocity_residual = 0.0;
   std::vector<std::string> joints_left_open;  // those with the largest residuals, if not closed

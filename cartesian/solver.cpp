@@ -7,15 +7,18 @@
 #include <chrono>
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 
 #include "cartesian/closing.h"
 #include "cartesian/equations.h"
 #include "cartesian/euler_parameters.h"
 #include "cartesian/joint_coordinates.h"
+#include "cartesian/line_watch.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/rank.h"
-#include "cartesian/line_watch.h"
 #include "cartesian/reactions.h"
+#include "cartesian/start_search.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
 #include "common/laws/break_times.h"
@@ -43,7 +46,8 @@ struct FrozenRegimes {
 /// Refuses a run that would never end: an explicit method on a stiff machine, or a motion into a pose that locks.
 class Pace {
  public:
-  explicit Pace(double until) : until_(until) {}
+  /// `advice` ends the message: what to do about a stiff machine.
+  Pace(double until, std::string advice) : until_(until), advice_(std::move(advice)) {}
 
   /// Throws SolverError if a thousandth of the run takes too many evaluations.
   void require(double t, long evaluations) {
@@ -56,12 +60,13 @@ class Pace {
     if (evaluations - evaluations_then_ <= kMost) return;
     throw SolverError(fmt::format(
         "cartesian: at t = {:.6g} s {} evaluations brought the run {:.1e} s further: the motion locks there, "
-        "or is too stiff for this integrator",
-        t, kMost, t - since_));
+        "or is too stiff for this integrator{}",
+        t, kMost, t - since_, advice_));
   }
 
  private:
   double until_;
+  std::string advice_;
   double since_ = 0.0;
   long evaluations_then_ = 0;
 };
@@ -79,10 +84,10 @@ class CartesianSolver : public Solver {
 
   State assemble() override {
     if (start_) return *start_;
-    guess_start();
     std::vector<VecX> turns = start_coordinates(model_);
-    equations_.count_turns_from(turns);
-    const Closing closing = close_machine(equations_, 0.0, Hold::start, Modes::kept, motion_.q, motion_.Y);
+    const ClosedStart closed = close_start(equations_, motion_.q, motion_.Y);
+    const Closing& closing = closed.closing;
+    has_searched_for_its_start_ = closed.searched;
     equations_.constraints().write_turns(turns);
     KeptCount kept = count_kept(equations_, 0.0, motion_.q, motion_.Y, false);
     // Where rows depend on each other, a closed pose may be known to the root of round-off only.
@@ -98,6 +103,8 @@ class CartesianSolver : public Solver {
     start_ = state;
     return state;
   }
+
+  [[nodiscard]] bool has_searched_for_its_start() const override { return has_searched_for_its_start_; }
 
   std::optional<State> close(const State& guess) override {
     require_rows();
@@ -160,6 +167,7 @@ class CartesianSolver : public Solver {
     refuse_contradiction(0.0);
     const MotionState first = motion_;
     const std::unique_ptr<Stepper> stepper = make_stepper(options, first);
+    LineWatch lines(0.0, equations_.applied(), model_.length_scale());
     PoseWatch watch(equations_, generic_rank_, 0.0, first);
     const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
 
@@ -167,10 +175,9 @@ class CartesianSolver : public Solver {
     trajectory.samples.reserve(options.samples + 1);
     std::vector<VecX> turns = start.q;
     equations_.measure_terms(0.0, motion_.q);
-    LineWatch lines(0.0, equations_.applied(), model_.length_scale());
     std::vector<VecX> speeds = zero_speeds(model_);
     trajectory.samples.push_back(sample(0.0, turns, trajectory.statistics));
-    Pace pace(options.until);
+    Pace pace(options.until, is_implicit(options) ? "" : ": try --cartesian-integrator ida");
     const std::vector<double> breaks = break_times(model_, options.until);
     auto next_break = breaks.begin();
     double reached = 0.0;
@@ -181,6 +188,7 @@ class CartesianSolver : public Solver {
         reached = step(*stepper, watch, pace, breaks_first ? *next_break : t);
         motion_ = stepper->motion();
         count_turns(reached, turns, speeds);
+        lines.follow(reached, equations_.applied());
         const bool has_new_rows = watch.follow(reached, motion_);
         const bool at_break = breaks_first && reached >= *next_break;
         if (at_break) ++next_break;
@@ -188,7 +196,6 @@ class CartesianSolver : public Solver {
       }
       equations_.update(t, motion_.q, motion_.Y);
       equations_.solve(true);
-        lines.follow(reached, equations_.applied());
       equations_.project(t, motion_.q, motion_.Y);
       if (has_dependent_rows) close_all_rows(t);
       trajectory.samples.push_back(sample(t, turns, trajectory.statistics));
@@ -224,18 +231,6 @@ class CartesianSolver : public Solver {
                     named_open(closing), closing.position_residual, closing.velocity_residual));
   }
 
-  void guess_start() {
-    const Layout& layout = equations_.layout();
-    const std::vector<Pose> poses = guess_poses(model_);
-    motion_.Y.setZero();
-    for (int i = 1; i < layout.n_bodies(); ++i) {
-      layout.r(motion_.q, i) = poses[i].r;
-      layout.p(motion_.q, i) = euler_parameters_of(poses[i].A);
-      layout.a(motion_.q, i) = model_.bodies[i].a_start;
-      layout.adot(motion_.Y, i) = model_.bodies[i].adot_start;
-    }
-  }
-
   [[nodiscard]] SourceLocation first_place(const std::vector<std::string>& joints) const {
     for (const Joint& joint : model_.joints) {
       if (!joints.empty() && joint.name == joints.front()) return joint.where;
@@ -252,6 +247,13 @@ class CartesianSolver : public Solver {
     return names;
   }
 
+  [[nodiscard]] bool keeps_coordinates() const {
+    const auto is_kept = [](const WordStart& word) { return word.role_q == StartRole::keep; };
+    return std::any_of(model_.joints.begin(), model_.joints.end(), [&](const Joint& joint) {
+      return std::any_of(joint.start.begin(), joint.start.end(), is_kept);
+    });
+  }
+
   [[noreturn]] void refuse_open_start(const Closing& closing) const {
     const std::string why =
         closing.is_off_branch
@@ -259,15 +261,30 @@ class CartesianSolver : public Solver {
                           closing.joints_left_open.front())
             : fmt::format("{} do not close (position residual {:.2g}, velocity residual {:.2g})", named_open(closing),
                           closing.position_residual, closing.velocity_residual);
-    throw InputError(
-        first_place(closing.joints_left_open),
-        fmt::format("the start values contradict each other: with what is kept and driven, {}; correct the "
-                    "kept values, or give guesses that choose the branch",
-                    why));
+    const char* said =
+        closing.places_closed ? "the start values contradict each other: with what is kept and driven, {}; correct the "
+                                "kept values"
+        : keeps_coordinates() ? "the start values contradict each other, or the guesses are too far off: with what is "
+                                "kept and driven, {}, and other starts round about do no better; correct the kept "
+                                "values, or give better guesses"
+                              : "the guesses do not lead to a pose that closes: with what is driven, {}, and other "
+                                "starts round about do no better; give better guesses of joint coordinates or body "
+                                "poses";
+    throw InputError(first_place(closing.joints_left_open), fmt::format(fmt::runtime(said), why));
   }
 
   static bool is_right(const KeptCount& kept) {
     return kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom;
+  }
+
+  /// A driven machine is often written in a pose that is easy to write, in which fewer constraints are independent.
+  [[nodiscard]] const char* hint_at_singular_start() const {
+    const auto is_driven = [](const Joint& joint) { return !joint.drivers.empty(); };
+    const bool has_drivers = std::any_of(model_.joints.begin(), model_.joints.end(), is_driven);
+    return has_drivers
+               ? "; or the start is a singular pose, as a linkage that lies flat or stretched, and only seems to "
+                 "have more: start it elsewhere"
+               : "";
   }
 
   void refuse_wrong_count(const KeptCount& kept, const Closing& closing) const {
@@ -279,14 +296,14 @@ class CartesianSolver : public Solver {
     if (kept.coordinate_freedom == kept.speed_freedom) {
       throw InputError({model_.file, 0, 0},
                        fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
-                                   "{} of each",
-                                   found, kept.coordinate_freedom, kept.coordinate_freedom));
+                                   "{} of each{}",
+                                   found, kept.coordinate_freedom, kept.coordinate_freedom, hint_at_singular_start()));
     }
     throw InputError(
         {model_.file, 0, 0},
         fmt::format("{} {} independent coordinates and {} independent speeds (its rigid degrees of freedom, "
-                    "drivers off; what must not slip restricts speeds alone): keep exactly as many",
-                    found, kept.coordinate_freedom, kept.speed_freedom));
+                    "drivers off; what must not slip restricts speeds alone): keep exactly as many{}",
+                    found, kept.coordinate_freedom, kept.speed_freedom, hint_at_singular_start()));
   }
 
   void refuse_dependent(const KeptCount& kept) const {
@@ -475,6 +492,8 @@ class CartesianSolver : public Solver {
     equations_.count_turns_from(turns);
   }
 
+  static bool is_implicit(const RunOptions& options) { return options.integrator == "ida"; }
+
   std::unique_ptr<Stepper> make_stepper(const RunOptions& options, const MotionState& first) {
     const std::string chosen = options.integrator.empty() ? integrators().front() : options.integrator;
     // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
@@ -491,6 +510,7 @@ class CartesianSolver : public Solver {
   Equations equations_;
   MotionState motion_;
   std::optional<State> start_;
+  bool has_searched_for_its_start_ = false;
   int generic_rank_ = 0;
   Modes closing_modes_ = Modes::kept;
 };

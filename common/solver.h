@@ -70,6 +70,10 @@ class Solver {
   /// round-off lets (at most 1e-13). Throws InputError if the start values contradict each other, naming the joints.
   virtual State assemble() = 0;
 
+  /// Whether assemble() found its state from other values than the model's guesses, because it closed from none of
+  /// them.
+  [[nodiscard]] virtual bool has_searched_for_its_start() const { return false; }
+
   /// The closed state near `guess` at guess.t, as far as round-off lets. Modal coordinates and rates are kept, unless
   /// the loops restrict them, as where a flexible body is held at both ends. Nothing if Newton's method finds none on
   /// the branch that the joints mean.

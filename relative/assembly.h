@@ -19,6 +19,8 @@ class Assembly {
 
   /// Start::find, and the choice of rows if there was none before. Throws as Start::find.
   [[nodiscard]] Coordinates start();
+  /// Whether it was found from other values than the model's guesses.
+  [[nodiscard]] bool has_searched_for_its_start() const { return start_.has_searched(); }
 
   /// Closes q and u near their values at time t, couplings and nonholonomic constraints too. Modal coordinates and
   /// rates are kept, unless the loops restrict them, as where a flexible body is held at both ends: then they move by

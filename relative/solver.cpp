@@ -46,6 +46,8 @@ class RelativeSolver final : public Solver {
     return states_.write(start.t, {});
   }
 
+  [[nodiscard]] bool has_searched_for_its_start() const override { return assembly_.has_searched_for_its_start(); }
+
   std::optional<State> close(const State& guess) override {
     states_.require_shape(guess);
     try {

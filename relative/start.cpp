@@ -11,12 +11,17 @@
 
 #include "common/error.h"
 #include "relative/closing.h"
+#include "relative/start_search.h"
 
 namespace concord::relative {
 
 namespace {
 
 const char* name_of(ClosureRows rows) { return rows == ClosureRows::of_positions ? "coordinates" : "speeds"; }
+
+/// For machines that are driven: the pose in which they are easy to write may be one in which rows depend.
+constexpr const char* kMayBeSingular =
+    "; a start in a singular pose, such as a linkage lying flat or stretched, seems to have more: start it elsewhere";
 
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
@@ -149,9 +154,9 @@ void Start::require_number_of_kept(const Coordinates& coordinates, const Prescri
   throw InputError(
       where_kept(prescribed),
       fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
-                  "{} are ({}){}",
+                  "{} are ({}){}{}",
                   degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(prescribed),
-                  couplings_of_kept(prescribed)));
+                  couplings_of_kept(prescribed), scaled_->equations().has_drivers() ? kMayBeSingular : ""));
 }
 
 void Start::require_independent(const Coordinates& coordinates, const PrescribedMask& prescribed,
@@ -201,8 +206,8 @@ void Start::throw_not_closing(const PrescribedMask& prescribed) const {
                                  scaled_->equations().model().name, couplings_of_kept(prescribed)));
   }
   throw InputError(where_kept(prescribed),
-                   fmt::format("start: the kept joint coordinates ({}) contradict each other: the "
-                               "loops do not close with them{}",
+                   fmt::format("start: the kept joint coordinates ({}) contradict each other, or the guesses are too "
+                               "far off: the loops do not close with them{}",
                                names_of_kept(prescribed), couplings_of_kept(prescribed)));
 }
 
@@ -312,8 +317,13 @@ Coordinates Start::find() const {
   scaled_->equations().count_turns(scaled_->equations().kinematics().whole_turns(start.q));
   start.q = scaled_->equations().kinematics().without_turns(start.q);
   Coordinates closed = start;
-  const bool kept_agree = close_positions(*scaled_, closed, prescribed_q, Modes::kept);
-  if (!kept_agree) closed = start;
+  bool kept_agree = close_positions(*scaled_, closed, prescribed_q, Modes::kept);
+  has_searched_ = !kept_agree;
+  if (!kept_agree) {
+    const std::optional<Coordinates> found = search_closed_start(*scaled_, start, prescribed_q);
+    kept_agree = found.has_value();
+    closed = found.value_or(start);
+  }
   if (kept_agree || close_positions(*scaled_, closed, scaled_->equations().driven(), Modes::kept)) {
     require_number_of_kept(closed, prescribed_q, ClosureRows::of_positions);
   }

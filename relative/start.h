@@ -16,6 +16,8 @@ class Start {
   /// guesses; whole turns are counted apart from then on. Throws InputError, naming the joints, if the kept values are
   /// too many, too few, dependent or contradictory, and naming body and axis if the opened tree lacks inertia.
   [[nodiscard]] Coordinates find() const;
+  /// Whether the last start that was found lies where another guess than the model's has led to.
+  [[nodiscard]] bool has_searched() const { return has_searched_; }
 
  private:
   [[nodiscard]] Coordinates guess() const;
@@ -34,6 +36,7 @@ class Start {
   [[nodiscard]] SourceLocation where_kept(const PrescribedMask& prescribed) const;
 
   const ScaledClosure* scaled_;
+  mutable bool has_searched_ = false;
 };
 
 }  // namespace concord::relative

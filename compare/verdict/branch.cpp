@@ -160,16 +160,21 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
     return solvers;  // whoever asks it for a start is told why
   }
   if (!starts[0].state && !starts[1].state) throw *starts[0].refusal;
-  std::size_t better = starts[0].state ? 0 : 1;
-  if (starts[0].state && starts[1].state) {
-    const Apart most = apart(model, *starts[0].state, *starts[1].state);
-    if (most.size <= kOneBranch) return solvers;
+  const bool both = starts[0].state && starts[1].state;
+  const Apart between = both ? apart(model, *starts[0].state, *starts[1].state) : Apart{};
+  if (both && between.size <= kOneBranch) return solvers;
+  const auto closes_guesses = [&](std::size_t k) {
+    return starts[k].state && !solvers[k]->has_searched_for_its_start();
+  };
+  std::size_t better = 0;
+  if (both && closes_guesses(0) == closes_guesses(1)) {
     better = second_is_nearer(model, *starts[0].state, *starts[1].state) ? 1 : 0;
     note = fmt::format(
         "from the guesses {} and {} assemble different branches ({}); both start from that of {}, which "
         "is nearer to the guesses",
-        solvers[0]->name(), solvers[1]->name(), most.text, solvers[better]->name());
+        solvers[0]->name(), solvers[1]->name(), between.text, solvers[better]->name());
   } else {
+    better = closes_guesses(0) || (!closes_guesses(1) && starts[0].state) ? 0 : 1;
     note = fmt::format("from the guesses {} finds no start; both start from that of {}", solvers[1 - better]->name(),
                        solvers[better]->name());
   }

@@ -176,8 +176,8 @@ TEST(Assembly, NamesJointsWhoseKeptValuesCannotBeReached) {
   test::keep_first_word(model.joints[3], 0.1);
   model.joints[3].start[0].q(0) = 50.0;
   EXPECT_EQ(complaint_about(model),
-            "slider_crank.toml:10:1: error: start: the kept joint coordinates (1 of joint 'D') contradict each other: "
-            "the loops do not close with them");
+            "slider_crank.toml:10:1: error: start: the kept joint coordinates (1 of joint 'D') contradict each other, "
+            "or the guesses are too far off: the loops do not close with them");
 }
 
 TEST(Assembly, KeepsACoordinateOfTheCutJoint) {

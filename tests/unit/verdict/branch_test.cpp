@@ -14,8 +14,10 @@ using ::testing::HasSubstr;
 class TwoWays : public FakePendulum {
  public:
   using Choice = std::function<double(double guess)>;
-  TwoWays(const Model& model, std::string name, Choice choice)
-      : FakePendulum(model, std::move(name)), model_(model), choice_(std::move(choice)) {}
+  TwoWays(const Model& model, std::string name, Choice choice, bool searches = false)
+      : FakePendulum(model, std::move(name)), model_(model), choice_(std::move(choice)), searches_(searches) {}
+
+  [[nodiscard]] bool has_searched_for_its_start() const override { return searches_; }
 
   State assemble() override {
     const double found = choice_(model_.joints[0].start[0].q(0));
@@ -28,6 +30,7 @@ class TwoWays : public FakePendulum {
  private:
   const Model& model_;
   Choice choice_;
+  bool searches_;
 };
 
 constexpr double kNear = 0.4;
@@ -37,10 +40,10 @@ double nearest(double guess) { return std::abs(guess - kNear) < std::abs(guess -
 
 class BranchTest : public ::testing::Test {
  protected:
-  Solvers make(TwoWays::Choice cartesian, TwoWays::Choice relative) {
+  Solvers make(TwoWays::Choice cartesian, TwoWays::Choice relative, bool relative_searches = false) {
     const SolverMakers makers{
         [=](const Model& model) { return std::make_unique<TwoWays>(model, "cartesian", cartesian); },
-        [=](const Model& model) { return std::make_unique<TwoWays>(model, "relative", relative); }};
+        [=](const Model& model) { return std::make_unique<TwoWays>(model, "relative", relative, relative_searches); }};
     return make_solvers_on_one_branch(model_, makers, note_);
   }
   void guess(double q, StartRole role = StartRole::guess) {
@@ -75,6 +78,12 @@ TEST_F(BranchTest, OfTwoTheOneThatIsNearerToTheGuessIsTaken) {
   guess(0.7);
   expect_starts(make(nearest, timid), kNear);
   EXPECT_THAT(note_, HasSubstr("both start from that of cartesian"));
+}
+
+TEST_F(BranchTest, WhatTheGuessesLeadToStandsBeforeWhatWasSearchedFor) {
+  guess(0.7);
+  expect_starts(make(timid, nearest, true), kFar);
+  EXPECT_EQ(note_, "from the guesses relative finds no start; both start from that of cartesian");
 }
 
 TEST_F(BranchTest, WithoutAGuessTheOneThatIsNearerToZeroIsTaken) {
