@@ -192,8 +192,8 @@ struct Run {
                                   : "";
     throw SolverError(
         fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
-                    "integrator{}",
-                    kMostEvaluationsWithoutAdvance, t - paced_from, place));
+                    "integrator{}{}",
+                    kMostEvaluationsWithoutAdvance, t - paced_from, advice_if_stiff, place));
   }
 
   /// Counts apart the turns of coordinates that have made many, so that they keep their digits; true if there are any.
@@ -348,6 +348,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   run.variables.pack(start.q, start.u, sundials::view(y.get()));
   run.rtol = integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol;
   run.until = options.until;
+  if (integrator != "dirk") run.advice_if_stiff = ": try --relative-integrator dirk";
   run.sizes = Sizes(equations, assembly.scales(), start, options.until).of(run.variables);
   Stepper stepper(integrator, y.get(), {right_side, project_step, error_weights, &run}, context, messages);
   const auto apply_forces = [&run](double at, const Eigen::Ref<const VecX>& numbers) {
