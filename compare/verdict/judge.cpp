@@ -75,6 +75,7 @@ void Judge::judge_rows() {
 }
 
 void conclude(Verdict& verdict) {
+  leave_out_repeated(verdict.failures);
   if (!verdict.failures.empty()) {
     verdict.outcome = Outcome::failed;
   } else {

@@ -1,5 +1,8 @@
 #include "compare/verdict/verdict.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -45,6 +48,15 @@ ComponentCount count_components(const Verdict& verdict) {
     if (is_judged(row)) ++count.judged;
   }
   return count;
+}
+
+void leave_out_repeated(std::vector<std::string>& lines) {
+  std::vector<std::string> kept;
+  for (std::string& line : lines) {
+    const auto says_it = [&](const std::string& earlier) { return earlier == line || earlier.ends_with(": " + line); };
+    if (std::none_of(kept.begin(), kept.end(), says_it)) kept.push_back(std::move(line));
+  }
+  lines = std::move(kept);
 }
 
 }  // namespace concord::compare

@@ -183,4 +183,7 @@ struct ComponentCount {
 };
 ComponentCount count_components(const Verdict& verdict);
 
+/// Leaves the first of equal lines, and drops lines with which an earlier one ends, as after "same run: ".
+void leave_out_repeated(std::vector<std::string>& lines);
+
 }  // namespace concord::compare

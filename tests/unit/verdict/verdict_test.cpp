@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace concord::compare {
 namespace {
 
@@ -16,6 +19,13 @@ TEST(VerdictTest, Words) {
   EXPECT_EQ(to_string(Outcome::differ), "differ");
   EXPECT_EQ(to_string(Judgement::not_judged), "not judged");
   EXPECT_EQ(to_string(Judgement::agree), "agree");
+}
+
+TEST(VerdictTest, LeavesOutWhatHasBeenSaid) {
+  std::vector<std::string> lines{"same run: cartesian: it locks", "relative: it locks", "cartesian: it locks",
+                                 "relative: it locks", "it locks"};
+  leave_out_repeated(lines);
+  EXPECT_EQ(lines, (std::vector<std::string>{"same run: cartesian: it locks", "relative: it locks"}));
 }
 
 TEST(VerdictTest, NothingFoundIsNotAgreement) { EXPECT_EQ(Verdict{}.outcome, Outcome::failed); }
