@@ -10,8 +10,8 @@
 #include "common/joints/catalogue.h"
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/fuzz/flexible.h"
 #include "compare/audit/referee.h"
+#include "compare/fuzz/flexible.h"
 
 namespace concord::compare::fuzz {
 
