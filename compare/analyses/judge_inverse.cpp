@@ -10,6 +10,7 @@
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/chart.h"
 
 namespace concord::compare::analyses {
 
