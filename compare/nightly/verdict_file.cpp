@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/reading/toml_reader.h"
+#include "common/reading/text_file.h"
 #include "compare/report/report_json.h"
 
 namespace concord::compare::nightly {
