@@ -61,12 +61,13 @@ class GuessShaker {
   VecX moved(const WordStart& said, const joints::Permit& word) {
     const double part = said.role_q == StartRole::guess ? kShareOfGuesses : 1.0;
     VecX q = said.q;
-    if (std::holds_alternative<joints::Ball>(word)) {
+    if (joints::is_orientation(word)) {
       const Mat3 A = turn_by(draw_vector(part * EIGEN_PI)) * rotation_of(Vec4(q).normalized());
       q = euler_parameters_of(A);
     } else {
-      const double size = std::holds_alternative<joints::Slide>(word) ? length_ : EIGEN_PI;
-      for (double& entry : q) entry += draw(part * size);
+      for (int n = 0; n < static_cast<int>(q.size()); ++n) {
+        q(n) += draw(part * (joints::is_length(word, n) ? length_ : EIGEN_PI));
+      }
     }
     return q;
   }
@@ -105,7 +106,10 @@ double distance_from(const Equations& equations, const std::vector<VecX>& known)
       if (n == 0) continue;  // an arm
       const int first = first_q(*joint.type, static_cast<int>(word));
       VecX apart = q[k].segment(first, n) - known[k].segment(first, n);
-      if (std::holds_alternative<joints::Slide>(joint.type->permits[word])) apart /= model.length_scale();
+      const joints::Permit& permitted = joint.type->permits[word];
+      for (int c = 0; c < n && !joints::is_orientation(permitted); ++c) {
+        if (joints::is_length(permitted, c)) apart(c) /= model.length_scale();
+      }
       sum += (joint.start[word].role_q == StartRole::guess ? 1.0 : kUnstated) * apart.squaredNorm();
     }
   }

@@ -38,12 +38,19 @@ VecX reach_of_moves(const ScaledClosure& scaled, const PrescribedMask& prescribe
   VecX reach = VecX::Zero(equations.topology().n_u);
   for_each_word(equations, [&](const WordStart& said, const joints::Permit& word, int /*first_q*/, int first_u) {
     const double part = said.role_q == StartRole::guess ? kPartOfGuesses : 1.0;
-    const double size = std::holds_alternative<joints::Slide>(word) ? 1.0 : std::numbers::pi;
-    for (int c = first_u; c < first_u + n_u(word); ++c) {
-      if (prescribed[c] == 0) reach(c) = part * size * scaled.scales().speeds()(c);
+    for (int c = 0; c < n_u(word); ++c) {
+      const bool slides = !joints::is_orientation(word) && joints::is_length(word, c);
+      const int at = first_u + c;
+      if (prescribed[at] == 0) reach(at) = part * (slides ? 1.0 : std::numbers::pi) * scaled.scales().speeds()(at);
     }
   });
   return reach.head(equations.topology().n_tree_u);
+}
+
+/// Whether a word's only coordinate turns about an axis, so that whole turns change no pose.
+bool is_turn(const joints::Permit& word) {
+  const joints::StatedCoordinates stated = joints::stated_coordinates(word);
+  return stated.size() == 1 && stated[0].axis && stated[0].kind == joints::CoordinateKind::angle;
 }
 
 /// Takes whole turns that Newton's steps have made back, where no coupling counts them: angles lie within half a turn
@@ -52,7 +59,7 @@ void unwind(const ScaledClosure& scaled, const Coordinates& from, const Prescrib
             Coordinates& closed) {
   if (!scaled.equations().model().couplings.empty()) return;
   for_each_word(scaled.equations(), [&](const WordStart& said, const joints::Permit& word, int first_q, int first_u) {
-    if (!std::holds_alternative<joints::Turn>(word) || prescribed[first_u] != 0) return;
+    if (!is_turn(word) || prescribed[first_u] != 0) return;
     const double middle = said.role_q == StartRole::guess ? from.q(first_q) : 0.0;
     closed.q(first_q) = middle + whole_turns_off(closed.q(first_q) - middle);
   });
@@ -67,11 +74,11 @@ double departure(const ScaledClosure& scaled, const Coordinates& from, const Coo
     const double weight = said.role_q == StartRole::guess ? 1.0 : kUnsaid;
     const auto now = closed.q.segment(first_q, n);
     const auto then = from.q.segment(first_q, n);
-    if (std::holds_alternative<joints::Ball>(word)) {
+    if (joints::is_orientation(word)) {
       sum += weight * (1.0 - std::abs(now.normalized().dot(then.normalized())));
     } else {
       VecX apart = now - then;
-      if (std::holds_alternative<joints::Turn>(word)) apart(0) = whole_turns_off(apart(0));
+      if (is_turn(word)) apart(0) = whole_turns_off(apart(0));
       sum += weight * apart.cwiseQuotient(scaled.coordinate_units().segment(first_q, n)).squaredNorm();
     }
   });
