@@ -67,10 +67,10 @@ void States::require_shape(const State& state) const {
 /// The size of angles of a joint [rad]: 1, or where it has made so many turns that their round-off is more than
 /// kLargestMisfit of that, as much more.
 double States::angle_size(const Span& span) const {
-  constexpr double kRoundOff = 4.0 * std::numeric_limits<double>::epsilon();
+  constexpr double kRoundOffOfTurns = 4.0 * std::numeric_limits<double>::epsilon();
   if (span.n_q == 0) return 1.0;
   const double turned = kWholeTurn * kinematics_.turns().segment(span.first_q, span.n_q).cwiseAbs().maxCoeff();
-  return std::max(1.0, kRoundOff / kLargestMisfit * turned);
+  return std::max(1.0, kRoundOffOfTurns / kLargestMisfit * turned);
 }
 
 Coordinates States::read(const State& state, StateMisfit& misfit) {
