@@ -17,10 +17,10 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 double largest_of(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
 
-/// Adds up to one unit of round-off of `size` to every number.
+/// Adds up to `step` to every number, either way.
 template <class Values>
-void move_by_roundoff(Values& values, double size, Draws& draws) {
-  for (double& one : values) one += kEps * size * draws.next();
+void move(Values& values, double step, Draws& draws) {
+  for (double& one : values) one += step * draws.next();
 }
 
 /// Of each mode with unit amplitude, over the body's mass points.
@@ -96,28 +96,29 @@ StateSizes sizes_of(const Model& model, const State& state) {
   return sizes;
 }
 
-State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed) {
+State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed, double units) {
+  const double step = units * kEps;
   State drawn = state;
   Draws draws(seed);
   for (std::size_t i = 1; i < drawn.bodies.size(); ++i) {
     BodyState& body = drawn.bodies[i];
-    move_by_roundoff(body.r, sizes.place, draws);
-    move_by_roundoff(body.p, 1.0, draws);
-    move_by_roundoff(body.v, sizes.velocity, draws);
-    move_by_roundoff(body.omega, sizes.turning, draws);
-    move_by_roundoff(body.a, sizes.modal[i], draws);
-    move_by_roundoff(body.adot, sizes.modal_rate[i], draws);
+    move(body.r, step * sizes.place, draws);
+    move(body.p, step, draws);
+    move(body.v, step * sizes.velocity, draws);
+    move(body.omega, step * sizes.turning, draws);
+    move(body.a, step * sizes.modal[i], draws);
+    move(body.adot, step * sizes.modal_rate[i], draws);
   }
   return drawn;
 }
 
 namespace {
 
-/// Of one state, by one solver: the largest change of each quantity; nothing if too few draws were valid.
+/// Of one state: the largest change of each quantity, as drawn and as closed by a solver.
 class StateResolution {
  public:
   StateResolution(const QuantityLayout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
-      : layout_(layout), shared_(shared), sizes_(sizes_of(layout.model(), shared.state)), result_(result) {
+      : layout_(layout), shared_(shared), sizes_(sizes_of(layout.model(), shared.state)), seed_(seed), result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
       drawn_.push_back(draw_within_roundoff(shared.state, sizes_, seed + static_cast<std::uint64_t>(draw)));
     }
@@ -126,7 +127,8 @@ class StateResolution {
   /// Why the state is singular within round-off; empty if it is not.
   [[nodiscard]] const std::string& singular() const { return singular_; }
 
-  std::optional<VecX> of(Solver& solver, const VecX& said) {
+  /// Over the draws; nothing if too few were valid.
+  std::optional<VecX> of_draws(Solver& solver, const VecX& said) {
     VecX change = VecX::Zero(said.size());
     int valid = 0;
     for (const State& drawn : drawn_) {
@@ -136,18 +138,39 @@ class StateResolution {
       ++valid;
     }
     if (valid < kFewestDraws) return std::nullopt;
-    if (const auto closed = solver.close(shared_.state)) {
-      if (distance(*closed, shared_.state, sizes_) > kSameClosing) {
-        ++result_.closings_left_out;
-      } else if (const auto moved = answer(solver, *closed)) {
-        change = change.cwiseMax((*moved - said).cwiseAbs());
-      }
+    return change;
+  }
+
+  /// How often the accelerations hold the round-off of the state, by the change over its draws: as often as the
+  /// constraints are nearer to losing rank than to being orthogonal.
+  [[nodiscard]] double amplification(const VecX& said, const VecX& change) const {
+    const double length = layout_.model().length_scale();
+    double size = 0.0;
+    double moved = 0.0;
+    for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
+      const Quantity& one = layout_.quantities()[row];
+      if (one.kind != Kind::acceleration || one.component >= 6) continue;
+      const double unit = one.component < 3 ? 1.0 : length;
+      size = std::max(size, unit * std::abs(said(static_cast<Eigen::Index>(row))));
+      moved = std::max(moved, unit * change(static_cast<Eigen::Index>(row)));
     }
+    return size > 0.0 ? moved / (kEps * size) : 0.0;
+  }
+
+  /// Over closings too.
+  VecX with_closings(Solver& solver, const VecX& said, VecX change, double amplification) {
+    // Places are known to round-off times the amplification, velocities to as much more.
+    const double allowed =
+        std::max(kSameClosing, std::min(kWithinResolution * kEps * amplification * amplification, kElsewhere));
+    take_closing(solver, said, allowed, change);
+    if (amplification > kIllConditioned) take_pairs_of_closings(solver, said, allowed, change);
     take_largest_of_blocks(layout_, change);
     return change;
   }
 
  private:
+  static constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
+
   std::optional<VecX> answer(Solver& solver, const State& state) {
     try {
       VecX values = layout_.observe(state, solver.evaluate(state));
@@ -159,9 +182,38 @@ class StateResolution {
     return std::nullopt;
   }
 
+  std::optional<VecX> answer_closed(Solver& solver, const State& state, double allowed) {
+    const auto closed = solver.close(state);
+    if (!closed) return std::nullopt;
+    if (distance(*closed, shared_.state, sizes_) <= allowed) return answer(solver, *closed);
+    ++result_.closings_left_out;
+    return std::nullopt;
+  }
+
+  void take_closing(Solver& solver, const VecX& said, double allowed, VecX& change) {
+    if (const auto moved = answer_closed(solver, shared_.state, allowed)) {
+      change = change.cwiseMax((*moved - said).cwiseAbs());
+    }
+  }
+
+  /// A state that closes is left as it is, and where it stands then is one draw of what the round-off of residuals
+  /// does. Others are the states in which a solver closes from opposite sides: the mean of the answers there holds
+  /// nothing of the sides.
+  void take_pairs_of_closings(Solver& solver, const VecX& said, double allowed, VecX& change) {
+    constexpr int kPairs = 3;
+    constexpr double kSide = 64.0;  // units of round-off
+    for (int pair = 0; pair < kPairs; ++pair) {
+      const std::uint64_t seed = seed_ + static_cast<std::uint64_t>(kDraws + pair);
+      const auto one = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, kSide), allowed);
+      const auto other = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, -kSide), allowed);
+      if (one && other) change = change.cwiseMax((0.5 * (*one + *other) - said).cwiseAbs());
+    }
+  }
+
   const QuantityLayout& layout_;
   const SharedState& shared_;
   StateSizes sizes_;
+  std::uint64_t seed_;
   Resolution& result_;
   std::vector<State> drawn_;
   std::string singular_;
@@ -188,15 +240,22 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
     StateResolution one(layout, shared, seed_of(seed, column), result);
-    bool known = true;
+    std::array<VecX, 2> said;
+    std::array<std::optional<VecX>, 2> change;
+    double amplification = HUGE_VAL;  // that of the solver that knows better: what the machine has
     for (const Who who : {Who::cartesian, Who::relative}) {
-      const VecX said = layout.observe(shared.state, shared.evaluations[index(who)]);
-      const auto change = one.of(*solvers[index(who)], said);
-      known = known && change.has_value();
-      if (change) result.own[index(who)].col(column) = *change;
+      said[index(who)] = layout.observe(shared.state, shared.evaluations[index(who)]);
+      change[index(who)] = one.of_draws(*solvers[index(who)], said[index(who)]);
+      if (!change[index(who)]) continue;
+      amplification = std::min(amplification, one.amplification(said[index(who)], *change[index(who)]));
+    }
+    for (const Who who : {Who::cartesian, Who::relative}) {
+      if (!change[index(who)]) continue;
+      result.own[index(who)].col(column) =
+          one.with_closings(*solvers[index(who)], said[index(who)], *change[index(who)], amplification);
     }
     result.singular.push_back(one.singular());
-    if (!known) {
+    if (!change[0] || !change[1]) {
       ++result.unknown_states;
       continue;
     }
@@ -214,8 +273,9 @@ MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who wh
   for (Eigen::Index column = 0; column < own.cols(); ++column) {
     const SharedState& state = states[static_cast<std::size_t>(column)];
     StateResolution one(layout, state, seed_of(seed, column), counts);
-    if (const auto change = one.of(solver, layout.observe(state.state, state.evaluations[index(who)]))) {
-      own.col(column) = *change;
+    const VecX said = layout.observe(state.state, state.evaluations[index(who)]);
+    if (const auto change = one.of_draws(solver, said)) {
+      own.col(column) = one.with_closings(solver, said, *change, one.amplification(said, *change));
     }
   }
   return own;

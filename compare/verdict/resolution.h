@@ -16,8 +16,12 @@ namespace concord::compare {
 inline constexpr int kDraws = 5;
 /// With fewer valid draws the resolution of a state is unknown there.
 inline constexpr int kFewestDraws = 3;
-/// A closing that moves the state by more than this (relative to the sizes that draws have) found another state.
+/// A closing that moves the state by more than this (relative to the sizes that draws have), and by more than what the
+/// round-off of the constraints explains there, found another state.
 inline constexpr double kSameClosing = 1e-11;
+/// Where accelerations hold round-off of the state more often than this, the places that close are less well known than
+/// the numbers of a state, and one closing does not tell how much less.
+inline constexpr double kIllConditioned = 30.0;
 
 /// Resolutions of all quantities (rows of the layout) in all states (columns), in each quantity's unit.
 struct Resolution {
@@ -45,12 +49,14 @@ struct StateSizes {
 };
 StateSizes sizes_of(const Model& model, const State& state);
 
-/// `state` with every number moved by at most one unit of round-off of its kind's size, the same for the same seed.
-State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed);
+/// `state` with every number moved by at most so many units of round-off of its kind's size, the same for the same
+/// seed; by the opposite numbers of units, if they are negative.
+State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed, double units = 1.0);
 
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
-/// closing by each; over the three components of a force, torque or acceleration the largest; plus the floor, a unit of
-/// round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
+/// closing by each; near singular poses, over closings from nearby. Over the three components of a force, torque or
+/// acceleration the largest; plus the floor, a unit of round-off of the larger of the scale (`measured`, one for each
+/// quantity) and of the terms.
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const std::vector<Measured>& measured,
                               std::uint64_t seed);
