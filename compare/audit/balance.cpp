@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -69,6 +71,7 @@ class JointPower {
         total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
         reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
         tau_(wrenches.tau),
+        coupled_(coupled),
         tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
@@ -93,6 +96,17 @@ class JointPower {
     return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - tau_by_laws_);
   }
 
+  /// Sizes of what springs and actuators, and couplings, exert on each speed, though they may cancel.
+  [[nodiscard]] VecX sizes_of_laws() const {
+    const VecX by_laws = tau_by_laws_.array().isNaN().select(tau_, tau_by_laws_);
+    return coupled_.cwiseAbs().cwiseMax((by_laws - coupled_).cwiseAbs());
+  }
+
+  /// How far the laws exert other forces here than there.
+  [[nodiscard]] VecX change_of_laws(const JointPower& there) const {
+    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), (tau_by_laws_ - there.tau_by_laws_).cwiseAbs());
+  }
+
  private:
   static Vec6 in_parent_frame(const std::array<PlacedFrame, 2>& frames, const Wrench& wrench) {
     const Mat3 to_parent = frames[index(Side::parent)].A_joint.transpose();
@@ -104,9 +118,52 @@ class JointPower {
   Vec6 total_;
   Vec6 reaction_;
   const VecX& tau_;
+  const VecX& coupled_;
   VecX tau_by_laws_;
   Mat6X directions_;
 };
+
+/// Whether a driver, a spring or an actuator, or a force element, has a law.
+bool has_laws(const Model& model) {
+  const auto sprung = [](const Joint& joint) { return !joint.springs.empty(); };
+  return !model.elements.empty() || std::any_of(model.joints.begin(), model.joints.end(), sprung);
+}
+
+/// States that no solver can tell from this one: every place, orientation and velocity moved by a few units of
+/// round-off of what it is computed from. What a law makes of them is what is known of its force: that of a stiff
+/// spring hangs by the last digits of its length.
+std::array<State, 2> within_roundoff(const State& state, double length) {
+  constexpr double kUnits = 4.0 * std::numeric_limits<double>::epsilon();
+  double place = length;
+  double speed = 0.0;
+  for (const BodyState& body : state.bodies) {
+    place = std::max(place, body.r.cwiseAbs().maxCoeff());
+    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff() * length});
+  }
+  std::array<State, 2> moved{state, state};
+  std::uint32_t signs = 1;
+  const auto move = [&](auto& values, double size) {
+    for (double& one : values) {
+      signs = signs * 1664525U + 1013904223U;
+      one += ((signs >> 31U) != 0U ? kUnits : -kUnits) * size;
+    }
+  };
+  for (State& one : moved) {
+    for (std::size_t i = 1; i < one.bodies.size(); ++i) {
+      move(one.bodies[i].r, place);
+      move(one.bodies[i].p, 1.0);
+      move(one.bodies[i].v, speed);
+      move(one.bodies[i].omega, speed / length);
+    }
+  }
+  return moved;
+}
+
+/// What of residuals no round-off explains, `roundoff` being measured on two states.
+VecX beyond_roundoff(const VecX& residuals, const VecX& roundoff) {
+  constexpr double kTimes = 4.0;
+  return (residuals.cwiseAbs() - kTimes * roundoff).cwiseMax(0.0);
+}
 
 /// Both sides' wrenches, global axes, minus what the element's law says.
 VecX law_residuals(const ElementLaw& law, const State& state, const ElementWrenches& wrenches) {
@@ -147,7 +204,8 @@ void add_speeds(AuditRule rule, const char* what, const std::vector<bool>& turni
 
 }  // namespace
 
-Auditor::Auditor(const Model& model) : model_(model), length_(model.length_scale()), motions_(model) {
+Auditor::Auditor(const Model& model)
+    : model_(model), length_(model.length_scale()), has_laws_(has_laws(model)), motions_(model) {
   for (const Body& body : model.bodies) lay_out_body(body);
   for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) lay_out_joint(k);
   for (const ForceElement& element : model.elements) lay_out_element(element);
@@ -177,8 +235,7 @@ void Auditor::lay_out_joint(int k) {
   add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type), entity);
   add_components(AuditRule::drivers, " of total minus reaction on child", entity);
   add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type), entity);
-  std::vector<LawOfForce>& laws = joint_springs_.emplace_back();
-  for (const JointSpring& spring : joint.springs) laws.emplace_back(spring.law);
+  joint_springs_.push_back(laws_of_springs(joint));
 }
 
 /// In the order of add_element().
@@ -192,6 +249,7 @@ void Auditor::lay_out_element(const ForceElement& element) {
 
 void Auditor::add(const State& state, const Evaluation& evaluation) {
   ++states_;
+  moved_ = has_laws_ ? std::optional(within_roundoff(state, length_)) : std::nullopt;
   for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
   for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation);
   for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
@@ -217,19 +275,35 @@ OutOfBalance Auditor::out_of_balance(int body, const State& state, const Evaluat
 void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Evaluation& evaluation) {
   const JointWrenches& wrenches = evaluation.joints[index_of_joint];
   const Joint& joint = model_.joints[index_of_joint];
-  const std::array<PlacedFrame, 2> frames{place(joint.sides[0], state.bodies[joint.sides[0].body]),
-                                          place(joint.sides[1], state.bodies[joint.sides[1].body])};
+  const auto frames_in = [&](const State& where) {
+    return std::array<PlacedFrame, 2>{place(joint.sides[0], where.bodies[joint.sides[0].body]),
+                                      place(joint.sides[1], where.bodies[joint.sides[1].body])};
+  };
+  const std::array<PlacedFrame, 2> frames = frames_in(state);
   const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
   const VecX coupled = coupled_tau(model_, static_cast<int>(index_of_joint), evaluation.couplings);
-  const JointPower power(joint, joint_springs_[index_of_joint], frames, wrenches, coupled, hint, state.t);
+  const auto power_in = [&](const std::array<PlacedFrame, 2>& placed) {
+    return JointPower(joint, joint_springs_[index_of_joint], placed, wrenches, coupled, hint, state.t);
+  };
+  const JointPower power = power_in(frames);
+  VecX roundoff = VecX::Zero(joint.type->n_u());
+  if (!joint.springs.empty()) {
+    for (const State& moved : *moved_) roundoff = roundoff.cwiseMax(power.change_of_laws(power_in(frames_in(moved))));
+  }
   VecX residuals(joint_rows(*joint.type));
   residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
       frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
       side_residuals(frames, wrenches.reaction), side_residuals(frames, wrenches.total), power.beyond_tau(),
-      power.outside_coordinates(length_), power.beyond_law();
+      power.outside_coordinates(length_), beyond_roundoff(power.beyond_law(), roundoff);
 
-  const double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
-  const double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
+  double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
+  double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
+  const VecX of_laws = power.sizes_of_laws();
+  const std::vector<bool> turns = turning_speeds(*joint.type);
+  for (Eigen::Index c = 0; c < of_laws.size(); ++c) {
+    double& size = turns[static_cast<std::size_t>(c)] ? torque : force;
+    size = std::max(size, of_laws(c));
+  }
   joints_[index_of_joint].take(residuals, scales_of(force, torque, length_), state.t);
 }
 
@@ -241,7 +315,13 @@ void Auditor::add_element(std::size_t index_of_element, const State& state, cons
   const std::array<PlacedFrame, 2> frames{parent != nullptr ? place(*parent, state.bodies[parent->body]) : at_child,
                                           at_child};
   VecX residuals(parent != nullptr ? 30 : 24);
-  residuals.head<12>() = law_residuals(element_laws_[index_of_element], state, wrenches);
+  const ElementLaw& law = element_laws_[index_of_element];
+  const VecX beyond_law = law_residuals(law, state, wrenches);
+  VecX roundoff = VecX::Zero(12);
+  for (const State& moved : *moved_) {
+    roundoff = roundoff.cwiseMax((law_residuals(law, moved, wrenches) - beyond_law).cwiseAbs());
+  }
+  residuals.head<12>() = beyond_roundoff(beyond_law, roundoff);
   residuals.segment<12>(12) = frame_residuals(frames, wrenches.on);
   if (parent != nullptr) residuals.tail<6>() = side_residuals(frames, wrenches.on);
   const AuditScales scales = scales_of(largest_force(wrenches.on), largest_torque(wrenches.on), length_);

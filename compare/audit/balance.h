@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "common/model.h"
@@ -83,6 +84,9 @@ class Auditor {
 
   const Model& model_;
   double length_;
+  bool has_laws_;
+  /// Of the state that is being added: those that differ from it by round-off, if there are laws to ask.
+  std::optional<std::array<State, 2>> moved_;
   std::vector<std::vector<MassPoint>> mass_points_;     // of each body
   std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
   std::vector<ElementLaw> element_laws_;

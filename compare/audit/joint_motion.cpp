@@ -156,6 +156,12 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
   return referee_wrench_directions(type, {relative.d, relative.R}, S);
 }
 
+std::vector<LawOfForce> laws_of_springs(const Joint& joint) {
+  std::vector<LawOfForce> laws;
+  for (const JointSpring& spring : joint.springs) laws.emplace_back(spring.law);
+  return laws;
+}
+
 VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
   for (std::size_t k = 0; k < springs.size(); ++k) {

@@ -36,6 +36,9 @@ JointMotion read_motion(const joints::JointType& type, const RelativeMotion& rel
 /// force at the arm's end), or what a type by functions states.
 Mat6X coordinate_wrench_directions(const joints::JointType& type, const RelativeMotion& relative, const Mat6X& S);
 
+/// The laws of a joint's springs, in the order of Joint::springs, which must outlive them.
+std::vector<LawOfForce> laws_of_springs(const Joint& joint);
+
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
 /// where a driver acts, whose force no law gives [n_u numbers]. Couplings are left out. `springs`: the laws of
 /// Joint::springs, in their order.
