@@ -67,9 +67,13 @@ std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::ve
     }
   }
   if (coordinates.empty()) {
+    const bool is_driven = std::any_of(model.joints.begin(), model.joints.end(),
+                                       [](const Joint& joint) { return !joint.drivers.empty(); });
     throw InputError({model.file, 0, 0},
-                     "inverse: the model keeps no joint speed at its start, so that there is nothing to drive: drivers "
-                     "move it already; see `concord kinematics`");
+                     is_driven ? "inverse: the model keeps no joint speed at its start, so that there is nothing to "
+                                 "drive: drivers move it already; see `concord kinematics`"
+                               : "inverse: the model keeps no joint speed at its start, so that there is nothing to "
+                                 "drive: keep the coordinates and speeds that motors are to move");
   }
   check_asked(model, asked, coordinates);
   return coordinates;
@@ -88,6 +92,11 @@ Model driven_through(const Model& model, const State& state, const std::vector<P
   return driven;
 }
 
+double force_to_apply(const Model& model, const Evaluation& evaluation, const Prescribed& one) {
+  const VecX of_couplings = coupled_tau(model, one.joint, evaluation.couplings);
+  return evaluation.joints[one.joint].tau(one.speed(model)) - of_couplings(one.speed(model));
+}
+
 Model actuated_by(const Model& model, const Evaluation& evaluation, const std::vector<Prescribed>& coordinates) {
   Model actuated = model;
   for (const Prescribed& one : coordinates) {
@@ -98,7 +107,7 @@ Model actuated_by(const Model& model, const Evaluation& evaluation, const std::v
     JointSpring motor;
     motor.word = one.word;
     motor.component = one.component;
-    motor.law.actuator = ConstantSpeed{evaluation.joints[one.joint].tau(one.speed(model)), 0.0};
+    motor.law.actuator = ConstantSpeed{force_to_apply(model, evaluation, one), 0.0};
     joint.springs.push_back(std::move(motor));
   }
   return actuated;

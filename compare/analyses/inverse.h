@@ -33,11 +33,15 @@ struct AskedAcceleration {
 std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::vector<AskedAcceleration>& asked);
 
 /// The model whose prescribed coordinates are driven through their values and speeds in `state` (at time 0) with their
-/// accelerations: what its joints report as tau is the answer.
+/// accelerations: force_to_apply() of it is the answer.
 Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates);
 
-/// The model in which actuators exert tau on the prescribed coordinates, and nothing else acts there: it must
-/// accelerate as was asked. `evaluation`: of the driven one.
+/// What a motor must exert on a prescribed coordinate so that it moves as asked, its springs, dampers and motors
+/// replaced by it [N, N m]: tau without what couplings exert, which go on to act. `evaluation`: of the driven model.
+double force_to_apply(const Model& model, const Evaluation& evaluation, const Prescribed& one);
+
+/// The model in which actuators exert these forces on the prescribed coordinates in place of springs and motors: it
+/// must accelerate as was asked. `evaluation`: of the driven one.
 Model actuated_by(const Model& model, const Evaluation& evaluation, const std::vector<Prescribed>& coordinates);
 
 }  // namespace concord::compare::analyses

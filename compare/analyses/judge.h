@@ -20,15 +20,18 @@ inline constexpr double kOwnFlexible = 8.0;
 inline constexpr double kEigenvalue = 8.0;
 inline constexpr double kRoundTrip = 10.0;
 
-/// A number that both solvers give, beside wrenches: a coordinate of an equilibrium, an eigenvalue, a driver force.
+/// A number that both solvers give, beside wrenches: a coordinate of an equilibrium, an eigenvalue, a driver force; or,
+/// without values, what has many numbers, as the shape of a mode.
 struct NumberRow {
   std::string name;
   std::string unit;
   std::array<double, 2> values{};
   double digits = 16.0;
   double need = 0.0;
+  /// Digits that 20 resolutions leave, where the resolution was measured: as many are enough.
+  std::optional<double> resolvable = {};
 
-  [[nodiscard]] bool agrees() const { return digits >= need; }
+  [[nodiscard]] bool agrees() const { return digits >= need || (resolvable && digits >= *resolvable); }
 };
 
 /// What an analysis found, and how far the solvers agree on it.

@@ -9,32 +9,15 @@
 #include "compare/analyses/linearize.h"
 #include "compare/audit/digits.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 
 namespace concord::compare::analyses {
 
 namespace {
 
-/// How far two mode shapes point the same way: what of one is not along the other.
-double shape_digits(const Mode& one, const Mode& other) {
-  const std::complex<double> along = other.scaled_shape.dot(one.scaled_shape);
-  return matching_digits((one.scaled_shape - along * other.scaled_shape).norm(), 1.0);
-}
-
-/// Whether no other eigenvalue is so near that the shapes of both mix; one below `least` is near to those of free
-/// modes.
-bool stands_alone(const std::vector<Mode>& modes, std::size_t k, double least) {
-  const std::complex<double> own = modes[k].eigenvalue;
-  if (modes[k].is_free || std::abs(own) < least) return false;
-  for (std::size_t other = 0; other < modes.size(); ++other) {
-    if (other != k && std::abs(own - modes[other].eigenvalue) < 1e-3 * std::abs(own)) return false;
-  }
-  return true;
-}
-
-/// Derivatives are good to 1e-12 of the largest, which moves an eigenvalue by that times its condition: it has the
-/// eight digits that are needed only above this part of the fastest one times its condition; below, that is its scale.
-constexpr double kResolved = 1e-4;
+/// A shape that is resolved to less than a digit is not judged: of two motions of one frequency any mixture is one.
+constexpr double kAnyMixture = 0.1;
 
 std::string eigenvalue_text(const Mode& mode) {
   return mode.oscillates() ? fmt::format("{:.8g} +- {:.10g}i", mode.eigenvalue.real(), mode.eigenvalue.imag())
@@ -45,26 +28,51 @@ std::string eigenvalue_text(const Mode& mode) {
 class ModeJudge {
  public:
   ModeJudge(const Linearization& one, const Linearization& other, AnalysisVerdict& result)
-      : one_(one), other_(other), result_(result) {
-    for (const Mode& mode : one.modes) fastest_ = std::max(fastest_, std::abs(mode.eigenvalue));
-  }
+      : one_(one), other_(other), resolution_(std::max(one.resolution, other.resolution)), result_(result) {}
 
   void judge() {
     result_.numbers.push_back(count("number of modes", [](const Mode&) { return true; }));
     result_.numbers.push_back(count("number of free modes", [](const Mode& mode) { return mode.is_free; }));
-    const ModePairs pairs = pair_modes(one_, other_);
+    const bool is_decided = decides_what_is_free();
+    for (NumberRow& row : result_.numbers) {
+      if (!is_decided) row.resolvable = 0.0;
+    }
+    if (!is_decided) result_.text += "note: differences do not decide how many modes are free\n";
+    const ModePairs pairs = pair_modes(one_.modes, other_.modes, resolution_);
     for (const auto& [k, partner] : pairs.both) judge_pair(k, partner);
     for (const std::size_t k : pairs.alone[0]) judge_alone("cartesian", one_.modes[k], {abs_of(one_.modes[k]), kNone});
     for (const std::size_t k : pairs.alone[1]) {
       judge_alone("relative", other_.modes[k], {kNone, abs_of(other_.modes[k])});
     }
     result_.text += '\n' + format_table(lines_, {true, true, true, true, true, true, false});
+    if (!unresolved_.empty()) {
+      result_.text += fmt::format("note: fewer than {:g} digits are resolved of the eigenvalues of mode{} {}\n",
+                                  kFewDigits, unresolved_.size() > 1 ? "s" : "", fmt::join(unresolved_, ", "));
+    }
   }
 
  private:
+  static constexpr double kFewDigits = 3.0;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+  static std::string digits_text(const NumberRow& row) {
+    return fmt::format("{} of {}", format_digits(row.digits), format_digits(*row.resolvable));
+  }
+
   static double abs_of(const Mode& mode) { return std::abs(mode.eigenvalue); }
+
+  /// Not where each solver's number is among those that the other one finds by asking for more or less.
+  [[nodiscard]] bool decides_what_is_free() const {
+    const auto free_of = [](const Linearization& found) {
+      return static_cast<int>(
+          std::count_if(found.modes.begin(), found.modes.end(), [](const Mode& mode) { return mode.is_free; }));
+    };
+    const auto within = [](int count, const std::array<int, 2>& range) {
+      return range[0] <= count && count <= range[1];
+    };
+    if (free_of(one_) == free_of(other_)) return true;
+    return !within(free_of(one_), other_.free_range) && !within(free_of(other_), one_.free_range);
+  }
 
   template <class Counts>
   NumberRow count(const char* name, const Counts& counts) {
@@ -77,21 +85,28 @@ class ModeJudge {
   void judge_pair(std::size_t k, std::size_t partner) {
     const Mode& mode = one_.modes[k];
     const Mode& other = other_.modes[partner];
-    const double condition = std::max(mode.condition, other.condition);
-    const double scale = std::max({abs_of(mode), one_.resolution, kResolved * fastest_ * condition});
-    const double digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
-    NumberRow row{fmt::format("eigenvalue {}", k + 1), "1/s", {abs_of(mode), abs_of(other)}, digits, kEigenvalue};
-    const bool alone = stands_alone(one_.modes, k, kResolved * fastest_);
-    const double shape = shape_digits(mode, other);
-    if (alone) row.digits = std::min(row.digits, shape);
-    add_line(mode, format_digits(digits), alone ? format_digits(shape) : "-", "");
+    const double scale = std::max(abs_of(mode), resolution_);
+    const double least = kWithinResolution * std::max(mode.eigenvalue_resolution, other.eigenvalue_resolution);
+    NumberRow row = number(fmt::format("eigenvalue {}", k + 1), "1/s", abs_of(mode), abs_of(other), scale, kEigenvalue);
+    row.digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
+    row.resolvable = matching_digits(least, scale);
+    if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
+    if (*row.resolvable < kFewDigits) unresolved_.push_back(k + 1);
+    NumberRow shape{fmt::format("shape of mode {}", k + 1), "", {kNone, kNone}, kMostDigits, kEigenvalue};
+    const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
+    shape.digits = matching_digits(shape_difference(mode, other), 1.0);
+    shape.resolvable = matching_digits(least_of_shape, 1.0);
+    const bool has_shape = !mode.is_free && least_of_shape < kAnyMixture;
+    add_line(mode, digits_text(row), has_shape ? digits_text(shape) : "-", "");
     result_.numbers.push_back(std::move(row));
+    if (has_shape) result_.numbers.push_back(std::move(shape));
   }
 
   void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {
     add_line(mode, format_digits(0.0), "-", fmt::format(" (found by {} alone)", solver));
-    result_.numbers.push_back(
-        {fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue});
+    NumberRow row{fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue};
+    if (mode.is_free && !decides_what_is_free()) row.resolvable = 0.0;
+    result_.numbers.push_back(std::move(row));
   }
 
   void add_line(const Mode& mode, std::string digits, std::string shape_digits, const std::string& remark) {
@@ -102,8 +117,9 @@ class ModeJudge {
 
   const Linearization& one_;
   const Linearization& other_;
+  double resolution_;
   AnalysisVerdict& result_;
-  double fastest_ = 0.0;
+  std::vector<std::size_t> unresolved_;
   Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
 };
 

@@ -9,6 +9,7 @@
 #include "compare/report/text_table.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/chart.h"
+#include "compare/verdict/refinement.h"
 
 namespace concord::compare::analyses {
 
@@ -69,19 +70,36 @@ std::string judge_coordinates(const Model& model, const State& start, const std:
   return lines.size() > 1 ? format_table(lines, {false, true, true, true, false, true}) : "";
 }
 
+constexpr const char* kNotUniqueMark = " *";
+
 std::vector<std::string> wrench_cells(const std::string& name, const std::string& body, const Wrench& wrench) {
   std::vector<std::string> line{name, body};
   for (const double value : wrench.vector()) line.push_back(fmt::format("{:.6g}", value));
   return line;
 }
 
-/// Reactions on both sides and element wrenches on their ends, as one solver gives them.
-std::string wrench_text(const Model& model, const Evaluation& evaluation) {
+/// Whether a component of a reaction is one of those that balance alone does not determine.
+bool is_not_unique(const Verdict& verdict, int joint, Side side, int component) {
+  return std::any_of(verdict.rows.begin(), verdict.rows.end(), [&](const QuantityRow& row) {
+    const Quantity& one = row.quantity;
+    return !row.unique && one.kind == Kind::reaction && one.owner == joint && one.side == side &&
+           one.component == component;
+  });
+}
+
+/// Reactions on both sides and element wrenches on their ends, as one solver gives them; what is not unique is marked.
+std::string wrench_text(const Model& model, const Evaluation& evaluation, const Verdict& verdict) {
+  bool has_marks = false;
   Lines lines{{"joint or element", "on", "F_x [N]", "F_y", "F_z", "T_x [N m]", "T_y", "T_z"}};
   for (const Side side : {Side::parent, Side::child}) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       lines.push_back(wrench_cells(model.joints[k].name, model.bodies[model.joints[k].on(side).body].name,
                                    evaluation.joints[k].reaction_on(side).in_C));
+      for (int component = 0; component < 6; ++component) {
+        if (!is_not_unique(verdict, static_cast<int>(k), side, component)) continue;
+        lines.back()[static_cast<std::size_t>(2 + component)] += kNotUniqueMark;
+        has_marks = true;
+      }
     }
     for (std::size_t k = 0; k < model.elements.size(); ++k) {
       const Attachment* end = end_of(model.elements[k], side);
@@ -92,7 +110,8 @@ std::string wrench_text(const Model& model, const Evaluation& evaluation) {
   }
   std::stable_sort(lines.begin() + 1, lines.end(), [](const auto& a, const auto& b) { return a.front() < b.front(); });
   return "reactions and element wrenches by cartesian, in the frames of their sides:\n" +
-         format_table(lines, {false, false, true, true, true, true, true, true});
+         format_table(lines, {false, false, true, true, true, true, true, true}) +
+         (has_marks ? "* not unique: another share of the same sum balances the machine as well\n" : "");
 }
 
 void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict& result) {
@@ -118,7 +137,10 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   }
   compare_stiffness(found, result);
   result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
-  result.text += '\n' + wrench_text(held, found[0].evaluation);
+  result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
+  if (!model.joints.empty() && !has_judged(result.wrenches)) {
+    result.wrenches.failures.emplace_back("no reaction was judged: none is unique, or none is resolved");
+  }
   conclude(result);
   return result;
 }
@@ -142,7 +164,9 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   if (!branch.empty()) note += "; " + branch;
   for (const FreeDirection& direction : found[0].free) {
     note += fmt::format("{} {}",
-                        &direction == &found[0].free.front() ? "; without stiffness, left where they started:" : ",",
+                        &direction == &found[0].free.front()
+                            ? "; without stiffness, as near to their start as balance lets them be:"
+                            : ",",
                         direction.name);
   }
   return started_at(model, found[0].state);

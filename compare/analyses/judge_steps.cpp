@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "compare/audit/balance.h"
@@ -86,13 +87,18 @@ NumberRow number(std::string name, std::string unit, double one, double other, d
 
 namespace {
 
+std::string values_text(const NumberRow& row) {
+  if (std::isnan(row.values[0]) && std::isnan(row.values[1])) return "";
+  return fmt::format("cartesian {:.10g}, relative {:.10g} {}, ", row.values[0], row.values[1], row.unit);
+}
+
 void note_numbers(AnalysisVerdict& result) {
   for (const NumberRow& row : result.numbers) {
     if (row.agrees()) continue;
-    result.wrenches.findings.push_back(
-        {fmt::format("{}: cartesian {:.10g}, relative {:.10g} {}, {} digits (need {:g})", row.name, row.values[0],
-                     row.values[1], row.unit, format_digits(row.digits), row.need),
-         fmt::format("{}: the solvers find different ones", result.analysis)});
+    const std::string resolvable = row.resolvable ? " of " + format_digits(*row.resolvable) + " resolvable" : "";
+    result.wrenches.findings.push_back({fmt::format("{}: {}{} digits{} (need {:g})", row.name, values_text(row),
+                                                    format_digits(row.digits), resolvable, row.need),
+                                        fmt::format("{}: the solvers find different ones", result.analysis)});
   }
 }
 
@@ -113,7 +119,7 @@ std::string equilibrium_text(const Equilibrium& found, std::string_view solver) 
   if (found.unstable > 0) text += fmt::format("; unstable in {} direction(s)", found.unstable);
   text += '\n';
   for (const FreeDirection& direction : found.free) {
-    text += fmt::format("  without stiffness, left where it started: {}\n", direction.name);
+    text += fmt::format("  without stiffness, as near to its start as balance lets it be: {}\n", direction.name);
   }
   return text;
 }

@@ -35,7 +35,7 @@ NumberRow number(std::string name, std::string unit, double one, double other, d
 /// The outcome, from the wrenches and the numbers.
 void conclude(AnalysisVerdict& result);
 
-/// How a solver found the equilibrium, and what it left where it started.
+/// How a solver found the equilibrium, and along what it meets no stiffness.
 std::string equilibrium_text(const Equilibrium& found, std::string_view solver);
 
 }  // namespace concord::compare::analyses

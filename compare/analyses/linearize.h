@@ -14,8 +14,10 @@ namespace concord::compare::analyses {
 /// An eigenvalue of the linearized machine: of a conjugate pair the one with positive imaginary part.
 struct Mode {
   std::complex<double> eigenvalue;  // 1/s
-  /// By how much of the round-off of the derivatives the eigenvalue moves, at least 1.
-  double condition = 1.0;
+  /// By how much the eigenvalue [1/s] and the shape (see shape_difference()) move when the derivatives change by what
+  /// they may be wrong by, measured; 0 of a free one.
+  double eigenvalue_resolution = 0.0;
+  double shape_resolution = 0.0;
   /// Takes part in nothing that pulls back: its eigenvalue is zero within the round-off of differences.
   bool is_free = false;
   /// Velocities [v; omega; adot] of bodies 1, 2, ... in SI units, of unit norm.
@@ -43,19 +45,26 @@ struct Linearization {
   /// Eigenvalues are told apart from zero above this [1/s]: the root of what differences resolve of the softest
   /// motion's stiffness, see StiffnessSplit.
   double resolution = 0.0;
+  /// Fewest and most modes that are free if stiffness must exceed a thirtieth, or thirty times, of what is otherwise
+  /// asked: more than one number, where the differences do not decide it.
+  std::array<int, 2> free_range{};
   /// Size of that motion's speeds [1/s], and of its accelerations as a part of what its forces and speeds cause: zero
   /// if it is steady.
   double rate = 0.0;
   double unsteadiness = 0.0;
 };
 
-/// Modes of two linearizations of one machine that belong to each other, in the order of the first one, and places of
-/// those that have no partner. Nearest eigenvalues and shapes go together, whatever their places in the lists are.
+/// How far two modes are from moving alike: the norm of what of one's shape is not along the other's, 0 to 1.
+double shape_difference(const Mode& one, const Mode& other);
+
+/// Modes of one machine, found twice, that belong to each other, in the order of the first ones, and places of those
+/// that have no partner. Nearest eigenvalues and shapes go together, whatever their places in the lists are; below
+/// `resolution` [1/s] eigenvalues are not told apart.
 struct ModePairs {
   std::vector<std::pair<std::size_t, std::size_t>> both;
   std::array<std::vector<std::size_t>, 2> alone;
 };
-ModePairs pair_modes(const Linearization& one, const Linearization& other);
+ModePairs pair_modes(const std::vector<Mode>& one, const std::vector<Mode>& other, double resolution);
 
 /// Linearizes a machine about the motion through a closed state, frozen there, in the coordinates of its joints:
 /// derivatives by extrapolated central differences of evaluate() in closed neighbouring states. About a steady motion,

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
+#include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/observe.h"
 #include "compare/verdict/refinement.h"
@@ -62,8 +63,7 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
                      fmt::format("{:.4g}{} {}", row->scale, row->source == ScaleSource::floor ? " (floor)" : "",
                                  unit_of(model, row->quantity)),
                      digits_cell(*row, Rung::same_state), digits_cell(*row, Rung::same_run),
-                     fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run),
-                     row->unique ? to_string(row->judgement) : "not unique, not judged"});
+                     fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run), judgement_text(*row)});
   }
   return lines.size() > 1 ? format_table(lines, {false, false, true, true, true, false, false}) + '\n' : "";
 }
@@ -139,7 +139,7 @@ Json row_json(const Model& model, const QuantityRow& row) {
           {"same_state_digits", row.unique ? digits(row.same_state) : Json(nullptr)},
           {"own_digits", row.unique ? digits(row.same_run) : Json(nullptr)},
           {"need", {{"same_state", row.need.same_state}, {"own", row.need.same_run}}},
-          {"verdict", row.unique ? to_string(row.judgement) : "not_judged"}};
+          {"verdict", row.judgement == Judgement::not_judged ? "not_judged" : to_string(row.judgement)}};
 }
 
 Json modes_json(const Linearization& found) {
@@ -190,6 +190,7 @@ std::string format_analysis(const Model& model, const AnalysisVerdict& result, b
   const Verdict& verdict = result.wrenches;
   std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
   text += row_table(model, result, all_rows);
+  text += not_unique_text(model, verdict);
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
   }
@@ -232,6 +233,7 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                                    {"cartesian", row.values[0]},
                                    {"relative", row.values[1]},
                                    {"digits", digits(row.digits)},
+                                   {"resolvable_digits", digits(row.resolvable)},
                                    {"need", row.need},
                                    {"verdict", row.agrees() ? "agree" : "differ"}});
   }

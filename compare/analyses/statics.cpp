@@ -10,9 +10,9 @@
 #include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/analyses/growth.h"
+#include "compare/analyses/joint_changes.h"
 #include "compare/analyses/stiffness.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/audit/places.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
 
@@ -28,31 +28,28 @@ constexpr double kRoundOffStep = 1e-14;    // and does end
 /// The longest pseudo time step, in units of the time in which forces move the machine by its length.
 constexpr double kLongestTime = 1e4;
 
-/// The largest change of a joint's or modal coordinate in a step [rad, of the machine's length].
-double largest_joint_motion(const Model& model, const Chart& chart, const VecX& step) {
-  const State moving = chart.origin_moving(step);
-  double largest = 0.0;
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
-    const auto frame = [&](Side side) { return place(joint.on(side), moving.bodies[joint.on(side).body]); };
-    const VecX u = read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), moving.q[k]).u;
-    const std::vector<bool> turns = turning_speeds(*joint.type);
-    for (Eigen::Index c = 0; c < u.size(); ++c) {
-      largest = std::max(largest, std::abs(u(c)) / (turns[static_cast<std::size_t>(c)] ? 1.0 : model.length_scale()));
-    }
-  }
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].n_modes() == 0) continue;
-    const VecX deflections = largest_deflections(model.bodies[i]) / model.length_scale();
-    largest = std::max(largest, deflections.cwiseProduct(moving.bodies[i].adot).lpNorm<Eigen::Infinity>());
-  }
-  return largest;
-}
-
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
+/// What springs, actuators and couplings exert on the speeds of joint k, as forces [N]: the sum of their sizes, though
+/// they may cancel.
+double force_of_laws(const Model& model, std::size_t k, const State& state, const Evaluation& evaluation) {
+  const Joint& joint = model.joints[k];
+  VecX sizes = coupled_tau(model, static_cast<int>(k), evaluation.couplings).cwiseAbs();
+  if (!joint.springs.empty()) {
+    const std::vector<LawOfForce> laws = laws_of_springs(joint);
+    const VecX tau = tau_by_laws(joint, laws, motion_of(model, k, state), state.t);
+    sizes += tau.array().isNaN().select(VecX::Zero(tau.size()), tau.cwiseAbs());
+  }
+  const std::vector<bool> turns = turning_speeds(*joint.type);
+  double sum = 0.0;
+  for (Eigen::Index c = 0; c < sizes.size(); ++c) {
+    sum += sizes(c) / (turns[static_cast<std::size_t>(c)] ? model.length_scale() : 1.0);
+  }
+  return sum;
+}
+
 /// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
-std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evaluation) {
+std::vector<double> forces_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
   std::vector<double> forces(model.bodies.size(), 0.0);
   const auto add = [&](int body, const Wrench& wrench) {
     forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / model.length_scale());
@@ -60,6 +57,7 @@ std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evalu
   for (const Side side : {Side::parent, Side::child}) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
+      forces[model.joints[k].on(side).body] += force_of_laws(model, k, state, evaluation);
     }
     for (std::size_t k = 0; k < model.elements.size(); ++k) {
       const Attachment* end = end_of(model.elements[k], side);
@@ -71,8 +69,8 @@ std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evalu
 
 /// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
 /// the machine's length.
-double slow_acceleration(const Model& model, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, evaluation);
+double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
   double mass = 0.0;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
   double largest = model.gravity.norm();
@@ -92,8 +90,8 @@ Model held_at_start(const Model& model) {
   return held;
 }
 
-double reference_acceleration(const Model& model, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, evaluation);
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
   double largest = model.gravity.norm();
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const double mass = mass_of(model.bodies[i]);
@@ -108,7 +106,7 @@ namespace {
 class PseudoTransientContinuation {
  public:
   PseudoTransientContinuation(const Model& model, Solver& solver)
-      : model_(model), solver_(solver), state_(solver.assemble()) {}
+      : model_(model), solver_(solver), start_(solver.assemble()), state_(start_) {}
 
   Equilibrium run() {
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
@@ -128,7 +126,7 @@ class PseudoTransientContinuation {
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
-    const double reference = reference_acceleration(model_, evaluation_);
+    const double reference = reference_acceleration(model_, state_, evaluation_);
     const int rigid = chart.n() - chart.n_modal();
     is_cautious_ = iteration * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
@@ -138,17 +136,27 @@ class PseudoTransientContinuation {
     const StiffnessSplit split(chart, stiffness, reference, f);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
-    const Growth growth(stiffness, kNoGrowth * reference);
+    const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
     const bool is_met = unmet.norm() <= kNegligibleForce * reference;
-    if (is_met && is_done(newton.norm())) return true;
+    if (is_met && is_done(newton.norm())) return !step_back(chart, split.free_directions());
     const bool by_newton = is_met && growth.count() == 0 && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth);
     refuse_if_pushed(chart, unmet, reference);
     last_step_ = newton.norm();
-    move(chart, by_newton ? newton : flow_step(stiffness.J, growth, f));
+    move(chart, by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, f), split.free_directions()));
     return false;
+  }
+
+  /// What a step does along directions without stiffness grows with the time that it stands for, and must not leave
+  /// nothing of it for the others when it is shortened.
+  [[nodiscard]] VecX not_free_alone(VecX step, const MatX& directions) const {
+    const VecX along = directions * (directions.transpose() * step);
+    const double most =
+        std::max(1.1 * longest_slide_, (step - along).norm());  // as much as shorten() cuts, and doubles
+    if (along.norm() > most) step -= along * (1.0 - most / along.norm());
+    return step;
   }
 
   /// Far from rest derivatives need not be good; for many coordinates they cost most.
@@ -177,6 +185,7 @@ class PseudoTransientContinuation {
     for (const double step : {1e-3, 1e-4, 1e-5, 1e-6}) {
       if (chart.at(step * direction, VecX::Zero(chart.n()))) return;
     }
+    if (const std::string refusal = chart.refusal_at(1e-6 * direction); !refusal.empty()) throw SolverError(refusal);
     throw SingularPose(
         fmt::format("{}: the constraints permit {}, but no closed states with as many directions of motion are found "
                     "along it: the pose is singular",
@@ -189,6 +198,23 @@ class PseudoTransientContinuation {
     return chart.accelerations(*state, solver_.evaluate(*state));
   }
 
+  /// Of the equilibria that directions without stiffness lead to, the one nearest to the start is meant: a step towards
+  /// it, by least squares of the joints' coordinates. False where there is none to make.
+  bool step_back(Chart& chart, const MatX& directions) {
+    if (directions.cols() == 0 || steps_back_ == kMostStepsBack) return false;
+    const VecX moved = joint_displacements(model_, start_, state_);
+    MatX rates(moved.size(), directions.cols());
+    for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+      rates.col(k) = joint_speeds(model_, chart.origin_moving(directions.col(k)));
+    }
+    VecX step = -directions * smallest_least_squares(rates, moved, kRoundOffStep);
+    if (!(step.norm() > kRoundOffStep)) return false;
+    ++steps_back_;
+    last_step_ = 0.0;
+    move(chart, std::move(step));
+    return true;
+  }
+
   /// Newton's steps have become round-off.
   [[nodiscard]] bool is_done(double step) const {
     return step <= kRoundOffStep || (step <= kSmallStep && last_step_ > 0.0 && step >= 0.3 * last_step_);
@@ -196,7 +222,7 @@ class PseudoTransientContinuation {
 
   /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
   [[nodiscard]] double longest_time() const {
-    return kLongestTime / (is_cautious_ ? reference_acceleration : slow_acceleration)(model_, evaluation_);
+    return kLongestTime / (is_cautious_ ? reference_acceleration : slow_acceleration)(model_, state_, evaluation_);
   }
 
   /// Pseudo time steps grow tenfold. Cautious ones stay short enough not to jump to a place from which the machine
@@ -229,11 +255,30 @@ class PseudoTransientContinuation {
                     name(), describe_motion(model_, state_, pushed)));
   }
 
+  /// Angles change by little in a step. Slides, which may have far to go, change by twice as much each time that they
+  /// are cut short in the same direction.
+  void shorten(const Chart& chart, VecX& step) {
+    const JointStep joints = joint_step(model_, chart, step);
+    last_move_ = std::min(joints.largest(), kLongestStep);
+    const bool slides = joints.rest > joints.turn;
+    const double size = is_cautious_ ? step.norm() : joints.largest();
+    const double of_turns = (slides ? joints.turn : size) / kLongestStep;
+    const double of_slides = slides ? size / longest_slide_ : 0.0;
+    const VecX velocities = chart.velocities(step).normalized();
+    const double along = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
+    last_velocities_ = velocities;
+    if (along < 0.0) {
+      longest_slide_ = std::max(kLongestStep, 0.25 * longest_slide_);
+    } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
+      longest_slide_ *= 2.0;
+    }
+    const double cut = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
+    if (cut > 1.0) step /= cut;
+  }
+
   void move(Chart& chart, VecX step) {
-    const double longest = is_cautious_ ? step.norm() : largest_joint_motion(model_, chart, step);
-    if (longest > kLongestStep) step *= kLongestStep / longest;
+    shorten(chart, step);
     if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
-    last_move_ = std::min(longest, kLongestStep);
     constexpr int kTries = 20;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
       if (auto moved = chart.exactly_at(step)) {
@@ -263,12 +308,15 @@ class PseudoTransientContinuation {
   static constexpr int kPushes = 25;
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
   static constexpr int kLongSteps = 30;
+  static constexpr int kMostStepsBack = 30;
   static constexpr double kMoreReach = 1.3;
+  static constexpr double kSameDirection = 0.9;  // cosine
   static constexpr double kNearRest = 0.1;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
   const Model& model_;
   Solver& solver_;
+  State start_;
   State state_;
   Evaluation evaluation_;
   VecX last_force_;
@@ -276,11 +324,14 @@ class PseudoTransientContinuation {
   double time_ = 0.0;
   double last_step_ = 0.0;
   double last_move_ = kLongestStep;
+  double longest_slide_ = kLongestStep;
+  VecX last_velocities_;
   /// Longer steps would hardly end in a closed state.
   double reach_ = std::numeric_limits<double>::infinity();
   bool is_cautious_ = true;
   int long_steps_ = 0;
   int pushed_ = 0;
+  int steps_back_ = 0;
   int unstable_directions_ = 0;
 };
 

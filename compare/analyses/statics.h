@@ -11,7 +11,8 @@ namespace concord::compare::analyses {
 /// The model at rest: drivers held where their laws are at t = 0, nothing moves at the start.
 Model held_at_start(const Model& model);
 
-/// A direction in which a machine at rest meets no stiffness; it is left where the start put it.
+/// A direction in which a machine at rest meets no stiffness; of the equilibria along it the one nearest to the start
+/// is found.
 struct FreeDirection {
   std::string name;  // "hinge: turn_z 1" or "body coupler: ..."
 };
@@ -38,6 +39,6 @@ Equilibrium find_equilibrium(const Model& model, Solver& solver);
 
 /// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
 /// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
-double reference_acceleration(const Model& model, const Evaluation& evaluation);
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
 
 }  // namespace concord::compare::analyses

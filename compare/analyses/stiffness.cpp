@@ -20,7 +20,7 @@ constexpr double kLeastDifferenceStep = 1e-6;
 constexpr double kRoughStep = 1e-5;
 constexpr double kTimesReference = 10.0;
 /// Errors and round-off are measured once; what exceeds them so many times is stiffness.
-constexpr double kClearly = 30.0;
+constexpr double kClearly = 10.0;
 constexpr double kRoundOffOfReference = 1e-12;  // derivative_at_zero() looks no further
 
 constexpr double kNearRest = 1e-9;  // of what forces cause
@@ -85,6 +85,8 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
   for (int k = 0; k < chart.n(); ++k) {
     const auto column = derivative_along(accelerations, VecX::Unit(chart.n(), k), reference);
     if (!column) {
+      const std::string refusal = chart.refusal_at(kLeastDifferenceStep * VecX::Unit(chart.n(), k));
+      if (!refusal.empty()) throw SolverError(refusal);
       throw SingularPose(fmt::format(
           "{}: at t = {:.6g} s the constraints permit {}, but no closed states are found along it: the pose "
           "is singular, or the machine cannot move so far there",
@@ -110,7 +112,9 @@ std::optional<MatX> rough_stiffness(const Chart& chart, const AccelerationsAt& a
   return J;
 }
 
-StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f) {
+StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,
+                               double strictness)
+    : clearly_(kClearly * strictness) {
   const MatX& J = stiffness.J;
   const Eigen::Index n = J.cols();
   const Eigen::Index m = chart.n_modal();
@@ -147,7 +151,7 @@ void StiffnessSplit::split(const MatX& stiffness, const MatX& error, const MatX&
     for (Eigen::Index i = 0; i < k; ++i) {
       least += unresolved.row(i).tail(n - k).norm() * unresolved.col(i).tail(n - k).norm() / sigma(i);
     }
-    return kClearly * least;
+    return clearly_ * least;
   };
   Eigen::Index rank = 0;
   while (rank < n && sigma(rank) > least_in(rank)) ++rank;

@@ -36,8 +36,10 @@ class StiffnessSplit {
   /// `reference`: accelerations that the machine's forces cause [1/s2]; `f`: accelerations in the chart's origin, whose
   /// turning with the bodies feigns stiffness [1/s2]. There is no stiffness in a direction that does not exceed what
   /// differences resolve in it: the errors measured in it and in softer ones, the round-off of the entries of J from
-  /// which it comes, and round-off of `reference`.
-  StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f);
+  /// which it comes, and round-off of `reference`; `strictness` times what is otherwise enough, where one asks whether
+  /// the decision hangs by it.
+  StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,
+                 double strictness = 1.0);
 
   /// The step of least norm in rigid motions with J step = -f as far as there is stiffness.
   [[nodiscard]] VecX newton_step(const VecX& f) const;
@@ -53,6 +55,7 @@ class StiffnessSplit {
  private:
   void split(const MatX& stiffness, const MatX& error, const MatX& round_off);
 
+  double clearly_;
   MatX onto_modes_;  // orthonormal basis of the accelerations that modal coordinates cause
   MatX beyond_;      // and of the rest
   MatX R11_;

@@ -210,14 +210,16 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
 void add_numbers(const std::vector<analyses::NumberRow>& numbers, std::vector<Component>& components) {
   std::map<std::string, double> scales;
   for (const analyses::NumberRow& row : numbers) {
-    for (const double value : row.values) scales[row.unit] = std::max(scales[row.unit], std::abs(value));
+    for (const double value : row.values) {
+      if (std::isfinite(value)) scales[row.unit] = std::max(scales[row.unit], std::abs(value));
+    }
   }
   for (const analyses::NumberRow& row : numbers) {
     Component& one = components.emplace_back();
     one.name = row.name;
     one.same_run = row.digits;
     one.need[1] = row.need;
-    one.peak = std::abs(row.values[1]);
+    if (std::isfinite(row.values[1])) one.peak = std::abs(row.values[1]);
     one.scale = scales[row.unit];
   }
 }

@@ -91,6 +91,8 @@ std::string share_not_unique(const RungDetail& detail) {
   return fmt::format("not unique in {} of {} states", detail.not_unique, all);
 }
 
+}  // namespace
+
 std::string judgement_text(const QuantityRow& row) {
   const RungDetail& detail = detail_of(row, Rung::same_state);
   if (!row.unique) return "not unique, not judged";
@@ -108,6 +110,8 @@ std::string judgement_text(const QuantityRow& row) {
   if (detail.not_unique > 0) said += ", " + share_not_unique(detail);
   return said;
 }
+
+namespace {
 
 std::vector<std::string> cells(const Model& model, const Verdict& verdict, const QuantityRow& row) {
   const auto [owner, body] = owner_names(model, row.quantity);
@@ -219,7 +223,9 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
   return text;
 }
 
-std::string not_unique(const Model& model, const Verdict& verdict) {
+}  // namespace
+
+std::string not_unique_text(const Model& model, const Verdict& verdict) {
   using RowKey = std::tuple<int, int, Kind>;
   std::map<RowKey, std::string> names;
   for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
@@ -236,6 +242,8 @@ std::string not_unique(const Model& model, const Verdict& verdict) {
   for (const auto& [place, line] : names) text += fmt::format("not unique, not judged: {}\n", line);
   return text + unique_in_part(model, verdict);
 }
+
+namespace {
 
 std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v(0), v(1), v(2)); }
 
@@ -277,8 +285,10 @@ bool keeps_energy(const Verdict& verdict) {
 }
 
 bool agrees_with_reference(const Verdict& verdict) {
-  return std::all_of(verdict.references.begin(), verdict.references.end(),
-                     [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
+  const auto& rows = verdict.references;
+  const auto is_judged = [](const ReferenceRow& row) { return row.is_judged; };
+  return std::any_of(rows.begin(), rows.end(), is_judged) &&
+         std::all_of(rows.begin(), rows.end(), [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
 }
 
 std::string audit_text(const Verdict& verdict) {
@@ -362,7 +372,7 @@ std::string trouble(const Verdict& verdict, bool all_rows) {
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
   std::string text = head(verdict) + '\n';
   text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
-  text += not_unique(model, verdict) + pair_sums(verdict);
+  text += not_unique_text(model, verdict) + pair_sums(verdict);
   for (const Rung rung : kRungs) {
     const std::string others = also_compared(verdict, rung);
     if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(rung), others);

@@ -13,4 +13,10 @@ namespace concord::compare {
 /// changes from run to run.
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows);
 
+/// What became of a row, in words: "agree", "agree, judged by resolution (same run)", "not unique, not judged", ...
+std::string judgement_text(const QuantityRow& row);
+
+/// Lines that name the components which are not unique, in all states or in some; empty if all are unique.
+std::string not_unique_text(const Model& model, const Verdict& verdict);
+
 }  // namespace concord::compare

@@ -162,13 +162,15 @@ VecX Chart::coordinates(const State& state) const {
 
 std::optional<State> Chart::exactly_at(const VecX& delta) {
   constexpr int kCorrections = 30;
+  double size = std::max(1.0, delta.norm());
+  for (const BodyState& body : origin_.bodies) size = std::max(size, body.r.cwiseAbs().maxCoeff() / length_);
   VecX aim = delta;
   double last_miss = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kCorrections; ++k) {
     auto state = at(aim, VecX::Zero(n()));
     if (!state) return std::nullopt;
     const VecX miss = delta - coordinates(*state);
-    if (miss.norm() <= 1e-14 || (miss.norm() <= 1e-12 && miss.norm() >= 0.5 * last_miss)) return state;
+    if (miss.norm() <= 1e-14 * size || (miss.norm() <= 1e-12 * size && miss.norm() >= 0.5 * last_miss)) return state;
     if (!(miss.norm() < last_miss)) return std::nullopt;
     last_miss = miss.norm();
     aim += miss;
@@ -222,6 +224,15 @@ State Chart::moved_by(const VecX& delta) const {
     body.a += moved.segment(row + 6, body.a.size());
   });
   return guess;
+}
+
+std::string Chart::refusal_at(const VecX& delta) const {
+  try {
+    (void)solver_.evaluate(at_rest(moved_by(delta)));
+    return "";
+  } catch (const SolverError& error) {
+    return error.what();
+  }
 }
 
 std::optional<State> Chart::place_at(const VecX& delta) const { return solver_.close(moved_by(delta)); }
@@ -297,14 +308,15 @@ std::optional<Derivative> derivative_at_zero(const std::function<std::optional<V
     const VecX first = (4.0 * *middle - *coarse) / 3.0;
     const VecX second = (4.0 * *fine - *middle) / 3.0;
     VecX extrapolated = (16.0 * second - first) / 15.0;
-    VecX difference_of_orders = extrapolated - second;
-    const double error = difference_of_orders.norm();
+    // Of truncation a fifteenth of this is left at most; of round-off, all of it may be.
+    VecX difference_of_steps = second - first;
+    const double error = difference_of_steps.norm() / 15.0;
     if (best && error >= least_error) {
       if (least_error <= kFair * std::max(best->value.norm(), scale)) ++worse;
       continue;
     }
     worse = 0;
-    best = Derivative{std::move(extrapolated), std::move(difference_of_orders)};
+    best = Derivative{std::move(extrapolated), std::move(difference_of_steps)};
     least_error = error;
     if (error <= kGood * std::max(best->value.norm(), scale)) break;
   }

@@ -61,6 +61,8 @@ class Chart {
 
   /// The coordinates that change so, as far as the chart permits the velocities.
   [[nodiscard]] VecX coordinates_of(const VecX& velocities) const;
+  /// Why the solver refuses the state where the coordinates are delta, before it is closed; empty if it does not.
+  [[nodiscard]] std::string refusal_at(const VecX& delta) const;
   /// velocities(delta) in the words of describe_motion().
   [[nodiscard]] std::string describe(const VecX& delta) const;
 
@@ -89,7 +91,7 @@ VecX largest_deflections(const Body& body);
 /// Accelerations of bodies 1, 2, ... in the chart's scaled rows [1/s2].
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);
 
-/// A derivative and how far its two best orders differ: what it may be wrong by, component by component.
+/// A derivative and by how much two of its step sizes differ in it: what it may be wrong by, component by component.
 struct Derivative {
   VecX value;
   VecX error;

@@ -134,7 +134,7 @@ class ReferenceReader {
     }
     const std::string unit = fmt::format("[{}]", found->second.unit);
     if (bracket == std::string::npos || header.substr(bracket) != unit) {
-      refuse(fmt::format("column '{}': the unit must be said, {}", header, unit));
+      refuse(fmt::format("column '{}': its unit must stand behind it: {}", header, unit));
     }
     ReferenceColumn column;
     column.column = found->second;

@@ -294,7 +294,10 @@ class Verification {
   void conclude() {
     judge_.judge_rows();
     if (!has_judged(verdict_)) {
-      verdict_.failures.emplace_back("no component was judged");
+      verdict_.failures.emplace_back(verdict_.total == 0 && model_.elements.empty()
+                                         ? "no component was judged: no joint of this machine can carry anything, and "
+                                           "no force acts on their speeds"
+                                         : "no component was judged: none is unique, or none is resolved");
     } else if (verdict_.same_state.digits && !carries_something(verdict_)) {
       verdict_.failures.emplace_back(
           "no joint and no force element carries anything: agreement on zeros is no verdict; "

@@ -248,12 +248,10 @@ TEST_F(AnalysesTest, ModesArePairedByEigenvalueAndShapeNotByTheirPlaces) {
   const Eigen::VectorXcd x = Eigen::VectorXcd::Unit(3, 0);
   const Eigen::VectorXcd y = Eigen::VectorXcd::Unit(3, 1);
   const Eigen::VectorXcd z = Eigen::VectorXcd::Unit(3, 2);
-  Linearization one;
-  Linearization other;
-  one.resolution = other.resolution = 1e-4;
-  one.modes = {mode_of({0, 2.0}, x), mode_of({0, 5.0}, y), mode_of({0, 5.0 + 1e-9}, z)};
-  other.modes = {mode_of(1e-6, y), mode_of({0, 2.0}, x), mode_of({0, 5.0}, z), mode_of({0, 5.0 + 1e-9}, y)};
-  const ModePairs pairs = pair_modes(one, other);
+  const std::vector<Mode> one = {mode_of({0, 2.0}, x), mode_of({0, 5.0}, y), mode_of({0, 5.0 + 1e-9}, z)};
+  const std::vector<Mode> other = {mode_of(1e-6, y), mode_of({0, 2.0}, x), mode_of({0, 5.0}, z),
+                                   mode_of({0, 5.0 + 1e-9}, y)};
+  const ModePairs pairs = pair_modes(one, other, 1e-4);
   EXPECT_EQ(pairs.both, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}, {1, 3}, {2, 2}}));
   EXPECT_TRUE(pairs.alone[0].empty());
   EXPECT_EQ(pairs.alone[1], (std::vector<std::size_t>{0}));

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/analyses/linearize.h"
+#include "compare/analyses/stiffness.h"
+#include "compare/verdict/chart.h"
+
+/// Eigenvalues and shapes of a linearized machine, from its matrices.
+namespace concord::compare::analyses {
+
+/// deltaddot = A delta + B deltadot.
+struct MotionMatrices {
+  MatX A;
+  MatX B;
+};
+
+/// What the search for modes of a machine takes as given, whatever the errors of its matrices are.
+struct ModeSearch {
+  const Chart& chart;
+  /// Motions without stiffness are those of A with `strictness` 1.
+  double reference = 0.0;  // accelerations that forces cause [1/s2]
+  /// Nothing is damped: eigenvalues are the roots of those of A alone.
+  bool is_undamped = false;
+  double frequency = 1.0;  // the unit of rates [1/s]
+  double strictness = 1.0;
+};
+
+/// What modes a machine has.
+struct FoundModes {
+  /// Those that meet a stiffness or a damping, ordered, without words for their motion.
+  std::vector<Mode> moving;
+  /// Orthonormal columns: motions without stiffness, and rates of these that no damping holds either.
+  MatX free_places;
+  MatX free_rates;
+  double resolution = 0.0;  // Linearization::resolution
+
+  [[nodiscard]] int count_free() const;
+};
+
+/// `errors`: what the numbers of the matrices may be wrong by.
+FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors);
+
+/// By how much eigenvalues and shapes move when every number of the matrices is changed by up to what it may be wrong
+/// by, over a few draws: written into the modes. A mode that a draw loses is not resolved.
+void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors,
+                             std::vector<Mode>& modes);
+
+/// The velocities of a mode with these coordinates, in SI units and in those of the machine, written into it.
+void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode);
+
+/// By |lambda|, then by its real part.
+bool comes_first(const Mode& a, const Mode& b);
+
+}  // namespace concord::compare::analyses

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "common/solver.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/verdict/chart.h"
+
+/// What joints do between two states, and along a direction of motion.
+namespace concord::compare::analyses {
+
+/// The largest changes of coordinates in a step: of a joint's angles [rad]; of its slides and of modes [of the
+/// machine's length].
+struct JointStep {
+  double turn = 0.0;
+  double rest = 0.0;
+
+  [[nodiscard]] double largest() const { return std::max(turn, rest); }
+};
+JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
+
+/// The motion of joint k in a state.
+JointMotion motion_of(const Model& model, std::size_t k, const State& state);
+
+/// Speeds of all joints; slides by the machine's length.
+VecX joint_speeds(const Model& model, const State& state);
+
+/// By how much the coordinates of all joints differ in `state` from those in `start`, in the rows of joint_speeds(); of
+/// a ball by the rotation vector of its turn.
+VecX joint_displacements(const Model& model, const State& start, const State& state);
+
+}  // namespace concord::compare::analyses
