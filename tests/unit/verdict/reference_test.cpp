@@ -60,7 +60,7 @@ TEST_F(ReferenceTest, SaysWhereAndWhy) {
       "measured.csv:2:1: error: reference: the model has no 'B.child.F_x'; columns are called JOINT.child.F_x [N] "
       "... JOINT.parent.T_z [N m], and as in all our result files");
   EXPECT_EQ(complaint("# error = 1 %\nt [s],A.child.F_x [kN]\n0,1\n"),
-            "measured.csv:2:1: error: reference: column 'A.child.F_x [kN]': its unit must stand behind it, [N]");
+            "measured.csv:2:1: error: reference: column 'A.child.F_x [kN]': its unit must stand behind it: [N]");
   EXPECT_THAT(complaint("t [s],A.child.F_x [N]\n0,1\n"), HasSubstr("'A.child.F_x' has no stated error"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,none\n"), HasSubstr(":3:1: error: reference: 'none'"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,1\n0,1\n"), HasSubstr("times must rise"));

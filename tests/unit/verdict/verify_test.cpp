@@ -252,7 +252,7 @@ TEST_F(VerifyTest, NothingJudgedIsNoVerdict) {
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.judged, 0);
   EXPECT_EQ(verdict.outcome, Outcome::failed);
-  EXPECT_THAT(verdict.failures, ::testing::Contains("no component was judged"));
+  EXPECT_THAT(verdict.failures, ::testing::Contains("no component was judged: none is unique, or none is resolved"));
 }
 
 TEST_F(VerifyTest, ComponentsThatAreNotUniqueAreNamedAndNotJudged) {
