@@ -10,11 +10,13 @@ namespace concord::compare::analyses {
 
 namespace {
 
-/// What an eigenvalue may be wrong by: |y E x| for measured errors, and round-off of the entries of J.
+/// What an eigenvalue may be wrong by: |y E x| for measured errors, and round-off of the entries of J; of its largest
+/// ones too, which the search for eigenvalues spreads.
 double unresolved_growth(const Stiffness& stiffness, const Eigen::VectorXcd& x, const Eigen::RowVectorXcd& y) {
   constexpr double kRoundOff = 4.0 * std::numeric_limits<double>::epsilon();
   const double round_off = kRoundOff * y.cwiseAbs().dot(stiffness.J.cwiseAbs() * x.cwiseAbs());
-  return round_off + y.cwiseAbs().dot(stiffness.error.cwiseAbs() * x.cwiseAbs());
+  const double of_search = std::numeric_limits<double>::epsilon() * y.norm() * stiffness.J.norm() * x.norm();
+  return round_off + of_search + y.cwiseAbs().dot(stiffness.error.cwiseAbs() * x.cwiseAbs());
 }
 
 }  // namespace
