@@ -191,8 +191,8 @@ name = "h"
 type = "revolute"
 parent = { body = "ground", axis = [1, 2, 3], angle = 0.7 }
 child = { body = "m", axis = [2, 1, 0], angle = 0.3 }
-start.turn_z = { keep = 1.7, keep_speed = 0 }
-spring.turn_z = { stiffness = 7e8, free = 1.7 }
+start.turn_z = { keep = 0.9, keep_speed = 0 }
+spring.turn_z = { stiffness = 2e8 }
 )toml");
   const AnalysisVerdict found = judge_statics(model, kMakers);
   INFO(format_analysis(model, found, true));
