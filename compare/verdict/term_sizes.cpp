@@ -123,7 +123,7 @@ class TermSizes {
       case Kind::element:
         return of_element(quantity.owner, is_torque);
       case Kind::body_sum:
-        return is_torque ? loads_.of(quantity.owner).torque : loads_.of(quantity.owner).force;
+        return of_sum(quantity.owner, is_torque);
       case Kind::acceleration:
         return of_acceleration(loads_.of(quantity.owner), quantity.component);
       default:
@@ -154,6 +154,20 @@ class TermSizes {
       torque = std::max(torque, loads_.of(side.body).torque);
     }
     return is_torque ? std::max(torque, force * reach(&model_.joints[k].sides[0], &model_.joints[k].sides[1])) : force;
+  }
+
+  /// A joint's force is known as well as the loads on its bodies, and takes its round-off to the origin by its lever:
+  /// of a body that falls, with next to nothing in its joint, that is more than what the joint passes.
+  [[nodiscard]] double of_sum(int body, bool is_torque) const {
+    if (!is_torque) return loads_.of(body).force;
+    double torque = loads_.of(body).torque;
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      for (const Attachment& side : model_.joints[k].sides) {
+        if (side.body != body) continue;
+        torque = std::max(torque, of_bodies(static_cast<int>(k), false) * side.point_L.norm());
+      }
+    }
+    return torque;
   }
 
   [[nodiscard]] double of_coupling(const Coupling& coupling) const {

@@ -121,6 +121,34 @@ SharedState state_of_coupled_discs(const Model& model) {
   return shared;
 }
 
+TEST(ResolutionTerms, OfABodysSumTakeTheRoundOffOfAJointsForceByItsLever) {
+  // It falls: its joint passes next to nothing, but whoever finds that adds up its weight.
+  const Model model = parse_model(R"(
+    format = 1
+    gravity = [0, 0, -9.5]
+    [[body]]
+    name = "stone"
+    mass = 0.8
+    inertia = [0.04, 0.04, 0.04]
+    [[joint]]
+    name = "air"
+    type = "free"
+    parent = "ground"
+    child = { body = "stone", point = [0.4, 0, 0] }
+  )",
+                                  "falling.toml");
+  SharedState shared;
+  shared.state.bodies.resize(2);
+  for (Evaluation& evaluation : shared.evaluations) {
+    evaluation.bodies.resize(2);
+    evaluation.joints.resize(1);
+    evaluation.joints[0].tau = VecX::Zero(6);
+  }
+  const QuantityLayout layout(model);
+  const VecX terms = term_sizes(layout, shared);
+  EXPECT_GE(terms(layout.row_of({Kind::body_sum, 1, Side::child, 4})), 0.8 * 9.5 * 0.4);
+}
+
 TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledWithIt) {
   const Model model = parse_model(R"(
     format = 1
