@@ -171,12 +171,6 @@ void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mo
   mode.scaled_shape = normalized_shape(chart.basis() * coordinates);
 }
 
-bool comes_first(const Mode& a, const Mode& b) {
-  const double sizes[] = {std::abs(a.eigenvalue), std::abs(b.eigenvalue)};
-  if (std::abs(sizes[0] - sizes[1]) > 1e-9 * std::max(sizes[0], sizes[1])) return sizes[0] < sizes[1];
-  return a.eigenvalue.real() < b.eigenvalue.real();
-}
-
 ModePairs pair_modes(const std::vector<Mode>& one, const std::vector<Mode>& other, double resolution) {
   struct Candidate {
     double distance;

@@ -18,17 +18,16 @@ struct MotionMatrices {
 /// What the search for modes of a machine takes as given, whatever the errors of its matrices are.
 struct ModeSearch {
   const Chart& chart;
-  /// Motions without stiffness are those of A with `strictness` 1.
   double reference = 0.0;  // accelerations that forces cause [1/s2]
   /// Nothing is damped: eigenvalues are the roots of those of A alone.
   bool is_undamped = false;
-  double frequency = 1.0;  // the unit of rates [1/s]
-  double strictness = 1.0;
+  double frequency = 1.0;   // the unit of rates [1/s]
+  double strictness = 1.0;  // of what counts as stiffness, see StiffnessSplit
 };
 
 /// What modes a machine has.
 struct FoundModes {
-  /// Those that meet a stiffness or a damping, ordered, without words for their motion.
+  /// Those that meet a stiffness or a damping, in no order and without words for their motion.
   std::vector<Mode> moving;
   /// Orthonormal columns: motions without stiffness, and rates of these that no damping holds either.
   MatX free_places;
@@ -48,8 +47,5 @@ void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& mat
 
 /// The velocities of a mode with these coordinates, in SI units and in those of the machine, written into it.
 void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode);
-
-/// By |lambda|, then by its real part.
-bool comes_first(const Mode& a, const Mode& b);
 
 }  // namespace concord::compare::analyses

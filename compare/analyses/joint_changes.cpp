@@ -28,10 +28,8 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   const State moving = chart.origin_moving(step);
   JointStep largest;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
-    const auto frame = [&](Side side) { return place(joint.on(side), moving.bodies[joint.on(side).body]); };
-    const VecX u = read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), moving.q[k]).u;
-    const std::vector<bool> turns = turning_speeds(*joint.type);
+    const VecX u = motion_of(model, k, moving).u;
+    const std::vector<bool> turns = turning_speeds(*model.joints[k].type);
     for (Eigen::Index c = 0; c < u.size(); ++c) {
       if (turns[static_cast<std::size_t>(c)]) {
         largest.turn = std::max(largest.turn, std::abs(u(c)));

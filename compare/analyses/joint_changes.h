@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "common/solver.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/verdict/chart.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/error.h"
+#include "compare/analyses/joint_changes.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
@@ -23,9 +24,7 @@ template <class Use>
 void for_each_coordinate(const Model& model, const State& state, const Use& use) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
-    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
-    const JointMotion motion =
-        read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), state.q[k]);
+    const JointMotion motion = motion_of(model, k, state);
     const std::vector<std::string> names = speed_names(*joint.type);
     const std::vector<bool> turns = turning_speeds(*joint.type);
     for (std::size_t word = 0; word < joint.type->permits.size(); ++word) {

@@ -85,6 +85,13 @@ void add_free_modes(const Model& model, const Chart& chart, const MatX& directio
   }
 }
 
+/// By |lambda|, then by its real part.
+bool comes_first(const Mode& a, const Mode& b) {
+  const double sizes[] = {std::abs(a.eigenvalue), std::abs(b.eigenvalue)};
+  if (std::abs(sizes[0] - sizes[1]) > 1e-9 * std::max(sizes[0], sizes[1])) return sizes[0] < sizes[1];
+  return a.eigenvalue.real() < b.eigenvalue.real();
+}
+
 /// The numbers of free modes by decisions that ask for a thirtieth as much, and for thirty times as much.
 std::array<int, 2> range_of_free(ModeSearch search, const MotionMatrices& matrices, const MotionMatrices& errors,
                                  int found) {

@@ -57,12 +57,15 @@ std::vector<double> forces_on_bodies(const Model& model, const State& state, con
   for (const Side side : {Side::parent, Side::child}) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
-      forces[model.joints[k].on(side).body] += force_of_laws(model, k, state, evaluation);
     }
     for (std::size_t k = 0; k < model.elements.size(); ++k) {
       const Attachment* end = end_of(model.elements[k], side);
       if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
     }
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const double of_laws = force_of_laws(model, k, state, evaluation);
+    for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
   }
   return forces;
 }

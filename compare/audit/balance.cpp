@@ -123,7 +123,7 @@ class JointPower {
   Mat6X directions_;
 };
 
-/// Whether a driver, a spring or an actuator, or a force element, has a law.
+/// Whether springs or actuators act in joints, or force elements.
 bool has_laws(const Model& model) {
   const auto sprung = [](const Joint& joint) { return !joint.springs.empty(); };
   return !model.elements.empty() || std::any_of(model.joints.begin(), model.joints.end(), sprung);
