@@ -5,7 +5,7 @@
 namespace concord::compare::fuzz {
 
 CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
-  CLI::App* fuzz = program.add_subcommand("fuzz", "Compare random machines; failing ones are reduced and kept");
+  CLI::App* fuzz = program.add_subcommand("fuzz");
   fuzz->add_option("--count", command.count, "How many machines; default: 1000, or as many as the minutes allow")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}));
   fuzz->add_option("--minutes", command.minutes, "Stop after so many minutes")->check(CLI::Range(1e-3, 1e5));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compare/nightly/database.h"
-#include "compare/nightly/origin.h"
+#include "compare/report/origin.h"
 #include "compare/nightly/result.h"
 
 /// What nights found, kept for ever in a SQLite file.

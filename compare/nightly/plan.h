@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compare/nightly/command.h"
-#include "compare/nightly/origin.h"
+#include "compare/report/origin.h"
 #include "compare/nightly/result.h"
 
 /// The folder by which the jobs of one night on a cluster know of each other. Every file in it is there in full or not

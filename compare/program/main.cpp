@@ -1,34 +1,24 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
-#include <cstring>
 #include <iostream>
+#include <string_view>
 
 #include "cartesian/solver.h"
 #include "common/reading/magnitude.h"
-#include "common/reading/spelling.h"
 #include "compare/analyses/command.h"
-#include "compare/fuzz/options.h"
-#include "compare/invariance/command.h"
-#include "compare/invariance/moves.h"
-#include "compare/joint_check/command.h"
-#include "compare/nightly/options.h"
-#include "compare/nightly/origin.h"
-#include "compare/page/command.h"
 #include "compare/program/commands.h"
-#include "compare/report/interrupt.h"
+#include "compare/program/frame.h"
+#include "compare/report/origin.h"
 #ifdef CONCORD_HAS_SIMBODY
 #include "compare/oracle/simbody_oracle.h"
 #endif
 #include "relative/solver.h"
 
-/// The command line: the only place that knows both solvers.
+/// The command line of `concord`, which binds both solvers.
 namespace {
 
 using namespace concord;
@@ -133,11 +123,6 @@ struct CommandLine {
   compare::analyses::AnalysisCommand analysis;
   std::string linearize_at = "start";
   std::string oracle;
-  compare::joint_check::JointCommand joint;
-  compare::invariance::InvarianceCommand invariance;
-  compare::fuzz::FuzzCommand fuzz;
-  std::filesystem::path report_of;  // a folder of results, or a history
-  compare::nightly::NightReportCommand night_report;
 };
 
 CLI::App* add_compare(CLI::App& program, CommandLine& line) {
@@ -184,66 +169,6 @@ CLI::App* add_info(CLI::App& program, CommandLine& line) {
       program.add_subcommand("info", "Bodies, joints, degrees of freedom, loops, cut joints, rank, uniqueness");
   command->add_option("MODEL", line.info_model, "Model file (TOML)")->required();
   return command;
-}
-
-CLI::App* add_joint(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand(
-      "joint", "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of rigs");
-  command->add_option("NAME", line.joint.names, "Joint types of the catalogue");
-  command->add_flag("--all", line.joint.all, "Every type of the catalogue");
-  command->add_option("--seed", line.joint.seed, "Seed of the poses; default: 19971025");
-  command->add_option("--poses", line.joint.poses, "How many poses; default: 20")->check(CLI::Range(1, 10000));
-  command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
-      ->check(CLI::Range(0, 1000000));
-  command->add_option("--out", line.joint.out, "Folder for the sheets, as text and as JSON");
-  return command;
-}
-
-CLI::App* add_invariance(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand(
-      "invariance", "Hold each solver against itself: the same machine described in equivalent ways");
-  command->add_option("MODEL", line.invariance.models, "Model files (TOML)")->required();
-  command->add_option("--move", line.invariance.options.moves, "Only this move; may be given several times")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(compare::invariance::move_names()));
-  command->add_option("--seed", line.invariance.options.seed, "Seed of the moves and of the states; default: 19971025");
-  command->add_option("--json", line.invariance.json, "File for the results as JSON");
-  return command;
-}
-
-CLI::App* add_report(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand("report", "Write a folder of results, or a night, as one HTML page");
-  command
-      ->add_option("FOLDER|HISTORY", line.report_of,
-                   "Folder that `concord compare --out` wrote, or the SQLite file of `concord nightly --history`")
-      ->required();
-  command->add_option("-o,--output", line.night_report.out, "File for the page")->required();
-  const char* of_history = "Of a history";
-  command
-      ->add_option("--night", line.night_report.night, "Number of the night, last, last-1, or a commit; default: last")
-      ->group(of_history);
-  command
-      ->add_option("--suite", line.night_report.suite, "Suite by which it is judged; default: where it lay that night")
-      ->group(of_history);
-  command->add_option("--last", line.night_report.last, "So many nights in the trends; default: 100")
-      ->check(CLI::Range(1, 100000))
-      ->group(of_history);
-  return command;
-}
-
-/// A folder is one of results, everything else a history.
-int write_report(const CLI::App& app, CommandLine& line, const compare::Console& console) {
-  if (!std::filesystem::is_directory(line.report_of)) {
-    line.night_report.history = line.report_of;
-    return compare::nightly::write_night_report(line.night_report, console);
-  }
-  for (const char* option : {"--night", "--suite", "--last"}) {
-    if (app.count(option) == 0) continue;
-    console.err << fmt::format("{}: error: is a folder of results; {} belongs to a history\n", line.report_of.string(),
-                               option);
-    return compare::kBadInput;
-  }
-  return compare::page::write_report({line.report_of, line.night_report.out}, console);
 }
 
 CLI::App* add_analysis(CLI::App& program, CommandLine& line, const char* name, const char* about) {
@@ -310,51 +235,21 @@ bool find_oracle(CommandLine& line) {
 #endif
 }
 
-/// A stream that is closed would give its number to the next file that is opened, and tables would run into results.
-void occupy_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDONLY);
-  }
-}
-
-/// The code, unless the tables could not be written: a full disk, a closed pipe.
-int code_if_told(int code) {
-  errno = 0;
-  std::cout.flush();
-  if (std::cout) return code;
-  std::cerr << fmt::format("could not finish: the standard output cannot be written{}{}\n", errno != 0 ? ": " : "",
-                           errno != 0 ? std::strerror(errno) : "");
-  return compare::kCouldNotFinish;
-}
-
-/// Names a first word that is no command; CLI11 says only that a command is missing.
-void require_known_command(const CLI::App& program, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands(nullptr)) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
-  throw CLI::ValidationError(fmt::format("no command '{}': {}", argv[1], suggestion(argv[1], names, "commands")));
-}
-
 /// Reads the command line and does what it says.
 int run_program(int argc, char** argv) {
   CLI::App program(kAbout, "concord");
   program.footer(kEpilogue);
-  program.set_version_flag("--version", compare::nightly::version_words());
+  program.set_version_flag("--version", compare::version_words());
   program.require_subcommand(1);
   CommandLine line;
   const CLI::App* compare_command = add_compare(program, line);
   const CLI::App* run_command = add_run(program, line);
-  const CLI::App* joint_command = add_joint(program, line);
-  const CLI::App* invariance_command = add_invariance(program, line);
-  const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
-  const CLI::App* report_command = add_report(program, line);
   add_info(program, line);
   AnalysisCommands analyses(program, line);
-  compare::nightly::NightlyCommands nights(program);
+  for (const auto& [name, about] : compare::kCampaignCommands) program.add_subcommand(name, about);
   try {
-    require_known_command(program, argc, argv);
-    program.parse(nights.take_slurm_words(argc, argv), argv);
+    compare::require_known_command(program, argc, argv);
+    program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }
@@ -370,11 +265,6 @@ int run_program(int argc, char** argv) {
     line.run.options.integrators[line.run.is_cartesian ? 0 : 1] = line.integrator;
     return compare::run_model(line.run, makers, console);
   }
-  if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
-  if (invariance_command->parsed()) return compare::invariance::try_invariance(line.invariance, makers, console);
-  if (report_command->parsed()) return write_report(*report_command, line, console);
-  if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);
-  if (const auto code = nights.run(makers, console)) return *code;
   if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);
   return compare::show_info(line.info_model, makers, console);
 }
@@ -382,13 +272,9 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  occupy_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
-  try {
-    const compare::InterruptWatch watch;
-    return code_if_told(run_program(argc, argv));
-  } catch (const std::exception& error) {
-    std::cerr << "could not finish: " << error.what() << '\n';
-    return compare::kCouldNotFinish;
-  }
+  const auto is_asked_for = [&](const compare::CampaignCommand& command) {
+    return argc > 1 && std::string_view(argv[1]) == command.name;
+  };
+  if (std::ranges::any_of(compare::kCampaignCommands, is_asked_for)) return compare::become_campaigns(argv);
+  return compare::run_guarded([&] { return run_program(argc, argv); });
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace concord::compare::nightly {
+namespace concord::compare {
 
 /// Where results come from, in words. Shown beside them, never compared.
 struct Origin {
@@ -28,4 +28,4 @@ std::string version_words();
 /// The same, and a number that tells two builds apart.
 std::string build_words();
 
-}  // namespace concord::compare::nightly
+}  // namespace concord::compare

@@ -1,4 +1,4 @@
-#include "compare/nightly/origin.h"
+#include "compare/report/origin.h"
 
 #include <fmt/format.h>
 #include <sys/utsname.h>
@@ -8,10 +8,10 @@
 #include <fstream>
 #include <thread>
 
-#include "compare/nightly/file_hash.h"
+#include "compare/report/file_hash.h"
 #include "concord_commit.h"
 
-namespace concord::compare::nightly {
+namespace concord::compare {
 
 namespace {
 
@@ -67,4 +67,4 @@ std::string version_words() {
 
 std::string build_words() { return fmt::format("{}, build {:016x}", version_words(), hash_of_program()); }
 
-}  // namespace concord::compare::nightly
+}  // namespace concord::compare

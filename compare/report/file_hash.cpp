@@ -1,10 +1,10 @@
-#include "compare/nightly/file_hash.h"
+#include "compare/report/file_hash.h"
 
 #include <array>
 #include <fstream>
 #include <system_error>
 
-namespace concord::compare::nightly {
+namespace concord::compare {
 
 std::uint64_t hash_of_file(const std::filesystem::path& file) {
   std::error_code unknown;
@@ -20,4 +20,4 @@ std::uint64_t hash_of_file(const std::filesystem::path& file) {
   return hash;
 }
 
-}  // namespace concord::compare::nightly
+}  // namespace concord::compare

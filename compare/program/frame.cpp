@@ -1,0 +1,74 @@
+#include "compare/program/frame.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include "common/reading/spelling.h"
+#include "compare/report/console.h"
+#include "compare/report/interrupt.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// A stream that is closed would give its number to the next file that is opened, and tables would run into results.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDONLY);
+  }
+}
+
+/// The code, unless the tables could not be written: a full disk, a closed pipe.
+int code_if_told(int code) {
+  errno = 0;
+  std::cout.flush();
+  if (std::cout) return code;
+  std::cerr << fmt::format("could not finish: the standard output cannot be written{}{}\n", errno != 0 ? ": " : "",
+                           errno != 0 ? std::strerror(errno) : "");
+  return kCouldNotFinish;
+}
+
+}  // namespace
+
+int run_guarded(const std::function<int()>& program) {
+  occupy_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
+  try {
+    const InterruptWatch watch;
+    return code_if_told(program());
+  } catch (const std::exception& error) {
+    std::cerr << "could not finish: " << error.what() << '\n';
+    return kCouldNotFinish;
+  }
+}
+
+int become_campaigns(char** argv) {
+  std::error_code unknown;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  const std::filesystem::path program = self.parent_path() / "concord-campaigns";
+  execv(program.c_str(), argv);
+  std::cerr << fmt::format(
+      "could not finish: '{}' is a command of {}, which cannot be started: {}; build it with the target "
+      "concord-campaigns, and keep both programs in one folder\n",
+      argv[1], program.string(), std::strerror(errno));
+  return kCouldNotFinish;
+}
+
+void require_known_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+  throw CLI::ValidationError(fmt::format("no command '{}': {}", argv[1], suggestion(argv[1], names, "commands")));
+}
+
+}  // namespace concord::compare

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+/// What the two programs of the suite share. `concord` judges one machine at a time; `concord-campaigns` does the work
+/// that takes many: random machines, nights, the battery, the joint check. The first hands the commands of the second
+/// over to it, so that a user knows one program, and whoever builds for a first verdict does not wait for the rest.
+namespace concord::compare {
+
+struct CampaignCommand {
+  const char* name;
+  const char* about;
+};
+
+/// The commands that `concord` hands over, in the order in which --help lists them.
+inline constexpr std::array kCampaignCommands{
+    CampaignCommand{"joint",
+                    "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of "
+                    "rigs"},
+    CampaignCommand{"invariance", "Hold each solver against itself: the same machine described in equivalent ways"},
+    CampaignCommand{"fuzz", "Compare random machines; failing ones are reduced and kept"},
+    CampaignCommand{"nightly",
+                    "Run a suite of cases, each in its own process, and compare the results with the accepted ones"},
+    CampaignCommand{"accept", "Make results the baselines of a suite, with a reason"},
+    CampaignCommand{"history", "The trend of a case over the nights, with its steps"},
+    CampaignCommand{"diff", "What changed between two files of results, nights or commits"},
+    CampaignCommand{"report", "Write a folder of results, or a night, as one HTML page"}};
+
+/// Runs a program as both do: standard streams are open, SIGINT and SIGTERM are watched, an exception ends it with
+/// kCouldNotFinish and its text, and so does a standard output that cannot be written. Returns the exit code.
+int run_guarded(const std::function<int()>& program);
+
+/// Becomes `concord-campaigns`, which stands beside this program, with the same command line. Returns the exit code
+/// only if it cannot, after saying why.
+int become_campaigns(char** argv);
+
+/// Throws CLI::ValidationError for a first word that is no command, naming a near one.
+void require_known_command(const CLI::App& program, int argc, char** argv);
+
+}  // namespace concord::compare
