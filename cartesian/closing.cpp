@@ -1,10 +1,15 @@
 #include "cartesian/closing.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "cartesian/euler_parameters.h"
+#include "cartesian/machine_units.h"
 #include "cartesian/rank.h"
+#include "cartesian/residual_measures.h"
 
 namespace concord::cartesian {
 
@@ -110,7 +115,7 @@ VecX units_of_displacements(const Equations& equations, Modes modes) {
   VecX units = units_of_steps(equations, modes);
   const Layout& layout = equations.layout();
   for (int i = 1; i < layout.n_bodies(); ++i) {
-    for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= equations.compliance(i, k);
+    for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= compliance_of(equations.inertia(i), k);
   }
   return units;
 }
@@ -130,8 +135,8 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
   };
   for (const RowBlock& block : constraints.blocks()) {
     for (int row = 0; row < block.n_rows; ++row) {
-      const bool counts = what == Kept::speeds || constraints.holds_positions(block.first_row + row);
-      if (counts) add(block.first_row + row, block.body, constraints.columns(block).col(row));
+      const bool counts = what == Kept::speeds || constraints.holds_positions(block.row(row));
+      if (counts) add(block.row(row).value, block.body, constraints.columns(block).col(row));
     }
   }
   for (std::size_t k = 0; k < kept.size(); ++k) {
@@ -139,7 +144,7 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
       const int body = equations.model().joints[kept[k].joint].on(side).body;
       if (body == kGround) continue;
       VecX gradient(layout.size_Y(body));
-      constraints.write_transposed(kept[k].joint, side, kept[k].row, gradient);
+      write_transposed(constraints.joint(kept[k].joint), side, kept[k].row, gradient);
       add(constraints.n_rows() + static_cast<int>(k), body, gradient);
     }
   }
@@ -186,7 +191,7 @@ struct ClosingSystem {
 };
 
 ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,  // (C47)
-                          std::vector<KeptRow> kept_rows) {
+                          const RoundOffShares& shares, std::vector<KeptRow> kept_rows) {
   const Constraints& constraints = equations.constraints();
   const int n_rows = constraints.n_rows();
   ClosingSystem system;
@@ -194,20 +199,20 @@ ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, cons
   const std::vector<KeptRow>& kept = system.kept;
   system.jacobian = closing_jacobian(equations, what, kept, units);
   VecX by_size = closing_sizes(equations, system.jacobian).cwiseInverse();
-  for (int row = 0; row < n_rows; ++row) {
-    if (hold == Hold::joints_alone && constraints.is_driver(row)) by_size(row) = 0.0;
+  for (const RowIndex row : constraints.rows()) {
+    if (hold == Hold::joints_alone && constraints.is_driver(row)) by_size(row.value) = 0.0;
   }
   system.jacobian = by_size.asDiagonal() * system.jacobian;
   system.residual.resize(system.jacobian.rows());
   system.terms.resize(system.residual.size());
   system.residual.head(n_rows) = what == Kept::coordinates ? equations.residual() : equations.velocity_residual();
-  system.terms.head(n_rows) = equations.terms();
+  system.terms.head(n_rows) = shares.terms;
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const RelativeMotion& motion = constraints.joint(kept[k].joint).motion;
     const Eigen::Index row = n_rows + static_cast<Eigen::Index>(k);
     system.residual(row) =
         what == Kept::coordinates ? kept[k].row.value : rate_of(kept[k].row, motion) - kept[k].target;
-    system.terms(row) = std::max(kept[k].row.reads_places() ? equations.reach() : 1.0, kept[k].size * by_size(row));
+    system.terms(row) = std::max(kept[k].row.reads_places() ? shares.reach : 1.0, kept[k].size * by_size(row));
   }
   system.residual = system.residual.cwiseProduct(by_size);
   return system;
@@ -221,7 +226,7 @@ void name_open(const Equations& equations, const std::vector<KeptRow>& kept, con
   const double large = 0.05 * size_of(residual);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const JointEquations& joint = equations.constraints().joint(static_cast<int>(k));
-    double own = size_of(residual.segment(joint.first_row, joint.n_rows));
+    double own = size_of(residual.segment(joint.first_row.value, joint.n_rows));
     for (std::size_t row = 0; row < kept.size(); ++row) {
       if (kept[row].joint != static_cast<int>(k)) continue;
       own = std::max(own, std::abs(residual(equations.constraints().n_rows() + row)));
@@ -229,7 +234,7 @@ void name_open(const Equations& equations, const std::vector<KeptRow>& kept, con
     if (own >= large) closing.joints_left_open.push_back(model.joints[k].name);
   }
   for (std::size_t g = 0; g < model.couplings.size(); ++g) {
-    const double own = std::abs(residual(equations.constraints().coupling(static_cast<int>(g)).row));
+    const double own = std::abs(residual(equations.constraints().coupling(static_cast<int>(g)).row.value));
     if (own >= large) closing.couplings_left_open.push_back(model.couplings[g].name);
   }
 }
@@ -245,10 +250,11 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
                      Closing& closing) {
   constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
   const VecX units = units_of_displacements(equations, modes);
+  RoundOffShares shares(equations.constraints());
   const auto system_at = [&] {
     equations.update(t, q, Y);
-    equations.measure_terms(t, q);
-    return make_system(equations, hold, Kept::coordinates, units, rows());
+    measure_round_off(equations, t, q, shares);
+    return make_system(equations, hold, Kept::coordinates, units, shares, rows());
   };
   ClosingSystem system = system_at();
   VecX best_q = q;
@@ -276,8 +282,8 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
 }
 
 /// The largest speed that the velocity residuals are measured by [1/s].
-double largest_rate(const Equations& equations, double t, const VecX& Y, const std::vector<KeptRow>& kept) {
-  double rate = equations.largest_rate(t, Y);
+double largest_rate_with(const std::vector<KeptRow>& kept, const Equations& equations, double t, const VecX& Y) {
+  double rate = largest_rate(equations, t, Y);
   for (const KeptRow& row : kept) {
     const double size = std::max(row.row.over_d.norm() * equations.model().length_scale(), row.row.over_rho.norm());
     if (size > 0.0) rate = std::max(rate, std::abs(row.target) / size);
@@ -290,12 +296,13 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
   constexpr int kMostSteps = 4;
   constexpr double kRoundOff = 1e-16;
   const VecX units = units_of_steps(equations, modes);
+  const RoundOffShares none(equations.constraints());  // velocities are judged by their rate
   const auto system_at = [&] {
     equations.update(t, q, Y);
-    return make_system(equations, hold, Kept::speeds, units, kept_at(equations, hold, Kept::speeds));
+    return make_system(equations, hold, Kept::speeds, units, none, kept_at(equations, hold, Kept::speeds));
   };
   ClosingSystem system = system_at();
-  const auto speed = [&] { return largest_rate(equations, t, Y, system.kept); };
+  const auto speed = [&] { return largest_rate_with(system.kept, equations, t, Y); };
   double last = HUGE_VAL;
   for (int step = 0; step < kMostSteps && system.rate() > kRoundOff * speed() && system.rate() < 0.5 * last; ++step) {
     last = system.rate();
@@ -331,6 +338,15 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   closing.places_closed = true;
   close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
+}
+
+std::string named_open(const Closing& closing) {
+  std::string names = fmt::format("joints {}", fmt::join(closing.joints_left_open, ", "));
+  if (closing.joints_left_open.empty()) names.clear();
+  for (const std::string& coupling : closing.couplings_left_open) {
+    names += fmt::format("{}coupling '{}'", names.empty() ? "" : " and ", coupling);
+  }
+  return names;
 }
 
 std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {

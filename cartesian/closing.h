@@ -19,6 +19,9 @@ struct Closing {
   std::vector<std::string> couplings_left_open;
 };
 
+/// "joints A, B and coupling 'gears'": what is left open.
+std::string named_open(const Closing& closing);
+
 /// Whether closing moves modal coordinates and rates too, or the rigid ones alone.
 enum class Modes { kept, moving };
 

@@ -1,86 +1,35 @@
 #pragma once
 
-#include <array>
 #include <optional>
+#include <string>
+#include <variant>
 #include <vector>
 
-#include "cartesian/joint_rows.h"
+#include "cartesian/couplings.h"
+#include "cartesian/joint_equations.h"
 #include "cartesian/layout.h"
-#include "cartesian/marker_kinematics.h"
+#include "cartesian/row_index.h"
 #include "common/model.h"
 
 /// Constraint equations of all joints and couplings: residuals, Jacobians over the body velocities, gamma.
 namespace concord::cartesian {
 
-/// The child's marker seen from the parent's: (d, R), and after that their rates (S10).
-void place_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);
-void move_relative(const Marker& parent, const Marker& child, RelativeMotion& motion);  // (C13)
-
-/// A joint coordinate that couplings relate, and the value that its turns are counted from.
-struct CoupledCoordinate {
-  const joints::Read* read = nullptr;
-  int word = 0;
-  int component = 0;
-  int place = 0;       // among the joint's q
-  bool turns = false;  // it is an angle known but for full turns
-  double known = 0.0;
-};
-
-/// A coupling's multiplier acts on a coupled coordinate's row with this factor.
-struct CoupledShare {
-  int row = 0;  // among the joint's
-  int coupling_row = 0;
-  double factor = 0.0;
-};
-
-/// One joint at the current state. Rows: first what the type forbids, then what it forbids of speeds alone, then its
-/// drivers in the order of the model. Behind them, no constraints of their own, the coordinates that couplings relate.
-struct JointEquations {
-  std::array<Marker, 2> markers;
-  RelativeMotion motion;
-  Vec3 gap = Vec3::Zero();          // r_Pi - r_Pj, global
-  Vec3 linear_bias = Vec3::Zero();  // a_rel at Ydot = 0, parent's joint frame
-  Vec3 angular_bias = Vec3::Zero();
-  int first_row = 0;
-  int n_forbids = 0;
-  int first_driver = 0;  // n_forbids and the rows of forbidden speeds
-  int n_rows = 0;
-  std::optional<int> elevation;    // index of an arm's elevation among the joint's q, if it has one
-  std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
-  std::vector<CoupledCoordinate> coupled;
-  std::vector<CoupledShare> shares;
-  std::vector<ConstraintRow> rows;  // n_rows and one for each coupled coordinate
-  /// Column k: transposed Jacobian of row k over Y of the side's body, (6 + m) numbers: the generalized force of the
-  /// row taken as a wrench at the side's point.
-  std::array<MatX, 2> Phi_Y_transposed;
-
-  [[nodiscard]] const Marker& marker(Side side) const { return markers[index(side)]; }
-  [[nodiscard]] bool is_driver(int row) const { return row >= first_driver; }
-};
-
-/// One coupling at the current state: its row is the weighted sum of the rows of the coordinates that it relates.
-struct CouplingEquations {
-  struct Term {
-    int joint;
-    int row;  // among the joint's rows
-    double factor;
-  };
-  int row = 0;
-  double offset = 0.0;
-  std::vector<Term> terms;
-  std::vector<int> bodies;             // moving ones, each once
-  std::vector<MatX> Phi_Y_transposed;  // by body: one column
-};
-
 /// Constraint rows that follow each other and stand on one moving body: those of a joint on a side, or a coupling's.
 struct RowBlock {
+  struct OfJoint {
+    int joint;
+    Side side;
+  };
+  struct OfCoupling {
+    int coupling;
+    int share;  // of the coupling's bodies
+  };
   int body;
-  int first_row;
+  RowIndex first_row;
   int n_rows;
-  int joint;  // -1: a coupling
-  Side side;
-  int coupling;
-  int share;  // of the coupling's bodies
+  std::variant<OfJoint, OfCoupling> owner;
+
+  [[nodiscard]] RowIndex row(int own) const { return first_row + own; }
 };
 
 class Constraints {
@@ -88,29 +37,34 @@ class Constraints {
   Constraints(const Model& model, const Layout& layout);
 
   [[nodiscard]] int n_rows() const { return n_rows_; }
+  [[nodiscard]] RowRange rows() const { return {RowIndex(0), n_rows_}; }
   /// Whether a row holds for positions too, and not for velocities alone.
-  [[nodiscard]] bool holds_positions(int row) const { return holds_positions_[row]; }
-  [[nodiscard]] bool is_driver(int row) const { return is_driver_[row]; }
+  [[nodiscard]] bool holds_positions(RowIndex row) const { return holds_positions_[row.value]; }
+  [[nodiscard]] bool is_driver(RowIndex row) const { return is_driver_[row.value]; }
   [[nodiscard]] bool has_nonholonomic_rows() const;
   [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
   [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
   [[nodiscard]] const CouplingEquations& coupling(int g) const { return couplings_[g]; }
   [[nodiscard]] int n_couplings() const { return static_cast<int>(couplings_.size()); }
   [[nodiscard]] const Mat3& rotation(int body) const { return rotations_[body]; }
+  /// The joint or coupling that a row belongs to, "joint 'A'".
+  [[nodiscard]] std::string name_of(RowIndex row) const;
 
-  /// Points, frames, residuals and Jacobians at positions q: all of them, or of one body and of one joint after its
-  /// bodies.
+  /// Points, frames, residuals and Jacobians at positions q.
   void place(const Eigen::Ref<const VecX>& q);
-  void place_couplings();
-  void place_body(int body, const Eigen::Ref<const VecX>& q);
-  void place_joint(int k, const Eigen::Ref<const VecX>& q);
   /// Velocities and accelerations at Ydot = 0, for velocities Y; after place().
   void move(const Eigen::Ref<const VecX>& Y);
-  void move_joint(int k, const Eigen::Ref<const VecX>& Y);
+  /// Both of one joint, where only its `body` has moved.
+  void place_and_move(int joint, int body, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  /// The same of the joints that a block's rows depend on, where only the block's body has moved.
+  void place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void place_body(int body, const Eigen::Ref<const VecX>& q);
 
   /// Joint coordinates (by joint) from which the turns of coupled angles are counted, at most half a turn away, and
   /// which tell the side that an arm stands on.
   void count_turns_from(const std::vector<VecX>& q);
+  /// Counts them from where the constraints of another copy of the same machine do.
+  void count_turns_as(const Constraints& other);
   /// Counts on from the last place().
   void follow_turns();
   /// Writes the coupled coordinates that turns are counted from, others untouched.
@@ -125,10 +79,8 @@ class Constraints {
   void write_residual(double t, Eigen::Ref<VecX> residual) const;
   /// Phi_Y Y + Phi_t; after move() (C28).
   void write_velocity_residual(double t, Eigen::Ref<VecX> residual) const;
-  /// Phi_Y Y of row `row` of a block; after move() or move_joint() of the block's joints.
-  [[nodiscard]] double row_rate(const RowBlock& block, int row) const;
-  /// Places and moves the joints that a block's rows depend on; after place_body().
-  void place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  /// Phi_Y Y of a row of a block, `own` among the block's; after move() of the block's joints.
+  [[nodiscard]] double row_rate(const RowBlock& block, int own) const;
   /// gamma of Phi_Y Ydot = gamma; after move() (C29).
   void write_gamma(double t, Eigen::Ref<VecX> gamma) const;
 
@@ -137,19 +89,13 @@ class Constraints {
   /// Transposed Jacobian of a block over Y of its body: (6 + m) x its rows.
   [[nodiscard]] Eigen::Ref<const MatX> columns(const RowBlock& block) const;
 
-  /// Multipliers of all rows of joint k and, behind them, of its coupled coordinates, from those of all constraints.
-  [[nodiscard]] VecX joint_multipliers(int k, const Eigen::Ref<const VecX>& lambda) const;  // (C42)
-
-  /// Transposed Jacobian over Y of the side's body of any row of a joint, for rows that are no constraints: (6 + m).
-  void write_transposed(int joint, Side side, const ConstraintRow& row, Eigen::Ref<VecX> column) const;
-
   /// Whether every joint is on the branch that its type means; otherwise the index of the first that is not.
   [[nodiscard]] std::optional<int> first_joint_off_branch() const;
 
  private:
+  void add_joints();
   void add_couplings();
-  int find_or_add_coupled(const CouplingTerm& term);
-  void allocate();
+  void add_blocks();
 
   const Model& model_;
   const Layout& layout_;

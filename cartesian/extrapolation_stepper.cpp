@@ -68,10 +68,10 @@ Table make_table(const std::vector<int>& substeps) {
 
 class ExtrapolationStepper : public Stepper {
  public:
-  ExtrapolationStepper(Equations& equations, const MotionState& start, Tolerance tolerance)
-      : Stepper(equations, start),
-        n_q_(equations.layout().n_q()),
-        n_Y_(equations.layout().n_Y()),
+  ExtrapolationStepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance)
+      : Stepper(dynamics, start),
+        n_q_(equations_.layout().n_q()),
+        n_Y_(equations_.layout().n_Y()),
         before_(start),
         interpolated_(start),
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
@@ -79,7 +79,7 @@ class ExtrapolationStepper : public Stepper {
         tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         rtol_(tolerance.rtol) {
     write(start, view(y_.get()));
-    asked_ = absolute_tolerances(equations, start, tolerance);
+    asked_ = absolute_tolerances(equations_, start, tolerance);
     view(tolerances_.get()) = asked_;
     allow_round_off(0.0, start, tolerance.rtol);
     memory_.reset(require(ERKStepCreate(&right_side, 0.0, y_.get(), context_.get()), "ERKStepCreate"));
@@ -176,9 +176,7 @@ class ExtrapolationStepper : public Stepper {
   }
 
   VecX accelerations_at(double t, const VecX& q, const VecX& Y) {
-    equations_.update(t, q, Y);
-    equations_.solve(true);
-    return equations_.Ydot();
+    return dynamics_.solve_at(t, q, Y, Pivots::fresh).Ydot();
   }
 
   int try_step(double stop) {
@@ -243,18 +241,19 @@ class ExtrapolationStepper : public Stepper {
       ++self.evaluations_;
       const auto q = y.head(self.n_q_);
       const auto Y = y.segment(self.n_q_, self.n_Y_);
-      self.equations_.update(t, q, Y);
-      self.equations_.solve(false);
+      const Solution& solution = self.dynamics_.solve_at(t, q, Y, Pivots::kept);
+      self.nearby_ = &solution;
       self.equations_.layout().write_qdot(q, Y, ydot.head(self.n_q_));
-      ydot.segment(self.n_q_, self.n_Y_) = self.equations_.Ydot();
-      ydot(self.n_q_ + self.n_Y_) = self.equations_.power();
+      ydot.segment(self.n_q_, self.n_Y_) = solution.Ydot();
+      ydot(self.n_q_ + self.n_Y_) = self.equations_.power_of(solution.lambda());
     });
   }
 
   static int project(sunrealtype t, N_Vector y_vector, void* pointer) {
     auto& self = *static_cast<ExtrapolationStepper*>(pointer);
     auto y = view(y_vector);
-    return self.guarded([&] { self.equations_.project(t, y.head(self.n_q_), y.segment(self.n_q_, self.n_Y_)); });
+    return self.guarded(
+        [&] { self.dynamics_.project(*self.nearby_, t, y.head(self.n_q_), y.segment(self.n_q_, self.n_Y_)); });
   }
 
   struct FreeMemory {
@@ -263,7 +262,8 @@ class ExtrapolationStepper : public Stepper {
 
   Eigen::Index n_q_;
   Eigen::Index n_Y_;
-  double started_ = 0.0;  // the last step, at
+  double started_ = 0.0;              // the last step, at
+  const Solution* nearby_ = nullptr;  // of the last stage of a step
   MotionState before_;
   MotionState interpolated_;
   VecX asked_;                  // absolute tolerances
@@ -279,9 +279,8 @@ class ExtrapolationStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const MotionState& start,
-                                                    Tolerance tolerance) {
-  return std::make_unique<ExtrapolationStepper>(equations, start, tolerance);
+std::unique_ptr<Stepper> make_extrapolation_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance) {
+  return std::make_unique<ExtrapolationStepper>(dynamics, start, tolerance);
 }
 
 }  // namespace concord::cartesian

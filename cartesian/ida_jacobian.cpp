@@ -18,12 +18,16 @@ Eigen::Matrix4d compute_Omega_half(const Vec3& omega) {
 
 }  // namespace
 
-IdaJacobian::IdaJacobian(Equations& equations, const IdaUnknowns& places, const VecX& q, const VecX& Y)
-    : equations_(equations), layout_(equations.layout()), places_(places) {
-  for (const RowBlock& block : equations.constraints().blocks()) {
+IdaJacobian::IdaJacobian(const Dynamics& dynamics, const IdaUnknowns& places, const VecX& q, const VecX& Y)
+    : dynamics_(dynamics),
+      own_(dynamics.equations().model()),
+      layout_(own_.layout()),
+      places_(places),
+      mass_matrices_(make_mass_matrices(layout_)) {
+  for (const RowBlock& block : own_.constraints().blocks()) {
     rates_over_q_.emplace_back(MatX::Zero(block.n_rows, layout_.size_Y(block.body)));
   }
-  for (const Actor& actor : equations.applied().actors()) slopes_.push_back(make_slopes(actor));
+  for (const Actor& actor : own_.applied().actors()) slopes_.push_back(make_slopes(actor));
   lay_out(q, Y);
 }
 
@@ -45,59 +49,56 @@ IdaJacobian::ForceSlopes IdaJacobian::make_slopes(const Actor& actor) const {
 /// concerned alone: small entries, but Newton's method on the velocity rows needs them, since velocities follow
 /// positions at once.
 void IdaJacobian::differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y) {
-  const auto& blocks = std::as_const(equations_).constraints().blocks();
+  const auto& blocks = own_.constraints().blocks();
   for (std::size_t b = 0; b < blocks.size(); ++b) differentiate_rates(blocks[b], q, Y, rates_over_q_[b]);
 }
 
 void IdaJacobian::differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y,
                                       MatX& rates) {
   constexpr double kStep = 1e-6;  // of the machine's units
-  Constraints& constraints = equations_.constraints();
-  const auto units = equations_.units().segment(layout_.first_Y(block.body), layout_.size_Y(block.body));
-  const auto put = [&](const VecX& at) {
-    constraints.place_body(block.body, at);
-    constraints.place_and_move(block, at, Y);
-  };
+  Constraints& constraints = own_.constraints();
+  const auto units = own_.units().segment(layout_.first_Y(block.body), layout_.size_Y(block.body));
   displaced_q_ = q;
   for (int c = 0; c < layout_.size_Y(block.body); ++c) {
     rates.col(c).setZero();
     const double step = kStep * units(c);
     for (const double sign : {1.0, -1.0}) {
       layout_.displace_along(block.body, c, sign * step, displaced_q_);
-      put(displaced_q_);
+      constraints.place_and_move(block, displaced_q_, Y);
       for (int row = 0; row < rates.rows(); ++row) {
         rates(row, c) += sign * constraints.row_rate(block, row) / (2.0 * step);
       }
       layout_.copy_body(block.body, q, displaced_q_);
     }
   }
-  put(q);
+  constraints.place_and_move(block, q, Y);
 }
 
 /// How the forces of each actor change with positions and velocities of the bodies that it pushes on, by central
 /// differences of the actor alone.
 void IdaJacobian::differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y) {
-  auto& actors = equations_.applied().actors();
+  const std::vector<Actor>& actors = own_.applied().actors();
   for (std::size_t a = 0; a < actors.size(); ++a) {
     for (const Side moved : {Side::parent, Side::child}) {
-      if (actors[a].sits_on_moving_body(moved)) differentiate_forces(actors[a], moved, t, rate, q, Y, slopes_[a]);
+      if (!actors[a].sits_on_moving_body(moved)) continue;
+      differentiate_forces(static_cast<int>(a), moved, t, rate, q, Y, slopes_[a]);
     }
   }
 }
 
-void IdaJacobian::differentiate_forces(Actor& actor, Side moved, double t, double rate, const VecX& q,
+void IdaJacobian::differentiate_forces(int of, Side moved, double t, double rate, const VecX& q,
                                        const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes) {
   constexpr double kStep = 1e-6;  // of the machine's units
-  Constraints& constraints = equations_.constraints();
+  const Actor& actor = own_.applied().actors()[of];
   const int body = actor.ends[index(moved)]->body;
-  const auto units = equations_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
+  const auto units = own_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
   const auto put = [&](const VecX& at, const VecX& speeds) {
-    constraints.place_body(body, at);
     if (const std::optional<int> joint = actor.joint()) {
-      constraints.place_joint(*joint, at);
-      constraints.move_joint(*joint, speeds);
+      own_.constraints().place_and_move(*joint, body, at, speeds);
+    } else {
+      own_.constraints().place_body(body, at);
     }
-    equations_.applied().update(actor, t, at, speeds);
+    own_.applied().update(of, t, at, speeds);
   };
   const auto add = [&](std::array<MatX, 2>& slope, int c, double over) {
     for (const Side pushed : {Side::parent, Side::child}) {
@@ -139,13 +140,13 @@ void IdaJacobian::each_entry(double c, const Eigen::Ref<const VecX>& x, const Vi
   const auto q = x.head(places_.first_Y);
   const auto Y = x.segment(places_.first_Y, layout_.n_Y());
   for (int i = 1; i < layout_.n_bodies(); ++i) each_body_entry(i, c, q, Y, visit);
-  const auto& blocks = std::as_const(equations_).constraints().blocks();
+  const auto& blocks = own_.constraints().blocks();
   for (std::size_t b = 0; b < blocks.size(); ++b) each_row_entry(blocks[b], rates_over_q_[b], q, visit);
-  const auto& actors = equations_.applied().actors();
+  const auto& actors = own_.applied().actors();
   for (std::size_t a = 0; a < actors.size(); ++a) each_force_entry(actors[a], slopes_[a], q, visit);
-  for (int row = 0; row < places_.n_rows; ++row) {
-    const double own = equations_.is_active(row) ? 0.0 : 1.0;
-    visit(places_.first_lambda + row, places_.first_lambda + row, own);
+  for (const RowIndex row : places_.rows()) {
+    const double own = dynamics_.is_active(row) ? 0.0 : 1.0;
+    visit(places_.at_lambda(row), places_.at_lambda(row), own);
     if (places_.has_mu(row)) visit(places_.at_mu(row), places_.at_mu(row), own);
   }
   visit(places_.at_work, places_.at_work, c);
@@ -174,47 +175,48 @@ void IdaJacobian::each_body_entry(int i, double c, const Q& q, const V& Y, const
     visit(at_p + row, at_nu, -p(row));
     visit(at_nu, at_p + row, p(row));
   }
-  const MatX& M = equations_.mass_matrix(i);
+  const MatX& M = mass_matrices_[i];
   for (int column = 0; column < 6 + m; ++column) {
     for (int row = 0; row < 6 + m; ++row) {
       double value = c * M(row, column);
-      if (row >= 6 && column >= 6) value += equations_.inertia(i).damping()(row - 6, column - 6);
+      if (row >= 6 && column >= 6) value += own_.inertia(i).damping()(row - 6, column - 6);
       visit(at_v + row, at_v + column, value);
     }
   }
   for (int k = 0; k < m; ++k) {
     visit(at_a + k, at_a + k, c);
     visit(at_a + k, at_adot + k, -1.0);
-    for (int l = 0; l < m; ++l) visit(at_adot + k, at_a + l, equations_.inertia(i).stiffness()(k, l));
+    for (int l = 0; l < m; ++l) visit(at_adot + k, at_a + l, own_.inertia(i).stiffness()(k, l));
   }
 }
 
 template <class Q, class Visit>
 void IdaJacobian::each_row_entry(const RowBlock& block, const MatX& rates, const Q& q,
                                  const Visit& visit) const {  // (C57)
-  const Eigen::Ref<const MatX> Phi_Y_transposed = std::as_const(equations_).constraints().columns(block);
+  const Eigen::Ref<const MatX> Phi_Y_transposed = own_.constraints().columns(block);
   const int body = block.body;
   const int at_q = layout_.first_q(body);
   const int at_Y = places_.first_Y + layout_.first_Y(body);
   const int m = layout_.n_modes(body);
   const Mat34 E = compute_E(layout_.p(q, body));
-  const auto squared_units = equations_.units().segment(layout_.first_Y(body), 6 + m).cwiseAbs2();
+  const auto squared_units = own_.units().segment(layout_.first_Y(body), 6 + m).cwiseAbs2();
   for (int row = 0; row < block.n_rows; ++row) {
-    const int place = block.first_row + row;
-    const double share = equations_.is_active(place) ? 1.0 : 0.0;
+    const RowIndex place = block.row(row);
+    const int at_lambda = places_.at_lambda(place);
+    const double share = dynamics_.is_active(place) ? 1.0 : 0.0;
     const VecX Phi_Y = share * Phi_Y_transposed.col(row);
     for (int k = 0; k < 6 + m; ++k) {
-      visit(at_Y + k, places_.first_lambda + place, Phi_Y(k));
-      visit(places_.first_lambda + place, at_Y + k, Phi_Y(k));
+      visit(at_Y + k, at_lambda, Phi_Y(k));
+      visit(at_lambda, at_Y + k, Phi_Y(k));
     }
     const Vec4 over_p = 2.0 * E.transpose() * Phi_Y.segment<3>(3);  // dpi = 2 E dp
     const VecX rate = share * rates.row(row);
     const Vec4 rate_over_p = 2.0 * E.transpose() * rate.segment<3>(3);
-    for (int k = 0; k < 3; ++k) visit(places_.first_lambda + place, at_q + k, rate(k));
-    for (int k = 0; k < 4; ++k) visit(places_.first_lambda + place, at_q + 3 + k, rate_over_p(k));
-    for (int k = 0; k < m; ++k) visit(places_.first_lambda + place, at_q + 7 + k, rate(6 + k));
-    if (!places_.has_mu(block.first_row + row)) continue;
-    const int at_mu = places_.at_mu(block.first_row + row);
+    for (int k = 0; k < 3; ++k) visit(at_lambda, at_q + k, rate(k));
+    for (int k = 0; k < 4; ++k) visit(at_lambda, at_q + 3 + k, rate_over_p(k));
+    for (int k = 0; k < m; ++k) visit(at_lambda, at_q + 7 + k, rate(6 + k));
+    if (!places_.has_mu(place)) continue;
+    const int at_mu = places_.at_mu(place);
     for (int k = 0; k < 3; ++k) visit(at_mu, at_q + k, Phi_Y(k));
     for (int k = 0; k < 4; ++k) visit(at_mu, at_q + 3 + k, over_p(k));
     for (int k = 0; k < m; ++k) visit(at_mu, at_q + 7 + k, Phi_Y(6 + k));
@@ -249,10 +251,15 @@ void IdaJacobian::each_force_entry(const Actor& actor, const ForceSlopes& slopes
   }
 }
 
+void IdaJacobian::update(double t, const VecX& q, const Eigen::Ref<const VecX>& Y) {
+  own_.count_turns_and_hold_regimes_as(dynamics_.equations());
+  own_.update(t, q, Y);
+  own_.write_mass_matrices(mass_matrices_);
+}
+
 /// Freezes the pattern: every entry that each_entry() ever visits, in compressed columns.
 void IdaJacobian::lay_out(const VecX& q, const VecX& Y) {
-  equations_.update(0.0, q, Y);
-  equations_.fill_mass_matrices();
+  update(0.0, q, Y);
   VecX x = VecX::Zero(places_.size);
   x.head(places_.first_Y) = q;
   std::vector<std::pair<int, int>> visited;  // (column, row)
@@ -276,8 +283,7 @@ void IdaJacobian::write(double t, double c, const Eigen::Ref<const VecX>& x, dou
   const auto Y = x.segment(places_.first_Y, layout_.n_Y());
   unit_q_ = x.head(places_.first_Y);
   layout_.normalize(unit_q_);
-  equations_.update(t, unit_q_, Y);
-  equations_.fill_mass_matrices();
+  update(t, unit_q_, Y);
   differentiate_rates(unit_q_, Y);
   differentiate_forces(t, rate, unit_q_, Y);
   std::fill_n(values, rows_.size(), 0.0);

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "cartesian/dynamics.h"
 #include "cartesian/ida_unknowns.h"
 
 namespace concord::cartesian {
@@ -11,16 +12,15 @@ namespace concord::cartesian {
 /// of the constraint forces change with position): enough for Newton's method (C57). The pattern is frozen.
 class IdaJacobian {
  public:
-  /// The equations and places must outlive this object. `q`, `Y`: a motion in which the machine is defined.
-  IdaJacobian(Equations& equations, const IdaUnknowns& places, const VecX& q, const VecX& Y);
+  /// `dynamics` and `places` must outlive this object. `q`, `Y`: a motion in which the machine is defined.
+  IdaJacobian(const Dynamics& dynamics, const IdaUnknowns& places, const VecX& q, const VecX& Y);
 
   /// Compressed columns, rows ascending.
   [[nodiscard]] const std::vector<int>& column_starts() const { return starts_; }
   [[nodiscard]] const std::vector<int>& row_indices() const { return rows_; }
 
-  /// Writes the entries, as many as row_indices(), for the unknowns x; `rate` is that of the machine [1/s]. The
-  /// equations hold the same motion before and after; joints and actors are displaced meanwhile. Throws SolverError
-  /// where a force element is not defined.
+  /// Writes the entries, as many as row_indices(), for the unknowns x, with turns, regimes and rows as `dynamics` has
+  /// them; `rate` is that of the machine [1/s]. Throws SolverError where a force element is not defined.
   void write(double t, double c, const Eigen::Ref<const VecX>& x, double rate, double* values);
 
  private:
@@ -32,11 +32,12 @@ class IdaJacobian {
   };
 
   ForceSlopes make_slopes(const Actor& actor) const;
+  void update(double t, const VecX& q, const Eigen::Ref<const VecX>& Y);
   void lay_out(const VecX& q, const VecX& Y);
   void differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y);
   void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates);
   void differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y);
-  void differentiate_forces(Actor& actor, Side moved, double t, double rate, const VecX& q,
+  void differentiate_forces(int actor, Side moved, double t, double rate, const VecX& q,
                             const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes);
   template <class Visit>
   void each_entry(double c, const Eigen::Ref<const VecX>& x, const Visit& visit) const;
@@ -47,9 +48,11 @@ class IdaJacobian {
   template <class Q, class Visit>
   void each_force_entry(const Actor& actor, const ForceSlopes& slopes, const Q& q, const Visit& visit) const;
 
-  Equations& equations_;
+  const Dynamics& dynamics_;
+  Equations own_;  // whose joints and actors are displaced
   const Layout& layout_;
   const IdaUnknowns& places_;
+  std::vector<MatX> mass_matrices_;  // by body
   std::vector<ForceSlopes> slopes_;  // by actor
   std::vector<MatX> rates_over_q_;   // by block of rows: rows x (6 + m)
   VecX unit_q_;

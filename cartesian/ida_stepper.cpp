@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "cartesian/ida_jacobian.h"
 #include "cartesian/refined_lu.h"
@@ -25,14 +26,15 @@ using sundials::view;
 
 class IdaStepper : public Stepper {
  public:
-  IdaStepper(Equations& equations, const MotionState& start, Tolerance tolerance)
-      : Stepper(equations, start),
-        layout_(equations.layout()),
-        places_(equations),
-        jacobian_(equations, places_, start.q, start.Y),
+  IdaStepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance)
+      : Stepper(dynamics, start),
+        layout_(equations_.layout()),
+        places_(equations_),
+        jacobian_(dynamics, places_, start.q, start.Y),
         linear_solver_(jacobian_.column_starts(), jacobian_.row_indices(), context_),
+        mass_matrices_(make_mass_matrices(layout_)),
         interpolated_(start) {
-    all_rows_ = VecX::Zero(equations.constraints().n_rows());
+    all_rows_ = VecX::Zero(places_.n_rows);
     quasi_ = VecX::Zero(layout_.n_Y());
     momentum_ = VecX::Zero(layout_.n_Y());
     set_up(start, tolerance);
@@ -91,8 +93,7 @@ class IdaStepper : public Stepper {
     for (sundials::Vector* vector : {&x_, &xdot_, &dense_, &tolerances_, &id_}) {
       *vector = sundials::make_vector(places_.size, context_);
     }
-    write_start(0.0, start);
-    write_tolerances(start, tolerance);
+    write_tolerances(start, write_start(0.0, start), tolerance);
     view(id_.get()).head(places_.first_lambda).setOnes();
     view(id_.get())(places_.at_work) = 1.0;
     memory_.reset(require(IDACreate(context_.get()), "IDACreate"));
@@ -116,39 +117,40 @@ class IdaStepper : public Stepper {
     matrix_.reset(require(SUNSparseMatrix(size, size, entries, CSC_MAT, context_.get()), "SUNSparseMatrix"));
   }
 
-  void write_start(double t, const MotionState& start) {
-    equations_.update(t, start.q, start.Y);
-    equations_.solve(true);
+  const Solution& write_start(double t, const MotionState& start) {
+    const Solution& solution = dynamics_.solve_at(t, start.q, start.Y, Pivots::fresh);
     auto x = view(x_.get());
     auto xdot = view(xdot_.get());
     x.setZero();
     xdot.setZero();
     x.head(places_.first_Y) = start.q;
     x.segment(places_.first_Y, layout_.n_Y()) = start.Y;
-    x.segment(places_.first_lambda, places_.n_rows) = equations_.lambda();
+    x.segment(places_.first_lambda, places_.n_rows) = solution.lambda();
     x(places_.at_work) = start.work;
     layout_.write_qdot(start.q, start.Y, xdot.head(places_.first_Y));
-    xdot.segment(places_.first_Y, layout_.n_Y()) = equations_.Ydot();
-    xdot(places_.at_work) = equations_.power();
+    xdot.segment(places_.first_Y, layout_.n_Y()) = solution.Ydot();
+    xdot(places_.at_work) = equations_.power_of(solution.lambda());
+    return solution;
   }
 
   /// Multipliers are not controlled (the reactions are computed anew from q and Y): they get the size of forces and
   /// speeds themselves, so that only Newton's convergence on the motion counts. mu in particular carries round-off over
   /// the step.
-  void write_tolerances(const MotionState& start, Tolerance tolerance) {
+  void write_tolerances(const MotionState& start, const Solution& at_start, Tolerance tolerance) {
     const VecX motion = absolute_tolerances(equations_, start, tolerance);
     auto tolerances = view(tolerances_.get());
     tolerances.head(places_.first_lambda) = motion.head(places_.first_lambda);
     tolerances(places_.at_work) = motion(motion.size() - 1);
     double work = motion(motion.size() - 1) / tolerance.rtol;  // of a multiplier over a unit of its row
-    for (int row = 0; row < places_.n_rows; ++row) {
-      work = std::max(work, std::abs(equations_.lambda()(row)) * equations_.row_sizes()(row));
+    const VecX& sizes = equations_.row_sizes();
+    for (const RowIndex row : places_.rows()) {
+      work = std::max(work, std::abs(at_start.lambda()(row.value)) * sizes(row.value));
     }
     rate_ = (motion.segment(places_.first_Y, layout_.n_Y()).array() / equations_.units().array()).maxCoeff() /
             tolerance.rtol;
-    for (int row = 0; row < places_.n_rows; ++row) {
-      const double size = equations_.row_sizes()(row) > 0.0 ? equations_.row_sizes()(row) : 1.0;
-      tolerances(places_.first_lambda + row) = work / size;
+    for (const RowIndex row : places_.rows()) {
+      const double size = sizes(row.value) > 0.0 ? sizes(row.value) : 1.0;
+      tolerances(places_.at_lambda(row)) = work / size;
       if (places_.has_mu(row)) tolerances(places_.at_mu(row)) = rate_ / size;
     }
     tolerances.segment(places_.first_nu, places_.n_nu).setConstant(rate_);
@@ -156,8 +158,9 @@ class IdaStepper : public Stepper {
 
   /// mu, spread from its places over all rows.
   void spread_mu(const Eigen::Ref<const VecX>& mu) {
-    for (int row = 0; row < places_.n_rows; ++row)
-      all_rows_(row) = places_.has_mu(row) ? mu(places_.place_of_mu[row]) : 0.0;
+    for (const RowIndex row : places_.rows()) {
+      all_rows_(row.value) = places_.has_mu(row) ? mu(places_.place_of_mu[row.value]) : 0.0;
+    }
   }
 
   static int residual(sunrealtype t, N_Vector x_vector, N_Vector xdot_vector, N_Vector residual_vector, void* pointer) {
@@ -182,7 +185,7 @@ class IdaStepper : public Stepper {
 
     quasi_.setZero();
     spread_mu(x.segment(places_.first_mu, places_.n_mu));
-    equations_.add_Phi_Y_transposed_times(all_rows_, quasi_);
+    dynamics_.add_Phi_Y_transposed_times(all_rows_, quasi_);
     quasi_ = Y + equations_.units().cwiseAbs2().cwiseProduct(quasi_);
     layout_.write_qdot(q, quasi_, F.head(places_.first_Y));
     for (int i = 1; i < layout_.n_bodies(); ++i) {
@@ -192,18 +195,19 @@ class IdaStepper : public Stepper {
     }
     F.head(places_.first_Y) = xdot.head(places_.first_Y) - F.head(places_.first_Y);
 
-    equations_.fill_mass_matrices();
-    equations_.write_mass_times(xdot.segment(places_.first_Y, layout_.n_Y()), momentum_);
+    equations_.write_mass_matrices(mass_matrices_);
+    write_mass_times(layout_, mass_matrices_, xdot.segment(places_.first_Y, layout_.n_Y()), momentum_);
     momentum_ -= equations_.forces();
     all_rows_ = x.segment(places_.first_lambda, places_.n_rows);
-    equations_.add_Phi_Y_transposed_times(all_rows_, momentum_);
+    dynamics_.add_Phi_Y_transposed_times(all_rows_, momentum_);
     F.segment(places_.first_Y, layout_.n_Y()) = momentum_;
-    for (int row = 0; row < places_.n_rows; ++row) {
-      const bool is_active = equations_.is_active(row);
-      F(places_.first_lambda + row) = is_active ? equations_.velocity_residual()(row) : x(places_.first_lambda + row);
+    for (const RowIndex row : places_.rows()) {
+      const bool is_active = dynamics_.is_active(row);
+      const int at_lambda = places_.at_lambda(row);
+      F(at_lambda) = is_active ? equations_.velocity_residual()(row.value) : x(at_lambda);
       if (!places_.has_mu(row)) continue;
       const int at_mu = places_.at_mu(row);
-      F(at_mu) = is_active ? equations_.residual()(row) : x(at_mu);
+      F(at_mu) = is_active ? equations_.residual()(row.value) : x(at_mu);
     }
     F(places_.at_work) = xdot(places_.at_work) - equations_.power_of(all_rows_);
   }
@@ -237,7 +241,8 @@ class IdaStepper : public Stepper {
   sundials::Matrix matrix_;
   RefinedLu linear_solver_;
   std::unique_ptr<void, FreeMemory> memory_;
-  double rate_ = 0.0;  // of the machine [1/s]: its speeds in its units
+  double rate_ = 0.0;                // of the machine [1/s]: its speeds in its units
+  std::vector<MatX> mass_matrices_;  // by body
   VecX all_rows_;
   VecX unit_q_;
   VecX quasi_;
@@ -250,8 +255,8 @@ class IdaStepper : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const MotionState& start, Tolerance tolerance) {
-  return std::make_unique<IdaStepper>(equations, start, tolerance);
+std::unique_ptr<Stepper> make_ida_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance) {
+  return std::make_unique<IdaStepper>(dynamics, start, tolerance);
 }
 
 }  // namespace concord::cartesian

@@ -5,7 +5,7 @@ namespace concord::cartesian {
 IdaUnknowns::IdaUnknowns(const Equations& equations) {
   const Layout& layout = equations.layout();
   n_rows = equations.constraints().n_rows();
-  for (int row = 0; row < n_rows; ++row) {
+  for (const RowIndex row : rows()) {
     place_of_mu.push_back(equations.constraints().holds_positions(row) ? n_mu++ : -1);
   }
   n_nu = layout.n_bodies() - 1;

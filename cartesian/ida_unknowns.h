@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cartesian/equations.h"
+#include "cartesian/row_index.h"
 
 namespace concord::cartesian {
 
@@ -14,8 +15,10 @@ struct IdaUnknowns {
   /// A body's |p|^2 = 1.
   [[nodiscard]] int at_nu(int body) const { return first_nu + body - 1; }
   /// Whether a row has a mu, and where.
-  [[nodiscard]] bool has_mu(int row) const { return place_of_mu[row] >= 0; }
-  [[nodiscard]] int at_mu(int row) const { return first_mu + place_of_mu[row]; }
+  [[nodiscard]] bool has_mu(RowIndex row) const { return place_of_mu[row.value] >= 0; }
+  [[nodiscard]] int at_mu(RowIndex row) const { return first_mu + place_of_mu[row.value]; }
+  [[nodiscard]] int at_lambda(RowIndex row) const { return first_lambda + row.value; }
+  [[nodiscard]] RowRange rows() const { return {RowIndex(0), n_rows}; }
 
   int n_rows = 0;
   int n_mu = 0;

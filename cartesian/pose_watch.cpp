@@ -9,7 +9,7 @@
 #include <numeric>
 #include <optional>
 
-#include "cartesian/rank.h"
+#include "cartesian/row_choice.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -21,7 +21,7 @@ std::vector<int> order_rows(const Equations& equations) {
   const Constraints& constraints = equations.constraints();
   std::vector<std::vector<int>> of_body(equations.layout().n_bodies());
   for (const RowBlock& block : constraints.blocks()) {
-    for (int row = 0; row < block.n_rows; ++row) of_body[block.body].push_back(block.first_row + row);
+    for (int row = 0; row < block.n_rows; ++row) of_body[block.body].push_back(block.row(row).value);
   }
   std::vector<std::vector<int>> columns(constraints.n_rows());
   for (const auto& rows : of_body) {
@@ -49,9 +49,9 @@ std::vector<int> order_rows(const Equations& equations) {
 /// machine's largest is added to each: a thin rod has none about its axis.
 class PoseWatch::Overlap {
  public:
-  /// The equations' matrix has been filled: the largest inertia is taken from it.
-  explicit Overlap(const Equations& equations)
-      : matrix_(equations.matrix()), first_row_(equations.layout().n_Y()), values_(matrix_.row_indices().size(), 0.0) {
+  /// `matrix`: that of the equations with its numbers, from which the largest inertia is taken.
+  Overlap(const Equations& equations, const SparseLu& matrix)
+      : matrix_(matrix), first_row_(equations.layout().n_Y()), values_(matrix_.row_indices().size(), 0.0) {
     klu_defaults(&common_);
     common_.btf = 0;
     common_.scale = 0;
@@ -163,12 +163,14 @@ bool may_lose_rank(const Model& model) {
   return false;
 }
 
-PoseWatch::PoseWatch(Equations& equations, int generic_rank, double t, const MotionState& start)
-    : equations_(equations), generic_rank_(generic_rank), may_lose_rank_(may_lose_rank(equations.model())) {
+PoseWatch::PoseWatch(Dynamics& dynamics, int generic_rank, double t, const MotionState& start)
+    : dynamics_(dynamics),
+      equations_(dynamics.equations()),
+      generic_rank_(generic_rank),
+      may_lose_rank_(may_lose_rank(equations_.model())) {
   if (!may_lose_rank_) return;
   equations_.update(t, start.q, start.Y);
-  equations_.fill_matrix();
-  overlap_ = std::make_unique<Overlap>(equations);
+  overlap_ = std::make_unique<Overlap>(equations_, dynamics_.fill_matrix());
   last_ = sample_pose(t, start);
   chosen_pivots_ = largest_pivots_ = last_.pivots;
 }
@@ -177,19 +179,18 @@ PoseWatch::~PoseWatch() = default;
 
 /// At the last update of the equations, with the rows in use.
 PoseWatch::PoseSample PoseWatch::sample_pose(double t, const MotionState& motion) {
-  equations_.fill_matrix();
-  const SparseLu& matrix = equations_.matrix();
+  const SparseLu& matrix = dynamics_.fill_matrix();
   PoseSample at{t, motion.q, motion.Y, {matrix.values(), matrix.values() + matrix.row_indices().size()}, {}, {}};
-  at.rows = equations_.active_rows();
+  at.rows = dynamics_.active_rows();
   at.pivots = overlap_->pivots(at.values, at.values, at.rows);
   return at;
 }
 
-/// Rows chosen anew at a pose, which the equations use from then on.
+/// Rows chosen anew at a pose, which are in use from then on.
 void PoseWatch::choose(PoseSample& at) {
   const RowChoice choice = choose_rows(equations_, generic_rank_);
   if (choice.rank < generic_rank_) refuse(at.t, weakest_row_);
-  equations_.use_rows(choice.independent);
+  dynamics_.use_rows(choice.independent);
   at.rows = choice.independent;
   at.pivots = overlap_->pivots(at.values, at.values, at.rows);
 }
@@ -199,7 +200,7 @@ bool PoseWatch::follow(double t, const MotionState& motion) {
   constexpr int kDepth = 16;
   constexpr double kLittle = 0.1;  // pivots that change so little from step to step cannot vanish in between
   if (!may_lose_rank_ || t <= last_.t) return false;
-  const std::vector<bool> rows = equations_.active_rows();
+  const std::vector<bool> rows = dynamics_.active_rows();
   equations_.update(t, motion.q, motion.Y);
   PoseSample now = sample_pose(t, motion);
   const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
@@ -212,7 +213,7 @@ bool PoseWatch::follow(double t, const MotionState& motion) {
   const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
   bisect(last_, now, changes_little, kDepth);
   rate_ = rate;
-  equations_.use_rows(now.rows);
+  dynamics_.use_rows(now.rows);
   last_ = std::move(now);
   return last_.rows != rows;
 }
@@ -222,7 +223,8 @@ void PoseWatch::refuse_vanished(const PoseSample& now) {
   constexpr double kVanished = 1e-13;  // of the largest that a pivot has been; the root of that is the distance
   largest_pivots_ = largest_pivots_.cwiseMax(now.pivots);
   for (Eigen::Index row = 0; row < now.pivots.size(); ++row) {
-    if (now.rows[row] && !(now.pivots(row) > kVanished * largest_pivots_(row))) refuse(now.t, static_cast<int>(row));
+    if (now.rows[row] && !(now.pivots(row) > kVanished * largest_pivots_(row)))
+      refuse(now.t, RowIndex(static_cast<int>(row)));
   }
 }
 
@@ -242,7 +244,7 @@ bool PoseWatch::is_continuous(const PoseSample& before, const PoseSample& after,
     if (!rows[row]) continue;
     const double geometric_mean = std::sqrt(at_before(row)) * std::sqrt(at_after(row));
     if (at_before(row) > 0.0 && at_after(row) > 0.0 && between(row) >= kOverlap * geometric_mean) continue;
-    weakest_row_ = static_cast<int>(row);
+    weakest_row_ = RowIndex(static_cast<int>(row));
     return false;
   }
   return true;
@@ -274,7 +276,7 @@ bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& mi
     const double from_before = 2.0 * between(row) - at_before(row);
     const double from_after = 2.0 * between(row) - at_after(row);
     if (from_before > kPredicted * at_after(row) && from_after > kPredicted * at_before(row)) continue;
-    weakest_row_ = static_cast<int>(row);
+    weakest_row_ = RowIndex(static_cast<int>(row));
     return false;
   }
   return true;
@@ -313,9 +315,8 @@ PoseWatch::PoseSample PoseWatch::sample_between(const PoseSample& before, const 
     equations_.update(t, middle.q, middle.Y);
     const RowChoice choice = choose_rows_beside(equations_, generic_rank_);
     if (choice.rank < generic_rank_) refuse(t, weakest_row_);
-    equations_.use_rows(choice.independent);
-    equations_.solve(true);
-    equations_.project(t, middle.q, middle.Y);
+    dynamics_.use_rows(choice.independent);
+    dynamics_.project(dynamics_.solve(Pivots::fresh), t, middle.q, middle.Y);
     equations_.update(t, middle.q, middle.Y);
   } catch (const SingularPose&) {
     throw;
@@ -333,16 +334,16 @@ void PoseWatch::explain_stop(const std::string& reason) const {
     throw SingularPose(fmt::format(
         "cartesian: after t = {:.6g} s the motion comes to a singular pose, where constraints lose rank at {}, and the "
         "integrator does not reach it: {}",
-        last_.t, equations_.name_of(static_cast<int>(row)), reason));
+        last_.t, equations_.constraints().name_of(RowIndex(static_cast<int>(row))), reason));
   }
 }
 
-void PoseWatch::refuse(double t, int row) const {
+void PoseWatch::refuse(double t, RowIndex row) const {
   throw SingularPose(
       fmt::format("cartesian: at t = {:.6g} s the motion passes a singular pose: constraints lose rank at {}; the "
                   "motion may branch "
                   "there, and reactions may be unbounded",
-                  t, equations_.name_of(row)));
+                  t, equations_.constraints().name_of(row)));
 }
 
 }  // namespace concord::cartesian

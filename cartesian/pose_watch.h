@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cartesian/equations.h"
+#include "cartesian/dynamics.h"
 #include "cartesian/stepper.h"
 
 namespace concord::cartesian {
@@ -23,14 +23,14 @@ namespace concord::cartesian {
 /// either end and the middle predict of the other end is then wrong, however near both are, and nowhere else.
 class PoseWatch {
  public:
-  /// At the motion's start, with the rows that the equations use there; `generic_rank`: that of the machine where it is
+  /// At the motion's start, with the rows in use there; `generic_rank`: that of the machine where it is
   /// not singular.
-  PoseWatch(Equations& equations, int generic_rank, double t, const MotionState& start);
+  PoseWatch(Dynamics& dynamics, int generic_rank, double t, const MotionState& start);
   ~PoseWatch();
   PoseWatch(const PoseWatch&) = delete;
   PoseWatch& operator=(const PoseWatch&) = delete;
 
-  /// The motion has come to t. True if the equations use other rows from now on. Throws SingularPose where the motion
+  /// The motion has come to t. True if other rows are in use from now on. Throws SingularPose where the motion
   /// has passed or reached a singular pose.
   bool follow(double t, const MotionState& motion);
 
@@ -43,7 +43,7 @@ class PoseWatch {
     double t = 0.0;
     VecX q;
     VecX Y;
-    std::vector<double> values;  // of the equations' matrix
+    std::vector<double> values;  // of the matrix
     std::vector<bool> rows;
     VecX pivots;
   };
@@ -59,8 +59,9 @@ class PoseWatch {
   bool stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
                          const std::vector<bool>& rows);
   void bisect(const PoseSample& before, const PoseSample& after, bool changes_little, int depth);
-  [[noreturn]] void refuse(double t, int row) const;
+  [[noreturn]] void refuse(double t, RowIndex row) const;
 
+  Dynamics& dynamics_;
   Equations& equations_;
   int generic_rank_;
   bool may_lose_rank_;
@@ -69,7 +70,7 @@ class PoseWatch {
   VecX chosen_pivots_;      // where the rows in use were chosen
   VecX largest_pivots_;     // so far
   double rate_ = HUGE_VAL;  // of the change of pivots over the last step, relative [1/s]
-  int weakest_row_ = 0;
+  RowIndex weakest_row_;
 };
 
 /// Whether the constraints of a model can depend on each other at all: it has couplings, or joints that close a loop.

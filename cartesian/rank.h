@@ -1,17 +1,16 @@
 #pragma once
 
-#include <Eigen/Sparse>
-#include <cstdint>
 #include <vector>
 
-#include "cartesian/equations.h"
-#include "common/solver.h"
+#include "cartesian/row_selection.h"
 
+/// The rank of a matrix, and its null space.
 namespace concord::cartesian {
 
-/// Indices as SuiteSparse has them.
-using SparseIndex = std::int64_t;
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
+/// Singular values up to this, relative to the largest, count as zero.
+inline constexpr double kRankThreshold = 1e-10;
+/// The factor by which a threshold is moved, up and down, to see whether an answer depends on it.
+inline constexpr double kEitherWay = 31.622776601683793;
 
 /// Rank of a matrix with rows of unit size, and what its rows depend on each other by. Values are relative to the
 /// largest singular value.
@@ -37,34 +36,5 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
 /// a solution but not the shortest, so up to 500 rows a complete orthogonal decomposition does. Rows should be of about
 /// unit size.
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side);
-
-/// The constraint Jacobian over Y at the last update of `equations`, scaled so that rank does not depend on units:
-/// columns by the machine's units, then rows by their sizes.
-struct ScaledJacobian {
-  SparseMatrix matrix;
-  VecX row_scale;  // matrix row = row_scale * Phi_Y row * units; 1 for a row of zeros
-};
-ScaledJacobian scaled_jacobian(const Equations& equations);  // (C49)
-
-/// A largest independent set of the constraint rows at the last update of `equations`, and its size; of rows that
-/// depend on each other those that hold for positions come before those that hold for velocities alone. Where
-/// `expected` rows are well independent no other rank is looked for.
-struct RowChoice {
-  int rank = 0;
-  std::vector<bool> independent;
-};
-RowChoice choose_rows(const Equations& equations, int expected);
-/// The same of a pose that is not closed, where rows that depend on each other on the motion do not quite do so: at
-/// most `expected` rows, those that are most independent.
-RowChoice choose_rows_beside(const Equations& equations, int expected);
-std::vector<bool> independent_rows(const Equations& equations);
-
-/// Orthonormal columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows
-/// permit at the last update of `equations`, drivers at rest (C52).
-MatX permitted_velocities(const Equations& equations);
-
-/// Rank, and which reaction components, coordinate forces and coupling forces stay the same for all multipliers in the
-/// null space of Phi_Y^T; which of these answers another threshold would change.
-RankReport report_rank(const Equations& equations);
 
 }  // namespace concord::cartesian

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cartesian/residual_measures.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -29,14 +30,15 @@ constexpr Eigen::Index kLooks = 16;
 
 }  // namespace
 
-Stepper::Stepper(Equations& equations, const MotionState& start)
-    : equations_(equations),
+Stepper::Stepper(Dynamics& dynamics, const MotionState& start)
+    : dynamics_(dynamics),
+      equations_(dynamics.equations()),
       motion_(start),
-      has_regimes_(equations.applied().has_regimes()),
+      has_regimes_(equations_.applied().has_regimes()),
       event_(HUGE_VAL),
-      looks_(equations.applied().n_event_functions(), kLooks + 1) {
+      looks_(equations_.applied().n_event_functions(), kLooks + 1) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
-  const double rate = std::max(equations.natural_rate(), equations.largest_rate(0.0, start.Y));
+  const double rate = std::max(natural_rate(equations_), largest_rate(equations_, 0.0, start.Y));
   chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
 }
 
@@ -59,11 +61,15 @@ double Stepper::step(double stop) {
 
 void Stepper::begin_anew() {
   if (!remembers_multipliers()) return;
-  equations_.update(time_, motion_.q, motion_.Y);
-  equations_.solve(true);
-  equations_.project(time_, motion_.q, motion_.Y);
+  close_motion(time_);
   restart(time_);
   reached_ = time_;
+}
+
+/// Brings motion_, which is at time t, onto the constraints.
+void Stepper::close_motion(double t) {
+  const Solution& solution = dynamics_.solve_at(t, motion_.q, motion_.Y, Pivots::fresh);
+  dynamics_.project(solution, t, motion_.q, motion_.Y);
 }
 
 /// How far tires and stops are inside their regimes.
@@ -175,9 +181,7 @@ double Stepper::locate_event(double from, double stop) {  // (C59)
 void Stepper::pass_event() {
   set_motion_at(event_);
   (void)event_function(event_, motion_);  // names the tire or the stop
-  equations_.update(event_, motion_.q, motion_.Y);
-  equations_.solve(true);
-  equations_.project(event_, motion_.q, motion_.Y);
+  close_motion(event_);
   equations_.applied().freeze_regimes(false);
   equations_.update(event_, motion_.q, motion_.Y);
   equations_.applied().freeze_regimes(true);
@@ -216,7 +220,7 @@ VecX absolute_tolerances(const Equations& equations, const MotionState& start, T
   }
   constexpr double kStandstill = 1e-9;  // of the length in the time of the run: what closing leaves, and no motion
   const double least = length / tolerance.until;
-  if (!(speed > kStandstill * least)) speed = std::max(equations.natural_rate() * length, least);
+  if (!(speed > kStandstill * least)) speed = std::max(natural_rate(equations) * length, least);
   double energy = 0.0;
   VecX scales(layout.n_q() + layout.n_Y() + 1);
   auto q = scales.head(layout.n_q());

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "cartesian/equations.h"
+#include "cartesian/dynamics.h"
 
 namespace concord::cartesian {
 
@@ -39,7 +39,7 @@ class Stepper {
   [[nodiscard]] double largest_work() const { return largest_work_; }
 
  protected:
-  Stepper(Equations& equations, const MotionState& start);
+  Stepper(Dynamics& dynamics, const MotionState& start);
 
   /// One step of the method from reached_ on, which it moves; it may pass `stop` if set_motion_at() then finds the way.
   virtual void advance(double stop) = 0;
@@ -53,6 +53,7 @@ class Stepper {
   /// Whether the method remembers multipliers, which belong to the rows in use.
   [[nodiscard]] virtual bool remembers_multipliers() const = 0;
 
+  Dynamics& dynamics_;
   Equations& equations_;
   MotionState motion_;
   double reached_ = 0.0;  // by the method; time_ may lag behind
@@ -67,6 +68,7 @@ class Stepper {
   double find_minimum(Eigen::Index function, double low, double high);
   double locate_event(double from, double stop);
   void pass_event();
+  void close_motion(double t);
   void refuse_chatter();
 
   bool has_regimes_;
@@ -93,12 +95,11 @@ VecX absolute_tolerances(const Equations& equations, const MotionState& start, T
 
 /// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of
 /// ARKODE; every step is projected onto the constraints. For machines that are not stiff. Each step holds `tolerance`.
-std::unique_ptr<Stepper> make_extrapolation_stepper(Equations& equations, const MotionState& start,
-                                                    Tolerance tolerance);
+std::unique_ptr<Stepper> make_extrapolation_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance);
 
 /// IDA (BDF, orders 1 to 5) on the stabilized index-2 equations with KLU: positions and velocities are both
 /// constrained, the position rows' extra multipliers mu stay at round-off. For stiff machines. Each step holds
 /// `tolerance`.
-std::unique_ptr<Stepper> make_ida_stepper(Equations& equations, const MotionState& start, Tolerance tolerance);
+std::unique_ptr<Stepper> make_ida_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance);
 
 }  // namespace concord::cartesian

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "cartesian/dynamics.h"
 #include "cartesian/equations.h"
 #include "cartesian/reactions.h"
 #include "cartesian/solver.h"
@@ -33,6 +34,7 @@ struct Car {
       : model(settled),
         relative(model),
         cartesian(model),
+        dynamics(cartesian),
         q(VecX::Zero(cartesian.layout().n_q())),
         Y(VecX::Zero(cartesian.layout().n_Y())) {
     const State state = relative::make_solver(model)->assemble();
@@ -41,8 +43,7 @@ struct Car {
     evaluate_relative();
     cartesian.layout().unpack(state, q, Y);
     cartesian.update(0.0, q, Y);
-    cartesian.solve(true);
-    const cartesian::SparseLu& matrix = cartesian.matrix();
+    const cartesian::SparseLu& matrix = dynamics.fill_matrix();
     factors = std::make_unique<cartesian::SparseLu>(matrix.column_starts(), matrix.row_indices(),
                                                     cartesian::SparseLu::Pattern::symmetric);
     std::copy_n(matrix.values(), matrix.row_indices().size(), factors->values());
@@ -54,10 +55,7 @@ struct Car {
     relative.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
     relative.compute_reactions();
   }
-  void evaluate_cartesian() {
-    cartesian.update(0.0, q, Y);
-    cartesian.solve(false);
-  }
+  void evaluate_cartesian() { solved = &dynamics.solve_at(0.0, q, Y, cartesian::Pivots::kept); }
   void factor_and_solve() {
     factors->refactor();
     solution = right_side;
@@ -70,7 +68,7 @@ struct Car {
     double apart = 0.0;
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       const cartesian::JointEquations& joint = cartesian.constraints().joint(static_cast<int>(k));
-      const VecX lambda = cartesian.lambda().segment(joint.first_row, joint.n_rows);
+      const VecX lambda = solved->lambda().segment(joint.first_row.value, joint.n_rows);
       const Vec3 one =
           cartesian::compute_wrenches(model.joints[k], joint, lambda, nullptr).reaction_on(Side::child).in_global.force;
       const Vec3 other = relative.reactions().joints()[k].reaction_on(Side::child).in_global.force;
@@ -84,6 +82,8 @@ struct Car {
   relative::Equations relative;
   relative::Coordinates coordinates;
   cartesian::Equations cartesian;
+  cartesian::Dynamics dynamics;
+  const cartesian::Solution* solved = nullptr;  // the last
   VecX q;
   VecX Y;
   std::unique_ptr<cartesian::SparseLu> factors;

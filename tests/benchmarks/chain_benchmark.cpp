@@ -9,6 +9,7 @@
 #include <map>
 #include <string>
 
+#include "cartesian/dynamics.h"
 #include "cartesian/equations.h"
 #include "cartesian/reactions.h"
 #include "relative/equations.h"
@@ -51,21 +52,20 @@ class CartesianChain {
   explicit CartesianChain(const Chain& chain)
       : model_(chain.model),
         equations_(chain.model),
+        dynamics_(equations_),
         q_(VecX::Zero(equations_.layout().n_q())),
         Y_(VecX::Zero(equations_.layout().n_Y())) {
     equations_.layout().unpack(chain.state, q_, Y_);
-    equations_.update(0.0, q_, Y_);
-    equations_.solve(true);
+    dynamics_.solve_at(0.0, q_, Y_, cartesian::Pivots::fresh);
     wrenches_.resize(model_.joints.size());
   }
 
   void evaluate() {
-    equations_.update(0.0, q_, Y_);
-    equations_.solve(false);
+    const cartesian::Solution& solution = dynamics_.solve_at(0.0, q_, Y_, cartesian::Pivots::kept);
     for (std::size_t k = 0; k < wrenches_.size(); ++k) {
       const cartesian::JointEquations& joint = equations_.constraints().joint(static_cast<int>(k));
-      wrenches_[k] = cartesian::compute_wrenches(model_.joints[k], joint,
-                                                 equations_.lambda().segment(joint.first_row, joint.n_rows), nullptr);
+      const auto lambda = solution.lambda().segment(joint.first_row.value, joint.n_rows);
+      wrenches_[k] = cartesian::compute_wrenches(model_.joints[k], joint, lambda, nullptr);
     }
   }
   [[nodiscard]] Wrench reaction(int joint) const { return wrenches_[joint].reaction_on(Side::child).in_global; }
@@ -73,6 +73,7 @@ class CartesianChain {
  private:
   const Model& model_;
   cartesian::Equations equations_;
+  cartesian::Dynamics dynamics_;
   VecX q_;
   VecX Y_;
   std::vector<JointWrenches> wrenches_;

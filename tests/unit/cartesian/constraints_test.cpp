@@ -71,7 +71,7 @@ TEST(Constraints, VelocityRowsAndGammaFollowFromTheResidual) {
     const VecX by_residual = (rig.residual(rig.carried(h)) - rig.residual(rig.carried(-h))) / (2 * h);
     for (int row = 0; row < rig.constraints.n_rows(); ++row) {
       const bool holds_positions = row < any_two(static_cast<int>(k)).rows();
-      EXPECT_EQ(rig.constraints.holds_positions(row), holds_positions);
+      EXPECT_EQ(rig.constraints.holds_positions(RowIndex(row)), holds_positions);
       EXPECT_NEAR(by_residual(row), holds_positions ? velocity(row) : 0.0, 1e-7 * (1 + velocity.norm()));
     }
     const VecX by_rate = (rig.rate(rig.carried(h)) - rig.rate(rig.carried(-h))) / (2 * h);

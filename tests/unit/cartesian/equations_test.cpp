@@ -2,90 +2,48 @@
 
 #include <gtest/gtest.h>
 
-#include "cartesian/closing.h"
-#include "common/error.h"
-#include "common/joints/catalogue.h"
-#include "machines.h"
+#include "two_bodies.h"
 
 namespace concord::cartesian {
 namespace {
 
 using testing::Numbers;
 
-struct TwoBodies {
-  Model model;
-  Equations equations;
-  VecX q;
-  VecX Y;
-
-  TwoBodies(unsigned seed, const std::string& type, int m_parent, int m_child)
-      : model(testing::make_pair(seed, *joints::find(type), m_parent, m_child)), equations(model) {
-    Numbers numbers(seed);
-    q = numbers.matrix(equations.layout().n_q(), 1, 0.4);
-    equations.layout().normalize(q);
-    Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
+/// A turn and a slide with springs and stops that a coupling relates.
+Model sprung_screw() {
+  Model model = testing::make_pair(111, *joints::find("cylindrical"), 1, 2);
+  for (const int word : {0, 1}) {
+    JointSpring spring;
+    spring.word = word;
+    spring.law.stiffness = 20.0;
+    spring.law.upper = SmoothStop{.at = 0.1, .stiffness = 300.0, .damping = 2.0, .width = 0.05};
+    model.joints[0].springs.push_back(spring);
   }
-};
-
-/// The solution put back into the dense equations of motion, for two flexible bodies on a universal joint.
-TEST(Equations, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
-  TwoBodies rig(101, "universal", 2, 3);
-  Equations& equations = rig.equations;
-  equations.update(0.0, rig.q, rig.Y);
-  for (const bool fresh : {true, false}) {
-    equations.solve(fresh);
-    VecX balance = VecX::Zero(rig.Y.size());
-    equations.write_mass_times(equations.Ydot(), balance);
-    equations.add_Phi_Y_transposed_times(equations.lambda(), balance);
-    balance -= equations.forces();
-    EXPECT_LT(balance.norm(), 1e-12 * equations.forces().norm());
-    VecX gamma(equations.constraints().n_rows());
-    equations.constraints().write_gamma(0.0, gamma);
-    const JointEquations& joint = equations.constraints().joint(0);
-    for (int row = 0; row < joint.n_rows; ++row) {
-      double acceleration = 0.0;
-      for (const Side side : {Side::parent, Side::child}) {
-        const int body = rig.model.joints[0].on(side).body;
-        acceleration += joint.Phi_Y_transposed[index(side)].col(row).dot(
-            equations.Ydot().segment(equations.layout().first_Y(body), equations.layout().size_Y(body)));
-      }
-      EXPECT_NEAR(acceleration, gamma(row), 1e-12 * (1.0 + gamma.norm()));
-    }
-  }
+  model.couplings.push_back({"thread", {{0, 0, 0, 1.0}, {0, 1, 0, 0.1}}, 0.0, {}});
+  return model;
 }
 
-TEST(Equations, ProjectionClosesPositionsAndVelocities) {
-  TwoBodies rig(103, "cylindrical", 2, 0);
-  Equations& equations = rig.equations;
-  ASSERT_TRUE(close_machine(equations, 0.0, Hold::constraints, Modes::kept, rig.q, rig.Y).closed);
-  equations.solve(true);
-  Numbers numbers(104);
-  rig.q += numbers.matrix(static_cast<int>(rig.q.size()), 1, 1e-5);
-  rig.Y += numbers.matrix(static_cast<int>(rig.Y.size()), 1, 1e-5);
-  equations.update(0.0, rig.q, rig.Y);
-  EXPECT_GT(equations.residual().norm(), 1e-6);
-  equations.project(0.0, rig.q, rig.Y);
-  equations.update(0.0, rig.q, rig.Y);
-  EXPECT_LT(equations.residual().norm(), 1e-13);
-  EXPECT_LT(equations.velocity_residual().norm(), 1e-13);
-}
-
-TEST(Equations, TellASingularMatrixAndItsTime) {
-  TwoBodies rig(105, "revolute", 0, 0);
-  rig.model.bodies[1].mass = 0.0;
-  rig.model.bodies[1].inertia_L.setZero();
-  rig.model.joints.clear();
-  Equations equations(rig.model);
-  equations.update(0.25, rig.q, rig.Y);
-  try {
-    equations.solve(true);
-    FAIL() << "a body without mass was solved for";
-  } catch (const SingularPose& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "cartesian: at t = 0.25 s the equations of motion are singular: the machine is in a singular pose, or a "
-        "body can move without inertia");
-  }
+/// Who works on a copy of the equations sees the turns that are counted and the regimes that are held.
+TEST(Equations, ACopyCountsTurnsAndHoldsRegimesAsTheOther) {
+  const Model model = sprung_screw();
+  Equations equations(model);
+  Equations copy(model);
+  Numbers numbers(112);
+  VecX q = numbers.matrix(equations.layout().n_q(), 1, 0.4);
+  equations.layout().normalize(q);
+  const VecX Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
+  equations.count_turns_from({Eigen::Vector2d(0.3, 6.0 * EIGEN_PI)});
+  equations.update(0.0, q, Y);  // in the regimes of this state
+  equations.applied().freeze_regimes(true);
+  equations.count_turns_from({Eigen::Vector2d(0.3, -6.0 * EIGEN_PI)});
+  equations.update(0.0, q, Y);
+  copy.update(0.0, q, Y);
+  EXPECT_GT((copy.forces() - equations.forces()).norm(), 1.0);
+  EXPECT_GT((copy.residual() - equations.residual()).norm(), 0.1);
+  copy.count_turns_and_hold_regimes_as(equations);
+  copy.update(0.0, q, Y);
+  EXPECT_EQ(copy.forces(), equations.forces());
+  EXPECT_EQ(copy.residual(), equations.residual());
 }
 
 }  // namespace

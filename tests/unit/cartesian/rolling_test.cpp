@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "cartesian/equations.h"
-#include "cartesian/rank.h"
+#include "cartesian/row_choice.h"
 #include "cartesian/solver.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"

@@ -1,0 +1,86 @@
+#include "cartesian/element_forces.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "cartesian/spring_forces.h"
+#include "cartesian/tire_forces.h"
+#include "common/error.h"
+#include "common/rotation.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// theta = log(R). Throws SolverError beyond 175 deg.
+Vec3 rotation_vector(const Mat3& R, const std::string& name, double t) {
+  const Eigen::AngleAxisd turn(R);
+  if (!(turn.angle() <= kLargestAngle)) {
+    throw SolverError(fmt::format(
+        "cartesian: at t = {:.6g} s bushing '{}' is turned by {:.1f} deg, allowed are 175 deg: it is no joint", t, name,
+        turn.angle() * 180.0 / EIGEN_PI));
+  }
+  return turn.angle() * turn.axis();
+}
+
+/// J^-T of the rotation vector: 1 + theta~ / 2 + c theta~^2, c = (1 - (t/2) cot(t/2)) / t^2 (C36).
+Mat3 inverse_transposed_tangent(const Vec3& theta) {
+  const double t_squared = theta.squaredNorm();
+  const double half = 0.5 * std::sqrt(t_squared);
+  const double c = t_squared < 1e-2 ? 1.0 / 12.0 + t_squared / 720.0 + t_squared * t_squared / 30240.0 +
+                                          t_squared * t_squared * t_squared / 1209600.0
+                                    : (1.0 - half / std::tan(half)) / t_squared;
+  const Mat3 theta_skew = skew(theta);
+  return Mat3::Identity() + 0.5 * theta_skew + c * theta_skew * theta_skew;
+}
+
+void exert(const Load& load, const ForceInstant& at, Actor& actor) {  // (S32)
+  const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
+                    : load.axes == LoadAxes::body ? at.A_child
+                                                  : actor.child().A_joint;
+  const double size = evaluate(load.law, at.t).f;
+  actor.on_child() = {size * (axes * load.force), size * (axes * load.torque)};
+}
+
+void exert(const Bushing& bushing, const ForceInstant& at, Actor& actor) {  // (S35)
+  const Vec3 theta = rotation_vector(actor.motion.R, at.name, at.t);
+  Vec6 displacement;
+  displacement << actor.motion.d, theta;
+  Vec6 speed;
+  speed << actor.motion.ddot, actor.motion.omega;
+  Vec6 elastic = bushing.stiffness * displacement - bushing.preload;
+  elastic.tail<3>() = inverse_transposed_tangent(theta) * elastic.tail<3>();
+  const Vec6 in_C = -elastic - bushing.damping * speed;
+  const Mat3& axes = actor.parent().A_joint;
+  actor.on_child() = {axes * in_C.head<3>(), axes * in_C.tail<3>()};
+  actor.on_parent() = opposite(actor.on_child(), actor.child().point - actor.parent().point);
+}
+
+int n_event_functions(const Load& /*load*/) { return 0; }
+int n_event_functions(const Bushing& /*bushing*/) { return 0; }
+
+double* write_event_functions(const Load& /*load*/, const ForceInstant& /*at*/, const Actor& /*actor*/, double* next) {
+  return next;
+}
+double* write_event_functions(const Bushing& /*bushing*/, const ForceInstant& /*at*/, const Actor& /*actor*/,
+                              double* next) {
+  return next;
+}
+
+}  // namespace
+
+void exert(const ForceElement& element, const ForceInstant& at, Actor& actor) {
+  std::visit([&](const auto& what) { exert(what, at, actor); }, element.what);
+}
+
+int n_event_functions(const ForceElement& element) {
+  return std::visit([](const auto& what) { return n_event_functions(what); }, element.what);
+}
+
+double* write_event_functions(const ForceElement& element, const ForceInstant& at, const Actor& actor, double* next) {
+  return std::visit([&](const auto& what) { return write_event_functions(what, at, actor, next); }, element.what);
+}
+
+}  // namespace concord::cartesian

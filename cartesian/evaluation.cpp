@@ -1,0 +1,40 @@
+#include "cartesian/evaluation.h"
+
+#include "cartesian/joint_coordinates.h"
+#include "cartesian/reactions.h"
+
+namespace concord::cartesian {
+
+State reported_state(const Equations& equations, const VecX& q, const VecX& Y, const std::vector<VecX>& known) {
+  State state = equations.layout().pack(equations.time(), q, Y);
+  state.q = known;
+  state.u = zero_speeds(equations.model());
+  read_joint_coordinates(equations.model(), equations.constraints(), state.q, state.u);
+  return state;
+}
+
+Evaluation reported_evaluation(const Equations& equations, const Solution& solution) {
+  const Model& model = equations.model();
+  const Layout& layout = equations.layout();
+  const Constraints& constraints = equations.constraints();
+  Evaluation result;
+  result.bodies.resize(layout.n_bodies());
+  for (int i = 1; i < layout.n_bodies(); ++i) {
+    result.bodies[i] = {layout.v(solution.Ydot(), i), layout.omega(solution.Ydot(), i),
+                        layout.adot(solution.Ydot(), i)};
+  }
+  for (int k = 0; k < constraints.n_joints(); ++k) {
+    const JointEquations& joint = constraints.joint(k);
+    const VecX lambda = joint_multipliers(joint, solution.lambda());
+    result.joints.push_back(compute_wrenches(model.joints[k], joint, lambda, equations.applied().springs_of(k)));
+  }
+  for (int g = 0; g < constraints.n_couplings(); ++g) {
+    result.couplings.push_back(-solution.lambda()(constraints.coupling(g).row.value));
+  }
+  for (std::size_t e = 0; e < model.elements.size(); ++e) {
+    result.elements.push_back(equations.applied().element(static_cast<int>(e)));
+  }
+  return result;
+}
+
+}  // namespace concord::cartesian

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cartesian/augmented_matrix.h"
+#include "cartesian/constraints.h"
+#include "cartesian/residual_measures.h"
+
+namespace concord::cartesian {
+
+/// Brings positions and velocities onto the constraints (C48): velocities nearest in the sense of the mass matrix,
+/// positions too but for modes, which are moved as little as their stiffness asks; rows that hold for velocities alone
+/// do not restrict positions. It moves constraints of its own: the equations stay as they are.
+class Projection {
+ public:
+  explicit Projection(const Equations& equations);
+
+  /// Which constraint rows take part, by row.
+  void use_rows(const std::vector<bool>& active);
+
+  /// Newton's method with one matrix until the residuals stop falling: `matrix` with the numbers and factors that it
+  /// has nearby, at the last update of the equations. Throws SolverError if residuals stay above 1e-9 in the machine's
+  /// units. Returns how often residuals hold their round-off there; overwritten by the next call.
+  const RoundOffShares& project(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> q,
+                                Eigen::Ref<VecX> Y);
+
+ private:
+  void factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix);
+  void project_positions(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> q);
+  void project_velocities(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> Y);
+  void solve_constraint_step(AugmentedMatrix& matrix);
+
+  Constraints constraints_;
+  std::vector<double> stiffening_;  // by body [s^2]: what stiffness counts for beside inertia in steps of positions
+  /// The matrix that steps of positions are taken with: no rows that hold for velocities alone, and modes held by their
+  /// stiffness, so that they take no round-off of the joints. nullptr: it is the matrix itself.
+  std::unique_ptr<AugmentedMatrix> position_matrix_;
+  bool has_new_rows_ = true;  // since the last factorization of the position matrix
+  std::vector<bool> active_;
+  RoundOffShares shares_;
+  VecX residual_;
+  VecX unknowns_;
+  VecX step_;
+};
+
+}  // namespace concord::cartesian

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+#include "cartesian/equations.h"
+
+/// How large residuals of constraints are, and what motions and forces of a machine they are compared with: numbers
+/// without a length or a mass in their unit.
+namespace concord::cartesian {
+
+/// How often the residuals of constraint rows hold their round-off at some positions.
+struct RoundOffShares {
+  explicit RoundOffShares(const Constraints& constraints)
+      : terms(VecX::Ones(constraints.n_rows())), reaches(VecX::Ones(constraints.n_rows())) {}
+
+  /// By row: 1, or of rows that read places the distance from the origin in lengths of the machine, or the row's own
+  /// terms (many turns) by its size.
+  VecX terms;
+  /// By row: the distance alone, 1 of rows that read orientations.
+  VecX reaches;
+  /// The farthest that anything stands from the origin or its body's origin, in lengths of the machine; at least 1.
+  double reach = 1.0;
+};
+/// At the last update, which was at time t and positions q, or for positions q that are as near as round-off.
+void measure_round_off(const Equations& equations, double t, const Eigen::Ref<const VecX>& q, RoundOffShares& shares);
+
+/// The largest residual of positions by row sizes and shares of round-off (C45).
+double largest_residual(const Equations& equations, const VecX& residual, const RoundOffShares& shares);
+/// The largest residual of velocities by row sizes [1/s].
+double largest_velocity_residual(const Equations& equations, const VecX& velocity_residual);
+/// The same; rows that read places by the distance from the origin besides: round-off of places stands between the
+/// points of a joint and turns with them.
+double largest_velocity_residual_by_reach(const Equations& equations, const VecX& velocity_residual,
+                                          const RoundOffShares& shares);
+/// The joint or coupling of the largest of these residuals by row sizes.
+std::string name_of_largest(const Equations& equations, const VecX& residual);
+
+/// The rate that the forces would bring about over the machine's length [1/s]: sqrt(acceleration / L), the largest of
+/// all bodies (C46).
+double natural_rate(const Equations& equations);
+/// The largest speed Y in the machine's units [1/s], that of laws of drivers at time t included; at least a millionth
+/// of the natural rate.
+double largest_rate(const Equations& equations, double t, const Eigen::Ref<const VecX>& Y);
+
+}  // namespace concord::cartesian

@@ -1,0 +1,120 @@
+#include "cartesian/row_selection.h"
+
+#include <Eigen/SPQRSupport>
+#include <cmath>
+#include <type_traits>
+
+namespace concord::cartesian {
+
+static_assert(std::is_same_v<SparseIndex, SuiteSparse_long>);
+
+namespace {
+
+/// Smallest singular value of an upper triangular matrix, by two rounds of inverse iteration; `solve` and
+/// `solve_transposed` apply its inverse in place.
+template <class Solve, class SolveTransposed>
+double estimate_smallest(Eigen::Index size, const Solve& solve, const SolveTransposed& solve_transposed) {
+  if (size == 0) return 0.0;
+  VecX x = VecX::NullaryExpr(size, [](Eigen::Index k) { return k % 3 == 1 ? -1.0 : 1.0; }).normalized();
+  double smallest = HUGE_VAL;
+  for (int round = 0; round < 3; ++round) {
+    solve_transposed(x);
+    solve(x);
+    const double growth = x.norm();
+    if (!(growth > 0.0) || !std::isfinite(growth)) break;
+    smallest = 1.0 / std::sqrt(growth);
+    x /= growth;
+  }
+  return smallest;
+}
+
+template <class Triangle>
+void select_from(const Triangle& R, RowSelection& selection) {
+  const Eigen::Index live = selection.live;
+  const MatX R11 = R.topLeftCorner(live, live);
+  const auto triangle = R11.template triangularView<Eigen::Upper>();
+  selection.dependence = R.topRightCorner(live, R.cols() - live);
+  // Eigen's triangular solver reads the first entry of an empty matrix too.
+  if (selection.dependence.size() > 0) triangle.solveInPlace(selection.dependence);
+  selection.smallest_live = estimate_smallest(
+      live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
+}
+
+Eigen::Index count_live(const VecX& diagonal, double tolerance) {
+  Eigen::Index live = 0;
+  while (live < diagonal.size() && std::abs(diagonal(live)) > tolerance) ++live;
+  return live;
+}
+
+RowSelection select_dense(const MatX& transposed, double tolerance) {
+  RowSelection selection;
+  const Eigen::ColPivHouseholderQR<MatX> qr(transposed);
+  const auto indices = qr.colsPermutation().indices();
+  selection.order.assign(indices.begin(), indices.end());
+  selection.live = count_live(qr.matrixQR().diagonal(), tolerance);
+  select_from(qr.matrixQR(), selection);
+  return selection;
+}
+
+/// The rows that go first are selected among themselves, the others by their parts independent of these.
+RowSelection select_dense_in_order(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
+  std::vector<Eigen::Index> first;
+  std::vector<Eigen::Index> then;
+  for (Eigen::Index row = 0; row < transposed.cols(); ++row) (goes_first[row] ? first : then).push_back(row);
+  std::vector<Eigen::Index> order;
+  const Eigen::Index live_first = pivot_columns(transposed(Eigen::all, first), tolerance, order);
+  RowSelection selection;
+  std::vector<Eigen::Index> left_over;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    (static_cast<Eigen::Index>(k) < live_first ? selection.order : left_over).push_back(first[order[k]]);
+  }
+  const Eigen::HouseholderQR<MatX> qr_first(transposed(Eigen::all, selection.order));
+  const MatX turned = qr_first.householderQ().transpose() * MatX(transposed(Eigen::all, then));
+  const Eigen::Index live_then = pivot_columns(turned.bottomRows(turned.rows() - live_first), tolerance, order);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    (static_cast<Eigen::Index>(k) < live_then ? selection.order : left_over).push_back(then[order[k]]);
+  }
+  selection.live = live_first + live_then;
+  selection.order.insert(selection.order.end(), left_over.begin(), left_over.end());
+  const Eigen::HouseholderQR<MatX> qr(transposed(Eigen::all, selection.order));
+  select_from(qr.matrixQR(), selection);
+  return selection;
+}
+
+/// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
+RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
+  Eigen::SPQR<SparseMatrix> qr;
+  qr.setPivotThreshold(tolerance);
+  qr.compute(transposed);
+  RowSelection selection;
+  selection.live = static_cast<Eigen::Index>(qr.rank());
+  const auto indices = qr.colsPermutation().indices();
+  selection.order.assign(indices.begin(), indices.end());
+  const SparseMatrix R = qr.matrixR();
+  const SparseMatrix R11 = R.topLeftCorner(selection.live, selection.live);
+  const auto triangle = R11.triangularView<Eigen::Upper>();
+  selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
+  const SparseMatrix R11_transposed = R11.transpose();
+  const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
+  selection.smallest_live = estimate_smallest(
+      selection.live, [&](VecX& x) { triangle.solveInPlace(x); },
+      [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+  return selection;
+}
+
+}  // namespace
+
+Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Eigen::Index>& order) {
+  const Eigen::ColPivHouseholderQR<MatX> qr(columns);
+  const auto indices = qr.colsPermutation().indices();
+  order.assign(indices.begin(), indices.end());
+  return count_live(qr.matrixQR().diagonal(), tolerance);
+}
+
+RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
+  if (goes_first != nullptr) return select_dense_in_order(MatX(transposed), *goes_first, tolerance);
+  return transposed.cols() > kDenseRows ? select_sparse(transposed, tolerance)
+                                        : select_dense(MatX(transposed), tolerance);
+}
+
+}  // namespace concord::cartesian

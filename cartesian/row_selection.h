@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Sparse>
+#include <cstdint>
+#include <vector>
+
+#include "common/types.h"
+
+/// Which rows of a matrix are independent, by a rank-revealing QR factorization of its transpose.
+namespace concord::cartesian {
+
+/// Indices as SuiteSparse has them.
+using SparseIndex = std::int64_t;
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
+
+/// Of more rows SuiteSparseQR makes the factorization.
+inline constexpr Eigen::Index kDenseRows = 60;
+
+/// Rows in the order in which a QR factorization of the transposed matrix takes them: `live` ones first, then those
+/// that are left over. R11 over the live rows, and how the others depend on them: row = dependence^T live rows + rest.
+struct RowSelection {
+  Eigen::Index live = 0;
+  std::vector<Eigen::Index> order;
+  MatX dependence;             // live x left over
+  double smallest_live = 0.0;  // estimate of the smallest singular value of the live rows
+};
+
+/// `tolerance`: what others leave of a row that is left over. With `goes_first` given, its rows come before all others,
+/// and the QR is a dense one.
+RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance);
+
+/// Order of the columns of a matrix by column pivoting, those above the tolerance first; returns how many these are.
+Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Eigen::Index>& order);
+
+}  // namespace concord::cartesian

@@ -1,0 +1,228 @@
+#include "cartesian/run.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "cartesian/closing.h"
+#include "cartesian/evaluation.h"
+#include "cartesian/joint_coordinates.h"
+#include "cartesian/line_watch.h"
+#include "cartesian/pose_watch.h"
+#include "cartesian/residual_measures.h"
+#include "cartesian/state_check.h"
+#include "cartesian/stepper.h"
+#include "common/error.h"
+#include "common/laws/break_times.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// Holds the regimes that tires and stops are in for the time of a run.
+struct FrozenRegimes {
+  AppliedForces& applied;
+
+  explicit FrozenRegimes(AppliedForces& forces) : applied(forces) { applied.freeze_regimes(true); }
+  ~FrozenRegimes() { applied.freeze_regimes(false); }
+  FrozenRegimes(const FrozenRegimes&) = delete;
+  FrozenRegimes& operator=(const FrozenRegimes&) = delete;
+};
+
+/// Refuses a run that would never end: an explicit method on a stiff machine, or a motion into a pose that locks.
+class Pace {
+ public:
+  /// `advice` ends the message: what to do about a stiff machine.
+  Pace(double until, std::string advice) : until_(until), advice_(std::move(advice)) {}
+
+  /// Throws SolverError if a thousandth of the run takes too many evaluations.
+  void require(double t, long evaluations) {
+    constexpr long kMost = 300'000;
+    constexpr double kPart = 1e-3;
+    if (t - since_ > kPart * until_) {
+      since_ = t;
+      evaluations_then_ = evaluations;
+    }
+    if (evaluations - evaluations_then_ <= kMost) return;
+    throw SolverError(fmt::format(
+        "cartesian: at t = {:.6g} s {} evaluations brought the run {:.1e} s further: the motion locks there, "
+        "or is too stiff for this integrator{}",
+        t, kMost, t - since_, advice_));
+  }
+
+ private:
+  double until_;
+  std::string advice_;
+  double since_ = 0.0;
+  long evaluations_then_ = 0;
+};
+
+std::string integrator_of(const RunOptions& options) {
+  return options.integrator.empty() ? integrator_names().front() : options.integrator;
+}
+
+std::unique_ptr<Stepper> make_stepper(Dynamics& dynamics, const RunOptions& options, const MotionState& first) {
+  const std::string chosen = integrator_of(options);
+  // Errors of single steps add up over a run: each step is held to a part of what is asked, more so where steps are
+  // many.
+  const Tolerance of_gbs{std::max(0.1 * options.rtol, 3e-15), options.until};
+  if (chosen == "gbs") return make_extrapolation_stepper(dynamics, first, of_gbs);
+  const Tolerance of_ida{std::max(0.01 * options.rtol, 1e-13), options.until};
+  if (chosen == "ida") return make_ida_stepper(dynamics, first, of_ida);
+  throw InputError(
+      {dynamics.equations().model().file, 0, 0},
+      fmt::format("cartesian: unknown integrator '{}'; it has {}", chosen, fmt::join(integrator_names(), ", ")));
+}
+
+/// The first state of a run, in which the equations are solved with independent rows.
+MotionState begin_motion(Dynamics& dynamics, const MachineRank& machine, const State& start,
+                         const RunOptions& options) {
+  Equations& equations = dynamics.equations();
+  MotionState motion{VecX::Zero(equations.layout().n_q()), VecX::Zero(equations.layout().n_Y()), 0.0};
+  equations.layout().unpack(start, motion.q, motion.Y);
+  equations.count_turns_from(start.q);
+  equations.update(0.0, motion.q, motion.Y);
+  if (options.start) refuse_open(equations, start, motion.q, motion.Y);
+  (void)solve_with_independent_rows(dynamics, machine);
+  return motion;
+}
+
+class Run {
+ public:
+  Run(Dynamics& dynamics, const MachineRank& machine, const State& start, const RunOptions& options)
+      : dynamics_(dynamics),
+        equations_(dynamics.equations()),
+        machine_(machine),
+        options_(options),
+        turns_(start.q),
+        speeds_(zero_speeds(equations_.model())),
+        motion_(begin_motion(dynamics, machine, start, options)),
+        held_(equations_.applied()),
+        stepper_(make_stepper(dynamics, options, motion_)),
+        lines_(0.0, equations_.applied(), equations_.length()),
+        watch_(dynamics, machine.generic, 0.0, motion_),
+        pace_(options.until, options.integrator == "ida" ? "" : ": try --cartesian-integrator ida"),
+        breaks_(break_times(equations_.model(), options.until)),
+        next_break_(breaks_.begin()),
+        shares_(equations_.constraints()) {}
+
+  Trajectory integrate(const Progress& progress) {
+    Trajectory trajectory;
+    trajectory.samples.reserve(options_.samples + 1);
+    measure_round_off(equations_, 0.0, motion_.q, shares_);
+    trajectory.samples.push_back(sample(0.0, trajectory.statistics));
+    for (int k = 1; k <= options_.samples; ++k) {
+      const double t = k == options_.samples ? options_.until : options_.until * k / options_.samples;
+      while (reached_ < t) step_toward(t);
+      close_at_output(t);
+      trajectory.samples.push_back(sample(t, trajectory.statistics));
+      if (progress) progress(t);
+    }
+    trajectory.statistics.steps = stepper_->steps();
+    trajectory.statistics.evaluations = stepper_->evaluations();
+    trajectory.statistics.largest_work = stepper_->largest_work();
+    return trajectory;
+  }
+
+ private:
+  /// One step of the integrator, not past t nor past a time at which a law changes its formula, and all that watches
+  /// the motion.
+  void step_toward(double t) {
+    const bool breaks_first = next_break_ != breaks_.end() && *next_break_ < t;
+    reached_ = step(breaks_first ? *next_break_ : t);
+    motion_ = stepper_->motion();
+    count_turns();
+    lines_.follow(reached_, equations_.applied());
+    const bool has_new_rows = watch_.follow(reached_, motion_);
+    const bool at_break = breaks_first && reached_ >= *next_break_;
+    if (at_break) ++next_break_;
+    if (has_new_rows || at_break) stepper_->begin_anew();
+  }
+
+  double step(double t) {
+    try {
+      const double reached = stepper_->step(t);
+      pace_.require(reached, stepper_->evaluations());
+      return reached;
+    } catch (const SingularPose&) {
+      throw;
+    } catch (const SolverError& error) {
+      watch_.explain_stop(error.what());
+      throw;
+    }
+  }
+
+  /// Follows the turn angles step by step, so that none passes half a turn unseen.
+  void count_turns() {
+    equations_.update(reached_, motion_.q, motion_.Y);
+    read_joint_coordinates(equations_.model(), equations_.constraints(), turns_, speeds_);
+    equations_.count_turns_from(turns_);
+  }
+
+  void close_at_output(double t) {
+    const Solution& solution = dynamics_.solve_at(t, motion_.q, motion_.Y, Pivots::fresh);
+    shares_ = dynamics_.project(solution, t, motion_.q, motion_.Y);
+    if (machine_.generic < equations_.constraints().n_rows()) close_all_rows(t);
+  }
+
+  /// Rows that were left out follow from the others with their round-off magnified: closes the motion in them all.
+  void close_all_rows(double t) {
+    const Closing closing =
+        close_machine(equations_, t, Hold::constraints, machine_.closing_modes, motion_.q, motion_.Y);
+    if (!closing.closed) {
+      throw SolverError(
+          fmt::format("cartesian: at t = {:.6g} s {} do not close: position residual {:.2g}, velocity residual {:.2g}",
+                      t, named_open(closing), closing.position_residual, closing.velocity_residual));
+    }
+    measure_round_off(equations_, t, motion_.q, shares_);
+  }
+
+  Sample sample(double t, SolverStatistics& statistics) {
+    equations_.update(t, motion_.q, motion_.Y);
+    note_residuals(statistics);
+    const Solution& solution = dynamics_.solve(Pivots::fresh);
+    Sample result{reported_state(equations_, motion_.q, motion_.Y, turns_), reported_evaluation(equations_, solution),
+                  motion_.work};
+    turns_ = result.state.q;
+    return result;
+  }
+
+  /// At the last update: rows by their sizes, velocities by the largest speed.
+  void note_residuals(SolverStatistics& statistics) const {
+    double largest = largest_residual(equations_, equations_.residual(), shares_);
+    const double rate = largest_velocity_residual(equations_, equations_.velocity_residual());
+    if (rate > 0.0) largest = std::max(largest, rate / largest_rate(equations_, equations_.time(), motion_.Y));
+    statistics.max_constraint = std::max(statistics.max_constraint, largest);
+  }
+
+  Dynamics& dynamics_;
+  Equations& equations_;
+  const MachineRank& machine_;
+  const RunOptions& options_;
+  std::vector<VecX> turns_;   // joint coordinates, which turns are counted from
+  std::vector<VecX> speeds_;  // of joints
+  MotionState motion_;
+  FrozenRegimes held_;
+  std::unique_ptr<Stepper> stepper_;
+  LineWatch lines_;
+  PoseWatch watch_;
+  Pace pace_;
+  std::vector<double> breaks_;  // times at which a law changes its formula
+  std::vector<double>::const_iterator next_break_;
+  RoundOffShares shares_;
+  double reached_ = 0.0;
+};
+
+}  // namespace
+
+std::vector<std::string> integrator_names() { return {"gbs", "ida"}; }
+
+Trajectory run(Dynamics& dynamics, const MachineRank& machine, const State& start, const RunOptions& options,
+               const Progress& progress) {
+  return Run(dynamics, machine, start, options).integrate(progress);
+}
+
+}  // namespace concord::cartesian

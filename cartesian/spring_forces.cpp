@@ -1,0 +1,96 @@
+#include "cartesian/spring_forces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cartesian/element_forces.h"
+#include "common/error.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+/// What a turn spring takes for its angle.
+const joints::Read kSpringAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
+
+/// Resistance of a spring's law, in the regime that the actor takes or keeps.
+double resistance(const ForceLaw& law, const ForceInstant& at, double x, double rate, Actor& actor) {
+  LawRegime& regime = actor.stop_regimes.front();
+  if (at.regimes == Regimes::own) regime = regime_at(law, x, rate);
+  return evaluate_resistance(law, regime, x, rate).force;
+}
+
+int n_event_functions(const ForceLaw& law) { return has_regimes(law) ? kLawEvents : 0; }
+
+double* write_event_functions(const ForceLaw& law, const Actor& actor, double x, double rate, double* next) {
+  const auto values = event_functions_of(law, actor.stop_regimes.front(), x, rate);
+  return std::copy(values.begin(), values.end(), next);
+}
+
+}  // namespace
+
+void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor) {  // (S33)
+  const Vec3 line = actor.child().point - actor.parent().point;
+  const double length = line.norm();
+  if (!(length > at.shortest_line)) {
+    throw SolverError(
+        fmt::format("cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there",
+                    at.t, at.name));
+  }
+  const Vec3 along = line / length;
+  const double rate = along.dot(actor.child().velocity - actor.parent().velocity);
+  const double tension = resistance(spring.law, at, length, rate, actor) + evaluate_actuator(spring.law, at.t);
+  actor.on_child() = {-tension * along, Vec3::Zero()};
+  actor.on_parent() = {tension * along, Vec3::Zero()};
+}
+
+void exert(const TurnSpring& spring, const ForceInstant& at, Actor& actor) {  // (S34)
+  if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
+    throw SolverError(
+        fmt::format("cartesian: at t = {:.6g} s turn spring '{}' has no angle: the child's x axis points along the "
+                    "parent's z: turn the frames of its ends",
+                    at.t, at.name));
+  }
+  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
+  if (!(std::abs(angle.value) <= kLargestAngle)) {
+    throw SolverError(
+        fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
+                    "spring of a joint count turns instead",
+                    at.t, at.name, angle.value * 180.0 / EIGEN_PI));
+  }
+  const double rate = rate_of(angle, actor.motion);
+  const double torque = resistance(spring.law, at, angle.value, rate, actor) + evaluate_actuator(spring.law, at.t);
+  const Vec3 couple = actor.parent().A_joint * (-torque * angle.over_rho);
+  actor.on_child() = {Vec3::Zero(), couple};
+  actor.on_parent() = {Vec3::Zero(), -couple};
+}
+
+int n_event_functions(const LineSpring& spring) { return n_event_functions(spring.law); }
+int n_event_functions(const TurnSpring& spring) { return n_event_functions(spring.law); }
+
+double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const Actor& actor, double* next) {
+  const Vec3 line = actor.child().point - actor.parent().point;
+  const double length = line.norm();
+  const Vec3 closing = actor.child().velocity - actor.parent().velocity;
+  const double rate = length > at.shortest_line ? line.dot(closing) / length : 0.0;
+  return write_event_functions(spring.law, actor, length, rate, next);
+}
+
+double* write_event_functions(const TurnSpring& spring, const ForceInstant& /*at*/, const Actor& actor, double* next) {
+  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
+  return write_event_functions(spring.law, actor, angle.value, rate_of(angle, actor.motion), next);
+}
+
+SpringLine line_of(const LineSpring& spring, const std::string& name, const Actor& actor, double t) {
+  const Vec3 rate = actor.child().velocity - actor.parent().velocity;
+  const double speed = rate.norm();
+  const double actuator = evaluate_actuator(spring.law, t);
+  // The tension of ends that come together, and of ends that go apart: continuous if it only changes its sign.
+  const double before = evaluate_resistance(spring.law, 0.0, -speed).force + actuator;
+  const double behind = evaluate_resistance(spring.law, 0.0, speed).force + actuator;
+  return {&name, actor.child().point - actor.parent().point, rate, before != -behind};
+}
+
+}  // namespace concord::cartesian

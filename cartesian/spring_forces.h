@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "cartesian/actor.h"
+
+/// Line springs and turn springs: their wrenches, and how far their stops are inside their regimes.
+namespace concord::cartesian {
+
+void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor);
+void exert(const TurnSpring& spring, const ForceInstant& at, Actor& actor);
+
+int n_event_functions(const LineSpring& spring);
+int n_event_functions(const TurnSpring& spring);
+
+double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const Actor& actor, double* next);
+double* write_event_functions(const TurnSpring& spring, const ForceInstant& at, const Actor& actor, double* next);
+
+/// The line of a line spring at some time.
+struct SpringLine {
+  const std::string* name;
+  Vec3 span;                     // from the parent's end to the child's, global axes [m]
+  Vec3 rate;                     // its rate of change [m/s]
+  bool is_reversed_with_a_jump;  // the force jumps where the ends pass each other at the present speed
+};
+
+/// As its actor lies at time t.
+SpringLine line_of(const LineSpring& spring, const std::string& name, const Actor& actor, double t);
+
+}  // namespace concord::cartesian

@@ -1,0 +1,123 @@
+#include "cartesian/start.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "cartesian/closing.h"
+#include "cartesian/evaluation.h"
+#include "cartesian/joint_coordinates.h"
+#include "cartesian/start_search.h"
+#include "common/error.h"
+
+namespace concord::cartesian {
+
+namespace {
+
+SourceLocation first_place(const Model& model, const std::vector<std::string>& joints) {
+  for (const Joint& joint : model.joints) {
+    if (!joints.empty() && joint.name == joints.front()) return joint.where;
+  }
+  return {model.file, 0, 0};
+}
+
+bool keeps_coordinates(const Model& model) {
+  const auto is_kept = [](const WordStart& word) { return word.role_q == StartRole::keep; };
+  return std::any_of(model.joints.begin(), model.joints.end(),
+                     [&](const Joint& joint) { return std::any_of(joint.start.begin(), joint.start.end(), is_kept); });
+}
+
+[[noreturn]] void refuse_open_start(const Model& model, const Closing& closing) {
+  const std::string why =
+      closing.is_off_branch
+          ? fmt::format("joint {} closes turned round: axes that should point the same way point against each other",
+                        closing.joints_left_open.front())
+          : fmt::format("{} do not close (position residual {:.2g}, velocity residual {:.2g})", named_open(closing),
+                        closing.position_residual, closing.velocity_residual);
+  const char* said = closing.places_closed
+                         ? "the start values contradict each other: with what is kept and driven, {}; correct the "
+                           "kept values"
+                     : keeps_coordinates(model)
+                         ? "the start values contradict each other, or the guesses are too far off: with what is "
+                           "kept and driven, {}, and other starts round about do no better; correct the kept "
+                           "values, or give better guesses"
+                         : "the guesses do not lead to a pose that closes: with what is driven, {}, and other "
+                           "starts round about do no better; give better guesses of joint coordinates or body "
+                           "poses";
+  throw InputError(first_place(model, closing.joints_left_open), fmt::format(fmt::runtime(said), why));
+}
+
+bool is_right(const KeptCount& kept) {
+  return kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom;
+}
+
+/// A driven machine is often written in a pose that is easy to write, in which fewer constraints are independent.
+const char* hint_at_singular_start(const Model& model) {
+  const auto is_driven = [](const Joint& joint) { return !joint.drivers.empty(); };
+  const bool has_drivers = std::any_of(model.joints.begin(), model.joints.end(), is_driven);
+  return has_drivers ? "; or the start is a singular pose, as a linkage that lies flat or stretched, and only seems to "
+                       "have more: start it elsewhere"
+                     : "";
+}
+
+void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing& closing) {
+  // Off the constraints redundant rows look independent: count only where the machine closed.
+  if (!closing.closed) return;
+  if (is_right(kept)) return;
+  const std::string found = fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has",
+                                        kept.coordinates, kept.speeds);
+  if (kept.coordinate_freedom == kept.speed_freedom) {
+    throw InputError(
+        {model.file, 0, 0},
+        fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
+                    "{} of each{}",
+                    found, kept.coordinate_freedom, kept.coordinate_freedom, hint_at_singular_start(model)));
+  }
+  throw InputError({model.file, 0, 0},
+                   fmt::format("{} {} independent coordinates and {} independent speeds (its rigid degrees of freedom, "
+                               "drivers off; what must not slip restricts speeds alone): keep exactly as many{}",
+                               found, kept.coordinate_freedom, kept.speed_freedom, hint_at_singular_start(model)));
+}
+
+void refuse_dependent(const Model& model, const KeptCount& kept) {
+  const bool fixes_places = kept.independent_coordinates == kept.coordinate_freedom;
+  if (fixes_places && kept.independent_speeds == kept.speed_freedom) return;
+  std::vector<std::string> names;
+  for (const Joint& joint : model.joints) {
+    const auto keeps = [](const WordStart& word) {
+      return word.role_q == StartRole::keep || word.role_u == StartRole::keep;
+    };
+    if (std::any_of(joint.start.begin(), joint.start.end(), keeps)) names.push_back(joint.name);
+  }
+  throw InputError(first_place(model, names),
+                   fmt::format("the coordinates that the start keeps in joints {} depend on each other: {} of {} "
+                               "coordinates and {} of {} speeds are independent",
+                               fmt::join(names, ", "), kept.independent_coordinates, kept.coordinates,
+                               kept.independent_speeds, kept.speeds));
+}
+
+}  // namespace
+
+Start assemble_start(Equations& equations) {
+  const Model& model = equations.model();
+  VecX q = VecX::Zero(equations.layout().n_q());
+  VecX Y = VecX::Zero(equations.layout().n_Y());
+  std::vector<VecX> turns = start_coordinates(model);
+  const ClosedStart closed = close_start(equations, q, Y);
+  equations.constraints().write_turns(turns);
+  KeptCount kept = count_kept(equations, 0.0, q, Y, false);
+  // Where rows depend on each other, a closed pose may be known to the root of round-off only.
+  if (!is_right(kept)) {
+    const KeptCount coarse = count_kept(equations, 0.0, q, Y, true);
+    if (is_right(coarse)) kept = coarse;
+  }
+  refuse_wrong_count(model, kept, closed.closing);
+  if (!closed.closing.closed) refuse_open_start(model, closed.closing);
+  refuse_dependent(model, kept);
+  return {reported_state(equations, q, Y, turns), closed.searched};
+}
+
+}  // namespace concord::cartesian

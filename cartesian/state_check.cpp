@@ -1,0 +1,50 @@
+#include "cartesian/state_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "cartesian/closing.h"
+#include "cartesian/residual_measures.h"
+#include "common/error.h"
+
+namespace concord::cartesian {
+
+void refuse_open(const Equations& equations, const State& state, const VecX& q, const VecX& Y) {
+  constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
+  if (!q.allFinite() || !Y.allFinite()) {
+    throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds a number that is not finite", state.t));
+  }
+  RoundOffShares shares(equations.constraints());
+  measure_round_off(equations, state.t, q, shares);
+  const double position_residual = largest_residual(equations, equations.residual(), shares);
+  const double rate = largest_velocity_residual_by_reach(equations, equations.velocity_residual(), shares);
+  const double allowed_rate = kClosureAllowed * largest_rate(equations, state.t, Y);
+  double stretch = 0.0;
+  for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
+  if (position_residual <= kClosureAllowed && rate <= allowed_rate && stretch <= kClosureAllowed) return;
+  const bool moves = position_residual <= kClosureAllowed;
+  throw SolverError(fmt::format(
+      "cartesian: the state at t = {:.6g} s is not closed: {} residual {:.2g} (of the machine's length, or rad), "
+      "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
+      state.t, name_of_largest(equations, moves ? equations.velocity_residual() : equations.residual()),
+      position_residual, rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
+}
+
+bool is_turned_beyond(const Equations& equations, double allowed, const std::vector<VecX>& q) {
+  const std::optional<TurnError> error = largest_turn_error(equations, q);
+  return error && error->size > allowed;
+}
+
+void refuse_other_turn(const Equations& equations, const State& state) {
+  const std::optional<TurnError> error = largest_turn_error(equations, state.q);
+  if (!error || !(error->size > kHalfTurn)) return;
+  throw SolverError(fmt::format(
+      "cartesian: in the state at t = {:.6g} s joint '{}' stands at {:.6g} rad, but its coordinate says {:.6g} rad: "
+      "another turn",
+      state.t, equations.model().joints[error->joint].name, error->read, error->known));
+}
+
+}  // namespace concord::cartesian
