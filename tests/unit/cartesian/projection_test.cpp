@@ -46,5 +46,27 @@ TEST(Projection, LeavesTheEquationsWhereTheyAre) {
   EXPECT_EQ(gamma_after, gamma);
 }
 
+/// A thread that has turned three times: a projection that counts from elsewhere moves it along by whole turns.
+TEST(Projection, CountsTurnsAsTheEquationsDo) {
+  Model model = testing::make_pair(107, *joints::find("cylindrical"), 0, 0);
+  model.couplings.push_back({"thread", {{0, 0, 0, 1.0}, {0, 1, 0, 0.1}}, 0.0, {}});
+  Equations equations(model);
+  Dynamics dynamics(equations);
+  Numbers numbers(108);
+  VecX q;
+  VecX Y;
+  bool closed = false;
+  for (int guess = 0; guess < 10 && !closed; ++guess) {  // a guess far off may end on the branch of turned axes
+    q = numbers.matrix(equations.layout().n_q(), 1, 0.3);
+    Y = numbers.matrix(equations.layout().n_Y(), 1, 1.5);
+    equations.count_turns_from({Eigen::Vector2d(-0.6 * EIGEN_PI, 6.0 * EIGEN_PI)});
+    closed = close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y).closed;
+  }
+  ASSERT_TRUE(closed);
+  const VecX before = q;
+  dynamics.project(dynamics.solve_at(0.0, q, Y, Pivots::fresh), 0.0, q, Y);
+  EXPECT_LT((q - before).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace concord::cartesian
