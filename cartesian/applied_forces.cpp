@@ -133,6 +133,7 @@ const VecX& AppliedForces::event_functions(double t, const Eigen::Ref<const VecX
     place_ends(
         actor, [&](int body) { return rotation_of(layout_.p(q, body).normalized()); }, q, Y);
     if (const std::optional<int> joint = actor.joint()) {
+      actor.motion.is_beyond_upright = constraints_.joint(*joint).motion.is_beyond_upright;
       next = write_event_functions(model_.joints[*joint], actor.motion, actor, next);
     } else {
       const ForceElement& element = *element_of(actor);

@@ -204,6 +204,31 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
   }
 }
 
+/// Event functions that read the angles of an arm from the wrong side find a stop outside the regime that it has just
+/// taken.
+TEST(AppliedForces, EventsOfSpringsKnowTheSideThatAnArmStandsOn) {
+  Model model = testing::make_pair(33, *joints::find("universal_spherical"), 2, 1);
+  for (const int word : {0, 1}) {
+    JointSpring spring{word, spring_and_damper(20.0, 3.0, 0.1)};
+    spring.law.upper = SmoothStop{.at = 1.6, .stiffness = 50.0, .damping = 0.0, .width = 1e-3};
+    spring.law.lower = SmoothStop{.at = -1.6, .stiffness = 50.0, .damping = 0.0, .width = 1e-3};
+    model.joints.front().springs.push_back(spring);
+  }
+  Pushed rig(model);
+  for (const double elevation : {0.4, 2.4}) {
+    SCOPED_TRACE(elevation);
+    VecX known = VecX::Zero(6);
+    known(1) = elevation;
+    known(2) = 1.0;
+    rig.constraints.count_turns_from({known});
+    rig.applied.count_turns_from({known});
+    rig.act(rig.q);
+    const Actor& springs = *rig.applied.springs_of(0);
+    EXPECT_EQ(springs.stop_regimes[1].upper, elevation > 1.6 ? StopRegime::full : StopRegime::off);
+    EXPECT_GE(rig.applied.event_functions(0.3, rig.q, rig.Y).minCoeff(), 0.0);
+  }
+}
+
 TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
   Model model = testing::make_pair(11, *joints::find("free"), 0, 0);
   const Attachment at_origin{1, Vec3::Zero(), Mat3::Identity(), Mat3X(3, 0), Mat3X(3, 0)};
