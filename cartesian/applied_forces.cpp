@@ -17,10 +17,9 @@ constexpr double kShortestLine = 1e-9;
 
 }  // namespace
 
-AppliedForces::AppliedForces(const Model& model, const Layout& layout, const Constraints& constraints)
+AppliedForces::AppliedForces(const Model& model, const Layout& layout)
     : model_(model),
       layout_(layout),
-      constraints_(constraints),
       shortest_line_(kShortestLine * model.length_scale()),
       springs_of_joint_(model.joints.size()) {
   for (std::size_t e = 0; e < model.elements.size(); ++e) {
@@ -80,28 +79,30 @@ const ForceElement* AppliedForces::element_of(const Actor& actor) const {
   return owner != nullptr ? &model_.elements[owner->element] : nullptr;
 }
 
-ForceInstant AppliedForces::instant_of(const Actor& actor, const ForceElement& element, double t) const {
-  return {element.name, t, constraints_.rotation(actor.ends[index(Side::child)]->body), shortest_line_, regimes_};
+ForceInstant AppliedForces::instant_of(const ForceElement& element, const Mat3& A_child, double t) const {
+  return {element.name, t, A_child, shortest_line_, regimes_};
 }
 
-void AppliedForces::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
-  for (std::size_t k = 0; k < actors_.size(); ++k) update(static_cast<int>(k), t, q, Y);
+void AppliedForces::update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q,
+                           const Eigen::Ref<const VecX>& Y) {
+  for (std::size_t k = 0; k < actors_.size(); ++k) update(at, static_cast<int>(k), t, q, Y);
 }
 
-void AppliedForces::update(int of, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+void AppliedForces::update(const Constraints& at, int of, double t, const Eigen::Ref<const VecX>& q,
+                           const Eigen::Ref<const VecX>& Y) {
   Actor& actor = actors_[of];
   const std::optional<int> joint = actor.joint();
   if (joint) {
-    exert_springs(model_.joints[*joint], constraints_.joint(*joint), t, regimes_, actor);
+    exert_springs(model_.joints[*joint], at.joint(*joint), t, regimes_, actor);
   } else {
     place_ends(
-        actor, [this](int body) -> const Mat3& { return constraints_.rotation(body); }, q, Y);
+        actor, [&](int body) -> const Mat3& { return at.rotation(body); }, q, Y);
     const ForceElement& element = *element_of(actor);
-    exert(element, instant_of(actor, element, t), actor);
+    exert(element, instant_of(element, at.rotation(actor.ends[index(Side::child)]->body), t), actor);
   }
   for (const Side side : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(side)) continue;
-    const Marker& marker = joint ? constraints_.joint(*joint).marker(side) : actor.markers[index(side)];
+    const Marker& marker = joint ? at.joint(*joint).marker(side) : actor.markers[index(side)];
     const Wrench& wrench = actor.wrenches[index(side)];
     write_generalized_force(marker, wrench.force, wrench.torque, actor.forces[index(side)]);
   }
@@ -126,18 +127,20 @@ void AppliedForces::place_ends(Actor& actor, const RotationOf& rotation_of_body,
   move_relative(actor.parent(), actor.child(), actor.motion);
 }
 
-const VecX& AppliedForces::event_functions(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+const VecX& AppliedForces::event_functions(const Constraints& near, double t, const Eigen::Ref<const VecX>& q,
+                                           const Eigen::Ref<const VecX>& Y) {
   double* next = event_values_.data();
   for (Actor& actor : actors_) {
     if (actor.n_event_functions == 0) continue;
     place_ends(
         actor, [&](int body) { return rotation_of(layout_.p(q, body).normalized()); }, q, Y);
     if (const std::optional<int> joint = actor.joint()) {
-      actor.motion.is_beyond_upright = constraints_.joint(*joint).motion.is_beyond_upright;
+      actor.motion.is_beyond_upright = near.joint(*joint).motion.is_beyond_upright;
       next = write_event_functions(model_.joints[*joint], actor.motion, actor, next);
     } else {
       const ForceElement& element = *element_of(actor);
-      next = write_event_functions(element, instant_of(actor, element, t), actor, next);
+      const Mat3& A_child = near.rotation(actor.ends[index(Side::child)]->body);  // for loads, which have no events
+      next = write_event_functions(element, instant_of(element, A_child, t), actor, next);
     }
   }
   return event_values_;

@@ -16,22 +16,25 @@ namespace concord::cartesian {
 
 class AppliedForces {
  public:
-  /// All three must outlive this object.
-  AppliedForces(const Model& model, const Layout& layout, const Constraints& constraints);
+  /// Both must outlive this object.
+  AppliedForces(const Model& model, const Layout& layout);
 
-  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, after place() and move() of
-  /// the constraints. Throws SolverError, naming the element, where its law has no direction (exert).
-  void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, at which the constraints
+  /// are placed and moved: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
+  /// element, where its law has no direction (exert).
+  void update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   /// The same of one actor.
-  void update(int actor, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void update(const Constraints& at, int actor, double t, const Eigen::Ref<const VecX>& q,
+              const Eigen::Ref<const VecX>& Y);
 
   /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
   /// update() takes the regime that each is in by itself.
   void freeze_regimes(bool hold) { regimes_ = hold ? Regimes::kept : Regimes::own; }
   [[nodiscard]] bool has_regimes() const { return n_event_functions() > 0; }
-  /// How far tires and stops are inside their regimes (event_functions_of) at time t, positions q and velocities Y. The
-  /// result is overwritten by the next call.
-  const VecX& event_functions(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  /// How far tires and stops are inside their regimes (event_functions_of) at time t, positions q and velocities Y,
+  /// wherever the constraints `near` are: they tell the sides that arms stand on. Overwritten by the next call.
+  const VecX& event_functions(const Constraints& near, double t, const Eigen::Ref<const VecX>& q,
+                              const Eigen::Ref<const VecX>& Y);
   [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
   /// The actor whose event function has a given index.
   [[nodiscard]] int owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
@@ -65,7 +68,7 @@ class AppliedForces {
   void make_end(const Attachment& end, Side side, Actor& actor) const;
   /// The element whose force an actor is; nullptr for springs of a joint.
   [[nodiscard]] const ForceElement* element_of(const Actor& actor) const;
-  [[nodiscard]] ForceInstant instant_of(const Actor& actor, const ForceElement& element, double t) const;
+  [[nodiscard]] ForceInstant instant_of(const ForceElement& element, const Mat3& A_child, double t) const;
   void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                  const Eigen::Ref<const VecX>& Y) const;
   /// Ends on moving bodies with these rotations, and the child's end seen from the parent's.
@@ -76,7 +79,6 @@ class AppliedForces {
 
   const Model& model_;
   const Layout& layout_;
-  const Constraints& constraints_;
   double shortest_line_;
   std::vector<Actor> actors_;
   std::vector<std::optional<int>> springs_of_joint_;  // index in actors_, if the joint has springs

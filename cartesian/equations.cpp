@@ -22,7 +22,7 @@ Equations::Equations(const Model& model)
       layout_(model),
       inertias_(make_inertias(model)),
       constraints_(model, layout_),
-      applied_(model, layout_, constraints_),
+      applied_(model, layout_),
       units_(machine_units(model, layout_)),
       Y_(VecX::Zero(layout_.n_Y())),
       forces_(VecX::Zero(layout_.n_Y())),
@@ -53,7 +53,7 @@ void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::R
     inertias_[i].write_forces(constraints_.rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
                               layout_.adot(Y, i), forces_.segment(layout_.first_Y(i), layout_.size_Y(i)));
   }
-  applied_.update(t, q, Y);
+  applied_.update(constraints_, t, q, Y);
   applied_.add_to(forces_);
 }
 

@@ -98,7 +98,7 @@ void IdaJacobian::differentiate_forces(int of, Side moved, double t, double rate
     } else {
       own_.constraints().place_body(body, at);
     }
-    own_.applied().update(of, t, at, speeds);
+    own_.applied().update(own_.constraints(), of, t, at, speeds);
   };
   const auto add = [&](std::array<MatX, 2>& slope, int c, double over) {
     for (const Side pushed : {Side::parent, Side::child}) {

@@ -45,7 +45,7 @@ Stepper::Stepper(Dynamics& dynamics, const MotionState& start)
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
     const double from = time_;
-    if (has_regimes_) looks_.col(0) = equations_.applied().event_functions(from, motion_.q, motion_.Y);
+    if (has_regimes_) looks_.col(0) = event_functions(from, motion_);
     advance(stop);
     largest_work_ = std::max(largest_work_, std::abs(motion_.work));
     event_ = has_regimes_ ? locate_event(from, stop) : HUGE_VAL;
@@ -72,11 +72,15 @@ void Stepper::close_motion(double t) {
   dynamics_.project(solution, t, motion_.q, motion_.Y);
 }
 
-/// How far tires and stops are inside their regimes.
+/// How far tires and stops are inside their regimes: all, and the smallest.
+const VecX& Stepper::event_functions(double t, const MotionState& motion) {
+  return equations_.applied().event_functions(equations_.constraints(), t, motion.q, motion.Y);
+}
+
 double Stepper::event_function(double t, const MotionState& motion) {
   if (!has_regimes_) return HUGE_VAL;
   Eigen::Index nearest = 0;
-  const double smallest = equations_.applied().event_functions(t, motion.q, motion.Y).minCoeff(&nearest);
+  const double smallest = event_functions(t, motion).minCoeff(&nearest);
   nearest_event_ = equations_.applied().owner_of_event(nearest);
   return smallest;
 }
@@ -94,7 +98,7 @@ double Stepper::find_outside(double from) {
   for (Eigen::Index k = 1; k <= kLooks; ++k) {
     const double t = time_of(k);
     const MotionState& motion = interpolate(t);
-    looks_.col(k) = equations_.applied().event_functions(t, motion.q, motion.Y);
+    looks_.col(k) = event_functions(t, motion);
     if (looks_.col(k).minCoeff() < 0.0) return t;
   }
   for (Eigen::Index function = 0; function < looks_.rows(); ++function) {
@@ -117,7 +121,7 @@ double Stepper::find_minimum(Eigen::Index function, double low, double high) {
   constexpr int kSections = 40;
   const auto value = [&](double t) {
     const MotionState& motion = interpolate(t);
-    return equations_.applied().event_functions(t, motion.q, motion.Y)(function);
+    return event_functions(t, motion)(function);
   };
   double left = high - kGolden * (high - low);
   double right = low + kGolden * (high - low);

@@ -62,6 +62,7 @@ class Stepper {
   double largest_work_ = 0.0;
 
  private:
+  const VecX& event_functions(double t, const MotionState& motion);
   double event_function(double t, const MotionState& motion);
   double event_function_at(double t);
   double find_outside(double from);

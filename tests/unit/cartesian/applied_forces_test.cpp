@@ -34,7 +34,7 @@ struct Pushed {
   VecX Y;
 
   explicit Pushed(Model stated)
-      : model(std::move(stated)), layout(model), constraints(model, layout), applied(model, layout, constraints) {
+      : model(std::move(stated)), layout(model), constraints(model, layout), applied(model, layout) {
     Numbers numbers(4242);
     q = numbers.matrix(layout.n_q(), 1, 0.3);
     layout.normalize(q);
@@ -44,7 +44,7 @@ struct Pushed {
   const Actor& act(const VecX& at, double t = 0.3) {
     constraints.place(at);
     constraints.move(Y);
-    applied.update(t, at, Y);
+    applied.update(constraints, t, at, Y);
     return applied.actors().front();
   }
 
@@ -225,7 +225,7 @@ TEST(AppliedForces, EventsOfSpringsKnowTheSideThatAnArmStandsOn) {
     rig.act(rig.q);
     const Actor& springs = *rig.applied.springs_of(0);
     EXPECT_EQ(springs.stop_regimes[1].upper, elevation > 1.6 ? StopRegime::full : StopRegime::off);
-    EXPECT_GE(rig.applied.event_functions(0.3, rig.q, rig.Y).minCoeff(), 0.0);
+    EXPECT_GE(rig.applied.event_functions(rig.constraints, 0.3, rig.q, rig.Y).minCoeff(), 0.0);
   }
 }
 
