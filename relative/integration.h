@@ -11,10 +11,6 @@ namespace concord::relative {
 /// Dormand's pair of orders 8 and 7) and "dirk" (singly diagonally implicit Runge-Kutta of order 5 for stiff models).
 std::vector<std::string> integrator_names(const Model& model);
 
-/// Throws SolverError if the free modal equations of the last evaluation are out of balance by more than round-off
-/// explains (R58).
-void require_modal_balance(const Equations& equations, double t);
-
 /// Integrates from `start`, a closed state at t = 0, to options.until. The integrator stops exactly at the output
 /// times; there the state is projected and accelerations and wrenches are computed anew. Throws SolverError with time,
 /// place and reason.

@@ -1,5 +1,7 @@
 #include "relative/reactions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,9 @@
 namespace concord::relative {
 
 namespace {
+
+/// Modal rows of a body out of balance by more than this part of their largest term are no round-off.
+constexpr double kLargestModalResidual = 1e-8;
 
 /// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
 /// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
@@ -280,6 +285,14 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);
     wrenches.reaction[index(Side::parent)] = in_both_frames(parent.A, on_parent);
   }
+}
+
+void require_modal_balance(const Reactions& reactions, const Model& model, double t) {
+  if (reactions.modal_residual() <= kLargestModalResidual) return;
+  throw SolverError(fmt::format(
+      "relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by {:.1e} of their largest term, "
+      "allowed {:.0e}",
+      t, model.bodies[reactions.worst_modal_body()].name, reactions.modal_residual(), kLargestModalResidual));
 }
 
 }  // namespace concord::relative

@@ -81,4 +81,7 @@ class Reactions {
   int worst_modal_body_ = kGround;
 };
 
+/// Throws SolverError if the free modal equations are out of balance by more than round-off explains (R58).
+void require_modal_balance(const Reactions& reactions, const Model& model, double t);
+
 }  // namespace concord::relative

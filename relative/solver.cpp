@@ -73,7 +73,7 @@ class RelativeSolver final : public Solver {
     assembly_.closure_rank().require_general(coordinates);
     assembly_.closure_rank().require_agreeing_rows(coordinates);
     equations_.compute_reactions();
-    require_modal_balance(equations_, state.t);
+    require_modal_balance(equations_.reactions(), model_, state.t);
     return states_.write_evaluation();
   }
 

@@ -36,6 +36,12 @@ void require_numbers(const BodyState& body, const std::string& name, double t) {
 
 }  // namespace
 
+void StateMisfit::take(double value, const char* kind, const std::string& name) {
+  if (std::isnan(largest) || value <= largest) return;
+  largest = value;
+  where = fmt::format("{} '{}'", kind, name);
+}
+
 States::States(const Equations& equations)
     : equations_(&equations),
       kinematics_(equations.model()),
@@ -76,58 +82,75 @@ double States::angle_size(const Span& span) const {
 Coordinates States::read(const State& state, StateMisfit& misfit) {
   require_shape(state);
   const Model& model = equations_->model();
+  misfit = {};
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    require_numbers(state.bodies[i], model.bodies[i].name, state.t);
+    misfit.take(std::abs(state.bodies[i].p.norm() - 1.0), "body", model.bodies[i].name);
+  }
+  Coordinates found = stated_coordinates(state);
+  count_turns(found);
+  const Sizes sizes = sizes_of(state);
+  kinematics_.place(state.bodies);
+  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) measure_joint(k, state, sizes, found, misfit);
+  misfit.joint_off_branch = joint_off_branch(state, found.q);
+  for (const Coupling& coupling : model.couplings) measure_coupling(coupling, sizes, found, misfit);
+  return found;
+}
+
+/// What a state says itself: the modal coordinates of its bodies, and the coordinates of joints where it brings them.
+Coordinates States::stated_coordinates(const State& state) const {
   const Topology& topology = equations_->topology();
   Coordinates found{state.t, equations_->home(), VecX::Zero(topology.n_u)};
-  double size = length_;
-  double speed = length_ * rate_;
-  misfit = {};
-  const auto judge = [&misfit](double value, const char* kind, const std::string& name) {
-    if (std::isnan(misfit.largest) || value <= misfit.largest) return;
-    misfit.largest = value;
-    misfit.where = fmt::format("{} '{}'", kind, name);
-  };
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
-    require_numbers(body, model.bodies[i].name, state.t);
     found.q.segment(topology.modes[i].first_q, topology.modes[i].n_q) = body.a;
     found.u.segment(topology.modes[i].first_u, topology.modes[i].n_u) = body.adot;
-    size = std::max(size, body.r.cwiseAbs().maxCoeff());
-    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), length_ * body.omega.cwiseAbs().maxCoeff()});
-    judge(std::abs(body.p.norm() - 1.0), "body", model.bodies[i].name);
   }
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+  for (int k = 0; k < static_cast<int>(topology.joints.size()); ++k) {
     const Span& span = topology.joints[k];
     if (has_q(state, k)) found.q.segment(span.first_q, span.n_q) = state.q[k];
   }
-  count_turns(found);
-  const double turning = speed / length_;
-
-  kinematics_.place(state.bodies);
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
-    const Span& span = topology.joints[k];
-    const std::string& name = model.joints[k].name;
-    JointMeasure& measure = measures_[k];
-    const JointPoint& parent = kinematics_.point(k, Side::parent);
-    const JointPoint& child = kinematics_.point(k, Side::child);
-    const auto restart = has_q(state, k) ? JointMeasure::Restart::if_clearly_better : JointMeasure::Restart::if_better;
-    measure.find_q(parent, child, found.q.data() + span.first_q, restart);
-    measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
-    kinematics_.require_rank(k, measure.motion_at());
-    judge(largest(measure.position_residual(), size, angle_size(span)), "joint", name);
-    // Round-off of places far from the origin stands between the points of a joint, and turns with them.
-    judge(largest(measure.velocity_residual(), turning * size, turning), "joint", name);
-    judge(part_of(nonholonomic_residual(k, found.u), turning), "joint", name);
-  }
-  misfit.joint_off_branch = joint_off_branch(state, found.q);
-  for (const Coupling& coupling : model.couplings) {
-    const Readings sizes = size_of_readings(coupling);
-    const double terms = size_of_terms(coupling, kinematics_, found.q);
-    const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
-    const double velocity_residual = compute_velocity_residual(coupling, model, topology, found.u);
-    judge(part_of(position_residual, std::max(sizes.of_coordinates, terms)), "coupling", coupling.name);
-    judge(part_of(velocity_residual, sizes.of_speeds * turning), "coupling", coupling.name);
-  }
   return found;
+}
+
+States::Sizes States::sizes_of(const State& state) const {
+  double place = length_;
+  double speed = length_ * rate_;
+  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    place = std::max(place, body.r.cwiseAbs().maxCoeff());
+    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), length_ * body.omega.cwiseAbs().maxCoeff()});
+  }
+  return {place, speed / length_};
+}
+
+/// Coordinates and speeds of a joint between its bodies, which have been placed, and what is left of both.
+void States::measure_joint(int k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit) {
+  const Span& span = equations_->topology().joints[k];
+  const std::string& name = equations_->model().joints[k].name;
+  JointMeasure& measure = measures_[k];
+  const JointPoint& parent = kinematics_.point(k, Side::parent);
+  const JointPoint& child = kinematics_.point(k, Side::child);
+  const auto restart = has_q(state, k) ? JointMeasure::Restart::if_clearly_better : JointMeasure::Restart::if_better;
+  measure.find_q(parent, child, found.q.data() + span.first_q, restart);
+  measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
+  kinematics_.require_rank(k, measure.motion_at());
+  misfit.take(largest(measure.position_residual(), sizes.place, angle_size(span)), "joint", name);
+  // Round-off of places far from the origin stands between the points of a joint, and turns with them.
+  misfit.take(largest(measure.velocity_residual(), sizes.turning * sizes.place, sizes.turning), "joint", name);
+  misfit.take(part_of(nonholonomic_residual(k, found.u), sizes.turning), "joint", name);
+}
+
+/// What is left of a coupling's two relations; after all joints have been measured.
+void States::measure_coupling(const Coupling& coupling, const Sizes& sizes, const Coordinates& found,
+                              StateMisfit& misfit) const {
+  const Readings readings = size_of_readings(coupling);
+  const double terms = size_of_terms(coupling, kinematics_, found.q);
+  const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
+  const double velocity_residual =
+      compute_velocity_residual(coupling, equations_->model(), equations_->topology(), found.u);
+  misfit.take(part_of(position_residual, std::max(readings.of_coordinates, terms)), "coupling", coupling.name);
+  misfit.take(part_of(velocity_residual, readings.of_speeds * sizes.turning), "coupling", coupling.name);
 }
 
 Coordinates States::read_closed(const State& state) {

@@ -19,6 +19,9 @@ struct StateMisfit {
   /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
   /// the state; if there is one.
   std::optional<int> joint_off_branch;
+
+  /// Keeps the larger misfit; one that is not a number is the largest.
+  void take(double value, const char* kind, const std::string& name);
 };
 
 class States {
@@ -54,6 +57,16 @@ class States {
   [[nodiscard]] Evaluation write_evaluation() const;
 
  private:
+  /// What the misfits of a state are relative to.
+  struct Sizes {
+    double place;    // [m]
+    double turning;  // [1/s]
+  };
+  [[nodiscard]] Coordinates stated_coordinates(const State& state) const;
+  [[nodiscard]] Sizes sizes_of(const State& state) const;
+  void measure_joint(int k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit);
+  void measure_coupling(const Coupling& coupling, const Sizes& sizes, const Coordinates& found,
+                        StateMisfit& misfit) const;
   [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
   [[nodiscard]] double angle_size(const Span& span) const;
   struct Readings {

@@ -1,0 +1,192 @@
+#include "relative/integration_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/sundials.h"
+
+namespace concord::relative {
+
+namespace {
+
+/// Errors of single steps add up over a run: each is held to this part of the tolerance asked of the run, but not below
+/// what round-off lets the formulas see.
+constexpr double kStepShare = 0.01;
+constexpr double kFinestStep = 2e-15;
+/// Work is not held to less than this part of the largest that it has been: the round-off of time itself, in laws that
+/// change fast, leaves more in the power of drivers than steps could remove.
+constexpr double kFinestWork = 1e-12;
+
+/// More evaluations than this within this part of a run get nowhere.
+constexpr long kMostEvaluationsWithoutAdvance = 300'000;
+constexpr double kLeastAdvance = 1e-3;
+
+}  // namespace
+
+IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const Coordinates& start,
+                               const RunOptions& options, const std::string& integrator)
+    : equations_(&equations),
+      assembly_(&assembly),
+      variables_(equations),
+      coordinates_(start),
+      qdot_(VecX::Zero(equations.topology().n_q)),
+      has_work_(equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible()),
+      rtol_(integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol),
+      until_(options.until),
+      sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
+      watch_(equations, assembly),
+      lines_(assembly.scales().length()),
+      advice_if_stiff_(integrator == "dirk" ? "" : ": try --relative-integrator dirk") {
+  watch_.pass(start);
+  follow_lines();
+}
+
+void IntegrationRun::evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {  // (R73)
+  ++evaluations_;
+  variables_.unpack(y, coordinates_);
+  equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+  equations_->compute_qdot(qdot_);
+  variables_.pack(qdot_, equations_->udot(), ydot);
+  ydot(variables_.work()) = 0.0;
+  if (!has_work_) return;
+  if (equations_->has_drivers()) equations_->compute_reactions();
+  ydot(variables_.work()) = equations_->power();
+}
+
+/// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
+/// the size and the value for speeds, of the size and the largest value so far for work, which drivers may take back
+/// to nothing. None below the round-off of the number itself (R74).
+void IntegrationRun::weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> weights) const {
+  constexpr double kLeastWeighed = 1e-15;
+  const Eigen::Index n_rates = y.size() - variables_.n_q();
+  weights = sizes_;
+  weights.tail(n_rates) += y.tail(n_rates).cwiseAbs();
+  weights(variables_.work()) = 0.0;
+  weights = (rtol_ * weights).cwiseMax(kLeastWeighed * y.cwiseAbs());
+  weights(variables_.work()) = std::max(rtol_, kFinestWork) * (sizes_(variables_.work()) + largest_work_);
+  weights = weights.cwiseInverse();
+}
+
+/// Refuses steps that get nowhere, as where a loop is driven into a pose that locks it.
+void IntegrationRun::require_advance(double t) {
+  if (t - paced_from_ > kLeastAdvance * until_) {
+    paced_from_ = t;
+    evaluations_before_ = evaluations_;
+  }
+  if (evaluations_ - evaluations_before_ <= kMostEvaluationsWithoutAdvance) return;
+  const std::string place = equations_->closure().n_rows() > 0
+                                ? fmt::format("; {} has the largest multiplier there",
+                                              equations_->closure().worst_place(equations_->loops().lambda()))
+                                : "";
+  throw SolverError(
+      fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
+                  "integrator{}{}",
+                  kMostEvaluationsWithoutAdvance, t - paced_from_, advice_if_stiff_, place));
+}
+
+bool IntegrationRun::count_turns(Eigen::Ref<VecX> y) {
+  constexpr double kMany = 10.0;
+  const VecX more = equations_->kinematics().whole_turns(coordinates_.q, kMany);
+  if (more.isZero(0.0)) return false;
+  variables_.take_off(more, y);
+  watch_.count_turns(more);
+  equations_->count_turns(equations_->kinematics().turns() + more);
+  return true;
+}
+
+void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
+  require_advance(t);
+  largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
+  coordinates_.t = t;
+  variables_.unpack(y, coordinates_);
+  assembly_->project(coordinates_);
+  variables_.pack(coordinates_.q, coordinates_.u, y);
+  watch_.pass(coordinates_);
+  equations_->loops().keep_rows();
+  follow_lines();
+}
+
+void IntegrationRun::apply_forces(double t, const Eigen::Ref<const VecX>& y) {
+  variables_.unpack(y, coordinates_);
+  equations_->update_forces(t, coordinates_.q, coordinates_.u);
+}
+
+void IntegrationRun::follow_lines() {
+  if (!equations_->applied_forces().has_line_springs()) return;
+  equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u);
+  lines_.pass(coordinates_.t, equations_->applied_forces());
+}
+
+Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
+  coordinates_.t = t;
+  variables_.unpack(y, coordinates_);
+  Sample sample;
+  sample.work = y(variables_.work());
+  try {
+    lines_.settle();
+    assembly_->project(coordinates_);
+    equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+    assembly_->closure_rank().require_general(coordinates_);
+    assembly_->closure_rank().require_agreeing_rows(coordinates_);
+    sample.state = states.write(t, before);
+    (void)states.read_closed(sample.state);
+  } catch (const SolverError& error) {
+    remember(error);
+    throw_stopped(t, last_reason_);
+  }
+  equations_->compute_reactions();
+  require_modal_balance(equations_->reactions(), equations_->model(), t);
+  sample.evaluation = states.write_evaluation();
+  return sample;
+}
+
+void IntegrationRun::remember(const SolverError& error) {
+  last_reason_ = error.what();
+  is_singular_ = dynamic_cast<const SingularPose*>(&error) != nullptr;
+}
+
+void IntegrationRun::throw_stopped(double t, const std::string& message) const {
+  const std::string& reason = last_reason_.empty() ? message : last_reason_;
+  const std::string plain = reason.starts_with("relative: ") ? reason.substr(10) : reason;
+  const std::string text = fmt::format("relative: at t = {:.6g} s {}", t, plain);
+  const std::string what = plain.starts_with("at t = ") ? "relative: " + plain : text;
+  if (is_singular_ && !last_reason_.empty()) throw SingularPose(what);
+  throw SolverError(what);
+}
+
+namespace {
+
+int right_side(realtype t, N_Vector y, N_Vector ydot, void* user_data) {
+  auto& run = *static_cast<IntegrationRun*>(user_data);
+  try {
+    run.evaluate(t, sundials::view(y), sundials::view(ydot));
+    return sundials::view(ydot).allFinite() ? 0 : 1;
+  } catch (const SolverError& error) {
+    run.remember(error);
+    return 1;
+  }
+}
+
+int project_step(realtype t, N_Vector y, void* user_data) {
+  auto& run = *static_cast<IntegrationRun*>(user_data);
+  try {
+    run.project(t, sundials::view(y));
+    return 0;
+  } catch (const SolverError& error) {
+    run.remember(error);
+    return -1;
+  }
+}
+
+int error_weights(N_Vector y, N_Vector weights, void* user_data) {
+  static_cast<const IntegrationRun*>(user_data)->weigh(sundials::view(y), sundials::view(weights));
+  return 0;
+}
+
+}  // namespace
+
+StepperCallbacks callbacks_of(IntegrationRun& run) { return {right_side, project_step, error_weights, &run}; }
+
+}  // namespace concord::relative
