@@ -59,24 +59,23 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   scaled_->equations().loops().set_rank(most);
 }
 
-void ClosureRank::require_general(const Coordinates& coordinates) const {
+void ClosureRank::require_general(const Coordinates& coordinates, const Evaluated& evaluated) const {
   // Pivots in the metric of the inverse inertia are squares of sines between rows: above this no row depends.
   constexpr double kSurelyIndependent = 1e-10;
-  if (scaled_->closure().n_rows() == 0 || scaled_->equations().loops().least_pivot() > kSurelyIndependent) return;
-  if (scaled_->rank(coordinates, ClosureRows::of_velocities, Modes::moving) < rank()) throw_singular(coordinates, "");
+  if (scaled_->closure().n_rows() == 0 || evaluated.loops().least_pivot > kSurelyIndependent) return;
+  if (scaled_->rank_here(ClosureRows::of_velocities, Modes::moving) < rank()) throw_singular(coordinates, "");
 }
 
-void ClosureRank::require_agreeing_rows(const Coordinates& coordinates) const {
+void ClosureRank::require_agreeing_rows(const Coordinates& coordinates, const Evaluated& evaluated) const {
   constexpr double kContradiction = 1e-7;  // of the machine's accelerations
-  const Loops& loops = scaled_->equations().loops();
-  if (loops.rank() == scaled_->closure().n_rows()) return;
+  if (rank() == scaled_->closure().n_rows()) return;
   const auto speeds = coordinates.u.cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
-  const auto rates = scaled_->equations().udot().cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
+  const auto rates = evaluated.udot().cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
   double largest = scaled_->rate() * scaled_->rate();
   if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
-  const std::optional<int> row = loops.contradicted_row(kContradiction * largest);
-  if (!row) return;
   const Closure& closure = scaled_->closure();
+  const std::optional<int> row = evaluated.loops().contradicted_row(closure.row_units(), kContradiction * largest);
+  if (!row) return;
   throw SingularPose(fmt::format(
       "relative: at t = {:.6g} s no accelerations close everything: rows at {} depend on others in this pose "
       "and contradict them: the pose is singular, or a driver moves what the loops hold",

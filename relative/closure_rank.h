@@ -21,14 +21,14 @@ class ClosureRank {
   /// Whether modes must move to close the machine, because its loops restrict them; decided with the rank.
   [[nodiscard]] Modes closing_modes() const { return closing_modes_; }
 
-  /// After an evaluation in a closed pose: throws SingularPose, naming loop and time, if fewer closure rows are
+  /// Of an evaluation in a closed pose: throws SingularPose, naming loop and time, if fewer closure rows are
   /// independent there than in a general pose.
-  void require_general(const Coordinates& coordinates) const;
+  void require_general(const Coordinates& coordinates, const Evaluated& evaluated) const;
   /// Throws that; `passing` comes before "lose rank".
   [[noreturn]] void throw_singular(const Coordinates& coordinates, const std::string& passing) const;
-  /// After the accelerations have been computed: throws SingularPose if closure rows that depend on others in this pose
+  /// Throws SingularPose if closure rows that depend on others in this pose
   /// ask for other accelerations than those.
-  void require_agreeing_rows(const Coordinates& coordinates) const;
+  void require_agreeing_rows(const Coordinates& coordinates, const Evaluated& evaluated) const;
 
   /// Closure rows in machine units over the free columns, and the size of the smallest singular value that a general
   /// pose has.

@@ -1,5 +1,7 @@
 #include "relative/equations.h"
 
+#include <stdexcept>
+
 namespace concord::relative {
 
 Equations::Equations(const Model& model)
@@ -8,12 +10,13 @@ Equations::Equations(const Model& model)
       driven_(driven_speeds(model, kinematics_.topology())),
       closure_(kinematics_, driven_),
       applied_(kinematics_, closure_),
-      articulated_bodies_(kinematics_, driven_),
-      loops_(kinematics_, closure_, articulated_bodies_),
-      reactions_(kinematics_, closure_, articulated_bodies_, applied_),
-      q_(VecX::Zero(kinematics_.topology().n_q)),
-      u_(VecX::Zero(kinematics_.topology().n_u)),
-      udot_(VecX::Zero(kinematics_.topology().n_u)) {
+      tree_(kinematics_, driven_),
+      accelerations_(kinematics_, tree_),
+      loops_(kinematics_, closure_, tree_),
+      reactions_(kinematics_, closure_),
+      prescribed_udot_(VecX::Zero(kinematics_.topology().n_u)),
+      motion_(kinematics_.topology()),
+      evaluated_(accelerations_, loops_.solution(), applied_, inertias_) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     const Span& span = topology().joints[k];
@@ -43,78 +46,95 @@ void Equations::prescribe(double t, const Kinematics& counted, VecX& q, VecX& u)
   }
 }
 
-void Equations::move(double t, const VecX& q, const VecX& u) {
-  q_ = q;
-  u_ = u;
-  prescribe(t, q_, u_);
-  kinematics_.update(q_, u_);
-  closure_.measure(q_, u_);
+const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
+  ++motion_.number_;
+  motion_.at_.t = t;
+  motion_.at_.q = q;
+  motion_.at_.u = u;
+  prescribe(t, motion_.at_.q, motion_.at_.u);
+  kinematics_.update(motion_.q(), motion_.u());
+  closure_.measure(motion_.at_.q, motion_.at_.u);
+  return motion_;
 }
 
 void Equations::update_inertias() {
   for (std::size_t l = 0; l < inertias_.size(); ++l) {
     const int body = topology().links[l].body;
     const Span& modes = topology().modes[body];
-    inertias_[l].update(q_.data() + modes.first_q, u_.data() + modes.first_u, kinematics_.body(body).A,
-                        kinematics_.body(body).omega, model_->gravity);
+    inertias_[l].update(motion_.q().data() + modes.first_q, motion_.u().data() + modes.first_u,
+                        kinematics_.body(body).A, kinematics_.body(body).omega, model_->gravity);
   }
 }
 
-void Equations::compute_accelerations(double t, const VecX& q, const VecX& u) {
+const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
-  for (const Prescription& driver : drivers_) udot_(driver.u) = evaluate(*driver.law, t).fddot;
+  for (const Prescription& driver : drivers_) prescribed_udot_(driver.u) = evaluate(*driver.law, t).fddot;
   update_inertias();
-  applied_.update(t, q_, u_);
-  articulated_bodies_.backward_pass(inertias_, applied_, udot_);
-  articulated_bodies_.forward_pass(udot_);
-  loops_.close(udot_);
+  applied_.update(t, motion_.q(), motion_.u());
+  tree_.compute(inertias_, applied_, prescribed_udot_);
+  accelerations_.solve(tree_, prescribed_udot_);
+  loops_.close(tree_, accelerations_);
+  evaluated_.motion_ = motion_.number_;
+  return evaluated_;
 }
 
-void Equations::update_forces(double t, const VecX& q, const VecX& u) {
+const AppliedForces& Equations::update_forces(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
-  applied_.update(t, q_, u_);
+  applied_.update(t, motion_.q(), motion_.u());
+  return applied_;
 }
 
 std::optional<MotionWithoutInertia> Equations::find_motion_without_inertia(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
   update_inertias();
   try {
-    articulated_bodies_.backward_pass(inertias_, applied_, udot_);
+    tree_.compute(inertias_, applied_, prescribed_udot_);
   } catch (const SolverError&) {
-    const auto found = articulated_bodies_.motion_without_inertia();
+    const auto found = relative::find_motion_without_inertia(tree_);
     if (!found) throw;
     return found;
   }
-  return articulated_bodies_.motion_without_inertia();
+  return relative::find_motion_without_inertia(tree_);
 }
 
-void Equations::compute_reactions() { reactions_.compute(inertias_, loops_.lambda()); }
+/// What was computed in another pose does not go with what the machine is now.
+void Equations::require_current(const Evaluated& evaluated) const {
+  if (evaluated.accelerations_ == &accelerations_ && evaluated.motion_ == motion_.number_) return;
+  throw std::logic_error("relative: accelerations of another pose: the machine has been moved since");
+}
 
-void Equations::compute_qdot(VecX& qdot) const {
+const JointReactions& Equations::compute_reactions(const Evaluated& evaluated) {
+  require_current(evaluated);
+  return reactions_.compute(inertias_, accelerations_, applied_, evaluated.loops().lambda);
+}
+
+const JointReactions& Equations::compute_self_stress(const Motion& /*motion*/, const VecX& lambda) {
+  return reactions_.compute_self_stress(lambda);
+}
+
+void Equations::compute_qdot(const Motion& motion, VecX& qdot) const {
   for (std::size_t k = 0; k < model_->joints.size(); ++k) {
     const Span& span = topology().joints[k];
     kinematics_.mobilizer(static_cast<int>(k))
-        .compute_qdot(q_.data() + span.first_q, u_.data() + span.first_u, qdot.data() + span.first_q);
+        .compute_qdot(motion.q().data() + span.first_q, motion.u().data() + span.first_u, qdot.data() + span.first_q);
   }
   for (const Span& modes : topology().modes) {
-    qdot.segment(modes.first_q, modes.n_q) = u_.segment(modes.first_u, modes.n_u);
+    qdot.segment(modes.first_q, modes.n_q) = motion.u().segment(modes.first_u, modes.n_u);
   }
 }
 
-BodyAcceleration Equations::acceleration(int body) const {
-  const Vec6& Vdot = articulated_bodies_.acceleration(body);
-  const VecX* addot = articulated_bodies_.modal_acceleration(body);
-  return {Vdot.head<3>(), Vdot.tail<3>(), addot == nullptr ? VecX() : *addot};
-}
-
-double Equations::power() const {
+double Equations::power(const Evaluated& evaluated) {
+  require_current(evaluated);
   double power = applied_.power();
-  for (const Prescription& driver : drivers_) {
-    const VecX& tau = reactions_.joints()[driver.joint].tau;
-    // A spring on the same coordinate has its share in tau, and has been counted; a coupling has no power in all.
-    const double of_driver = tau(driver.u - topology().joints[driver.joint].first_u) - applied_.tau()(driver.u) -
-                             reactions_.coupling_tau()(driver.u);
-    power += of_driver * u_(driver.u);
+  if (has_drivers()) {
+    const JointReactions& reactions = compute_reactions(evaluated);
+    for (const Prescription& driver : drivers_) {
+      const VecX& tau = reactions.joints[driver.joint].tau;
+      // A spring on the same coordinate has its share in tau, and has been counted; a coupling has no power in all.
+      const double of_driver = tau(driver.u - topology().joints[driver.joint].first_u) - applied_.tau()(driver.u) -
+                               reactions.coupling_tau(driver.u);
+      power += of_driver * motion_.u()(driver.u);
+    }
   }
   for (const BodyInertia& inertia : inertias_) {
     if (const FlexibleInertia* flexible = inertia.flexible()) power -= flexible->dissipation();

@@ -5,10 +5,12 @@
 
 #include "common/results.h"
 #include "relative/applied_forces.h"
-#include "relative/articulated_bodies.h"
+#include "relative/articulated_inertias.h"
 #include "relative/body_inertia.h"
 #include "relative/closure.h"
 #include "relative/loops.h"
+#include "relative/motion_without_inertia.h"
+#include "relative/phases.h"
 #include "relative/reactions.h"
 #include "relative/velocity_transformation.h"
 
@@ -20,8 +22,8 @@ namespace concord::relative {
 ///
 /// This is the entry for whoever wants evaluations and nothing else, such as a benchmark:
 ///   Equations equations(model);
-///   equations.compute_accelerations(t, q, u);   // q, u: see topology.h for their order; home() for a first q
-///   equations.compute_reactions();
+///   const Evaluated& evaluated = equations.compute_accelerations(t, q, u);   // q, u: see topology.h for their order;
+///   const JointReactions& found = equations.compute_reactions(evaluated);    // home() for a first q
 class Equations {
  public:
   /// The model must outlive this object. Throws InputError if its loops cannot be opened.
@@ -48,46 +50,38 @@ class Equations {
 
   /// Poses, velocities and closure misfits at time t, q, u (n_q and n_u numbers). Driven entries are replaced by their
   /// laws, those of cut joints by measurement (q gives the guess).
-  void move(double t, const VecX& q, const VecX& u);
+  const Motion& move(double t, const VecX& q, const VecX& u);
 
   /// move, and udot from (R32). Throws SolverError if a link has no inertia, the pose is singular or a force
   /// element is not defined in it.
-  void compute_accelerations(double t, const VecX& q, const VecX& u);
+  const Evaluated& compute_accelerations(double t, const VecX& q, const VecX& u);
 
   /// move, and applied forces: what the tires of a state do, without its accelerations.
-  void update_forces(double t, const VecX& q, const VecX& u);
+  const AppliedForces& update_forces(double t, const VecX& q, const VecX& u);
 
   /// A motion of one joint of the opened tree that has no inertia in this pose. Throws SolverError if modes are to
   /// blame.
   [[nodiscard]] std::optional<MotionWithoutInertia> find_motion_without_inertia(double t, const VecX& q, const VecX& u);
 
-  /// Wrenches of all joints for the last accelerations.
-  void compute_reactions();
+  /// Wrenches of all joints for accelerations.
+  const JointReactions& compute_reactions(const Evaluated& evaluated);
+  /// Wrenches that multipliers alone hold in balance, without load.
+  const JointReactions& compute_self_stress(const Motion& motion, const VecX& lambda);
 
-  /// Coordinates and speeds as completed by move, and accelerations of the tree (n_u numbers, of cut joints only the
-  /// driven ones).
-  [[nodiscard]] const VecX& q() const { return q_; }
-  [[nodiscard]] const VecX& u() const { return u_; }
-  [[nodiscard]] const VecX& udot() const { return udot_; }
   /// qdot = N(q) u for all coordinates, cut joints' and modal ones included.
-  void compute_qdot(VecX& qdot) const;
+  void compute_qdot(const Motion& motion, VecX& qdot) const;
 
-  [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }
-  AppliedForces& applied_forces() { return applied_; }
-  [[nodiscard]] const ArticulatedBodies& articulated_bodies() const { return articulated_bodies_; }
-  [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return inertias_; }
-  [[nodiscard]] const Reactions& reactions() const { return reactions_; }
-  Reactions& reactions() { return reactions_; }
-  Loops& loops() { return loops_; }
-
-  /// Accelerations of a body's origin, angular and modal ones of the last evaluation.
-  [[nodiscard]] BodyAcceleration acceleration(int body) const;
-
-  /// Power of drivers, joint springs and force elements minus modal dissipation adot^T D adot [W]; after
-  /// compute_reactions if there are drivers, else after compute_accelerations (R61).
-  [[nodiscard]] double power() const;
+  /// Power of drivers, joint springs and force elements minus modal dissipation adot^T D adot [W] (R61).
+  [[nodiscard]] double power(const Evaluated& evaluated);
   [[nodiscard]] bool has_applied_forces() const { return applied_.any(); }
   [[nodiscard]] bool has_drivers() const { return !drivers_.empty(); }
+
+  /// The pose in which the machine stands.
+  [[nodiscard]] const Motion& motion() const { return motion_; }
+  [[nodiscard]] const AppliedForces& applied_forces() const { return applied_; }
+  AppliedForces& applied_forces() { return applied_; }
+  [[nodiscard]] const Loops& loops() const { return loops_; }
+  Loops& loops() { return loops_; }
 
  private:
   /// One driver and the indices of its coordinate and speed.
@@ -97,20 +91,22 @@ class Equations {
   };
 
   void update_inertias();
+  void require_current(const Evaluated& evaluated) const;
 
   const Model* model_;
   Kinematics kinematics_;
   PrescribedMask driven_;
   Closure closure_;
   AppliedForces applied_;
-  ArticulatedBodies articulated_bodies_;
+  ArticulatedInertias tree_;
+  TreeAccelerations accelerations_;
   Loops loops_;
   Reactions reactions_;
   std::vector<Prescription> drivers_;
   std::vector<BodyInertia> inertias_;  // by link
-  VecX q_;
-  VecX u_;
-  VecX udot_;
+  VecX prescribed_udot_;               // zero where no driver acts
+  Motion motion_;
+  Evaluated evaluated_;
 };
 
 }  // namespace concord::relative

@@ -46,13 +46,10 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
 void IntegrationRun::evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {  // (R73)
   ++evaluations_;
   variables_.unpack(y, coordinates_);
-  equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
-  equations_->compute_qdot(qdot_);
-  variables_.pack(qdot_, equations_->udot(), ydot);
-  ydot(variables_.work()) = 0.0;
-  if (!has_work_) return;
-  if (equations_->has_drivers()) equations_->compute_reactions();
-  ydot(variables_.work()) = equations_->power();
+  const Evaluated& evaluated = equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+  equations_->compute_qdot(equations_->motion(), qdot_);
+  variables_.pack(qdot_, evaluated.udot(), ydot);
+  ydot(variables_.work()) = has_work_ ? equations_->power(evaluated) : 0.0;
 }
 
 /// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
@@ -78,7 +75,7 @@ void IntegrationRun::require_advance(double t) {
   if (evaluations_ - evaluations_before_ <= kMostEvaluationsWithoutAdvance) return;
   const std::string place = equations_->closure().n_rows() > 0
                                 ? fmt::format("; {} has the largest multiplier there",
-                                              equations_->closure().worst_place(equations_->loops().lambda()))
+                                              equations_->closure().worst_place(equations_->loops().solution().lambda))
                                 : "";
   throw SolverError(
       fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
@@ -115,8 +112,7 @@ void IntegrationRun::apply_forces(double t, const Eigen::Ref<const VecX>& y) {
 
 void IntegrationRun::follow_lines() {
   if (!equations_->applied_forces().has_line_springs()) return;
-  equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u);
-  lines_.pass(coordinates_.t, equations_->applied_forces());
+  lines_.pass(coordinates_.t, equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u));
 }
 
 Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
@@ -127,18 +123,18 @@ Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<co
   try {
     lines_.settle();
     assembly_->project(coordinates_);
-    equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
-    assembly_->closure_rank().require_general(coordinates_);
-    assembly_->closure_rank().require_agreeing_rows(coordinates_);
-    sample.state = states.write(t, before);
+    const Evaluated& evaluated = equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+    assembly_->closure_rank().require_general(coordinates_, evaluated);
+    assembly_->closure_rank().require_agreeing_rows(coordinates_, evaluated);
+    sample.state = states.write(equations_->motion(), before);
     (void)states.read_closed(sample.state);
+    const JointReactions& reactions = equations_->compute_reactions(evaluated);
+    require_modal_balance(reactions, equations_->model(), t);
+    sample.evaluation = states.write_evaluation(evaluated, reactions);
   } catch (const SolverError& error) {
     remember(error);
     throw_stopped(t, last_reason_);
   }
-  equations_->compute_reactions();
-  require_modal_balance(equations_->reactions(), equations_->model(), t);
-  sample.evaluation = states.write_evaluation();
   return sample;
 }
 

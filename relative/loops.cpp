@@ -3,24 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace concord::relative {
 
 namespace {
 
-/// Diagonal entries of Lambda in machine units below this part of the largest are squares of round-off: the row
-/// vanishes.
-constexpr double kVanishing = 1e-22;
 /// Where a pivot of Lambda scaled to unit diagonal is below this, half the digits of its factor are lost; an orthogonal
 /// factor of the stacked unit responses, of which Lambda is the square, keeps them.
 constexpr double kIllConditioned = 1e-8;
 /// Pivots of that factor, sines between rows, below this are round-off.
 constexpr double kDependent = 1e-14;
-
-/// The square of the sine that a row must have against the rows chosen before, in rounds.
-constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
 /// Iterative refinement goes on until the residual is this part of the first one, or falls no further.
 constexpr int kMostRefinements = 4;
@@ -29,47 +22,31 @@ constexpr double kStagnates = 0.25;
 
 }  // namespace
 
-Loops::Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies)
-    : kinematics_(&kinematics), closure_(&closure), articulated_bodies_(&articulated_bodies) {
-  lay_out_paths();
+Loops::Loops(const Kinematics& kinematics, const Closure& closure, const ArticulatedInertias& tree)
+    : kinematics_(&kinematics), closure_(&closure), choice_(closure.n_rows()) {
+  lay_out_paths(tree);
   lay_out_shared();
+  lay_out_stacked(tree);
   const int n = closure.n_rows();
   Lambda_.setZero(n, n);
-  residual_.setZero(n);
-  lambda_.setZero(n);
+  solution_.lambda.setZero(n);
+  solution_.residual.setZero(n);
+  solution_.used.scale.setZero(n);
   lambda_correction_.setZero(n);
-  int most_unknowns = 0;
-  for (const LoopPath& path : paths_) {
-    for (const PathLink& path_link : path.links)
-      most_unknowns = std::max(most_unknowns, articulated_bodies.n_unknowns(path_link.link));
-  }
-  force_.setZero(most_unknowns);
-  scale_.setZero(n);
-  rest_.setZero(n, n);
-  first_of_link_.resize(kinematics.topology().links.size());
-  int n_stacked = 0;
-  for (const LoopPath& path : paths_) {
-    for (const PathLink& path_link : path.links) {
-      if (first_of_link_[path_link.link]) continue;
-      first_of_link_[path_link.link] = n_stacked;
-      n_stacked += articulated_bodies.n_unknowns(path_link.link);
-    }
-  }
-  stacked_.setZero(n_stacked, n);
   set_rank(n);
 }
 
-void Loops::lay_out_paths() {
+void Loops::lay_out_paths(const ArticulatedInertias& tree) {
   for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
     const Closure::Cut& cut = closure_->cuts()[c];
     if (cut.measure.n_rows() == 0) continue;  // permits all six, and exerts nothing
-    lay_out({CutRows{static_cast<int>(c)}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
+    lay_out(tree, {CutRows{static_cast<int>(c)}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
   }
   for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
     const SpeedConstraint& constraint = closure_->speed_constraints()[r];
     std::vector<int> joints;
     for (const ConstrainedJoint& part : constraint.joints) joints.push_back(part.joint);
-    lay_out({SpeedRows{static_cast<int>(r)}, constraint.first_row, constraint.n_rows, {}, {}}, joints);
+    lay_out(tree, {SpeedRows{static_cast<int>(r)}, constraint.first_row, constraint.n_rows, {}, {}}, joints);
   }
 }
 
@@ -86,17 +63,30 @@ void Loops::lay_out_shared() {
   }
 }
 
+/// Where the unknowns of each link on a path stand among all of them.
+void Loops::lay_out_stacked(const ArticulatedInertias& tree) {
+  first_of_link_.resize(kinematics_->topology().links.size());
+  int most_unknowns = 0;
+  for (const LoopPath& path : paths_) {
+    for (const PathLink& path_link : path.links) {
+      const int n = tree.n_unknowns(path_link.link);
+      most_unknowns = std::max(most_unknowns, n);
+      if (first_of_link_[path_link.link]) continue;
+      first_of_link_[path_link.link] = static_cast<int>(n_stacked_);
+      n_stacked_ += n;
+    }
+  }
+  force_.setZero(most_unknowns);
+}
+
 void Loops::set_rank(int rank) {
   rank_ = rank;
-  used_.clear();
-  used_.reserve(rank);
-  for (int row = 0; row < rank; ++row) used_.push_back(row);
-  selected_.setIdentity(rank, rank);
-  llt_.compute(selected_);
-  stacked_.setZero(stacked_.rows(), rank);
-  if (stacked_.size() > 0) qr_.compute(stacked_);
-  solution_.setZero(rank);
-  permuted_.setZero(rank);
+  std::vector<int>& rows = solution_.used.rows;
+  rows.clear();
+  rows.reserve(rank);
+  for (int row = 0; row < rank; ++row) rows.push_back(row);
+  factors_.lay_out(rank, n_stacked_);
+  right_.setZero(rank);
 }
 
 /// The links between the bodies of some joints and ground, outermost first.
@@ -115,7 +105,7 @@ std::vector<int> Loops::links_to_ground(const std::vector<int>& joints) const {
 }
 
 /// Gives a path its links, and a load for each of its joints.
-void Loops::lay_out(LoopPath path, const std::vector<int>& joints) {
+void Loops::lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<int>& joints) {
   const Topology& topology = kinematics_->topology();
   const std::vector<int> links = links_to_ground(joints);
   const auto path_link_of = [&](std::optional<int> link) -> std::optional<int> {
@@ -125,7 +115,7 @@ void Loops::lay_out(LoopPath path, const std::vector<int>& joints) {
   for (const int l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
     path.links.push_back({l, path_link_of(topology.inward_link(l)), Mat6X::Zero(6, path.n_rows),
-                          MatX::Zero(m, path.n_rows), MatX::Zero(articulated_bodies_->n_unknowns(l), path.n_rows)});
+                          MatX::Zero(m, path.n_rows), MatX::Zero(tree.n_unknowns(l), path.n_rows)});
   }
   for (const int k : joints) {
     if (const auto* on_link = std::get_if<OnLink>(&topology.places[k])) {
@@ -141,7 +131,7 @@ void Loops::lay_out(LoopPath path, const std::vector<int>& joints) {
 }
 
 /// Unit multipliers act with +T on the child of a cut joint, or with coordinate forces +C on a joint of the tree.
-void Loops::apply_unit_multipliers(LoopPath& path) {
+void Loops::apply_unit_multipliers(const ArticulatedInertias& tree, LoopPath& path) {
   if (const auto* rows = std::get_if<CutRows>(&path.owner)) {
     const auto& load = std::get<WrenchLoad>(path.loads.front());
     apply_unit_wrenches(path, load, closure_->cuts()[rows->cut].T_global.leftCols(path.n_rows));
@@ -152,7 +142,7 @@ void Loops::apply_unit_multipliers(LoopPath& path) {
     const ConstrainedJoint& part = constraint.joints[p];
     if (const auto* load = std::get_if<CoordinateLoad>(&path.loads[p])) {
       PathLink& path_link = path.links[load->own_link];
-      articulated_bodies_->add_coordinate_forces(path_link.link, part.C, path_link.unit_response);
+      tree.add_coordinate_forces(path_link.link, part.C, path_link.unit_response);
     } else {
       apply_unit_wrenches(path, std::get<WrenchLoad>(path.loads[p]), part.T_global);
     }
@@ -180,15 +170,15 @@ void Loops::apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, Side sid
 }
 
 /// Carries the unit multipliers of one path to ground (R51).
-void Loops::compute_unit_responses(LoopPath& path) {
+void Loops::compute_unit_responses(const ArticulatedInertias& tree, LoopPath& path) {
   for (PathLink& path_link : path.links) {
     path_link.z_r.setZero();
     path_link.z_a.setZero();
     path_link.unit_response.setZero();
   }
-  apply_unit_multipliers(path);
+  apply_unit_multipliers(tree, path);
   for (PathLink& path_link : path.links) {
-    articulated_bodies_->propagate_force(path_link.link, path_link.z_r, path_link.z_a, path_link.unit_response);
+    tree.propagate_force(path_link.link, path_link.z_r, path_link.z_a, path_link.unit_response);
     if (!path_link.next) continue;
     const LinkBlocks& blocks = kinematics_->blocks(path_link.link);
     PathLink& next = path.links[*path_link.next];
@@ -220,173 +210,112 @@ void Loops::throw_singular(int row) const {
       rank_, closure_->worst_place(place)));
 }
 
-/// The scale of each row, zero for one that vanishes; and the rows to use, all or as many as are independent in a
-/// general pose, by elimination in the scaled Lambda: the first in order that keep enough of their own beside those
-/// taken, so that round-off does not choose between rows that are as good.
+/// All rows, or as many as are independent in a general pose.
 void Loops::choose_rows() {
-  const auto n = static_cast<int>(Lambda_.rows());
-  double largest = 0.0;
-  const VecX& units = closure_->row_units();
-  for (int i = 0; i < n; ++i) largest = std::max(largest, Lambda_(i, i) / (units(i) * units(i)));
-  for (int i = 0; i < n; ++i) {
-    const bool vanishes = !(Lambda_(i, i) / (units(i) * units(i)) > kVanishing * largest);
-    scale_(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda_(i, i));
-  }
-  if (rank_ == n) return;  // all rows are used
-  if (keeps_rows_ && has_kept_ && are_kept_rows_sound()) return;
-  rest_.noalias() = scale_.asDiagonal() * Lambda_ * scale_.asDiagonal();
-  used_.clear();
-  for (const double least : kLeastOwnParts) {
-    for (int row = 0; row < n && static_cast<int>(used_.size()) < rank_; ++row) {
-      if (rest_(row, row) > least) use(row);
-    }
-  }
-  // Of the rows that are left none is independent.
-  if (static_cast<int>(used_.size()) < rank_) throw_singular(0);
-  std::sort(used_.begin(), used_.end());
+  constexpr double kSound = 1e-6;  // kept rows are independent enough in this pose
+  IndependentRows& used = solution_.used;
+  scale_rows(Lambda_, closure_->row_units(), used.scale);
+  if (rank_ == static_cast<int>(Lambda_.rows())) return;
+  if (keeps_rows_ && has_kept_ && factors_.factor(Lambda_, used) > kSound) return;
+  if (!choice_.choose(Lambda_, rank_, used)) throw_singular(0);  // of the rows that are left none is independent
   has_kept_ = keeps_rows_;
 }
 
-/// Whether the rows in use are still independent enough in this pose.
-bool Loops::are_kept_rows_sound() {
-  constexpr double kSound = 1e-6;
-  select();
-  return llt_.compute(selected_).info() == Eigen::Success &&
-         llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kSound;
-}
-
-/// Lambda of the used rows, scaled to unit diagonal.
-void Loops::select() {
-  const auto n = static_cast<Eigen::Index>(used_.size());
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = 0; i < n; ++i) {
-      selected_(i, j) = scale_(used_[i]) * Lambda_(used_[i], used_[j]) * scale_(used_[j]);
-    }
-  }
-}
-
-/// Takes a row and its part off what is left of the others.
-void Loops::use(int pivot) {
-  used_.push_back(pivot);
-  const double size = rest_(pivot, pivot);
-  for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
-    if (j == pivot) continue;
-    const double factor = rest_(pivot, j) / size;
-    for (Eigen::Index i = 0; i < rest_.rows(); ++i) {
-      if (i != pivot) rest_(i, j) -= factor * rest_(i, pivot);
-    }
-  }
-  rest_.row(pivot).setZero();
-  rest_.col(pivot).setZero();
-}
-
-/// Cholesky's factor of the used rows of Lambda, or where that loses digits the orthogonal factor of the stacked unit
-/// responses.
 void Loops::factorize() {
-  for (const int row : used_) {
-    if (scale_(row) == 0.0) throw_singular(row);
+  const IndependentRows& used = solution_.used;
+  for (const int row : used.rows) {
+    if (used.scale(row) == 0.0) throw_singular(row);
   }
-  select();
-  is_orthogonal_ = false;
-  least_pivot_ = 0.0;
-  if (llt_.compute(selected_).info() == Eigen::Success) {
-    least_pivot_ = llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
-  }
-  if (!(least_pivot_ > kIllConditioned)) factorize_stacked();
+  solution_.least_pivot = factors_.factor(Lambda_, used);
+  if (solution_.least_pivot > kIllConditioned) return;
+  stack_unit_responses();
+  const MultiplierFactors::LeastSine least = factors_.factor_stacked();
+  solution_.least_pivot = least.pivot * least.pivot;
+  if (!(least.pivot > kDependent)) throw_singular(used.rows[least.place]);
 }
 
-void Loops::factorize_stacked() {
-  is_orthogonal_ = true;
-  stacked_.setZero();
+void Loops::stack_unit_responses() {
+  const IndependentRows& used = solution_.used;
+  MatX& stacked = factors_.stacked();
+  stacked.setZero();
   for (const LoopPath& path : paths_) {
-    for (std::size_t c = 0; c < used_.size(); ++c) {
-      const int column = used_[c] - path.first_row;
+    for (std::size_t c = 0; c < used.rows.size(); ++c) {
+      const int column = used.rows[c] - path.first_row;
       if (column < 0 || column >= path.n_rows) continue;
       for (const PathLink& path_link : path.links) {
-        stacked_.col(static_cast<Eigen::Index>(c))
+        stacked.col(static_cast<Eigen::Index>(c))
             .segment(*first_of_link_[path_link.link], path_link.unit_response.rows()) =
-            scale_(used_[c]) * path_link.unit_response.col(column);
+            used.scale(used.rows[c]) * path_link.unit_response.col(column);
       }
     }
   }
-  qr_.compute(stacked_);
-  const auto n = static_cast<Eigen::Index>(used_.size());
-  const Eigen::Index least = n - 1;
-  const double pivot = stacked_.rows() < n ? 0.0 : std::abs(qr_.matrixQR()(least, least));
-  least_pivot_ = pivot * pivot;
-  if (!(pivot > kDependent)) throw_singular(used_[qr_.colsPermutation().indices()(least)]);
-}
-
-/// Lambda^-1 of the used rows, in place.
-void Loops::solve(VecX& right) const {
-  for (std::size_t i = 0; i < used_.size(); ++i) right(i) *= scale_(used_[i]);
-  if (is_orthogonal_) {
-    const auto n = static_cast<Eigen::Index>(used_.size());
-    const auto& place = qr_.colsPermutation().indices();
-    for (Eigen::Index i = 0; i < n; ++i) permuted_(i) = right(place(i));
-    const auto R = qr_.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-    R.transpose().solveInPlace(permuted_);
-    R.solveInPlace(permuted_);
-    for (Eigen::Index i = 0; i < n; ++i) right(place(i)) = permuted_(i);
-  } else {
-    llt_.solveInPlace(right);
-  }
-  for (std::size_t i = 0; i < used_.size(); ++i) right(i) *= scale_(used_[i]);
 }
 
 /// Adds -Phi_u^T lambda to the right side of the tree (R53).
-void Loops::apply_constraint_forces(const VecX& lambda) {
+void Loops::apply_constraint_forces(const VecX& lambda, TreeAccelerations& accelerations) {
   for (const LoopPath& path : paths_) {
     const auto of_path = lambda.segment(path.first_row, path.n_rows);
     for (const PathLink& path_link : path.links) {
       auto force = force_.head(path_link.unit_response.rows());
       force.noalias() = -path_link.unit_response.lazyProduct(of_path);
-      articulated_bodies_->add_force(path_link.link, force);
+      accelerations.add_force(path_link.link, force);
     }
   }
 }
 
-void Loops::close(VecX& udot) {  // (R53)
-  if (closure_->n_rows() == 0) return;
-  for (LoopPath& path : paths_) compute_unit_responses(path);
+const LoopSolution& Loops::close(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {  // (R53)
+  if (closure_->n_rows() == 0) return solution_;
+  for (LoopPath& path : paths_) compute_unit_responses(tree, path);
   sum_Lambda();
-  lambda_.setZero();
-  least_pivot_ = 1.0;
-  if (rank_ == 0) return;
+  solution_.lambda.setZero();
+  solution_.least_pivot = 1.0;
+  if (rank_ == 0) return solution_;
   choose_rows();
   factorize();
-  const auto acceleration = [this](int joint, Side side) {
-    return articulated_bodies_->acceleration_of_point(joint, side);
-  };
+  refine(tree, accelerations);
+  return solution_;
+}
+
+/// Solves for the multipliers, and again for what round-off has left of the closure until it falls no further.
+void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {
+  const IndependentRows& used = solution_.used;
+  const auto acceleration = [&accelerations](int joint, Side side) { return accelerations.of_point(joint, side); };
   double first_residual = 0.0;
   double last_residual = 0.0;
   for (int round = 0; round < kMostRefinements; ++round) {
-    closure_->compute_acceleration_residual(acceleration, udot, residual_);
-    double residual = 0.0;
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      solution_(i) = residual_(used_[i]);
-      // Each row by what a unit multiplier moves in it, so that units do not weigh.
-      residual = std::max(residual, std::abs(solution_(i)) * scale_(used_[i]));
-    }
+    closure_->compute_acceleration_residual(acceleration, accelerations.udot(), solution_.residual);
+    const double residual = select_residual();
     if (round == 0) first_residual = residual;
     if (round > 0 && (residual <= kRoundOffOfFirst * first_residual || residual > kStagnates * last_residual)) break;
     last_residual = residual;
-    solve(solution_);
+    factors_.solve(used, right_);
     lambda_correction_.setZero();
-    for (std::size_t i = 0; i < used_.size(); ++i) lambda_correction_(used_[i]) = solution_(i);
-    lambda_ += lambda_correction_;
-    apply_constraint_forces(lambda_correction_);
-    articulated_bodies_->forward_pass(udot);
+    for (std::size_t i = 0; i < used.rows.size(); ++i) lambda_correction_(used.rows[i]) = right_(i);
+    solution_.lambda += lambda_correction_;
+    apply_constraint_forces(lambda_correction_, accelerations);
+    accelerations.solve_again(tree);
   }
 }
 
-std::optional<int> Loops::contradicted_row(double allowed) const {
+/// Takes the residuals of the used rows for right side; the largest, each by what a unit multiplier moves in its row,
+/// so that units do not weigh.
+double Loops::select_residual() {
+  const IndependentRows& used = solution_.used;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < used.rows.size(); ++i) {
+    right_(i) = solution_.residual(used.rows[i]);
+    largest = std::max(largest, std::abs(right_(i)) * used.scale(used.rows[i]));
+  }
+  return largest;
+}
+
+std::optional<int> LoopSolution::contradicted_row(const VecX& row_units, double allowed) const {
   std::optional<int> found;
-  if (rank_ == static_cast<int>(lambda_.size())) return found;
+  if (used.rows.size() == static_cast<std::size_t>(lambda.size())) return found;
   double worst = allowed;
-  for (int row = 0; row < static_cast<int>(lambda_.size()); ++row) {
-    if (std::binary_search(used_.begin(), used_.end(), row)) continue;
-    const double misfit = std::abs(residual_(row)) / closure_->row_units()(row);
+  for (int row = 0; row < static_cast<int>(lambda.size()); ++row) {
+    if (used.hold(row)) continue;
+    const double misfit = std::abs(residual(row)) / row_units(row);
     if (misfit <= worst) continue;
     worst = misfit;
     found = row;

@@ -4,40 +4,53 @@
 #include <variant>
 #include <vector>
 
-#include "common/decompositions.h"
-#include "relative/articulated_bodies.h"
+#include "relative/articulated_inertias.h"
 #include "relative/closure.h"
+#include "relative/independent_rows.h"
+#include "relative/multiplier_factors.h"
+#include "relative/tree_accelerations.h"
 
 /// The part of closure in (R32): Phi_u udot = gamma through the Schur complement Lambda = Phi_u Mbar^-1 Phi_u^T.
 namespace concord::relative {
+
+/// How the loops, couplings and nonholonomic constraints of a machine hold it in one pose.
+struct LoopSolution {
+  /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
+  /// the coordinate forces of a speed constraint -C lambda.
+  VecX lambda;
+  /// The rows that are used.
+  IndependentRows used;
+  /// The smallest pivot of these, in Lambda scaled to unit diagonal: the square of the sine between a row and those
+  /// before it, in the metric of the inverse inertia; 1 without rows.
+  double least_pivot = 1.0;
+  /// What is left of the acceleration closure, of all rows.
+  VecX residual;
+
+  /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
+  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's
+  /// (those of the rows are `row_units`); if any does.
+  [[nodiscard]] std::optional<int> contradicted_row(const VecX& row_units, double allowed) const;
+};
 
 /// Constraint forces of the cut joints, couplings and nonholonomic constraints. Lambda is summed over the links between
 /// each of their joints and ground; those whose paths share no link do not couple. All memory is laid out at
 /// construction.
 class Loops {
  public:
-  /// Both must outlive this object.
-  Loops(const Kinematics& kinematics, const Closure& closure, ArticulatedBodies& articulated_bodies);
+  /// For the links of these inertias, which need not be computed yet. Kinematics and closure must outlive this object.
+  Loops(const Kinematics& kinematics, const Closure& closure, const ArticulatedInertias& tree);
 
   /// Takes the number of independent closure rows in a general pose (all at first).
   void set_rank(int rank);
   [[nodiscard]] int rank() const { return rank_; }
 
-  /// After the tree has been solved with free loops (the passes of ArticulatedBodies): finds lambda and solves the tree
-  /// again, udot obeying the closure. Where a machine is redundant, the independent rows are chosen anew in each pose,
-  /// by the pose alone. Throws SingularPose if there are too few.
-  void close(VecX& udot);
+  /// Closes the loops of a tree that has been solved with free ones: finds lambda and solves the accelerations again,
+  /// so that they obey the closure. Where a machine is redundant, the independent rows are chosen anew in each pose, by
+  /// the pose alone. Throws SingularPose if there are too few.
+  const LoopSolution& close(const ArticulatedInertias& tree, TreeAccelerations& accelerations);
 
-  /// The smallest pivot of the rows used last, in Lambda scaled to unit diagonal: the square of the sine between a row
-  /// and those before it, in the metric of the inverse inertia; 1 without rows.
-  [[nodiscard]] double least_pivot() const { return least_pivot_; }
-  /// The rows used last.
-  [[nodiscard]] const std::vector<int>& used_rows() const { return used_; }
-
-  /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
-  /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's; if
-  /// any does.
-  [[nodiscard]] std::optional<int> contradicted_row(double allowed) const;
+  /// The last one.
+  [[nodiscard]] const LoopSolution& solution() const { return solution_; }
 
   /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
   /// independent: between rows that agree in a closed pose the stages of a step would else jump.
@@ -47,10 +60,6 @@ class Loops {
   }
   /// Rows are chosen in each pose again.
   void free_rows() { keeps_rows_ = false; }
-
-  /// Multipliers of all closure rows, zero in rows that are not used. The cut joint's wrench on the child is -T lambda,
-  /// the coordinate forces of a speed constraint -C lambda.
-  [[nodiscard]] const VecX& lambda() const { return lambda_; }
 
  private:
   /// One link on the path to ground: the generalized forces that reach it from unit multipliers of the path's rows, and
@@ -93,50 +102,40 @@ class Loops {
     int path, link, other_path, other_link;
   };
 
-  void lay_out_paths();
-  void lay_out(LoopPath path, const std::vector<int>& joints);
+  void lay_out_paths(const ArticulatedInertias& tree);
+  void lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<int>& joints);
   [[nodiscard]] std::vector<int> links_to_ground(const std::vector<int>& joints) const;
   void lay_out_shared();
-  void compute_unit_responses(LoopPath& path);
-  void apply_unit_multipliers(LoopPath& path);
+  void lay_out_stacked(const ArticulatedInertias& tree);
+  void compute_unit_responses(const ArticulatedInertias& tree, LoopPath& path);
+  void apply_unit_multipliers(const ArticulatedInertias& tree, LoopPath& path);
   void apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, const Eigen::Ref<const Mat6X>& on_child);
   void apply_unit_wrenches(LoopPath& path, const WrenchLoad& load, Side side, const Eigen::Ref<const Mat6X>& on_child);
   void sum_Lambda();
   void choose_rows();
-  void use(int pivot);
-  [[nodiscard]] bool are_kept_rows_sound();
-  void select();
   void factorize();
-  void factorize_stacked();
-  void solve(VecX& right) const;
+  void stack_unit_responses();
   [[noreturn]] void throw_singular(int row) const;
-  void apply_constraint_forces(const VecX& lambda);
+  void refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations);
+  [[nodiscard]] double select_residual();
+  void apply_constraint_forces(const VecX& lambda, TreeAccelerations& accelerations);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  ArticulatedBodies* articulated_bodies_;
   std::vector<LoopPath> paths_;
   std::vector<SharedLink> shared_;
   int rank_ = 0;
-  std::vector<int> used_;
   bool keeps_rows_ = false;
-  bool has_kept_ = false;                          // whether used_ are the rows to keep
-  std::vector<std::optional<int>> first_of_link_;  // rows of stacked_ where a link's unknowns begin, if on a path
+  bool has_kept_ = false;                          // whether the rows of the solution are those to keep
+  std::vector<std::optional<int>> first_of_link_;  // stacked rows where a link's unknowns begin, if on a path
+  Eigen::Index n_stacked_ = 0;
   MatX Lambda_;
-  VecX scale_;                                  // of the rows: 1 / sqrt of the diagonal of Lambda
-  MatX rest_;                                   // of Lambda scaled to unit diagonal, while rows are chosen
-  MatX selected_;                               // used rows of Lambda, scaled
-  Eigen::LLT<MatX> llt_{MatX::Identity(1, 1)};  // Eigen copies its outcome: there must be one
-  MatX stacked_;                                // unit_response of the used rows, scaled: Lambda = stacked^T stacked
-  Eigen::ColPivHouseholderQR<MatX> qr_;
-  bool is_orthogonal_ = false;  // whether qr_ is used instead of llt_
-  double least_pivot_ = 1.0;
-  VecX residual_;
-  VecX solution_;
-  VecX lambda_;
+  RowChoice choice_;
+  MultiplierFactors factors_;
+  LoopSolution solution_;
+  VecX right_;  // of the used rows, and what solves them
   VecX lambda_correction_;
   VecX force_;
-  mutable VecX permuted_;
 };
 
 }  // namespace concord::relative

@@ -57,9 +57,9 @@ class Moved {
  public:
   explicit Moved(const Model& model) : joints_(model.joints.size()), couplings_(model.couplings.size(), 0.0) {}
 
-  /// Adds the wrenches that the reactions hold for the multipliers of one self-stress.
-  void add(const Equations& equations, const VecX& lambda, double length) {
-    const std::vector<JointWrenches>& joints = equations.reactions().joints();
+  /// Adds the wrenches of one self-stress and its multipliers.
+  void add(const Equations& equations, const JointReactions& stress, const VecX& lambda, double length) {
+    const std::vector<JointWrenches>& joints = stress.joints;
     for (std::size_t k = 0; k < joints.size(); ++k) {
       for (const Side side : {Side::parent, Side::child}) {
         add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
@@ -174,8 +174,8 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
 
 /// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
 /// largest, one for each column of U that has one (R67), (R68).
-void decide_uniqueness(Equations& equations, const Scales& scales, const ScaledRows& rows, const Spectrum& spectrum,
-                       const VecX& relative, RankReport& report) {
+void decide_uniqueness(Equations& equations, const Motion& motion, const Scales& scales, const ScaledRows& rows,
+                       const Spectrum& spectrum, const VecX& relative, RankReport& report) {
   const auto n_rows = static_cast<int>(spectrum.U.rows());
   const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
   Moved moved(equations.model());
@@ -188,8 +188,8 @@ void decide_uniqueness(Equations& equations, const Scales& scales, const ScaledR
   for (int step = 0; step < 3; ++step) {
     for (; z >= 0 && sigma(z) <= thresholds[step]; --z) {
       const VecX lambda = rows.units.cwiseProduct(spectrum.U.col(z));
-      equations.reactions().compute_self_stress(lambda);
-      moved.add(equations, spectrum.U.col(z), scales.length());
+      const JointReactions& stress = equations.compute_self_stress(motion, lambda);
+      moved.add(equations, stress, spectrum.U.col(z), scales.length());
     }
     moved.mark(unmoved[step], joints[step], couplings[step]);
   }
@@ -206,7 +206,7 @@ void decide_uniqueness(Equations& equations, const Scales& scales, const ScaledR
 }  // namespace
 
 RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordinates& coordinates) {
-  equations.move(coordinates.t, coordinates.q, coordinates.u);
+  const Motion& motion = equations.move(coordinates.t, coordinates.q, coordinates.u);
   const ScaledRows rows = free_rows(equations, scales);
   RankReport report;
   report.joints.resize(equations.model().joints.size());
@@ -227,7 +227,7 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
     report.undecided = (relative.array() > kSurelyZero && relative.array() < kSurelyKept).any();
     report.smallest_kept = rank > 0 ? relative(rank - 1) : 0.0;
     report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
-    decide_uniqueness(equations, scales, rows, spectrum, relative, report);
+    decide_uniqueness(equations, motion, scales, rows, spectrum, relative, report);
   }
   const int tree = tree_rows(equations);
   report.constraints = tree + n_rows;

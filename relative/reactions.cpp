@@ -27,14 +27,10 @@ double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const V
 
 }  // namespace
 
-Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const ArticulatedBodies& articulated_bodies,
-                     const AppliedForces& applied)
-    : kinematics_(&kinematics),
-      closure_(&closure),
-      articulated_bodies_(&articulated_bodies),
-      applied_(&applied),
-      couplings_(kinematics.model().couplings.size(), 0.0),
-      coupling_tau_(VecX::Zero(kinematics.topology().n_u)) {
+Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
+    : kinematics_(&kinematics), closure_(&closure) {
+  found_.couplings.assign(kinematics.model().couplings.size(), 0.0);
+  found_.coupling_tau.setZero(kinematics.topology().n_u);
   const Model& model = kinematics.model();
   for (const Link& link : kinematics.topology().links) {
     Load load;
@@ -45,7 +41,7 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
     const Joint& joint = model.joints[k];
     JointWrenches wrenches;
     wrenches.tau.setZero(joint.type->n_u());
-    joints_.push_back(wrenches);
+    found_.joints.push_back(wrenches);
     if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
     ForcedJoint forced{static_cast<int>(k), cut_of(kinematics.topology().places[k]), std::nullopt, {}};
     for (const Driver& driver : joint.drivers) {
@@ -60,20 +56,23 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure, const
   }
 }
 
-void Reactions::compute(const std::vector<BodyInertia>& inertias, const VecX& lambda) {
-  load_inertia(inertias);  // Step 1: (R54)
-  subtract_applied();      // Step 2: (R55)
-  set_spring_forces();
+const JointReactions& Reactions::compute(const std::vector<BodyInertia>& inertias,
+                                         const TreeAccelerations& accelerations, const AppliedForces& applied,
+                                         const VecX& lambda) {
+  load_inertia(inertias, accelerations);  // Step 1: (R54)
+  subtract_applied(applied);              // Step 2: (R55)
+  set_spring_forces(applied);
   set_coupling_forces(lambda);
   add_coupling_forces();
   apply_cut_wrenches(lambda);  // Step 3: (R56)
   apply_speed_constraint_wrenches(lambda);
-  add_spring_wrenches_of_cuts();
+  add_spring_wrenches_of_cuts(applied);
   backward_pass();                        // Steps 4 and 5: (R57), (R58)
   split_off_coordinate_wrenches(lambda);  // reactions: (R60)
+  return found_;
 }
 
-void Reactions::compute_self_stress(const VecX& lambda) {
+const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
   clear_loads();
   set_coupling_forces(lambda);
   add_coupling_forces();
@@ -81,19 +80,20 @@ void Reactions::compute_self_stress(const VecX& lambda) {
   apply_speed_constraint_wrenches(lambda);
   backward_pass();
   split_off_coordinate_wrenches(lambda);
+  return found_;
 }
 
 /// rho = M Ydot + S + U - Q_gravity (R54).
-void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
+void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations) {
   for (std::size_t l = 0; l < loads_.size(); ++l) {
     const int body = kinematics_->topology().links[l].body;
     const BodyInertia& inertia = inertias[l];
-    const Vec6& Vdot = articulated_bodies_->acceleration(body);
+    const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
-    const VecX& addot = *articulated_bodies_->modal_acceleration(body);
+    const VecX& addot = *accelerations.of_modes(body);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
     load.largest_modal_term = std::max(
@@ -105,49 +105,49 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias) {
 }
 
 /// rho -= Q of force elements and of the springs of cut joints; a spring in the tree is part of its joint's total.
-void Reactions::subtract_applied() {  // (R55)
-  if (!applied_->any()) return;
+void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
+  if (!applied.any()) return;
   for (int l = 0; l < static_cast<int>(loads_.size()); ++l) {
     Load& load = loads_[l];
-    load.rho -= applied_->on_body(l);
+    load.rho -= applied.on_body(l);
     if (load.rho_a.size() == 0) continue;
-    load.largest_modal_term = std::max(load.largest_modal_term, applied_->on_modes(l).cwiseAbs().maxCoeff());
-    load.rho_a -= applied_->on_modes(l);
+    load.largest_modal_term = std::max(load.largest_modal_term, applied.on_modes(l).cwiseAbs().maxCoeff());
+    load.rho_a -= applied.on_modes(l);
   }
 }
 
-void Reactions::set_spring_forces() {
+void Reactions::set_spring_forces(const AppliedForces& applied) {
   for (const ForcedJoint& forced : forced_joints_) {
     const Span& span = kinematics_->topology().joints[forced.joint];
-    joints_[forced.joint].tau = applied_->tau().segment(span.first_u, span.n_u);
+    found_.joints[forced.joint].tau = applied.tau().segment(span.first_u, span.n_u);
   }
 }
 
 /// f = -lambda, and factor_k f.
 void Reactions::set_coupling_forces(const VecX& lambda) {
-  if (couplings_.empty()) return;
-  coupling_tau_.setZero();
+  if (found_.couplings.empty()) return;
+  found_.coupling_tau.setZero();
   for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
     if (!constraint.is_coupling()) continue;
     const double force = -lambda(constraint.first_row);
-    couplings_[*constraint.coupling] = force / constraint.size;
+    found_.couplings[*constraint.coupling] = force / constraint.size;
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
-      coupling_tau_.segment(span.first_u, span.n_u) += force * part.C.col(0);
+      found_.coupling_tau.segment(span.first_u, span.n_u) += force * part.C.col(0);
     }
   }
 }
 
 void Reactions::add_coupling_forces() {
-  if (couplings_.empty()) return;
+  if (found_.couplings.empty()) return;
   for (const ForcedJoint& forced : forced_joints_) {
     const Span& span = kinematics_->topology().joints[forced.joint];
-    joints_[forced.joint].tau += coupling_tau_.segment(span.first_u, span.n_u);
+    found_.joints[forced.joint].tau += found_.coupling_tau.segment(span.first_u, span.n_u);
   }
 }
 
 void Reactions::clear_loads() {
-  for (const ForcedJoint& forced : forced_joints_) joints_[forced.joint].tau.setZero();
+  for (const ForcedJoint& forced : forced_joints_) found_.joints[forced.joint].tau.setZero();
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
@@ -190,12 +190,12 @@ Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
 }
 
 /// The bodies have felt the springs of cut joints as applied forces; here they join the joints' totals.
-void Reactions::add_spring_wrenches_of_cuts() {
+void Reactions::add_spring_wrenches_of_cuts(const AppliedForces& applied) {
   for (const ForcedJoint& forced : forced_joints_) {
     if (!forced.cut) continue;
     const JointPoint& parent = kinematics_->point(forced.joint, Side::parent);
     const JointPoint& child = kinematics_->point(forced.joint, Side::child);
-    const Vec6& spring = applied_->on_child_of_cut(*forced.cut);
+    const Vec6& spring = applied.on_child_of_cut(*forced.cut);
     add_to_total(forced.joint, spring, opposite_wrench_at(spring, child.r, parent.r));
   }
 }
@@ -209,8 +209,8 @@ void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wre
 }
 
 void Reactions::backward_pass() {  // (R57)
-  modal_residual_ = 0.0;
-  worst_modal_body_ = kGround;
+  found_.modal_residual = 0.0;
+  found_.worst_modal_body = kGround;
   const std::vector<Link>& links = kinematics_->topology().links;
   for (int l = static_cast<int>(links.size()) - 1; l >= 0; --l) {
     const Link& link = links[l];
@@ -238,20 +238,20 @@ void Reactions::audit_modal_rows(int l, const Vec6& wrench) {  // (R58)
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
   const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff();
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
-  if (std::isnan(modal_residual_) || residual <= modal_residual_ * terms) return;
-  modal_residual_ = residual / terms;
-  worst_modal_body_ = link.body;
+  if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;
+  found_.modal_residual = residual / terms;
+  found_.worst_modal_body = link.body;
 }
 
 void Reactions::report(int joint, const Vec6& on_child, const Vec6& on_parent) {
-  JointWrenches& wrenches = joints_[joint];
+  JointWrenches& wrenches = found_.joints[joint];
   wrenches.total[index(Side::child)] = in_both_frames(kinematics_->point(joint, Side::child).A, on_child);
   wrenches.total[index(Side::parent)] = in_both_frames(kinematics_->point(joint, Side::parent).A, on_parent);
   wrenches.reaction = wrenches.total;
 }
 
 void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent) {
-  const JointWrenches& so_far = joints_[joint];
+  const JointWrenches& so_far = found_.joints[joint];
   report(joint, so_far.total_on(Side::child).in_global.vector() + on_child,
          so_far.total_on(Side::parent).in_global.vector() + on_parent);
 }
@@ -265,7 +265,7 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
         forced.cut ? closure_->cuts()[*forced.cut].measure.motion_at() : kinematics_->joint_motion(k);
     const JointPoint& parent = kinematics_->point(k, Side::parent);
     const JointPoint& child = kinematics_->point(k, Side::child);
-    JointWrenches& wrenches = joints_[k];
+    JointWrenches& wrenches = found_.joints[k];
     const Wrench& total = wrenches.total[index(Side::child)].in_global;
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
@@ -287,12 +287,12 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   }
 }
 
-void require_modal_balance(const Reactions& reactions, const Model& model, double t) {
-  if (reactions.modal_residual() <= kLargestModalResidual) return;
+void require_modal_balance(const JointReactions& reactions, const Model& model, double t) {
+  if (reactions.modal_residual <= kLargestModalResidual) return;
   throw SolverError(fmt::format(
       "relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by {:.1e} of their largest term, "
       "allowed {:.0e}",
-      t, model.bodies[reactions.worst_modal_body()].name, reactions.modal_residual(), kLargestModalResidual));
+      t, model.bodies[reactions.worst_modal_body].name, reactions.modal_residual, kLargestModalResidual));
 }
 
 }  // namespace concord::relative

@@ -5,36 +5,40 @@
 
 #include "common/results.h"
 #include "relative/applied_forces.h"
-#include "relative/articulated_bodies.h"
 #include "relative/body_inertia.h"
 #include "relative/closure.h"
+#include "relative/tree_accelerations.h"
 
 /// Joint wrenches by the backward pass of Steps 1 to 5, (R54) to (R60).
 namespace concord::relative {
 
-/// The wrenches of all joints from accelerations and cut-joint multipliers. All memory is laid out at construction.
-class Reactions {
- public:
-  /// All four must outlive this object.
-  Reactions(const Kinematics& kinematics, const Closure& closure, const ArticulatedBodies& articulated_bodies,
-            const AppliedForces& applied);
-
-  /// Wrenches for the accelerations that the articulated bodies hold, the applied forces, the inertias (by link) and
-  /// the multipliers.
-  void compute(const std::vector<BodyInertia>& inertias, const VecX& lambda);
-
-  /// Wrenches that hold each other in balance without load, M, S, U, Q = 0: those of the multipliers alone.
-  void compute_self_stress(const VecX& lambda);
-
-  [[nodiscard]] const std::vector<JointWrenches>& joints() const { return joints_; }
+/// What the joints of a machine transmit in one pose.
+struct JointReactions {
+  std::vector<JointWrenches> joints;
   /// Force f of each coupling, and the coordinate forces factor_k f of all couplings on every speed (n_u numbers).
-  [[nodiscard]] const std::vector<double>& couplings() const { return couplings_; }
-  [[nodiscard]] const VecX& coupling_tau() const { return coupling_tau_; }
-
+  std::vector<double> couplings;
+  VecX coupling_tau;
   /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
   /// of its rows; and that body's index (ground if no body is flexible).
-  [[nodiscard]] double modal_residual() const { return modal_residual_; }
-  [[nodiscard]] int worst_modal_body() const { return worst_modal_body_; }
+  double modal_residual = 0.0;
+  int worst_modal_body = kGround;
+};
+
+/// Throws SolverError if the free modal equations are out of balance by more than round-off explains (R58).
+void require_modal_balance(const JointReactions& reactions, const Model& model, double t);
+
+/// The wrenches of all joints in the pose of the kinematics. All memory is laid out at construction.
+class Reactions {
+ public:
+  /// Both must outlive this object.
+  Reactions(const Kinematics& kinematics, const Closure& closure);
+
+  /// Wrenches for accelerations, applied forces, inertias (by link) and multipliers.
+  const JointReactions& compute(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
+                                const AppliedForces& applied, const VecX& lambda);
+
+  /// Wrenches that hold each other in balance without load, M, S, U, Q = 0: those of the multipliers alone.
+  const JointReactions& compute_self_stress(const VecX& lambda);
 
  private:
   /// rho of one link: six rigid rows about the body's origin and the modal rows.
@@ -51,16 +55,16 @@ class Reactions {
     std::vector<int> driven;
   };
 
-  void load_inertia(const std::vector<BodyInertia>& inertias);
-  void subtract_applied();
-  void set_spring_forces();
+  void load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations);
+  void subtract_applied(const AppliedForces& applied);
+  void set_spring_forces(const AppliedForces& applied);
   void set_coupling_forces(const VecX& lambda);
   void add_coupling_forces();
   void clear_loads();
   void apply_cut_wrenches(const VecX& lambda);
   void apply_speed_constraint_wrenches(const VecX& lambda);
   Vec6 exert_at_cut(int joint, const Vec6& on_child);
-  void add_spring_wrenches_of_cuts();
+  void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
   void subtract_from(int body, const JointPoint& point, const Vec6& wrench);
   void audit_modal_rows(int l, const Vec6& wrench);
@@ -70,18 +74,9 @@ class Reactions {
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  const ArticulatedBodies* articulated_bodies_;
-  const AppliedForces* applied_;
   std::vector<Load> loads_;
   std::vector<ForcedJoint> forced_joints_;
-  std::vector<JointWrenches> joints_;
-  std::vector<double> couplings_;
-  VecX coupling_tau_;
-  double modal_residual_ = 0.0;
-  int worst_modal_body_ = kGround;
+  JointReactions found_;
 };
-
-/// Throws SolverError if the free modal equations are out of balance by more than round-off explains (R58).
-void require_modal_balance(const Reactions& reactions, const Model& model, double t);
 
 }  // namespace concord::relative

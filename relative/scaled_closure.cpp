@@ -47,9 +47,9 @@ void ScaledClosure::advance(VecX& q, const VecX& step) const {
 }
 
 void ScaledClosure::move(Coordinates& coordinates) const {
-  equations_->move(coordinates.t, coordinates.q, coordinates.u);
-  coordinates.q = equations_->q();
-  coordinates.u = equations_->u();
+  const Motion& motion = equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  coordinates.q = motion.q();
+  coordinates.u = motion.u();
 }
 
 void ScaledClosure::normalize(VecX& q) const {
@@ -81,6 +81,10 @@ MatX ScaledClosure::rows(const Closure& measured, const std::vector<int>& column
 
 int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes modes) const {
   equations_->move(coordinates.t, coordinates.q, coordinates.u);
+  return rank_here(which, modes);
+}
+
+int ScaledClosure::rank_here(ClosureRows which, Modes modes) const {
   const MatX Phi = rows(moving_columns(equations_->driven(), modes));
   return rank_of_rows(
       Phi.topRows(which == ClosureRows::of_positions ? closure().n_position_rows() : closure().n_rows()));

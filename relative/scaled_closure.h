@@ -65,6 +65,8 @@ class ScaledClosure {
   [[nodiscard]] MatX rows(const Closure& measured, const std::vector<int>& columns) const;
   /// Moves the machine there and takes the rank of its rows over the free columns, with or without modal ones.
   [[nodiscard]] int rank(const Coordinates& coordinates, ClosureRows rows, Modes modes) const;
+  /// The same where the machine stands.
+  [[nodiscard]] int rank_here(ClosureRows rows, Modes modes) const;
 
  private:
   Equations* equations_;

@@ -35,7 +35,7 @@ SingularityWatch::SingularityWatch(Equations& equations, Assembly& assembly)
 SingularityWatch::Record SingularityWatch::record(const Coordinates& coordinates) const {
   Record found{coordinates, VecX::Zero(equations_->topology().n_q), {}, 1.0};
   found.sigma = assembly_->closure_rank().factor_rows(found.at, found.Phi);
-  equations_->compute_qdot(found.qdot);
+  equations_->compute_qdot(equations_->motion(), found.qdot);
   return found;
 }
 

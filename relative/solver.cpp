@@ -42,8 +42,7 @@ class RelativeSolver final : public Solver {
 
   State assemble() override {
     const Coordinates start = assembly_.start();
-    equations_.move(start.t, start.q, start.u);
-    return states_.write(start.t, {});
+    return states_.write(equations_.move(start.t, start.q, start.u), {});
   }
 
   [[nodiscard]] bool has_searched_for_its_start() const override { return assembly_.has_searched_for_its_start(); }
@@ -55,8 +54,7 @@ class RelativeSolver final : public Solver {
       Coordinates coordinates = states_.read(guess, misfit);
       equations_.count_turns(states_.turns());
       if (!assembly_.close(coordinates) || states_.joint_off_branch(guess, coordinates.q)) return std::nullopt;
-      equations_.move(coordinates.t, coordinates.q, coordinates.u);
-      return states_.write(guess.t, guess);
+      return states_.write(equations_.move(coordinates.t, coordinates.q, coordinates.u), guess);
     } catch (const SolverError&) {
       return std::nullopt;  // a joint without all its motions, or a deformation out of range, at the guess
     }
@@ -65,16 +63,12 @@ class RelativeSolver final : public Solver {
   Evaluation evaluate(const State& state) override {
     const Coordinates coordinates = read_closed(state);
     assembly_.decide_rank(coordinates);
-    try {
-      equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
-    } catch (const SingularPose&) {
-      assembly_.closure_rank().throw_singular(coordinates, "");
-    }
-    assembly_.closure_rank().require_general(coordinates);
-    assembly_.closure_rank().require_agreeing_rows(coordinates);
-    equations_.compute_reactions();
-    require_modal_balance(equations_.reactions(), model_, state.t);
-    return states_.write_evaluation();
+    const Evaluated& evaluated = compute_accelerations(coordinates);
+    assembly_.closure_rank().require_general(coordinates, evaluated);
+    assembly_.closure_rank().require_agreeing_rows(coordinates, evaluated);
+    const JointReactions& reactions = equations_.compute_reactions(evaluated);
+    require_modal_balance(reactions, model_, state.t);
+    return states_.write_evaluation(evaluated, reactions);
   }
 
   RankReport rank(const State& state) override {
@@ -98,6 +92,14 @@ class RelativeSolver final : public Solver {
   }
 
  private:
+  const Evaluated& compute_accelerations(const Coordinates& coordinates) {
+    try {
+      return equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
+    } catch (const SingularPose&) {
+      assembly_.closure_rank().throw_singular(coordinates, "");
+    }
+  }
+
   Coordinates read_closed(const State& state) {
     Coordinates coordinates = states_.read_closed(state);
     equations_.count_turns(states_.turns());

@@ -226,38 +226,38 @@ double States::nonholonomic_residual(int joint, const VecX& u) {
   return velocity_residual.cwiseAbs().maxCoeff();
 }
 
-State States::write(double t, const State& before) const {
+State States::write(const Motion& motion, const State& before) const {
   const Model& model = equations_->model();
   const Topology& topology = equations_->topology();
   State state;
-  state.t = t;
+  state.t = motion.t();
   state.bodies.resize(model.bodies.size());
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const BodyMotion& motion = equations_->kinematics().body(static_cast<int>(i));
+    const BodyMotion& moved = equations_->kinematics().body(static_cast<int>(i));
     const Vec4 near = before.bodies.empty() ? Vec4(Vec4::Unit(0)) : before.bodies[i].p;
     BodyState& body = state.bodies[i];
-    body.r = motion.r;
-    body.p = euler_parameters(motion.A, near);
-    body.v = motion.v;
-    body.omega = motion.omega;
-    body.a = equations_->q().segment(topology.modes[i].first_q, topology.modes[i].n_q);
-    body.adot = equations_->u().segment(topology.modes[i].first_u, topology.modes[i].n_u);
+    body.r = moved.r;
+    body.p = euler_parameters(moved.A, near);
+    body.v = moved.v;
+    body.omega = moved.omega;
+    body.a = motion.q().segment(topology.modes[i].first_q, topology.modes[i].n_q);
+    body.adot = motion.u().segment(topology.modes[i].first_u, topology.modes[i].n_u);
   }
-  const VecX q = equations_->kinematics().with_turns(equations_->q());
+  const VecX q = equations_->kinematics().with_turns(motion.q());
   for (const Span& span : topology.joints) {
     state.q.emplace_back(q.segment(span.first_q, span.n_q));
-    state.u.emplace_back(equations_->u().segment(span.first_u, span.n_u));
+    state.u.emplace_back(motion.u().segment(span.first_u, span.n_u));
   }
   return state;
 }
 
-Evaluation States::write_evaluation() const {
+Evaluation States::write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const {
   Evaluation evaluation;
   const auto n = static_cast<int>(equations_->model().bodies.size());
-  for (int i = 0; i < n; ++i) evaluation.bodies.push_back(equations_->acceleration(i));
-  evaluation.joints = equations_->reactions().joints();
-  evaluation.elements = equations_->applied_forces().elements();
-  evaluation.couplings = equations_->reactions().couplings();
+  for (int i = 0; i < n; ++i) evaluation.bodies.push_back(evaluated.acceleration(i));
+  evaluation.joints = reactions.joints;
+  evaluation.elements = evaluated.applied_forces().elements();
+  evaluation.couplings = reactions.couplings;
   return evaluation;
 }
 

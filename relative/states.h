@@ -45,16 +45,16 @@ class States {
   /// The whole turns that the coordinates of the last state leave out: see Kinematics::count_turns.
   [[nodiscard]] const VecX& turns() const { return kinematics_.turns(); }
 
-  /// The complete state of the pose that the equations hold; Euler parameters of the sign nearest to those of `before`
-  /// (if it is not empty).
-  [[nodiscard]] State write(double t, const State& before) const;
+  /// The complete state of the equations' motion; Euler parameters of the sign nearest to those of `before` (if it is
+  /// not empty).
+  [[nodiscard]] State write(const Motion& motion, const State& before) const;
 
   /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
   /// those that the state brings; if there is one.
   [[nodiscard]] std::optional<int> joint_off_branch(const State& state, const VecX& q) const;
 
-  /// Accelerations and wrenches that the equations hold.
-  [[nodiscard]] Evaluation write_evaluation() const;
+  /// Accelerations and wrenches.
+  [[nodiscard]] Evaluation write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const;
 
  private:
   /// What the misfits of a state are relative to.

@@ -193,8 +193,7 @@ class CouplingCheck {
       all_q.segment(modes.first_q, modes.n_q) = numbers.vector(modes.n_q, 0.1);
       all_u.segment(modes.first_u, modes.n_u) = numbers.vector(modes.n_u, 1.0);
     }
-    equations.move(t, all_q, all_u);
-    return states.write(t, {});
+    return states.write(equations.move(t, all_q, all_u), {});
   }
 
   void require_rank(const Model& model, Solver& solver, const State& state) {

@@ -211,8 +211,7 @@ State Rig::write_state(double t, const VecX& q, const VecX& u, Numbers& numbers)
     all_q.segment(modes.first_q, modes.n_q) = numbers.vector(modes.n_q, 0.16);
     all_u.segment(modes.first_u, modes.n_u) = numbers.vector(modes.n_u, 1.6);
   }
-  equations_->move(t, all_q, all_u);
-  return states_->write(t, {});
+  return states_->write(equations_->move(t, all_q, all_u), {});
 }
 
 State Rig::state(int number) {

@@ -35,16 +35,17 @@ class RelativeChain {
   }
 
   void evaluate() {
-    equations_.compute_accelerations(coordinates_.t, coordinates_.q, coordinates_.u);
-    equations_.compute_reactions();
+    const auto& evaluated = equations_.compute_accelerations(coordinates_.t, coordinates_.q, coordinates_.u);
+    reactions_ = &equations_.compute_reactions(evaluated);
   }
   [[nodiscard]] Wrench reaction(int joint) const {
-    return equations_.reactions().joints()[joint].reaction_on(Side::child).in_global;
+    return reactions_->joints[joint].reaction_on(Side::child).in_global;
   }
 
  private:
   relative::Equations equations_;
   relative::Coordinates coordinates_;
+  const relative::JointReactions* reactions_ = nullptr;
 };
 
 class CartesianChain {

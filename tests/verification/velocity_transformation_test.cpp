@@ -49,7 +49,7 @@ TEST_CASE("Every column of the explicit B is the motion of all bodies by one spe
     model.bodies[2].a_start = 1e-4 * VecX::LinSpaced(model.bodies[2].n_modes(), -1.0, 1.5);
     relative::Equations equations(model);
     const Coordinates start = relative::Assembly(equations).start();
-    equations.move(0.0, start.q, start.u);
+    const relative::Motion& motion = equations.move(0.0, start.q, start.u);
     const MatX B = equations.kinematics().explicit_B();
     Kinematics ahead(model);
     Kinematics behind(model);
@@ -57,8 +57,8 @@ TEST_CASE("Every column of the explicit B is the motion of all bodies by one spe
     for (Eigen::Index column = 0; column < B.cols(); ++column) {
       const double h = 3e-5 / std::max(1.0, B.col(column).norm());
       const VecX step = h * VecX::Unit(equations.topology().n_tree_u, column);
-      const VecX q_ahead = advanced(equations, equations.q(), step);
-      const VecX q_behind = advanced(equations, equations.q(), -step);
+      const VecX q_ahead = advanced(equations, motion.q(), step);
+      const VecX q_behind = advanced(equations, motion.q(), -step);
       ahead.update(q_ahead, start.u);
       behind.update(q_behind, start.u);
       const VecX expected = change_of_poses(model, behind, ahead, q_ahead - q_behind) / (2.0 * h);

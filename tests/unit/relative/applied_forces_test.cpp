@@ -74,8 +74,7 @@ class PushedMachine {
       const Span& modes = topology.modes[link.body];
       q.segment(modes.first_q, modes.n_q) += h * u_.segment(modes.first_u, modes.n_u);
     }
-    equations_.move(0.0, q, u_);
-    return States(equations_).write(0.0, {});
+    return States(equations_).write(equations_.move(0.0, q, u_), {});
   }
 
   /// Rate along the speeds of a function of the state, by central differences.
@@ -90,7 +89,7 @@ class PushedMachine {
   double power_of_generalized_forces(double t) {
     move(0.0);
     AppliedForces applied(equations_.kinematics(), equations_.closure());
-    applied.update(t, equations_.q(), equations_.u());
+    applied.update(t, equations_.motion().q(), equations_.motion().u());
     const Topology& topology = equations_.topology();
     double power = applied.tau().head(topology.n_tree_u).dot(u_.head(topology.n_tree_u));
     for (std::size_t l = 0; l < topology.links.size(); ++l) {

@@ -37,10 +37,11 @@ TEST_P(AssembledLoop, KeepsItsStartExactlyAndClosesToRoundOff) {
   equations.move(0.0, start.q, start.u);
   EXPECT_LT(misfit_of(equations, start), 2e-15);
   const bool crank_is_cut = GetParam() == 0;
-  EXPECT_NEAR(equations.q()(topology.joints[0].first_q), model_.joints[0].start[0].q(0), crank_is_cut ? 2e-15 : 0.0);
-  EXPECT_NEAR(equations.u()(topology.joints[0].first_u), 2.3, crank_is_cut ? 1e-14 : 0.0);
-  EXPECT_EQ(equations.q().segment(topology.modes[2].first_q, 3), model_.bodies[2].a_start);
-  EXPECT_EQ(equations.u().segment(topology.modes[2].first_u, 3), model_.bodies[2].adot_start);
+  EXPECT_NEAR(equations.motion().q()(topology.joints[0].first_q), model_.joints[0].start[0].q(0),
+              crank_is_cut ? 2e-15 : 0.0);
+  EXPECT_NEAR(equations.motion().u()(topology.joints[0].first_u), 2.3, crank_is_cut ? 1e-14 : 0.0);
+  EXPECT_EQ(equations.motion().q().segment(topology.modes[2].first_q, 3), model_.bodies[2].a_start);
+  EXPECT_EQ(equations.motion().u().segment(topology.modes[2].first_u, 3), model_.bodies[2].adot_start);
 }
 
 TEST_P(AssembledLoop, ReachesThePoseThatTheDefaultCutReaches) {
@@ -50,8 +51,7 @@ TEST_P(AssembledLoop, ReachesThePoseThatTheDefaultCutReaches) {
   const auto assembled = [](const Model& model) {
     Equations equations(model);
     const Coordinates start = Assembly(equations).start();
-    equations.move(0.0, start.q, start.u);
-    return States(equations).write(0.0, {});
+    return States(equations).write(equations.move(0.0, start.q, start.u), {});
   };
   const State one = assembled(model_);
   const State other = assembled(ruled);
@@ -189,8 +189,8 @@ TEST(Assembly, KeepsACoordinateOfTheCutJoint) {
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
   equations.move(0.0, start.q, start.u);
-  EXPECT_NEAR(equations.q()(equations.topology().joints[3].first_q), model.joints[3].start[0].q(0), 2e-16);
-  EXPECT_NEAR(equations.u()(equations.topology().joints[3].first_u), 0.4, 1e-15);
+  EXPECT_NEAR(equations.motion().q()(equations.topology().joints[3].first_q), model.joints[3].start[0].q(0), 2e-16);
+  EXPECT_NEAR(equations.motion().u()(equations.topology().joints[3].first_u), 0.4, 1e-15);
   EXPECT_LT(misfit_of(equations, start), 2e-15);
 }
 

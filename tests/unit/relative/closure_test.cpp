@@ -200,15 +200,13 @@ TEST_P(LoopOfFourJoints, GapGrowsWithTheVelocityClosure) {
 
 TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
   // Along the machine's own motion all three closures vanish; the accelerations found must say so too.
-  equations_.compute_accelerations(0.0, start_.q, start_.u);
+  const Evaluated& evaluated = equations_.compute_accelerations(0.0, start_.q, start_.u);
   VecX residual(equations_.closure().n_rows());
-  const auto acceleration = [&](int joint, Side side) {
-    return equations_.articulated_bodies().acceleration_of_point(joint, side);
-  };
-  equations_.closure().compute_acceleration_residual(acceleration, equations_.udot(), residual);
+  const auto acceleration = [&](int joint, Side side) { return evaluated.accelerations().of_point(joint, side); };
+  equations_.closure().compute_acceleration_residual(acceleration, evaluated.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11);
   // And the velocities that they lead to stay closed to second order.
-  const VecX udot = equations_.udot();
+  const VecX udot = evaluated.udot();
   const double h = 1e-5;
   speeds_ = start_.u.head(speeds_.size());
   const auto slip_at = [&](double t) {

@@ -42,9 +42,9 @@ TEST(Equations, AllocateNothingInAnEvaluation) {
       VecX qdot = VecX::Zero(equations.topology().n_q);
       equations.compute_accelerations(0.0, start.q, start.u);
       const long before = allocations;
-      equations.compute_accelerations(0.0, start.q, start.u);
-      equations.compute_reactions();
-      equations.compute_qdot(qdot);
+      (void)equations.power(equations.compute_accelerations(0.0, start.q, start.u));
+      equations.compute_reactions(equations.compute_accelerations(0.0, start.q, start.u));
+      equations.compute_qdot(equations.motion(), qdot);
       EXPECT_EQ(allocations - before, 0) << model.name << (flexible ? ", flexible" : ", rigid");
     }
   }
@@ -75,10 +75,10 @@ TEST_P(PowerOfMachine, IsTheRateOfEnergy) {
     // One step of the classical fourth-order rule from the start.
     Coordinates c = start;
     const auto rates = [&](double time, const VecX& q_at, const VecX& u_at) {
-      equations.compute_accelerations(time, q_at, u_at);
+      const Evaluated& evaluated = equations.compute_accelerations(time, q_at, u_at);
       VecX qdot = VecX::Zero(q_at.size());
-      equations.compute_qdot(qdot);
-      return std::pair(qdot, VecX(equations.udot()));
+      equations.compute_qdot(equations.motion(), qdot);
+      return std::pair(qdot, VecX(evaluated.udot()));
     };
     const auto k1 = rates(0, c.q, c.u);
     const auto k2 = rates(t / 2, c.q + t / 2 * k1.first, c.u + t / 2 * k1.second);
@@ -87,14 +87,12 @@ TEST_P(PowerOfMachine, IsTheRateOfEnergy) {
     c.q += t / 6 * (k1.first + 2 * k2.first + 2 * k3.first + k4.first);
     c.u += t / 6 * (k1.second + 2 * k2.second + 2 * k3.second + k4.second);
     c.t = t;
-    equations.move(t, c.q, c.u);
-    return test::energy(model, States(equations).write(t, {}));
+    return test::energy(model, States(equations).write(equations.move(t, c.q, c.u), {}));
   };
   const double h = 1e-5;
   const double rate = (energy_at(h) - energy_at(-h)) / (2 * h);
-  equations.compute_accelerations(0.0, start.q, start.u);
-  equations.compute_reactions();
-  EXPECT_NEAR(equations.power(), rate, 1e-6 * std::abs(rate));
+  const Evaluated& evaluated = equations.compute_accelerations(0.0, start.q, start.u);
+  EXPECT_NEAR(equations.power(evaluated), rate, 1e-6 * std::abs(rate));
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, PowerOfMachine, ::testing::Values("driven", "pushed", "cut"),
@@ -104,15 +102,27 @@ TEST(Equations, CoordinatesFollowSpeedsWithCutJointsAndModes) {
   const Model model = test::spatial_slider_crank(true);
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.move(0.0, start.q, start.u);
   VecX qdot = VecX::Zero(equations.topology().n_q);
-  equations.compute_qdot(qdot);
+  equations.compute_qdot(equations.move(0.0, start.q, start.u), qdot);
   const double h = 1e-6;
   const VecX ahead = start.q + h * qdot;
-  equations.move(0.0, ahead, start.u);
+  const Motion& motion = equations.move(0.0, ahead, start.u);
   // The measured coordinates of the cut joint agree with the integrated ones, and the loop stays closed, to order h^2.
-  EXPECT_LT((equations.q() - ahead).norm(), 1e-10);
+  EXPECT_LT((motion.q() - ahead).norm(), 1e-10);
   EXPECT_LT(equations.closure().position_residual().norm(), 1e-10);
+}
+
+/// Wrenches for accelerations of a pose that the machine has left would be those of no pose.
+TEST(Equations, RefuseAccelerationsOfAnotherPose) {
+  const Model model = test::spatial_slider_crank(false);
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  const Evaluated& evaluated = equations.compute_accelerations(0.0, start.q, start.u);
+  EXPECT_NO_THROW(equations.compute_reactions(evaluated));
+  equations.move(0.0, equations.home(), start.u);
+  EXPECT_THROW(equations.compute_reactions(evaluated), std::logic_error);
+  EXPECT_THROW((void)equations.power(evaluated), std::logic_error);
+  EXPECT_NO_THROW(equations.compute_reactions(equations.compute_accelerations(0.0, start.q, start.u)));
 }
 
 }  // namespace

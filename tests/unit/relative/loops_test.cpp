@@ -10,12 +10,12 @@ namespace {
 
 /// The dense Mbar of the opened tree from its accelerations: columns of responses to unit speeds are not at hand, so B
 /// is used.
-MatX dense_Mbar(const Equations& equations) {
+MatX dense_Mbar(const Equations& equations, const Evaluated& evaluated) {
   const Kinematics& kinematics = equations.kinematics();
   const MatX B = kinematics.explicit_B();
   MatX M = MatX::Zero(B.rows(), B.rows());
   for (std::size_t l = 0; l < equations.topology().links.size(); ++l) {
-    const BodyInertia& inertia = equations.inertias()[l];
+    const BodyInertia& inertia = evaluated.inertias()[l];
     const int row = kinematics.first_row(equations.topology().links[l].body);
     const int m = inertia.flexible() == nullptr ? 0 : inertia.flexible()->n_modes();
     Mat6 M_rr;
@@ -48,25 +48,23 @@ TEST_P(ClosedLoops, MultipliersAndAccelerationsSolveTheBorderedSystem) {
   Equations equations(model);
   const Coordinates pose = Assembly(equations).start();
   ASSERT_EQ(equations.closure().cuts().size(), 2u);
-  equations.compute_accelerations(0.0, pose.q, pose.u);
-  const VecX udot = equations.udot().head(equations.topology().n_tree_u);
-  const VecX lambda = equations.loops().lambda();
+  const Evaluated& evaluated = equations.compute_accelerations(0.0, pose.q, pose.u);
+  const VecX udot = evaluated.udot().head(equations.topology().n_tree_u);
+  const VecX lambda = evaluated.loops().lambda;
   const MatX Phi = equations.closure().Phi_u();
-  const MatX Mbar = dense_Mbar(equations);
-  equations.compute_accelerations(0.0, pose.q, pose.u);
+  const MatX Mbar = dense_Mbar(equations, evaluated);
 
   // The open tree: same pose with the loops' multipliers left out.
-  ArticulatedBodies open(equations.kinematics(), equations.driven());
-  VecX free_udot = VecX::Zero(equations.topology().n_u);
-  open.backward_pass(equations.inertias(), equations.applied_forces(), free_udot);
-  open.forward_pass(free_udot);
-  const VecX gbar = Mbar * free_udot.head(udot.size());
+  ArticulatedInertias tree(equations.kinematics(), equations.driven());
+  TreeAccelerations open(equations.kinematics(), tree);
+  const VecX nothing = VecX::Zero(equations.topology().n_u);
+  tree.compute(evaluated.inertias(), evaluated.applied_forces(), nothing);
+  open.solve(tree, nothing);
+  const VecX gbar = Mbar * open.udot().head(udot.size());
   EXPECT_LT((Mbar * udot + Phi.transpose() * lambda - gbar).norm(), 1e-11 * gbar.norm());
   VecX residual(equations.closure().n_rows());
-  const auto acceleration = [&](int joint, Side side) {
-    return equations.articulated_bodies().acceleration_of_point(joint, side);
-  };
-  equations.closure().compute_acceleration_residual(acceleration, equations.udot(), residual);
+  const auto acceleration = [&](int joint, Side side) { return evaluated.accelerations().of_point(joint, side); };
+  equations.closure().compute_acceleration_residual(acceleration, evaluated.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11 * udot.norm());
   EXPECT_GT(lambda.norm(), 0.1);
 }
@@ -85,8 +83,7 @@ TEST(Loops, RefusesAPoseOfLowerRankByName) {
   assembly.decide_rank(folded);
   EXPECT_EQ(equations.loops().rank(), 2);
   try {
-    equations.compute_accelerations(0.0, folded.q, folded.u);
-    assembly.closure_rank().require_general(folded);
+    assembly.closure_rank().require_general(folded, equations.compute_accelerations(0.0, folded.q, folded.u));
     FAIL() << "a folded four-bar was accepted";
   } catch (const SingularPose& error) {
     const std::string text = error.what();
@@ -109,10 +106,10 @@ TEST(Loops, ChooseRowsByThePoseAlone) {
         if (assembly.close(other)) equations.compute_accelerations(0.0, other.q, other.u);
       }
     }
-    equations.compute_accelerations(0.0, pose.q, pose.u);
-    EXPECT_EQ(equations.loops().used_rows().size(), 2u);
-    EXPECT_GT(equations.loops().least_pivot(), 1e-3);
-    return VecX(equations.udot());
+    const Evaluated& evaluated = equations.compute_accelerations(0.0, pose.q, pose.u);
+    EXPECT_EQ(evaluated.loops().used.rows.size(), 2u);
+    EXPECT_GT(evaluated.loops().least_pivot, 1e-3);
+    return VecX(evaluated.udot());
   };
   EXPECT_EQ(accelerations(false), accelerations(true));
 }

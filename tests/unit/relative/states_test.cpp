@@ -18,8 +18,7 @@ class StatesOfMachine : public ::testing::TestWithParam<bool> {
         equations_(model_),
         states_(equations_) {
     start_ = Assembly(equations_).start();
-    equations_.move(start_.t, start_.q, start_.u);
-    state_ = states_.write(start_.t, {});
+    state_ = states_.write(equations_.move(start_.t, start_.q, start_.u), {});
   }
 
   double misfit(const State& state) {
@@ -39,8 +38,8 @@ TEST_P(StatesOfMachine, ReadsBackWhatItWrote) {
   StateMisfit misfit;
   const Coordinates found = states_.read(state_, misfit);
   EXPECT_LT(misfit.largest, 1e-14);
-  EXPECT_LT((found.u - equations_.u()).norm(), 1e-12);
-  EXPECT_LT((found.q - equations_.q()).norm(), 1e-13);
+  EXPECT_LT((found.u - equations_.motion().u()).norm(), 1e-12);
+  EXPECT_LT((found.q - equations_.motion().q()).norm(), 1e-13);
 }
 
 TEST_P(StatesOfMachine, NeedsNoHints) {
@@ -50,8 +49,7 @@ TEST_P(StatesOfMachine, NeedsNoHints) {
   StateMisfit misfit;
   const Coordinates found = states_.read(bare, misfit);
   EXPECT_LT(misfit.largest, 1e-14);
-  equations_.move(0.0, found.q, found.u);
-  const State again = states_.write(0.0, state_);
+  const State again = states_.write(equations_.move(0.0, found.q, found.u), state_);
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     EXPECT_LT((again.bodies[i].r - state_.bodies[i].r).norm(), 1e-13);
     EXPECT_LT((again.bodies[i].p - state_.bodies[i].p).norm(), 1e-13);
@@ -110,9 +108,9 @@ TEST(States, MeasureDrivenCoordinatesAgainstTheirLaws) {
   model.joints[0].drivers.push_back({0, ConstantSpeed{model.joints[0].start[0].q(0), 2.0}});
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.move(0.0, start.q, start.u);
+  const Motion& motion = equations.move(0.0, start.q, start.u);
   States states(equations);
-  State state = states.write(0.0, {});
+  State state = states.write(motion, {});
   StateMisfit misfit;
   (void)states.read(state, misfit);
   EXPECT_LT(misfit.largest, 1e-14);
@@ -127,9 +125,9 @@ TEST(States, KeepTheNameOfALinkThatTheyCameWith) {
   Model model = test::pair(*test::type_named("distance"), 2);
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.move(0.0, start.q, start.u);
+  const Motion& motion = equations.move(0.0, start.q, start.u);
   States states(equations);
-  State state = states.write(0.0, {});
+  State state = states.write(motion, {});
   VecX& q = state.q[2];
   q(0) += std::numbers::pi;
   q(1) = std::numbers::pi - q(1);
@@ -153,9 +151,9 @@ TEST(States, CountTheTurnsOfAThread) {
   model.joints = {joint};
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.move(0.0, start.q, start.u);
+  const Motion& motion = equations.move(0.0, start.q, start.u);
   States states(equations);
-  const State state = states.write(0.0, {});
+  const State state = states.write(motion, {});
   const auto turn_from = [&](std::vector<VecX> hints, std::optional<int>& off_branch) {
     State given = state;
     given.q = std::move(hints);
@@ -251,8 +249,7 @@ TEST(States, JudgeACouplingByWhatItsCoordinatesCanBeRead) {
     rod[1].u = VecX::Constant(1, 2.7);
     Equations free(model);
     const Coordinates start = Assembly(free).start();
-    free.move(start.t, start.q, start.u);
-    const State state = States(free).write(0.0, {});
+    const State state = States(free).write(free.move(start.t, start.q, start.u), {});
     Coupling coupling;
     coupling.name = "G";
     coupling.terms = {{2, 0, 0, 1.0}};

@@ -9,7 +9,8 @@
 #include "relative/closure.h"
 #include "relative/velocity_transformation.h"
 
-/// Articulated-body passes: Mbar udot = gbar (R32) of the opened tree, solved link by link without forming B or Mbar.
+/// The articulated-body pass from the outermost links to ground: Mbar udot = gbar (R32) of the opened tree, eliminated
+/// link by link without forming B or Mbar.
 namespace concord::relative {
 
 /// One link with all links outboard of it as an articulated body: its articulated inertia I and bias force p, and the
@@ -27,10 +28,9 @@ struct ArticulatedBody {
   Vec6 bias_force = Vec6::Zero();
   Vec6 c = Vec6::Zero();    // D and what the driven speeds add
   Vec6 tau = Vec6::Zero();  // of joint springs on the free speeds
-  Mat6 K = Mat6::Zero();    // 6 x n_free, contiguous
-  Mat6 L = Mat6::Zero();    // n_free x n_free, contiguous
+  Mat6 K = Mat6::Zero();    // first n_free columns
+  Mat6 L = Mat6::Zero();    // n_free x n_free, lower triangle
   Vec6 uhat = Vec6::Zero();
-  Vec6 Vdot = Vec6::Zero();  // [vdot; omegadot] of the body
 };
 
 /// The same of a flexible link, whose modal speeds are among the unknowns: n = n_free + m of them. The articulated
@@ -46,37 +46,29 @@ struct FlexibleArticulatedBody {
   Eigen::LLT<MatX> llt;  // factored anew at every state
   MatX Kt;               // n x 6: K^T = L^-1 U^T
   VecX uhat;             // n
-  VecX udot;             // n
-  VecX addot;            // m
 };
 
-/// A motion of a link's joint: its speeds.
-struct MotionWithoutInertia {
-  int link;
-  JointVector u;
-};
-
-/// Articulated inertias and bias forces of all links by a backward pass over the tree, accelerations by a forward pass.
-/// All memory is laid out at construction.
-class ArticulatedBodies {
+/// Articulated inertias and bias forces of all links, and the factors of their joints. All memory is laid out at
+/// construction.
+class ArticulatedInertias {
  public:
   /// The kinematics must outlive this object. `driven`: speeds whose accelerations are prescribed.
-  ArticulatedBodies(const Kinematics& kinematics, const PrescribedMask& driven);
+  ArticulatedInertias(const Kinematics& kinematics, const PrescribedMask& driven);
 
-  /// From the outermost links to ground: articulated inertias and bias forces from the inertias of all bodies (by
-  /// link), the applied forces and the prescribed accelerations in udot. Throws SolverError if the inertia of a link is
-  /// not positive definite.
-  void backward_pass(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
+  /// From the inertias of all bodies (by link) in the pose of the kinematics, the applied forces and the prescribed
+  /// accelerations in udot. Throws SolverError if the inertia of a link is not positive definite.
+  void compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
 
-  /// From ground to the outermost links: writes the free entries of udot (tree part) and the accelerations of all
-  /// bodies.
-  void forward_pass(VecX& udot);
-
-  [[nodiscard]] const Vec6& acceleration(int body) const;
-  /// addot of a body; nullptr if it is rigid.
-  [[nodiscard]] const VecX* modal_acceleration(int body) const;
-  /// Vdot_P of a joint's point, [linear; angular], global axes (R38).
-  [[nodiscard]] Vec6 acceleration_of_point(int joint, Side side) const;
+  [[nodiscard]] int n_links() const { return static_cast<int>(links_.size()); }
+  [[nodiscard]] const ArticulatedBody& link(int l) const { return links_[l]; }
+  /// nullptr if the link's body is rigid.
+  [[nodiscard]] const FlexibleArticulatedBody* flexible(int l) const {
+    return flexible_of_link_[l] ? &flexible_[*flexible_of_link_[l]] : nullptr;
+  }
+  /// The columns H of a link's free joint speeds, the first n_free of this matrix.
+  [[nodiscard]] const Mat6& free_columns(int l) const {
+    return links_[l].n_driven == 0 ? kinematics_->blocks(l).H : links_[l].H_free;
+  }
 
   /// Number of unknowns of a link: free joint speeds and modal speeds.
   [[nodiscard]] int n_unknowns(int link) const;
@@ -90,14 +82,6 @@ class ArticulatedBodies {
   /// (response + H^T z), and leaves in z_r what is passed to the reference body.
   void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
 
-  /// Adds to a link's right side what a generalized force of projection `response` (n numbers) adds.
-  void add_force(int link, const Eigen::Ref<const VecX>& response);
-
-  /// The outermost link of the opened tree whose joint can move without inertia, and the joint's speeds u (n_u) in that
-  /// motion, driven ones at rest; after backward_pass(), also one that threw. "Without" means below round-off of the
-  /// terms that the inertia is made of.
-  [[nodiscard]] std::optional<MotionWithoutInertia> motion_without_inertia() const;
-
  private:
   void load_bodies(const std::vector<BodyInertia>& inertias);
   void subtract_applied(const AppliedForces& applied);
@@ -108,20 +92,14 @@ class ArticulatedBodies {
   void dispatch_rigid(int l);
   void eliminate_flexible(int l);
   void add_to_reference_body(int l, const Mat6& I, const Vec6& p);
-  [[nodiscard]] Vec6 acceleration_from_reference(int l) const;
   template <int N>
   void propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const;
-  template <int N>
-  void solve_rigid(int l, const Vec6& A0, VecX& udot);
-  void solve_flexible(int l, const Vec6& A0, VecX& udot);
-  [[nodiscard]] const double* free_columns(int l) const;
   [[noreturn]] void throw_indefinite(int l) const;
 
   const Kinematics* kinematics_;
   std::vector<ArticulatedBody> links_;
   std::vector<std::optional<int>> flexible_of_link_;  // index in flexible_; none: rigid
   std::vector<FlexibleArticulatedBody> flexible_;
-  Vec6 ground_ = Vec6::Zero();
 };
 
 }  // namespace concord::relative

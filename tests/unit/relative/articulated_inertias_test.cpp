@@ -1,4 +1,4 @@
-#include "relative/articulated_bodies.h"
+#include "relative/articulated_inertias.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ struct DenseSystem {
 };
 
 /// Mbar = B^T M B and gbar = B^T (Q - S - U - M Bdot u), formed densely.
-DenseSystem dense_system(const Equations& equations) {
+DenseSystem dense_system(const Equations& equations, const Evaluated& evaluated) {
   const Kinematics& kinematics = equations.kinematics();
   const MatX B = kinematics.explicit_B();
   MatX M = MatX::Zero(B.rows(), B.rows());
@@ -22,7 +22,7 @@ DenseSystem dense_system(const Equations& equations) {
   for (std::size_t l = 0; l < equations.topology().links.size(); ++l) {
     const int body = equations.topology().links[l].body;
     const int row = kinematics.first_row(body);
-    const BodyInertia& inertia = equations.inertias()[l];
+    const BodyInertia& inertia = evaluated.inertias()[l];
     Mat6 M_rr;
     inertia.moments().fill(M_rr);
     M.block<6, 6>(row, row) = M_rr;
@@ -44,10 +44,10 @@ TEST_P(EliminatedTree, SolvesTheDenseEquations) {
   const Model model = test::tree_of_all_joints(GetParam());
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.compute_accelerations(0.0, start.q, start.u);
-  const DenseSystem dense = dense_system(equations);
+  const Evaluated& evaluated = equations.compute_accelerations(0.0, start.q, start.u);
+  const DenseSystem dense = dense_system(equations, evaluated);
   const VecX expected = dense.Mbar.llt().solve(dense.gbar);
-  EXPECT_LT((equations.udot() - expected).norm(), 1e-11 * expected.norm());
+  EXPECT_LT((evaluated.udot() - expected).norm(), 1e-11 * expected.norm());
 }
 
 TEST_P(EliminatedTree, TakesDrivenSpeedsAsGiven) {
@@ -63,9 +63,9 @@ TEST_P(EliminatedTree, TakesDrivenSpeedsAsGiven) {
   drive(5, 1, 1.9);
   Equations equations(model);
   const Coordinates start = Assembly(equations).start();
-  equations.compute_accelerations(0.0, start.q, start.u);
-  const DenseSystem dense = dense_system(equations);
-  const VecX residual = dense.Mbar * equations.udot() - dense.gbar;
+  const Evaluated& evaluated = equations.compute_accelerations(0.0, start.q, start.u);
+  const DenseSystem dense = dense_system(equations, evaluated);
+  const VecX residual = dense.Mbar * evaluated.udot() - dense.gbar;
   int n_driven = 0;
   for (int c = 0; c < equations.topology().n_tree_u; ++c) {
     if (equations.driven()[c] == 0) {
@@ -75,13 +75,13 @@ TEST_P(EliminatedTree, TakesDrivenSpeedsAsGiven) {
     }
   }
   EXPECT_EQ(n_driven, 4);
-  EXPECT_EQ(equations.udot()(equations.topology().joints[4].first_u), 0.7);
+  EXPECT_EQ(evaluated.udot()(equations.topology().joints[4].first_u), 0.7);
 }
 
 INSTANTIATE_TEST_SUITE_P(Trees, EliminatedTree, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "flexible" : "rigid"; });
 
-TEST(ArticulatedBodies, FindsTheMotionWithoutInertia) {
+TEST(ArticulatedInertias, FindsTheMotionWithoutInertia) {
   Model model = test::spatial_slider_crank(false);
   model.joints[2].named_as_cut = true;
   // The coupler now hangs on the ball B alone: as a thin line through B it has no inertia about itself.

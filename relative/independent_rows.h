@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "common/types.h"
+
+/// Which closure rows are independent in a pose.
+namespace concord::relative {
+
+/// Rows of Lambda = Phi_u Mbar^-1 Phi_u^T that are independent in one pose, in ascending order, and the factors by
+/// which each of its rows is scaled to unit diagonal: zero for one that vanishes.
+struct IndependentRows {
+  std::vector<int> rows;
+  VecX scale;
+
+  [[nodiscard]] bool hold(int row) const;
+};
+
+/// The factors of all rows, by which units do not weigh; `units`: the size of one unit of each.
+void scale_rows(const MatX& Lambda, const VecX& units, VecX& scale);
+
+/// Chooses rows by a pose alone. All memory is laid out at construction.
+class RowChoice {
+ public:
+  explicit RowChoice(Eigen::Index n_rows) : rest_(MatX::Zero(n_rows, n_rows)) {}
+
+  /// Chooses as many rows as are independent in a general pose, by elimination in the scaled Lambda: the first in order
+  /// that keep enough of their own beside those taken, so that round-off does not choose between rows that are as good.
+  /// False if there are too few. `chosen` has its factors.
+  [[nodiscard]] bool choose(const MatX& Lambda, int rank, IndependentRows& chosen);
+
+ private:
+  void take_off(int pivot);
+
+  MatX rest_;  // of Lambda scaled to unit diagonal, beside the rows taken
+};
+
+}  // namespace concord::relative

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cmath>
+
+#include "common/types.h"
+
+/// Small triangles and columns of six rows, by loops of fixed length over vectors of six. Eigen's own products and
+/// triangular solvers of each size unroll by templates, which took most of the time that the passes need to compile.
+/// Each sum keeps the order that these have.
+namespace concord::relative {
+
+/// Pivots below this part of the terms they are made of are round-off.
+inline constexpr double kRoundOffOfPivot = 1e-13;
+
+/// Cholesky factor of the symmetric N x N matrix in D (lower triangle read) in place of D; false if it is not positive
+/// definite.
+template <int N>
+bool factorize(Mat6& D) {
+  for (int j = 0; j < N; ++j) {
+    double pivot = D(j, j);
+    for (int k = 0; k < j; ++k) pivot -= D(j, k) * D(j, k);
+    if (!(pivot > kRoundOffOfPivot * D(j, j))) return false;
+    pivot = std::sqrt(pivot);
+    D(j, j) = pivot;
+    for (int i = j + 1; i < N; ++i) {
+      double entry = D(i, j);
+      for (int k = 0; k < j; ++k) entry -= D(i, k) * D(j, k);
+      D(i, j) = entry / pivot;
+    }
+  }
+  return true;
+}
+
+/// L^-1 x in place of the first N numbers of x, L lower triangular.
+template <int N, class Vector>
+void substitute_forward(const Mat6& L, Vector& x) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) x(i) -= L(i, k) * x(k);
+    x(i) /= L(i, i);
+  }
+}
+
+/// L^-T x in place of x.
+template <int N, class Vector>
+void substitute_backward(const Mat6& L, Vector& x) {
+  for (int i = N - 1; i >= 0; --i) {
+    for (int k = i + 1; k < N; ++k) x(i) -= L(k, i) * x(k);
+    x(i) /= L(i, i);
+  }
+}
+
+/// U L^-T in place of the first N columns of U.
+template <int N>
+void divide_by_transpose(const Mat6& L, Mat6& U) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) U.col(i) -= L(i, k) * U.col(k);
+    U.col(i) /= L(i, i);
+  }
+}
+
+/// The first N columns times as many factors, summed up.
+template <int N, class Factors>
+Vec6 combination(const Mat6& columns, const Factors& factors) {
+  Vec6 sum = columns.col(0) * factors(0);
+  for (int k = 1; k < N; ++k) sum += columns.col(k) * factors(k);
+  return sum;
+}
+
+/// Calls f with the number of free speeds, 1 to 6, as a constant of type std::integral_constant.
+template <class F>
+void with_constant(int n, const F& f) {
+  switch (n) {
+    case 1:
+      return f(std::integral_constant<int, 1>());
+    case 2:
+      return f(std::integral_constant<int, 2>());
+    case 3:
+      return f(std::integral_constant<int, 3>());
+    case 4:
+      return f(std::integral_constant<int, 4>());
+    case 5:
+      return f(std::integral_constant<int, 5>());
+    default:
+      return f(std::integral_constant<int, 6>());
+  }
+}
+
+}  // namespace concord::relative
