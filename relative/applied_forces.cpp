@@ -39,7 +39,7 @@ void AppliedForces::lay_out_elements() {
       const Attachment* end = end_of(statement, side);
       if (end == nullptr) continue;
       element.ends.emplace_back(fmt::format("force element '{}'", statement.name), *end);
-      element.bodies[index(side)] = end->body;
+      element.bodies[index(side)] = BodyIndex(end->body);
     }
     elements_.push_back(std::move(element));
   }
@@ -56,8 +56,8 @@ void AppliedForces::lay_out_springs() {
                           topology.joints[k].first_u + first_u(*joint.type, spring.word) + spring.component});
     }
   }
-  for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
-    if (!model.joints[closure_->cuts()[c].joint].springs.empty()) sprung_cuts_.push_back(static_cast<int>(c));
+  for (const CutIndex c : upward<CutIndex>(closure_->cuts().size())) {
+    if (!model.joints[closure_->cuts()[c].joint].springs.empty()) sprung_cuts_.push_back(c);
   }
 }
 
@@ -87,7 +87,7 @@ void AppliedForces::clear() {
 void AppliedForces::move_ends(Element& element, const VecX& q, const VecX& u) {
   const std::size_t without = 2 - element.ends.size();
   for (std::size_t e = 0; e < element.ends.size(); ++e) {
-    const int body = element.bodies[e + without];
+    const BodyIndex body = element.bodies[e + without];
     const Span& modes = kinematics_->topology().modes[body];
     element.ends[e].deform(q.data() + modes.first_q, u.data() + modes.first_u);
     element.ends[e].compute_point_motion(kinematics_->body(body));
@@ -95,7 +95,7 @@ void AppliedForces::move_ends(Element& element, const VecX& q, const VecX& u) {
 }
 
 Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) const {
-  return wrench_of(load, t, kinematics_->body(load.at.body).A, element.ends.back());
+  return wrench_of(load, t, kinematics_->body(BodyIndex(load.at.body)).A, element.ends.back());
 }
 
 Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
@@ -197,7 +197,7 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }
-  for (const int c : sprung_cuts_) {
+  for (const CutIndex c : sprung_cuts_) {
     const Closure::Cut& cut = closure_->cuts()[c];
     const Span& span = kinematics_->topology().joints[cut.joint];
     const JointPoint& parent = kinematics_->point(cut.joint, Side::parent);
@@ -207,16 +207,17 @@ void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
     on_child_of_cut_[c] << parent.A * wrench.head<3>(), parent.A * wrench.tail<3>();
     const double power_so_far = power_;  // the springs' power has been counted by their coordinates
     const Joint& joint = kinematics_->model().joints[cut.joint];
-    apply_wrench(joint.on(Side::child).body, child, on_child_of_cut_[c]);
-    apply_wrench(joint.on(Side::parent).body, parent, opposite_wrench_at(on_child_of_cut_[c], child.r, parent.r));
+    apply_wrench(BodyIndex(joint.on(Side::child).body), child, on_child_of_cut_[c]);
+    apply_wrench(BodyIndex(joint.on(Side::parent).body), parent,
+                 opposite_wrench_at(on_child_of_cut_[c], child.r, parent.r));
     power_ = power_so_far;
   }
 }
 
-void AppliedForces::apply_wrench(int body, const JointPoint& point, const Vec6& wrench) {  // (R8)
+void AppliedForces::apply_wrench(BodyIndex body, const JointPoint& point, const Vec6& wrench) {  // (R8)
   if (body == kGround) return;
   power_ += wrench.head<3>().dot(point.v) + wrench.tail<3>().dot(point.omega);
-  const int link = *kinematics_->topology().link_of_body[body];
+  const LinkIndex link = *kinematics_->topology().link_of_body[body];
   on_body_[link] += shift_wrench(wrench, point.lever);
   if (point.n_modes() > 0) on_modes_[link].noalias() += point.Ga().transpose().lazyProduct(wrench);
 }

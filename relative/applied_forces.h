@@ -50,14 +50,13 @@ class AppliedForces {
   [[nodiscard]] std::string least_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
-  [[nodiscard]] const Vec6& on_body(int link) const { return on_body_[link]; }
-  [[nodiscard]] const VecX& on_modes(int link) const { return on_modes_[link]; }
+  [[nodiscard]] const Vec6& on_body(LinkIndex link) const { return on_body_[link]; }
+  [[nodiscard]] const VecX& on_modes(LinkIndex link) const { return on_modes_[link]; }
 
   /// Coordinate force of the joint springs on every speed (n_u numbers, those of cut joints too).
   [[nodiscard]] const VecX& tau() const { return tau_; }
-  /// Coordinate wrench of the springs of a cut joint on its child at P_i, global axes; `cut` counts as in
-  /// Closure::cuts.
-  [[nodiscard]] const Vec6& on_child_of_cut(int cut) const { return on_child_of_cut_[cut]; }
+  /// Coordinate wrench of the springs of a cut joint on its child at P_i, global axes.
+  [[nodiscard]] const Vec6& on_child_of_cut(CutIndex cut) const { return on_child_of_cut_[cut]; }
 
   /// What each force element exerts, in the order of the model.
   [[nodiscard]] const std::vector<ElementWrenches>& elements() const { return wrenches_; }
@@ -75,7 +74,7 @@ class AppliedForces {
   struct Element {
     const ForceElement* statement;
     std::vector<JointPoint> ends;  // by Side, or the child's alone
-    std::array<int, 2> bodies{kGround, kGround};
+    std::array<BodyIndex, 2> bodies{BodyIndex(kGround), BodyIndex(kGround)};
     std::optional<int> tire;  // its index among the tires
     std::optional<int> law;   // of a spring, its index among the laws
   };
@@ -115,7 +114,7 @@ class AppliedForces {
   [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
   void apply_springs(double t, const VecX& q, const VecX& u);
-  void apply_wrench(int body, const JointPoint& point, const Vec6& wrench);
+  void apply_wrench(BodyIndex body, const JointPoint& point, const Vec6& wrench);
 
   const Kinematics* kinematics_;
   const Closure* closure_;
@@ -126,7 +125,7 @@ class AppliedForces {
   std::vector<OwnedLaw> laws_;
   bool has_regimes_ = false;
   bool regimes_are_frozen_ = false;
-  std::vector<int> sprung_cuts_;  // indices in Closure::cuts
+  std::vector<CutIndex> sprung_cuts_;
   std::vector<Vec6> on_body_;
   std::vector<VecX> on_modes_;
   std::vector<Vec6> on_child_of_cut_;

@@ -22,7 +22,7 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
       links_(kinematics.topology().links.size()),
       flexible_of_link_(kinematics.topology().links.size()) {
   const Topology& topology = kinematics.topology();
-  for (std::size_t l = 0; l < links_.size(); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
     ArticulatedBody& link = links_[l];
     const Span& span = topology.joints[topology.links[l].joint];
     for (int c = 0; c < span.n_u; ++c) {
@@ -44,22 +44,22 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
   }
 }
 
-int ArticulatedInertias::n_unknowns(int link) const {
+int ArticulatedInertias::n_unknowns(LinkIndex link) const {
   const std::optional<int> flexible = flexible_of_link_[link];
   return flexible ? static_cast<int>(flexible_[*flexible].uhat.size()) : links_[link].n_free;
 }
 
 void ArticulatedInertias::load_bodies(const std::vector<BodyInertia>& inertias) {
-  for (std::size_t l = 0; l < links_.size(); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
     inertias[l].moments().fill(links_[l].articulated_inertia);
     links_[l].bias_force = inertias[l].p();
-    if (flexible_of_link_[l]) load_flexible(static_cast<int>(l), inertias[l]);
+    if (flexible_of_link_[l]) load_flexible(l, inertias[l]);
   }
 }
 
 void ArticulatedInertias::subtract_applied(const AppliedForces& applied) {
   if (!applied.any()) return;
-  for (int l = 0; l < static_cast<int>(links_.size()); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
     ArticulatedBody& link = links_[l];
     link.bias_force -= applied.on_body(l);
     for (int k = 0; k < link.n_free; ++k) link.tau(k) = applied.tau()(link.free[k]);
@@ -67,14 +67,14 @@ void ArticulatedInertias::subtract_applied(const AppliedForces& applied) {
   }
 }
 
-void ArticulatedInertias::load_flexible(int l, const BodyInertia& inertia) {
+void ArticulatedInertias::load_flexible(LinkIndex l, const BodyInertia& inertia) {
   FlexibleArticulatedBody& flexible = flexible_[*flexible_of_link_[l]];
   flexible.inertia_ra = inertia.flexible()->M_ra();
   flexible.inertia_aa = inertia.flexible()->M_aa();
   flexible.bias_force_a = inertia.flexible()->p_a();
 }
 
-void ArticulatedInertias::gather_columns(int l, const VecX& udot) {  // (R33)
+void ArticulatedInertias::gather_columns(LinkIndex l, const VecX& udot) {  // (R33)
   ArticulatedBody& link = links_[l];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   link.c = blocks.D;
@@ -87,7 +87,7 @@ void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, cons
                                   const VecX& udot) {
   load_bodies(inertias);
   subtract_applied(applied);
-  for (int l = n_links() - 1; l >= 0; --l) {
+  for (const LinkIndex l : downward<LinkIndex>(links_.size())) {
     gather_columns(l, udot);
     if (flexible_of_link_[l]) {
       eliminate_flexible(l);
@@ -101,7 +101,7 @@ void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, cons
 }
 
 template <int N>
-void ArticulatedInertias::eliminate_rigid(int l) {  // (R34), (R35)
+void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
   const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
@@ -127,7 +127,7 @@ void ArticulatedInertias::eliminate_rigid(int l) {  // (R34), (R35)
   add_to_reference_body(l, I, p + combination<N>(U, uhat));
 }
 
-void ArticulatedInertias::eliminate_flexible(int l) {  // (R34), (R35)
+void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[l]];
   const Eigen::Index m = f.bias_force_a.size();
@@ -159,10 +159,10 @@ void ArticulatedInertias::eliminate_flexible(int l) {  // (R34), (R35)
 
 /// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
 /// Xa for the modal speeds of the reference body (R36).
-void ArticulatedInertias::add_to_reference_body(int l, const Mat6& I, const Vec6& p) {
+void ArticulatedInertias::add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p) {
   const Link& step = kinematics_->topology().links[l];
   if (step.reference == kGround) return;
-  const int reference = *kinematics_->topology().link_of_body[step.reference];
+  const LinkIndex reference = *kinematics_->topology().link_of_body[step.reference];
   const LinkBlocks& blocks = kinematics_->blocks(l);
   const Vec3& rho = blocks.rho;
   ArticulatedBody& to = links_[reference];
@@ -196,13 +196,13 @@ void ArticulatedInertias::add_to_reference_body(int l, const Mat6& I, const Vec6
   f.bias_force_a.noalias() += blocks.Xa.transpose().lazyProduct(p);
 }
 
-void ArticulatedInertias::add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces,
+void ArticulatedInertias::add_coordinate_forces(LinkIndex link, const Eigen::Ref<const MatX>& forces,
                                                 Eigen::Ref<MatX> on_unknowns) const {
   const ArticulatedBody& factors = links_[link];
   for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
 }
 
-void ArticulatedInertias::propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
+void ArticulatedInertias::propagate_force(LinkIndex link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
   if (flexible_of_link_[link]) {
     const FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[link]];
     response.noalias() += f.H.transpose() * z_r;
@@ -216,7 +216,7 @@ void ArticulatedInertias::propagate_force(int link, Mat6X& z_r, const MatX& z_a,
 }
 
 template <int N>
-void ArticulatedInertias::propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const {
+void ArticulatedInertias::propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& response) const {
   const ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
   for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
@@ -228,7 +228,7 @@ void ArticulatedInertias::propagate_force_rigid(int l, Mat6X& z_r, MatX& respons
   }
 }
 
-void ArticulatedInertias::throw_indefinite(int l) const {
+void ArticulatedInertias::throw_indefinite(LinkIndex l) const {
   const Link& link = kinematics_->topology().links[l];
   throw SolverError(
       fmt::format("relative: body '{}' and all that it carries have no inertia against the motion of joint '{}'",

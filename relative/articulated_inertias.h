@@ -60,41 +60,41 @@ class ArticulatedInertias {
   void compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
 
   [[nodiscard]] int n_links() const { return static_cast<int>(links_.size()); }
-  [[nodiscard]] const ArticulatedBody& link(int l) const { return links_[l]; }
+  [[nodiscard]] const ArticulatedBody& link(LinkIndex l) const { return links_[l]; }
   /// nullptr if the link's body is rigid.
-  [[nodiscard]] const FlexibleArticulatedBody* flexible(int l) const {
+  [[nodiscard]] const FlexibleArticulatedBody* flexible(LinkIndex l) const {
     return flexible_of_link_[l] ? &flexible_[*flexible_of_link_[l]] : nullptr;
   }
   /// The columns H of a link's free joint speeds, the first n_free of this matrix.
-  [[nodiscard]] const Mat6& free_columns(int l) const {
+  [[nodiscard]] const Mat6& free_columns(LinkIndex l) const {
     return links_[l].n_driven == 0 ? kinematics_->blocks(l).H : links_[l].H_free;
   }
 
   /// Number of unknowns of a link: free joint speeds and modal speeds.
-  [[nodiscard]] int n_unknowns(int link) const;
+  [[nodiscard]] int n_unknowns(LinkIndex link) const;
 
   /// Adds coordinate forces (n_u x c) on the speeds of a link's joint to forces on its unknowns (n x c); what pushes a
   /// driven speed has no effect.
-  void add_coordinate_forces(int link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
+  void add_coordinate_forces(LinkIndex link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
 
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
   /// in response forces on its unknowns (n x c): makes of response their part along the unknowns, L^-1
   /// (response + H^T z), and leaves in z_r what is passed to the reference body.
-  void propagate_force(int link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
+  void propagate_force(LinkIndex link, Mat6X& z_r, const MatX& z_a, MatX& response) const;
 
  private:
   void load_bodies(const std::vector<BodyInertia>& inertias);
   void subtract_applied(const AppliedForces& applied);
-  void load_flexible(int l, const BodyInertia& inertia);
-  void gather_columns(int l, const VecX& udot);
+  void load_flexible(LinkIndex l, const BodyInertia& inertia);
+  void gather_columns(LinkIndex l, const VecX& udot);
   template <int N>
-  void eliminate_rigid(int l);
-  void dispatch_rigid(int l);
-  void eliminate_flexible(int l);
-  void add_to_reference_body(int l, const Mat6& I, const Vec6& p);
+  void eliminate_rigid(LinkIndex l);
+  void dispatch_rigid(LinkIndex l);
+  void eliminate_flexible(LinkIndex l);
+  void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
   template <int N>
-  void propagate_force_rigid(int l, Mat6X& z_r, MatX& response) const;
-  [[noreturn]] void throw_indefinite(int l) const;
+  void propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& response) const;
+  [[noreturn]] void throw_indefinite(LinkIndex l) const;
 
   const Kinematics* kinematics_;
   std::vector<ArticulatedBody> links_;

@@ -18,9 +18,10 @@ namespace {
 std::vector<CutJoint> lay_out_cuts(const Kinematics& kinematics, const PrescribedMask& prescribed) {
   std::vector<CutJoint> cuts;
   int rows = 0;
-  for (const int k : kinematics.topology().cuts) {
+  for (const JointIndex k : kinematics.topology().cuts) {
     cuts.push_back(
-        {k, rows, JointMeasure(kinematics.mobilizer(k), prescribed.data() + kinematics.topology().joints[k].first_u)});
+        {k, RowIndex(rows),
+         JointMeasure(kinematics.mobilizer(k), prescribed.data() + kinematics.topology().joints[k].first_u)});
     rows += cuts.back().measure.n_rows();
   }
   return cuts;
@@ -81,7 +82,7 @@ Vec6 Closure::relative_acceleration(const Cut& cut, const Vec6& of_parent, const
 }
 
 /// Adds what wrenches on the child of a joint (6 x rows, global axes) and their answers do on the tree's speeds.
-void Closure::add_wrench_rows(int joint, const Mat6X& on_child, MatX& rows) const {
+void Closure::add_wrench_rows(JointIndex joint, const Mat6X& on_child, MatX& rows) const {
   const Joint& statement = kinematics_->model().joints[joint];
   const JointPoint& parent = kinematics_->point(joint, Side::parent);
   const JointPoint& child = kinematics_->point(joint, Side::child);
@@ -89,8 +90,8 @@ void Closure::add_wrench_rows(int joint, const Mat6X& on_child, MatX& rows) cons
   for (Eigen::Index k = 0; k < on_child.cols(); ++k) {
     on_parent.col(k) = -shift_wrench(on_child.col(k), child.r - parent.r);
   }
-  kinematics_->add_times_B(statement.on(Side::child).body, rows_on_body(child, on_child), rows);
-  kinematics_->add_times_B(statement.on(Side::parent).body, rows_on_body(parent, on_parent), rows);
+  kinematics_->add_times_B(BodyIndex(statement.on(Side::child).body), rows_on_body(child, on_child), rows);
+  kinematics_->add_times_B(BodyIndex(statement.on(Side::parent).body), rows_on_body(parent, on_parent), rows);
 }
 
 MatX Closure::Phi_u() const {

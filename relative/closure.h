@@ -54,7 +54,7 @@ class Closure {
   template <class Acceleration>
   [[nodiscard]] Vec6 free_acceleration(const Cut& cut, const Acceleration& acceleration) const;
   [[nodiscard]] Vec6 relative_acceleration(const Cut& cut, const Vec6& of_parent, const Vec6& of_child) const;
-  void add_wrench_rows(int joint, const Mat6X& on_child, MatX& rows) const;
+  void add_wrench_rows(JointIndex joint, const Mat6X& on_child, MatX& rows) const;
 
   const Kinematics* kinematics_;
   PrescribedMask prescribed_;
@@ -88,8 +88,8 @@ void Closure::compute_acceleration_residual(const Acceleration& acceleration, co
     residual.segment(cut.first_row, rows).noalias() = cut.measure.T().leftCols(rows).transpose().lazyProduct(misfit);
   }
   if (!speed_constraints_.any()) return;
-  speed_constraints_.compute_acceleration_residual([&](int cut) { return free_acceleration(cuts_[cut], acceleration); },
-                                                   udot, residual);
+  speed_constraints_.compute_acceleration_residual(
+      [&](CutIndex cut) { return free_acceleration(cuts_[cut], acceleration); }, udot, residual);
 }
 
 }  // namespace concord::relative

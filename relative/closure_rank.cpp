@@ -74,7 +74,7 @@ void ClosureRank::require_agreeing_rows(const Coordinates& coordinates, const Ev
   double largest = scaled_->rate() * scaled_->rate();
   if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
   const Closure& closure = scaled_->closure();
-  const std::optional<int> row = evaluated.loops().contradicted_row(closure.row_units(), kContradiction * largest);
+  const std::optional<RowIndex> row = evaluated.loops().contradicted_row(closure.row_units(), kContradiction * largest);
   if (!row) return;
   throw SingularPose(fmt::format(
       "relative: at t = {:.6g} s no accelerations close everything: rows at {} depend on others in this pose "

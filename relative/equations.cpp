@@ -17,12 +17,11 @@ Equations::Equations(const Model& model)
       prescribed_udot_(VecX::Zero(kinematics_.topology().n_u)),
       motion_(kinematics_.topology()),
       evaluated_(accelerations_, loops_.solution(), applied_, inertias_) {
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     const Joint& joint = model.joints[k];
     const Span& span = topology().joints[k];
     for (const Driver& driver : joint.drivers) {
-      drivers_.push_back({&driver.law, static_cast<int>(k),
-                          span.first_q + first_q(*joint.type, driver.word) + driver.component,
+      drivers_.push_back({&driver.law, k, span.first_q + first_q(*joint.type, driver.word) + driver.component,
                           span.first_u + first_u(*joint.type, driver.word) + driver.component});
     }
   }
@@ -31,9 +30,9 @@ Equations::Equations(const Model& model)
 
 VecX Equations::home() const {
   VecX q = VecX::Zero(topology().n_q);
-  for (std::size_t k = 0; k < model_->joints.size(); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model_->joints.size())) {
     const Span& span = topology().joints[k];
-    q.segment(span.first_q, span.n_q) = kinematics_.mobilizer(static_cast<int>(k)).home();
+    q.segment(span.first_q, span.n_q) = kinematics_.mobilizer(k).home();
   }
   return q;
 }
@@ -59,7 +58,7 @@ const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
 
 void Equations::update_inertias() {
   for (std::size_t l = 0; l < inertias_.size(); ++l) {
-    const int body = topology().links[l].body;
+    const BodyIndex body = topology().links[l].body;
     const Span& modes = topology().modes[body];
     inertias_[l].update(motion_.q().data() + modes.first_q, motion_.u().data() + modes.first_u,
                         kinematics_.body(body).A, kinematics_.body(body).omega, model_->gravity);
@@ -113,10 +112,10 @@ const JointReactions& Equations::compute_self_stress(const Motion& /*motion*/, c
 }
 
 void Equations::compute_qdot(const Motion& motion, VecX& qdot) const {
-  for (std::size_t k = 0; k < model_->joints.size(); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model_->joints.size())) {
     const Span& span = topology().joints[k];
-    kinematics_.mobilizer(static_cast<int>(k))
-        .compute_qdot(motion.q().data() + span.first_q, motion.u().data() + span.first_u, qdot.data() + span.first_q);
+    kinematics_.mobilizer(k).compute_qdot(motion.q().data() + span.first_q, motion.u().data() + span.first_u,
+                                          qdot.data() + span.first_q);
   }
   for (const Span& modes : topology().modes) {
     qdot.segment(modes.first_q, modes.n_q) = motion.u().segment(modes.first_u, modes.n_u);

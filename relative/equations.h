@@ -87,7 +87,8 @@ class Equations {
   /// One driver and the indices of its coordinate and speed.
   struct Prescription {
     const TimeFunction* law;
-    int joint, q, u;
+    JointIndex joint;
+    int q, u;
   };
 
   void update_inertias();

@@ -17,7 +17,7 @@ constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
 }  // namespace
 
-bool IndependentRows::hold(int row) const { return std::binary_search(rows.begin(), rows.end(), row); }
+bool IndependentRows::hold(RowIndex row) const { return std::binary_search(rows.begin(), rows.end(), row); }
 
 void scale_rows(const MatX& Lambda, const VecX& units, VecX& scale) {
   const Eigen::Index n = Lambda.rows();
@@ -30,13 +30,13 @@ void scale_rows(const MatX& Lambda, const VecX& units, VecX& scale) {
 }
 
 bool RowChoice::choose(const MatX& Lambda, int rank, IndependentRows& chosen) {
-  const auto n = static_cast<int>(Lambda.rows());
-  std::vector<int>& rows = chosen.rows;
+  std::vector<RowIndex>& rows = chosen.rows;
   rest_.noalias() = chosen.scale.asDiagonal() * Lambda * chosen.scale.asDiagonal();
   rows.clear();
   for (const double least : kLeastOwnParts) {
-    for (int row = 0; row < n && static_cast<int>(rows.size()) < rank; ++row) {
-      if (!(rest_(row, row) > least)) continue;
+    for (const RowIndex row : upward<RowIndex>(Lambda.rows())) {
+      if (static_cast<int>(rows.size()) == rank) break;
+      if (!(rest_(row.value(), row.value()) > least)) continue;
       rows.push_back(row);
       take_off(row);
     }
@@ -47,7 +47,8 @@ bool RowChoice::choose(const MatX& Lambda, int rank, IndependentRows& chosen) {
 }
 
 /// Takes a row and its part off what is left of the others.
-void RowChoice::take_off(int pivot) {
+void RowChoice::take_off(RowIndex independent) {
+  const Eigen::Index pivot = independent.value();
   const double size = rest_(pivot, pivot);
   for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
     if (j == pivot) continue;

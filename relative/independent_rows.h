@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "common/types.h"
+#include "relative/indices.h"
 
 /// Which closure rows are independent in a pose.
 namespace concord::relative {
@@ -10,10 +11,10 @@ namespace concord::relative {
 /// Rows of Lambda = Phi_u Mbar^-1 Phi_u^T that are independent in one pose, in ascending order, and the factors by
 /// which each of its rows is scaled to unit diagonal: zero for one that vanishes.
 struct IndependentRows {
-  std::vector<int> rows;
+  std::vector<RowIndex> rows;
   VecX scale;
 
-  [[nodiscard]] bool hold(int row) const;
+  [[nodiscard]] bool hold(RowIndex row) const;
 };
 
 /// The factors of all rows, by which units do not weigh; `units`: the size of one unit of each.
@@ -30,7 +31,7 @@ class RowChoice {
   [[nodiscard]] bool choose(const MatX& Lambda, int rank, IndependentRows& chosen);
 
  private:
-  void take_off(int pivot);
+  void take_off(RowIndex independent);
 
   MatX rest_;  // of Lambda scaled to unit diagonal, beside the rows taken
 };

@@ -68,7 +68,7 @@ VecX sizes_of(const IntegratedVariables& variables, const Equations& equations, 
   VecX q = VecX::Ones(topology.n_q);
   VecX u = rate * speed_units;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+    const Mobilizer& mobilizer = equations.kinematics().mobilizer(JointIndex(k));
     for (int c = 0; c < mobilizer.n_u(); ++c) {
       if (mobilizer.kind(c).is_length) q(topology.joints[k].first_q + c) = scales.length();
     }

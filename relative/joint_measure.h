@@ -89,8 +89,8 @@ class JointMeasure {
 
 /// A cut joint of a machine and its closure rows T^T.
 struct CutJoint {
-  int joint = 0;
-  int first_row = 0;
+  JointIndex joint;
+  RowIndex first_row;
   JointMeasure measure;
   /// T in global axes (6 x rows): the wrench on the child at P_i of a unit multiplier, with the opposite sign.
   Mat6 T_global = Mat6::Identity();

@@ -37,14 +37,14 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, const Articul
 }
 
 void Loops::lay_out_paths(const ArticulatedInertias& tree) {
-  for (std::size_t c = 0; c < closure_->cuts().size(); ++c) {
+  for (const CutIndex c : upward<CutIndex>(closure_->cuts().size())) {
     const Closure::Cut& cut = closure_->cuts()[c];
     if (cut.measure.n_rows() == 0) continue;  // permits all six, and exerts nothing
-    lay_out(tree, {CutRows{static_cast<int>(c)}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
+    lay_out(tree, {CutRows{c}, cut.first_row, cut.measure.n_rows(), {}, {}}, {cut.joint});
   }
   for (std::size_t r = 0; r < closure_->speed_constraints().size(); ++r) {
     const SpeedConstraint& constraint = closure_->speed_constraints()[r];
-    std::vector<int> joints;
+    std::vector<JointIndex> joints;
     for (const ConstrainedJoint& part : constraint.joints) joints.push_back(part.joint);
     lay_out(tree, {SpeedRows{static_cast<int>(r)}, constraint.first_row, constraint.n_rows, {}, {}}, joints);
   }
@@ -81,21 +81,21 @@ void Loops::lay_out_stacked(const ArticulatedInertias& tree) {
 
 void Loops::set_rank(int rank) {
   rank_ = rank;
-  std::vector<int>& rows = solution_.used.rows;
+  std::vector<RowIndex>& rows = solution_.used.rows;
   rows.clear();
   rows.reserve(rank);
-  for (int row = 0; row < rank; ++row) rows.push_back(row);
+  for (const RowIndex row : upward<RowIndex>(rank)) rows.push_back(row);
   factors_.lay_out(rank, n_stacked_);
   right_.setZero(rank);
 }
 
 /// The links between the bodies of some joints and ground, outermost first.
-std::vector<int> Loops::links_to_ground(const std::vector<int>& joints) const {
+std::vector<LinkIndex> Loops::links_to_ground(const std::vector<JointIndex>& joints) const {
   const Topology& topology = kinematics_->topology();
-  std::vector<int> links;
-  for (const int joint : joints) {
+  std::vector<LinkIndex> links;
+  for (const JointIndex joint : joints) {
     for (const Attachment& side : kinematics_->model().joints[joint].sides) {
-      for (std::optional<int> l = topology.link_of_body[side.body]; l; l = topology.inward_link(*l))
+      for (std::optional<LinkIndex> l = topology.link_of_body[side.body]; l; l = topology.inward_link(*l))
         links.push_back(*l);
     }
   }
@@ -105,19 +105,19 @@ std::vector<int> Loops::links_to_ground(const std::vector<int>& joints) const {
 }
 
 /// Gives a path its links, and a load for each of its joints.
-void Loops::lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<int>& joints) {
+void Loops::lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<JointIndex>& joints) {
   const Topology& topology = kinematics_->topology();
-  const std::vector<int> links = links_to_ground(joints);
-  const auto path_link_of = [&](std::optional<int> link) -> std::optional<int> {
+  const std::vector<LinkIndex> links = links_to_ground(joints);
+  const auto path_link_of = [&](std::optional<LinkIndex> link) -> std::optional<int> {
     if (!link) return std::nullopt;
     return static_cast<int>(std::find(links.begin(), links.end(), *link) - links.begin());
   };
-  for (const int l : links) {
+  for (const LinkIndex l : links) {
     const int m = topology.modes[topology.links[l].body].n_u;
     path.links.push_back({l, path_link_of(topology.inward_link(l)), Mat6X::Zero(6, path.n_rows),
                           MatX::Zero(m, path.n_rows), MatX::Zero(tree.n_unknowns(l), path.n_rows)});
   }
-  for (const int k : joints) {
+  for (const JointIndex k : joints) {
     if (const auto* on_link = std::get_if<OnLink>(&topology.places[k])) {
       path.loads.emplace_back(CoordinateLoad{*path_link_of(on_link->link)});
       continue;
@@ -194,14 +194,14 @@ void Loops::sum_Lambda() {
   for (const SharedLink& shared : shared_) {
     const MatX& a = paths_[shared.path].links[shared.link].unit_response;
     const MatX& b = paths_[shared.other_path].links[shared.other_link].unit_response;
-    const int row = paths_[shared.path].first_row;
-    const int column = paths_[shared.other_path].first_row;
+    const RowIndex row = paths_[shared.path].first_row;
+    const RowIndex column = paths_[shared.other_path].first_row;
     Lambda_.block(row, column, a.cols(), b.cols()).noalias() += a.transpose().lazyProduct(b);
   }
   Lambda_.triangularView<Eigen::StrictlyLower>() = Lambda_.transpose();
 }
 
-void Loops::throw_singular(int row) const {
+void Loops::throw_singular(RowIndex row) const {
   const VecX place = VecX::Unit(closure_->n_rows(), row);
   throw SingularPose(fmt::format(
       "relative: the {} closure rows{} have a rank below {}, their rank in a general pose, at {}: the pose is singular "
@@ -217,14 +217,15 @@ void Loops::choose_rows() {
   scale_rows(Lambda_, closure_->row_units(), used.scale);
   if (rank_ == static_cast<int>(Lambda_.rows())) return;
   if (keeps_rows_ && has_kept_ && factors_.factor(Lambda_, used) > kSound) return;
-  if (!choice_.choose(Lambda_, rank_, used)) throw_singular(0);  // of the rows that are left none is independent
+  if (!choice_.choose(Lambda_, rank_, used))
+    throw_singular(RowIndex(0));  // of the rows that are left none is independent
   has_kept_ = keeps_rows_;
 }
 
 void Loops::factorize() {
   const IndependentRows& used = solution_.used;
-  for (const int row : used.rows) {
-    if (used.scale(row) == 0.0) throw_singular(row);
+  for (const RowIndex row : used.rows) {
+    if (used.scale[row] == 0.0) throw_singular(row);
   }
   solution_.least_pivot = factors_.factor(Lambda_, used);
   if (solution_.least_pivot > kIllConditioned) return;
@@ -245,7 +246,7 @@ void Loops::stack_unit_responses() {
       for (const PathLink& path_link : path.links) {
         stacked.col(static_cast<Eigen::Index>(c))
             .segment(*first_of_link_[path_link.link], path_link.unit_response.rows()) =
-            used.scale(used.rows[c]) * path_link.unit_response.col(column);
+            used.scale[used.rows[c]] * path_link.unit_response.col(column);
       }
     }
   }
@@ -279,7 +280,9 @@ const LoopSolution& Loops::close(const ArticulatedInertias& tree, TreeAccelerati
 /// Solves for the multipliers, and again for what round-off has left of the closure until it falls no further.
 void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {
   const IndependentRows& used = solution_.used;
-  const auto acceleration = [&accelerations](int joint, Side side) { return accelerations.of_point(joint, side); };
+  const auto acceleration = [&accelerations](JointIndex joint, Side side) {
+    return accelerations.of_point(joint, side);
+  };
   double first_residual = 0.0;
   double last_residual = 0.0;
   for (int round = 0; round < kMostRefinements; ++round) {
@@ -290,7 +293,7 @@ void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerat
     last_residual = residual;
     factors_.solve(used, right_);
     lambda_correction_.setZero();
-    for (std::size_t i = 0; i < used.rows.size(); ++i) lambda_correction_(used.rows[i]) = right_(i);
+    for (std::size_t i = 0; i < used.rows.size(); ++i) lambda_correction_[used.rows[i]] = right_(i);
     solution_.lambda += lambda_correction_;
     apply_constraint_forces(lambda_correction_, accelerations);
     accelerations.solve_again(tree);
@@ -303,19 +306,19 @@ double Loops::select_residual() {
   const IndependentRows& used = solution_.used;
   double largest = 0.0;
   for (std::size_t i = 0; i < used.rows.size(); ++i) {
-    right_(i) = solution_.residual(used.rows[i]);
-    largest = std::max(largest, std::abs(right_(i)) * used.scale(used.rows[i]));
+    right_(i) = solution_.residual[used.rows[i]];
+    largest = std::max(largest, std::abs(right_(i)) * used.scale[used.rows[i]]);
   }
   return largest;
 }
 
-std::optional<int> LoopSolution::contradicted_row(const VecX& row_units, double allowed) const {
-  std::optional<int> found;
+std::optional<RowIndex> LoopSolution::contradicted_row(const VecX& row_units, double allowed) const {
+  std::optional<RowIndex> found;
   if (used.rows.size() == static_cast<std::size_t>(lambda.size())) return found;
   double worst = allowed;
-  for (int row = 0; row < static_cast<int>(lambda.size()); ++row) {
+  for (const RowIndex row : upward<RowIndex>(lambda.size())) {
     if (used.hold(row)) continue;
-    const double misfit = std::abs(residual(row)) / row_units(row);
+    const double misfit = std::abs(residual[row]) / row_units[row];
     if (misfit <= worst) continue;
     worst = misfit;
     found = row;

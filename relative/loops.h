@@ -29,7 +29,7 @@ struct LoopSolution {
   /// A closure row that is not used because it depends on others in this pose, and that the accelerations found by
   /// those violate: the worst of those that miss by more than `allowed` [1/s2], lengths in units of the machine's
   /// (those of the rows are `row_units`); if any does.
-  [[nodiscard]] std::optional<int> contradicted_row(const VecX& row_units, double allowed) const;
+  [[nodiscard]] std::optional<RowIndex> contradicted_row(const VecX& row_units, double allowed) const;
 };
 
 /// Constraint forces of the cut joints, couplings and nonholonomic constraints. Lambda is summed over the links between
@@ -65,7 +65,7 @@ class Loops {
   /// One link on the path to ground: the generalized forces that reach it from unit multipliers of the path's rows, and
   /// the response of its unknowns to them.
   struct PathLink {
-    int link = 0;
+    LinkIndex link;
     std::optional<int> next;  // the path's link of the reference body; none at ground
     Mat6X z_r;
     MatX z_a;
@@ -74,7 +74,7 @@ class Loops {
   /// The multipliers of a cut joint's closure, or of a speed constraint, act by wrenches on the two bodies of a cut
   /// joint: on these links of the path; none is ground.
   struct WrenchLoad {
-    int joint = 0;
+    JointIndex joint;
     std::optional<int> child_link;
     std::optional<int> parent_link;
   };
@@ -85,7 +85,7 @@ class Loops {
   using MultiplierLoad = std::variant<WrenchLoad, CoordinateLoad>;
   /// Whose rows a path's are: a cut joint's (index in Closure::cuts) or a speed constraint's.
   struct CutRows {
-    int cut = 0;
+    CutIndex cut;
   };
   struct SpeedRows {
     int constraint = 0;
@@ -93,7 +93,7 @@ class Loops {
   /// The rows of a cut joint, with one load, or of a speed constraint, with one for each of its joints.
   struct LoopPath {
     std::variant<CutRows, SpeedRows> owner;
-    int first_row = 0;
+    RowIndex first_row;
     int n_rows = 0;
     std::vector<MultiplierLoad> loads;
     std::vector<PathLink> links;  // outermost first
@@ -103,8 +103,8 @@ class Loops {
   };
 
   void lay_out_paths(const ArticulatedInertias& tree);
-  void lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<int>& joints);
-  [[nodiscard]] std::vector<int> links_to_ground(const std::vector<int>& joints) const;
+  void lay_out(const ArticulatedInertias& tree, LoopPath path, const std::vector<JointIndex>& joints);
+  [[nodiscard]] std::vector<LinkIndex> links_to_ground(const std::vector<JointIndex>& joints) const;
   void lay_out_shared();
   void lay_out_stacked(const ArticulatedInertias& tree);
   void compute_unit_responses(const ArticulatedInertias& tree, LoopPath& path);
@@ -115,7 +115,7 @@ class Loops {
   void choose_rows();
   void factorize();
   void stack_unit_responses();
-  [[noreturn]] void throw_singular(int row) const;
+  [[noreturn]] void throw_singular(RowIndex row) const;
   void refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations);
   [[nodiscard]] double select_residual();
   void apply_constraint_forces(const VecX& lambda, TreeAccelerations& accelerations);

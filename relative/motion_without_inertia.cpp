@@ -10,7 +10,7 @@ namespace concord::relative {
 /// The least eigenvalue of H^T I H, its columns scaled by the terms that their inertia is made of.
 std::optional<MotionWithoutInertia> find_motion_without_inertia(const ArticulatedInertias& tree) {
   constexpr double kLeast = 4.0 * kRoundOffOfPivot;  // a pivot at round-off must be found here
-  for (int l = tree.n_links() - 1; l >= 0; --l) {
+  for (const LinkIndex l : downward<LinkIndex>(tree.n_links())) {
     const ArticulatedBody& link = tree.link(l);
     if (link.n_free == 0) continue;
     const Eigen::Map<const Mat6X> H(tree.free_columns(l).data(), 6, link.n_free);

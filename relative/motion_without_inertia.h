@@ -6,7 +6,7 @@ namespace concord::relative {
 
 /// A motion of a link's joint: its speeds.
 struct MotionWithoutInertia {
-  int link;
+  LinkIndex link;
   JointVector u;
 };
 

@@ -14,11 +14,11 @@ void MultiplierFactors::lay_out(int rank, Eigen::Index n_stacked) {
 
 double MultiplierFactors::factor(const MatX& Lambda, const IndependentRows& rows) {
   is_orthogonal_ = false;
-  const std::vector<int>& used = rows.rows;
+  const std::vector<RowIndex>& used = rows.rows;
   const auto n = static_cast<Eigen::Index>(used.size());
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      selected_(i, j) = rows.scale(used[i]) * Lambda(used[i], used[j]) * rows.scale(used[j]);
+      selected_(i, j) = rows.scale[used[i]] * Lambda(used[i].value(), used[j].value()) * rows.scale[used[j]];
     }
   }
   if (llt_.compute(selected_).info() != Eigen::Success) return 0.0;
@@ -34,9 +34,9 @@ MultiplierFactors::LeastSine MultiplierFactors::factor_stacked() {
 }
 
 void MultiplierFactors::solve(const IndependentRows& rows, VecX& right) const {
-  const std::vector<int>& used = rows.rows;
+  const std::vector<RowIndex>& used = rows.rows;
   const auto n = static_cast<Eigen::Index>(used.size());
-  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale(used[i]);
+  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale[used[i]];
   if (is_orthogonal_) {
     const auto& place = qr_.colsPermutation().indices();
     for (Eigen::Index i = 0; i < n; ++i) permuted_(i) = right(place(i));
@@ -47,7 +47,7 @@ void MultiplierFactors::solve(const IndependentRows& rows, VecX& right) const {
   } else {
     llt_.solveInPlace(right);
   }
-  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale(used[i]);
+  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale[used[i]];
 }
 
 }  // namespace concord::relative

@@ -46,7 +46,7 @@ class Evaluated {
   /// By link.
   [[nodiscard]] const std::vector<BodyInertia>& inertias() const { return *inertias_; }
   /// Accelerations of a body's origin, angular and modal ones.
-  [[nodiscard]] BodyAcceleration acceleration(int body) const {
+  [[nodiscard]] BodyAcceleration acceleration(BodyIndex body) const {
     const Vec6& Vdot = accelerations_->of_body(body);
     const VecX* addot = accelerations_->of_modes(body);
     return {Vdot.head<3>(), Vdot.tail<3>(), addot == nullptr ? VecX() : *addot};

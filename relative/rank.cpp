@@ -65,7 +65,7 @@ class Moved {
         add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
         add_squares(joints[k].total_on(side), length, joints_[k].total[index(side)]);
       }
-      const Mobilizer& mobilizer = equations.kinematics().mobilizer(static_cast<int>(k));
+      const Mobilizer& mobilizer = equations.kinematics().mobilizer(JointIndex(k));
       for (int c = 0; c < mobilizer.n_u(); ++c) {
         joints_[k].tau(c) += std::pow(joints[k].tau(c) * (mobilizer.kind(c).is_length ? length : 1.0), 2);
       }
@@ -252,7 +252,7 @@ MatX permitted_velocities(Equations& equations, const Scales& scales, const Coor
   MatX velocities = B(Eigen::all, rows.free) * units.asDiagonal() * N;
   const double length = equations.model().length_scale();  // as every solver counts them
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
-    velocities.middleRows<3>(equations.kinematics().first_row(static_cast<int>(i))) /= length;
+    velocities.middleRows<3>(equations.kinematics().first_row(BodyIndex(i))) /= length;
   }
   return orthonormal_columns(velocities);
 }

@@ -37,13 +37,13 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
     load.rho_a.setZero(model.bodies[link.body].n_modes());
     loads_.push_back(load);
   }
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     const Joint& joint = model.joints[k];
     JointWrenches wrenches;
     wrenches.tau.setZero(joint.type->n_u());
     found_.joints.push_back(wrenches);
-    if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(static_cast<int>(k))) continue;
-    ForcedJoint forced{static_cast<int>(k), cut_of(kinematics.topology().places[k]), std::nullopt, {}};
+    if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(k)) continue;
+    ForcedJoint forced{k, cut_of(kinematics.topology().places[k]), std::nullopt, {}};
     for (const Driver& driver : joint.drivers) {
       forced.driven.push_back(first_u(*joint.type, driver.word) + driver.component);
     }
@@ -85,8 +85,8 @@ const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
 
 /// rho = M Ydot + S + U - Q_gravity (R54).
 void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations) {
-  for (std::size_t l = 0; l < loads_.size(); ++l) {
-    const int body = kinematics_->topology().links[l].body;
+  for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
+    const BodyIndex body = kinematics_->topology().links[l].body;
     const BodyInertia& inertia = inertias[l];
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
@@ -107,7 +107,7 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
 /// rho -= Q of force elements and of the springs of cut joints; a spring in the tree is part of its joint's total.
 void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
   if (!applied.any()) return;
-  for (int l = 0; l < static_cast<int>(loads_.size()); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
     Load& load = loads_[l];
     load.rho -= applied.on_body(l);
     if (load.rho_a.size() == 0) continue;
@@ -129,7 +129,7 @@ void Reactions::set_coupling_forces(const VecX& lambda) {
   found_.coupling_tau.setZero();
   for (const SpeedConstraint& constraint : closure_->speed_constraints()) {
     if (!constraint.is_coupling()) continue;
-    const double force = -lambda(constraint.first_row);
+    const double force = -lambda[constraint.first_row];
     found_.couplings[*constraint.coupling] = force / constraint.size;
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
@@ -179,13 +179,13 @@ void Reactions::apply_speed_constraint_wrenches(const VecX& lambda) {
 
 /// Applies a wrench to the child of a cut joint and the opposite one, at its own point, to the parent; returns the
 /// latter.
-Vec6 Reactions::exert_at_cut(int k, const Vec6& on_child) {
+Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   const JointPoint& parent = kinematics_->point(k, Side::parent);
   const JointPoint& child = kinematics_->point(k, Side::child);
   const Joint& joint = kinematics_->model().joints[k];
   const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
-  subtract_from(joint.on(Side::child).body, child, on_child);
-  subtract_from(joint.on(Side::parent).body, parent, on_parent);
+  subtract_from(BodyIndex(joint.on(Side::child).body), child, on_child);
+  subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
   return on_parent;
 }
 
@@ -201,7 +201,7 @@ void Reactions::add_spring_wrenches_of_cuts(const AppliedForces& applied) {
 }
 
 /// rho -= G_P^T w: the generalized force of a wrench at a point (R8), (R55).
-void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wrench) {
+void Reactions::subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench) {
   if (body == kGround) return;
   Load& load = loads_[*kinematics_->topology().link_of_body[body]];
   load.rho -= shift_wrench(wrench, point.lever);
@@ -210,9 +210,9 @@ void Reactions::subtract_from(int body, const JointPoint& point, const Vec6& wre
 
 void Reactions::backward_pass() {  // (R57)
   found_.modal_residual = 0.0;
-  found_.worst_modal_body = kGround;
+  found_.worst_modal_body = BodyIndex(kGround);
   const std::vector<Link>& links = kinematics_->topology().links;
-  for (int l = static_cast<int>(links.size()) - 1; l >= 0; --l) {
+  for (const LinkIndex l : downward<LinkIndex>(links.size())) {
     const Link& link = links[l];
     const JointPoint& own = kinematics_->point(link.joint, link.own_side());
     const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
@@ -229,7 +229,7 @@ void Reactions::backward_pass() {  // (R57)
   }
 }
 
-void Reactions::audit_modal_rows(int l, const Vec6& wrench) {  // (R58)
+void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
   Load& load = loads_[l];
   if (load.rho_a.size() == 0) return;
   const Link& link = kinematics_->topology().links[l];
@@ -243,14 +243,14 @@ void Reactions::audit_modal_rows(int l, const Vec6& wrench) {  // (R58)
   found_.worst_modal_body = link.body;
 }
 
-void Reactions::report(int joint, const Vec6& on_child, const Vec6& on_parent) {
+void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
   JointWrenches& wrenches = found_.joints[joint];
   wrenches.total[index(Side::child)] = in_both_frames(kinematics_->point(joint, Side::child).A, on_child);
   wrenches.total[index(Side::parent)] = in_both_frames(kinematics_->point(joint, Side::parent).A, on_parent);
   wrenches.reaction = wrenches.total;
 }
 
-void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent) {
+void Reactions::add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
   const JointWrenches& so_far = found_.joints[joint];
   report(joint, so_far.total_on(Side::child).in_global.vector() + on_child,
          so_far.total_on(Side::parent).in_global.vector() + on_parent);
@@ -260,7 +260,7 @@ void Reactions::add_to_total(int joint, const Vec6& on_child, const Vec6& on_par
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const ForcedJoint& forced : forced_joints_) {
-    const int k = forced.joint;
+    const JointIndex k = forced.joint;
     const JointMotion& motion =
         forced.cut ? closure_->cuts()[*forced.cut].measure.motion_at() : kinematics_->joint_motion(k);
     const JointPoint& parent = kinematics_->point(k, Side::parent);

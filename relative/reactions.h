@@ -21,7 +21,7 @@ struct JointReactions {
   /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
   /// of its rows; and that body's index (ground if no body is flexible).
   double modal_residual = 0.0;
-  int worst_modal_body = kGround;
+  BodyIndex worst_modal_body;
 };
 
 /// Throws SolverError if the free modal equations are out of balance by more than round-off explains (R58).
@@ -49,8 +49,8 @@ class Reactions {
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
-    int joint = 0;
-    std::optional<int> cut;           // its index in Closure::cuts; none in the tree
+    JointIndex joint;
+    std::optional<CutIndex> cut;      // none in the tree
     std::optional<int> nonholonomic;  // its index in Closure::speed_constraints
     std::vector<int> driven;
   };
@@ -63,13 +63,13 @@ class Reactions {
   void clear_loads();
   void apply_cut_wrenches(const VecX& lambda);
   void apply_speed_constraint_wrenches(const VecX& lambda);
-  Vec6 exert_at_cut(int joint, const Vec6& on_child);
+  Vec6 exert_at_cut(JointIndex joint, const Vec6& on_child);
   void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
-  void subtract_from(int body, const JointPoint& point, const Vec6& wrench);
-  void audit_modal_rows(int l, const Vec6& wrench);
-  void add_to_total(int joint, const Vec6& on_child, const Vec6& on_parent);
-  void report(int joint, const Vec6& on_child, const Vec6& on_parent);
+  void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
+  void audit_modal_rows(LinkIndex l, const Vec6& wrench);
+  void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
+  void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void split_off_coordinate_wrenches(const VecX& lambda);
 
   const Kinematics* kinematics_;

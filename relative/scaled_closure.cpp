@@ -55,7 +55,7 @@ void ScaledClosure::move(Coordinates& coordinates) const {
 void ScaledClosure::normalize(VecX& q) const {
   const Topology& topology = equations_->topology();
   for (std::size_t k = 0; k < topology.joints.size(); ++k) {
-    equations_->kinematics().mobilizer(static_cast<int>(k)).normalize(q.data() + topology.joints[k].first_q);
+    equations_->kinematics().mobilizer(JointIndex(k)).normalize(q.data() + topology.joints[k].first_q);
   }
 }
 

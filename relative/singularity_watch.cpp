@@ -27,7 +27,7 @@ bool is_certainly_regular(double sigma_a, double sigma_b, const MatX& Phi_a, con
 
 SingularityWatch::SingularityWatch(Equations& equations, Assembly& assembly)
     : equations_(&equations), assembly_(&assembly) {
-  for (int k = 0; k < static_cast<int>(equations.model().joints.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(equations.model().joints.size())) {
     if (equations.kinematics().mobilizer(k).has_elevation()) links_.push_back(k);
   }
 }
@@ -115,7 +115,7 @@ void SingularityWatch::search(const Record& a, const Record& b) const {
 
 /// A link passes between the two names of its poses only where its motion loses rank.
 void SingularityWatch::require_branches(const VecX& before, const VecX& now, double t) const {
-  for (const int k : links_) {
+  for (const JointIndex k : links_) {
     const Mobilizer& mobilizer = equations_->kinematics().mobilizer(k);
     const int first = equations_->topology().joints[k].first_q;
     if (mobilizer.is_on_branch_of(now.data() + first, before.data() + first)) continue;

@@ -43,9 +43,9 @@ class SingularityWatch {
 
   Equations* equations_;
   Assembly* assembly_;
-  std::vector<int> links_;    // joints whose link has two names for a pose
-  std::vector<Record> last_;  // at most three, in the order of time
-  VecX q_;                    // of the last call, at
+  std::vector<JointIndex> links_;  // joints whose link has two names for a pose
+  std::vector<Record> last_;       // at most three, in the order of time
+  VecX q_;                         // of the last call, at
   double t_ = HUGE_VAL;
   double largest_sigma_ = 0.0;  // so far
 };

@@ -62,10 +62,10 @@ SpeedConstraints::SpeedConstraints(const Kinematics& kinematics, const Prescribe
   const Model& model = kinematics.model();
   for (std::size_t g = 0; g < model.couplings.size(); ++g) add_coupling(static_cast<int>(g));
   n_position_rows_ = n_rows_;
-  for (std::size_t k = 0; k < model.joints.size(); ++k) add_nonholonomic(static_cast<int>(k));
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) add_nonholonomic(k);
 }
 
-ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, int joint) {
+ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, JointIndex joint) {
   for (ConstrainedJoint& part : constraint.joints) {
     if (part.joint == joint) return part;
   }
@@ -79,20 +79,25 @@ ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, int joi
 void SpeedConstraints::add_coupling(int number) {  // (R49)
   const Model& model = kinematics_->model();
   const Coupling& coupling = model.couplings[number];
-  SpeedConstraint constraint{first_row_ + n_rows_, 1, number, size_of(coupling, model, machine_length(model)), {},
+  SpeedConstraint constraint{RowIndex(first_row_ + n_rows_),
+                             1,
+                             number,
+                             size_of(coupling, model, machine_length(model)),
+                             {},
                              JointVector::Zero(1)};
   for (const CouplingTerm& term : coupling.terms) {
-    part_of(constraint, term.joint).C(index_in_u(term, model.joints[term.joint]), 0) = term.factor / constraint.size;
+    const JointIndex joint(term.joint);
+    part_of(constraint, joint).C(index_in_u(term, model.joints[joint]), 0) = term.factor / constraint.size;
   }
   constraints_.push_back(std::move(constraint));
   n_rows_ += 1;
 }
 
-void SpeedConstraints::add_nonholonomic(int joint) {
+void SpeedConstraints::add_nonholonomic(JointIndex joint) {
   NonholonomicConstraint permitted(*kinematics_->model().joints[joint].type, kinematics_->mobilizer(joint));
   if (permitted.n_rows() == 0) return;
-  SpeedConstraint constraint{
-      first_row_ + n_rows_, permitted.n_rows(), std::nullopt, 1.0, {}, JointVector::Zero(permitted.n_rows())};
+  SpeedConstraint constraint{RowIndex(first_row_ + n_rows_),       permitted.n_rows(), std::nullopt, 1.0, {},
+                             JointVector::Zero(permitted.n_rows())};
   part_of(constraint, joint);
   n_rows_ += constraint.n_rows;
   constraints_.push_back(std::move(constraint));
@@ -104,7 +109,7 @@ bool SpeedConstraints::is_prescribed(const ConstrainedJoint& part, int c) const 
 }
 
 const JointMotion& SpeedConstraints::motion_of(const ConstrainedJoint& part, const std::vector<CutJoint>& cuts) const {
-  const std::optional<int> cut = part.cut();
+  const std::optional<CutIndex> cut = part.cut();
   return cut ? cuts[*cut].measure.motion_at() : kinematics_->joint_motion(part.joint);
 }
 
@@ -144,7 +149,7 @@ void SpeedConstraints::measure(const std::vector<CutJoint>& cuts, const VecX& q,
     }
     if (!constraint.is_coupling()) continue;
     // The coordinates of a cut joint that is not closed yet: measured along the wrenches by which they move.
-    double& found = position_residual(constraint.first_row);
+    double& found = position_residual(constraint.first_row.value());
     found = compute_position_residual(model.couplings[*constraint.coupling], *kinematics_, q) / constraint.size;
     for (const ConstrainedJoint& part : constraint.joints) {
       if (const auto cut = part.cut()) found += part.T.col(0).dot(cuts[*cut].measure.position_residual());

@@ -26,19 +26,19 @@ double compute_velocity_residual(const Coupling& coupling, const Model& model, c
 /// What one joint adds to the rows of a constraint: C^T u. A unit multiplier exerts coordinate forces -C: in the tree
 /// on the joint's speeds; of a cut joint, which has none in the tree, with their coordinate wrench on both bodies.
 struct ConstrainedJoint {
-  int joint = 0;
+  JointIndex joint;
   JointPlace place;
   JointSquare C;   // n_u x rows
   JointColumns T;  // of a cut joint: coordinate wrenches of C (entries of prescribed speeds left out), 6 x rows, in the
                    // parent's joint frame: T^T v_rel = C^T u
   JointColumns T_global;
 
-  [[nodiscard]] std::optional<int> cut() const { return cut_of(place); }
+  [[nodiscard]] std::optional<CutIndex> cut() const { return cut_of(place); }
 };
 
 /// A coupler constraint (one row for q, u and udot) or the nonholonomic constraints of one joint (rows for u and udot).
 struct SpeedConstraint {
-  int first_row = 0;
+  RowIndex first_row;
   int n_rows = 0;
   std::optional<int> coupling;  // its index in the model; none: nonholonomic
   double size = 1.0;            // of a coupling: see size_of
@@ -74,8 +74,8 @@ class SpeedConstraints {
 
  private:
   void add_coupling(int number);
-  void add_nonholonomic(int joint);
-  ConstrainedJoint& part_of(SpeedConstraint& constraint, int joint);
+  void add_nonholonomic(JointIndex joint);
+  ConstrainedJoint& part_of(SpeedConstraint& constraint, JointIndex joint);
   [[nodiscard]] const JointMotion& motion_of(const ConstrainedJoint& part, const std::vector<CutJoint>& cuts) const;
   void measure_cut(ConstrainedJoint& part, const CutJoint& cut, VecX::SegmentReturnType velocity_rows);
   [[nodiscard]] bool is_prescribed(const ConstrainedJoint& part, int c) const;
@@ -97,7 +97,7 @@ void SpeedConstraints::compute_acceleration_residual(const FreeAcceleration& fre
     rows = constraint.bias;
     for (const ConstrainedJoint& part : constraint.joints) {
       const Span& span = kinematics_->topology().joints[part.joint];
-      const std::optional<int> cut = part.cut();
+      const std::optional<CutIndex> cut = part.cut();
       for (int c = 0; c < span.n_u; ++c) {
         if (cut && !is_prescribed(part, c)) continue;
         rows += part.C.row(c).transpose() * udot(span.first_u + c);

@@ -59,7 +59,7 @@ void Start::measure_unsaid(Coordinates& coordinates) const {
   Kinematics kinematics(model);
   kinematics.place(bodies);
   const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     JointMeasure measured(kinematics.mobilizer(k), nothing.data());
     measured.find_q(kinematics.point(k, Side::parent), kinematics.point(k, Side::child),
                     coordinates.q.data() + scaled_->equations().topology().joints[k].first_q,
@@ -248,7 +248,7 @@ void Start::add_turns_of_couplings(Coordinates& coordinates, const PrescribedMas
 void Start::choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,
                             const PrescribedMask& prescribed_u) const {
   const Model& model = scaled_->equations().model();
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     const Span& span = scaled_->equations().topology().joints[k];
     const Mobilizer& mobilizer = scaled_->equations().kinematics().mobilizer(k);
     if (!mobilizer.has_elevation()) continue;

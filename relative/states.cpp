@@ -47,10 +47,10 @@ States::States(const Equations& equations)
       kinematics_(equations.model()),
       length_(machine_length(equations.model())),
       rate_(machine_rate(equations.model())) {
-  for (std::size_t k = 0; k < equations.model().joints.size(); ++k) {
-    measures_.emplace_back(kinematics_.mobilizer(static_cast<int>(k)),
+  for (const JointIndex k : upward<JointIndex>(equations.model().joints.size())) {
+    measures_.emplace_back(kinematics_.mobilizer(k),
                            equations.driven().data() + equations.topology().joints[k].first_u);
-    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.mobilizer(static_cast<int>(k)));
+    nonholonomic_.emplace_back(*equations.model().joints[k].type, kinematics_.mobilizer(k));
   }
 }
 
@@ -91,7 +91,7 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   count_turns(found);
   const Sizes sizes = sizes_of(state);
   kinematics_.place(state.bodies);
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) measure_joint(k, state, sizes, found, misfit);
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) measure_joint(k, state, sizes, found, misfit);
   misfit.joint_off_branch = joint_off_branch(state, found.q);
   for (const Coupling& coupling : model.couplings) measure_coupling(coupling, sizes, found, misfit);
   return found;
@@ -106,7 +106,7 @@ Coordinates States::stated_coordinates(const State& state) const {
     found.q.segment(topology.modes[i].first_q, topology.modes[i].n_q) = body.a;
     found.u.segment(topology.modes[i].first_u, topology.modes[i].n_u) = body.adot;
   }
-  for (int k = 0; k < static_cast<int>(topology.joints.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(topology.joints.size())) {
     const Span& span = topology.joints[k];
     if (has_q(state, k)) found.q.segment(span.first_q, span.n_q) = state.q[k];
   }
@@ -125,7 +125,8 @@ States::Sizes States::sizes_of(const State& state) const {
 }
 
 /// Coordinates and speeds of a joint between its bodies, which have been placed, and what is left of both.
-void States::measure_joint(int k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit) {
+void States::measure_joint(JointIndex k, const State& state, const Sizes& sizes, Coordinates& found,
+                           StateMisfit& misfit) {
   const Span& span = equations_->topology().joints[k];
   const std::string& name = equations_->model().joints[k].name;
   JointMeasure& measure = measures_[k];
@@ -166,7 +167,7 @@ Coordinates States::read_closed(const State& state) {
   return coordinates;
 }
 
-void States::throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const {
+void States::throw_off_branch(const State& state, const Coordinates& coordinates, JointIndex joint) const {
   const Span& span = equations_->topology().joints[joint];
   const VecX found = kinematics_.with_turns(coordinates.q).segment(span.first_q, span.n_q);
   throw SolverError(fmt::format(
@@ -183,13 +184,13 @@ void States::count_turns(Coordinates& coordinates) {
   coordinates.q = kinematics_.without_turns(coordinates.q);
 }
 
-bool States::has_q(const State& state, int joint) const {
+bool States::has_q(const State& state, JointIndex joint) const {
   return joint < static_cast<int>(state.q.size()) && state.q[joint].size() == equations_->topology().joints[joint].n_q;
 }
 
-std::optional<int> States::joint_off_branch(const State& state, const VecX& q) const {
+std::optional<JointIndex> States::joint_off_branch(const State& state, const VecX& q) const {
   const VecX values = kinematics_.with_turns(q);
-  for (int k = 0; k < static_cast<int>(measures_.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(measures_.size())) {
     if (!has_q(state, k)) continue;
     const double* found = values.data() + equations_->topology().joints[k].first_q;
     if (!equations_->kinematics().mobilizer(k).is_on_branch_of(found, state.q[k].data())) return k;
@@ -207,7 +208,7 @@ States::Readings States::size_of_readings(const Coupling& coupling) const {
   double of_speeds = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
     const int c = first_u(*model.joints[term.joint].type, term.word) + term.component;
-    const double unit = kinematics_.mobilizer(term.joint).kind(c).is_length ? length_ : 1.0;
+    const double unit = kinematics_.mobilizer(JointIndex(term.joint)).kind(c).is_length ? length_ : 1.0;
     const double amplification = std::max(1.0, measures_[term.joint].amplification(c));
     of_coordinates = std::hypot(of_coordinates, term.factor * unit * amplification);
     of_speeds = std::hypot(of_speeds, term.factor * unit * amplification * amplification);
@@ -217,7 +218,7 @@ States::Readings States::size_of_readings(const Coupling& coupling) const {
 
 /// How far the speeds of a joint are from those that its type permits [rad/s]; after its coordinates and speeds have
 /// been measured.
-double States::nonholonomic_residual(int joint, const VecX& u) {
+double States::nonholonomic_residual(JointIndex joint, const VecX& u) {
   NonholonomicConstraint& permitted = nonholonomic_[joint];
   if (permitted.n_rows() == 0) return 0.0;
   permitted.evaluate(measures_[joint].motion_at(), equations_->model().joints[joint].name);
@@ -233,7 +234,7 @@ State States::write(const Motion& motion, const State& before) const {
   state.t = motion.t();
   state.bodies.resize(model.bodies.size());
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const BodyMotion& moved = equations_->kinematics().body(static_cast<int>(i));
+    const BodyMotion& moved = equations_->kinematics().body(BodyIndex(i));
     const Vec4 near = before.bodies.empty() ? Vec4(Vec4::Unit(0)) : before.bodies[i].p;
     BodyState& body = state.bodies[i];
     body.r = moved.r;
@@ -253,8 +254,9 @@ State States::write(const Motion& motion, const State& before) const {
 
 Evaluation States::write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const {
   Evaluation evaluation;
-  const auto n = static_cast<int>(equations_->model().bodies.size());
-  for (int i = 0; i < n; ++i) evaluation.bodies.push_back(evaluated.acceleration(i));
+  for (const BodyIndex i : upward<BodyIndex>(equations_->model().bodies.size())) {
+    evaluation.bodies.push_back(evaluated.acceleration(i));
+  }
   evaluation.joints = reactions.joints;
   evaluation.elements = evaluated.applied_forces().elements();
   evaluation.couplings = reactions.couplings;

@@ -18,7 +18,7 @@ struct StateMisfit {
   std::string where;
   /// A joint whose coordinates, as measured between its bodies, lie on another turn or branch than those that came with
   /// the state; if there is one.
-  std::optional<int> joint_off_branch;
+  std::optional<JointIndex> joint_off_branch;
 
   /// Keeps the larger misfit; one that is not a number is the largest.
   void take(double value, const char* kind, const std::string& name);
@@ -51,7 +51,7 @@ class States {
 
   /// A joint whose coordinates in q, turns counted as when a state was read last, lie on another turn or branch than
   /// those that the state brings; if there is one.
-  [[nodiscard]] std::optional<int> joint_off_branch(const State& state, const VecX& q) const;
+  [[nodiscard]] std::optional<JointIndex> joint_off_branch(const State& state, const VecX& q) const;
 
   /// Accelerations and wrenches.
   [[nodiscard]] Evaluation write_evaluation(const Evaluated& evaluated, const JointReactions& reactions) const;
@@ -64,19 +64,19 @@ class States {
   };
   [[nodiscard]] Coordinates stated_coordinates(const State& state) const;
   [[nodiscard]] Sizes sizes_of(const State& state) const;
-  void measure_joint(int k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit);
+  void measure_joint(JointIndex k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit);
   void measure_coupling(const Coupling& coupling, const Sizes& sizes, const Coordinates& found,
                         StateMisfit& misfit) const;
-  [[nodiscard]] double nonholonomic_residual(int joint, const VecX& u);
+  [[nodiscard]] double nonholonomic_residual(JointIndex joint, const VecX& u);
   [[nodiscard]] double angle_size(const Span& span) const;
   struct Readings {
     double of_coordinates = 0.0;
     double of_speeds = 0.0;
   };
   [[nodiscard]] Readings size_of_readings(const Coupling& coupling) const;
-  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, int joint) const;
+  [[noreturn]] void throw_off_branch(const State& state, const Coordinates& coordinates, JointIndex joint) const;
   void count_turns(Coordinates& coordinates);
-  [[nodiscard]] bool has_q(const State& state, int joint) const;
+  [[nodiscard]] bool has_q(const State& state, JointIndex joint) const;
 
   const Equations* equations_;
   Kinematics kinematics_;

@@ -91,8 +91,8 @@ void direct_links(const Model& model, Topology& topology) {
       const bool along = body_on(model.joints[k], Side::parent) == reference;
       const int body = body_on(model.joints[k], along ? Side::child : Side::parent);
       if (body == kGround || topology.link_of_body[body]) continue;
-      topology.link_of_body[body] = static_cast<int>(topology.links.size());
-      topology.links.push_back({body, reference, k, along});
+      topology.link_of_body[body] = LinkIndex(topology.links.size());
+      topology.links.push_back({BodyIndex(body), BodyIndex(reference), JointIndex(k), along});
       reached.push_back(body);
     }
   }
@@ -144,7 +144,7 @@ void lay_out(const Model& model, Topology& topology) {
   }
   topology.n_tree_q = q;
   topology.n_tree_u = u;
-  for (const int k : topology.cuts) place_joint(k);
+  for (const JointIndex k : topology.cuts) place_joint(k);
   topology.n_q = q;
   topology.n_u = u;
 }
@@ -200,14 +200,14 @@ Topology build_topology(const Model& model) {
   Topology topology;
   direct_links(model, topology);
   require_all_bodies(model, topology);
-  std::vector<std::optional<int>> link_of_joint(model.joints.size());
-  for (std::size_t l = 0; l < topology.links.size(); ++l) link_of_joint[topology.links[l].joint] = static_cast<int>(l);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  std::vector<std::optional<LinkIndex>> link_of_joint(model.joints.size());
+  for (const LinkIndex l : upward<LinkIndex>(topology.links.size())) link_of_joint[topology.links[l].joint] = l;
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
     if (link_of_joint[k]) {
       topology.places.emplace_back(OnLink{*link_of_joint[k]});
     } else {
-      topology.places.emplace_back(AmongCuts{static_cast<int>(topology.cuts.size())});
-      topology.cuts.push_back(static_cast<int>(k));
+      topology.places.emplace_back(AmongCuts{CutIndex(topology.cuts.size())});
+      topology.cuts.push_back(k);
     }
   }
   lay_out(model, topology);

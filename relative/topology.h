@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/model.h"
+#include "relative/indices.h"
 
 /// The spanning tree of a machine, and where its coordinates stand.
 namespace concord::relative {
@@ -12,9 +13,9 @@ namespace concord::relative {
 /// One body of the tree and the joint that connects it to its reference body, one step nearer to ground. `along`: the
 /// body is the joint's child; otherwise the tree runs against the joint and the body is the joint's parent.
 struct Link {
-  int body = 0;
-  int reference = 0;
-  int joint = 0;
+  BodyIndex body;
+  BodyIndex reference;
+  JointIndex joint;
   bool along = true;
 
   [[nodiscard]] Side own_side() const { return along ? Side::child : Side::parent; }
@@ -23,15 +24,15 @@ struct Link {
 
 /// Where a joint stands: on a link of the tree, or among the cut joints.
 struct OnLink {
-  int link = 0;  // index in Topology::links
+  LinkIndex link;
 };
 struct AmongCuts {
-  int cut = 0;  // index in Topology::cuts
+  CutIndex cut;
 };
 using JointPlace = std::variant<OnLink, AmongCuts>;
 
 /// The cut joint's index, or nothing for a joint of the tree.
-inline std::optional<int> cut_of(const JointPlace& place) {
+inline std::optional<CutIndex> cut_of(const JointPlace& place) {
   const auto* among_cuts = std::get_if<AmongCuts>(&place);
   return among_cuts != nullptr ? std::optional(among_cuts->cut) : std::nullopt;
 }
@@ -47,19 +48,21 @@ struct Span {
 /// Order of q and u: link by link from ground outward, the joint's numbers and then the body's modal ones, u_i = [joint
 /// speeds; adot_i]; after the tree the cut joints in the order of the model.
 struct Topology {
-  std::vector<Link> links;                       // from ground outward: a reference body's link stands before
-  std::vector<std::optional<int>> link_of_body;  // none for ground
-  std::vector<int> cuts;                         // joints, in the order of the model
-  std::vector<JointPlace> places;                // of every joint of the model
-  std::vector<Span> joints;                      // of every joint of the model
-  std::vector<Span> modes;                       // of every body of the model, ground included
+  std::vector<Link> links;                             // from ground outward: a reference body's link stands before
+  std::vector<std::optional<LinkIndex>> link_of_body;  // none for ground
+  std::vector<JointIndex> cuts;                        // joints, in the order of the model
+  std::vector<JointPlace> places;                      // of every joint of the model
+  std::vector<Span> joints;                            // of every joint of the model
+  std::vector<Span> modes;                             // of every body of the model, ground included
   int n_q = 0;
   int n_u = 0;
   int n_tree_q = 0;
   int n_tree_u = 0;
 
   /// The link of a link's reference body; none at ground.
-  [[nodiscard]] std::optional<int> inward_link(int link) const { return link_of_body[links[link].reference]; }
+  [[nodiscard]] std::optional<LinkIndex> inward_link(LinkIndex link) const {
+    return link_of_body[links[link].reference];
+  }
 };
 
 /// Length of a machine [m], by which displacements count against rotations: Model::length_scale, the largest distance

@@ -9,7 +9,7 @@ TreeAccelerations::TreeAccelerations(const Kinematics& kinematics, const Articul
       links_(tree.n_links()),
       flexible_of_link_(tree.n_links()),
       udot_(VecX::Zero(kinematics.topology().n_u)) {
-  for (int l = 0; l < tree.n_links(); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
     const FlexibleArticulatedBody* flexible = tree.flexible(l);
     if (flexible == nullptr) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
@@ -18,19 +18,19 @@ TreeAccelerations::TreeAccelerations(const Kinematics& kinematics, const Articul
   }
 }
 
-const Vec6& TreeAccelerations::of_body(int body) const {
+const Vec6& TreeAccelerations::of_body(BodyIndex body) const {
   return body == kGround ? ground_ : links_[*kinematics_->topology().link_of_body[body]].Vdot;
 }
 
-const VecX* TreeAccelerations::of_modes(int body) const {
+const VecX* TreeAccelerations::of_modes(BodyIndex body) const {
   if (body == kGround) return nullptr;
   const std::optional<int> flexible = flexible_of_link_[*kinematics_->topology().link_of_body[body]];
   return flexible ? &flexible_[*flexible].addot : nullptr;
 }
 
-Vec6 TreeAccelerations::of_point(int joint, Side side) const {
+Vec6 TreeAccelerations::of_point(JointIndex joint, Side side) const {
   const JointPoint& point = kinematics_->point(joint, side);
-  const int body = kinematics_->model().joints[joint].on(side).body;
+  const BodyIndex body(kinematics_->model().joints[joint].on(side).body);
   Vec6 Vdot = shift_motion(of_body(body), point.lever) + point.bias;
   if (const VecX* addot = of_modes(body)) Vdot.noalias() += point.Ga().lazyProduct(*addot);
   return Vdot;
@@ -38,12 +38,12 @@ Vec6 TreeAccelerations::of_point(int joint, Side side) const {
 
 void TreeAccelerations::solve(const ArticulatedInertias& tree, const VecX& udot) {
   udot_ = udot;
-  for (int l = 0; l < tree.n_links(); ++l) links_[l].uhat = tree.link(l).uhat;
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) links_[l].uhat = tree.link(l).uhat;
   for (OfFlexible& flexible : flexible_) flexible.uhat = tree.flexible(flexible.link)->uhat;
   solve_again(tree);
 }
 
-void TreeAccelerations::add_force(int link, const Eigen::Ref<const VecX>& response) {
+void TreeAccelerations::add_force(LinkIndex link, const Eigen::Ref<const VecX>& response) {
   if (flexible_of_link_[link]) {
     flexible_[*flexible_of_link_[link]].uhat += response;
   } else {
@@ -52,7 +52,7 @@ void TreeAccelerations::add_force(int link, const Eigen::Ref<const VecX>& respon
 }
 
 void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
-  for (int l = 0; l < tree.n_links(); ++l) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
     const Vec6 A0 = acceleration_from_reference(l);
     if (flexible_of_link_[l]) {
       solve_flexible(tree, l, A0);
@@ -64,8 +64,8 @@ void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
   }
 }
 
-Vec6 TreeAccelerations::acceleration_from_reference(int l) const {
-  const int reference = kinematics_->topology().links[l].reference;
+Vec6 TreeAccelerations::acceleration_from_reference(LinkIndex l) const {
+  const BodyIndex reference = kinematics_->topology().links[l].reference;
   if (reference == kGround) return Vec6::Zero();
   const LinkBlocks& blocks = kinematics_->blocks(l);
   Vec6 A0 = shift_motion(of_body(reference), blocks.rho);
@@ -74,7 +74,7 @@ Vec6 TreeAccelerations::acceleration_from_reference(int l) const {
 }
 
 template <int N>
-void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, int l, const Vec6& A0) {  // (R37)
+void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0) {  // (R37)
   const ArticulatedBody& link = tree.link(l);
   Vec6 solution;
   for (int i = 0; i < N; ++i) solution(i) = links_[l].uhat(i) - link.K.col(i).dot(A0);
@@ -83,7 +83,7 @@ void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, int l, cons
   for (int k = 0; k < N; ++k) udot_(link.free[k]) = solution(k);
 }
 
-void TreeAccelerations::solve_flexible(const ArticulatedInertias& tree, int l, const Vec6& A0) {  // (R37)
+void TreeAccelerations::solve_flexible(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0) {  // (R37)
   const ArticulatedBody& link = tree.link(l);
   const FlexibleArticulatedBody& factors = *tree.flexible(l);
   OfFlexible& f = flexible_[*flexible_of_link_[l]];

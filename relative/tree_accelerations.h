@@ -19,18 +19,18 @@ class TreeAccelerations {
 
   /// Adds to a link's right side what a generalized force of projection `response` (n numbers) adds; the accelerations
   /// stay what they are.
-  void add_force(int link, const Eigen::Ref<const VecX>& response);
+  void add_force(LinkIndex link, const Eigen::Ref<const VecX>& response);
   /// From the right sides that these have become.
   void solve_again(const ArticulatedInertias& tree);
 
   /// Of the speeds: n_u numbers, of cut joints only the driven ones.
   [[nodiscard]] const VecX& udot() const { return udot_; }
   /// [vdot; omegadot] of a body.
-  [[nodiscard]] const Vec6& of_body(int body) const;
+  [[nodiscard]] const Vec6& of_body(BodyIndex body) const;
   /// addot of a body; nullptr if it is rigid.
-  [[nodiscard]] const VecX* of_modes(int body) const;
+  [[nodiscard]] const VecX* of_modes(BodyIndex body) const;
   /// Vdot_P of a joint's point, [linear; angular], global axes (R38).
-  [[nodiscard]] Vec6 of_point(int joint, Side side) const;
+  [[nodiscard]] Vec6 of_point(JointIndex joint, Side side) const;
 
  private:
   struct OfLink {
@@ -38,16 +38,16 @@ class TreeAccelerations {
     Vec6 Vdot = Vec6::Zero();
   };
   struct OfFlexible {
-    int link;
+    LinkIndex link;
     VecX uhat;
     VecX udot;
     VecX addot;
   };
 
-  [[nodiscard]] Vec6 acceleration_from_reference(int l) const;
+  [[nodiscard]] Vec6 acceleration_from_reference(LinkIndex l) const;
   template <int N>
-  void solve_rigid(const ArticulatedInertias& tree, int l, const Vec6& A0);
-  void solve_flexible(const ArticulatedInertias& tree, int l, const Vec6& A0);
+  void solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);
+  void solve_flexible(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);
 
   const Kinematics* kinematics_;
   std::vector<OfLink> links_;

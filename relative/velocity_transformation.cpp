@@ -72,11 +72,11 @@ VecX Kinematics::whole_turns(const VecX& q, double least) const {
 void Kinematics::update(const VecX& q, const VecX& u) {
   q_ = q;
   u_ = u;
-  for (std::size_t l = 0; l < topology_.links.size(); ++l) update_link(static_cast<int>(l));
+  for (const LinkIndex l : upward<LinkIndex>(topology_.links.size())) update_link(l);
   place_cut_joint_points();
 }
 
-void Kinematics::require_rank(int joint, const JointMotion& motion) const {
+void Kinematics::require_rank(JointIndex joint, const JointMotion& motion) const {
   if (!mobilizers_[joint].loses_rank(motion)) return;
   throw SingularPose(
       fmt::format("relative: joint '{}' ({}): its coordinates are singular in this pose, where two of its motions are "
@@ -92,20 +92,20 @@ void Kinematics::place(const std::vector<BodyState>& bodies) {
     q_.segment(modes.first_q, modes.n_q) = body.a;
     u_.segment(modes.first_u, modes.n_u) = body.adot;
   }
-  for (std::size_t k = 0; k < model_->joints.size(); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model_->joints.size())) {
     for (const Side side : {Side::parent, Side::child}) {
-      deform(static_cast<int>(k), side);
-      moving_point(static_cast<int>(k), side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
+      deform(k, side);
+      moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
 }
 
-void Kinematics::deform(int joint, Side side) {
+void Kinematics::deform(JointIndex joint, Side side) {
   const Span& modes = topology_.modes[model_->joints[joint].on(side).body];
   moving_point(joint, side).deform(q_.data() + modes.first_q, u_.data() + modes.first_u);
 }
 
-void Kinematics::update_link(int l) {
+void Kinematics::update_link(LinkIndex l) {
   const Link& link = topology_.links[l];
   const Span& span = topology_.joints[link.joint];
   mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, joint_motions_[link.joint]);
@@ -146,7 +146,7 @@ void Kinematics::place_parent_side(const Link& link) {  // (R16)
 
 /// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
 /// of the tree; everything is then moved to the origin of the link's body (R20), (R21).
-void Kinematics::compute_blocks(int l) {
+void Kinematics::compute_blocks(LinkIndex l) {
   const Link& link = topology_.links[l];
   LinkBlocks& blocks = blocks_[l];
   const JointMotion& motion = joint_motions_[link.joint];
@@ -190,7 +190,7 @@ void Kinematics::compute_blocks(int l) {
 }
 
 void Kinematics::place_cut_joint_points() {
-  for (const int k : topology_.cuts) {
+  for (const JointIndex k : topology_.cuts) {
     for (const Side side : {Side::parent, Side::child}) {
       deform(k, side);
       moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
@@ -198,8 +198,8 @@ void Kinematics::place_cut_joint_points() {
   }
 }
 
-void Kinematics::add_times_B(int body, MatX rows_on_body, MatX& rows) const {
-  for (std::optional<int> l = topology_.link_of_body[body]; l; l = topology_.inward_link(*l)) {
+void Kinematics::add_times_B(BodyIndex body, MatX rows_on_body, MatX& rows) const {
+  for (std::optional<LinkIndex> l = topology_.link_of_body[body]; l; l = topology_.inward_link(*l)) {
     const Link& link = topology_.links[*l];
     const LinkBlocks& b = blocks_[*l];
     const Span& joint = topology_.joints[link.joint];
@@ -221,7 +221,7 @@ MatX Kinematics::explicit_B() const {
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     const int size = 6 + topology_.modes[i].n_u;
     MatX rows = MatX::Zero(size, topology_.n_tree_u);
-    add_times_B(static_cast<int>(i), MatX::Identity(size, size), rows);
+    add_times_B(BodyIndex(i), MatX::Identity(size, size), rows);
     B.middleRows(first_rows_[i], size) = rows;
   }
   return B;

@@ -49,7 +49,7 @@ class Kinematics {
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
-  [[nodiscard]] const Mobilizer& mobilizer(int joint) const { return mobilizers_[joint]; }
+  [[nodiscard]] const Mobilizer& mobilizer(JointIndex joint) const { return mobilizers_[joint]; }
 
   /// Counts whole turns apart from the coordinates, which so keep their digits after many of them: from now on a
   /// coordinate q means q + 2 pi turns (n_q whole numbers, zero but for turns).
@@ -72,21 +72,21 @@ class Kinematics {
   /// Takes the motion of all bodies as given, for measuring joints between them; blocks are left alone.
   void place(const std::vector<BodyState>& bodies);
 
-  [[nodiscard]] const BodyMotion& body(int i) const { return bodies_[i]; }
-  [[nodiscard]] const LinkBlocks& blocks(int link) const { return blocks_[link]; }
-  [[nodiscard]] const JointPoint& point(int joint, Side side) const { return points_[2 * joint + index(side)]; }
+  [[nodiscard]] const BodyMotion& body(BodyIndex i) const { return bodies_[i]; }
+  [[nodiscard]] const LinkBlocks& blocks(LinkIndex link) const { return blocks_[link]; }
+  [[nodiscard]] const JointPoint& point(JointIndex joint, Side side) const { return points_[2 * joint + index(side)]; }
   /// Joint motion of a tree joint, as of the last update.
-  [[nodiscard]] const JointMotion& joint_motion(int joint) const { return joint_motions_[joint]; }
+  [[nodiscard]] const JointMotion& joint_motion(JointIndex joint) const { return joint_motions_[joint]; }
 
   /// Throws SolverError, naming the joint, if the columns S of its motion are dependent.
-  void require_rank(int joint, const JointMotion& motion) const;
+  void require_rank(JointIndex joint, const JointMotion& motion) const;
 
   /// Rows W_b (rows x (6 + m_b)) that act on Y_b of a body, carried to ground: adds W_b B_b to `rows`
   /// (rows x n_tree_u) (R23).
-  void add_times_B(int body, MatX rows_on_body, MatX& rows) const;
+  void add_times_B(BodyIndex body, MatX rows_on_body, MatX& rows) const;
 
   /// Row of the first of the 6 + m_i numbers Y_i in B; bodies in the order of the model, without ground.
-  [[nodiscard]] int first_row(int body) const { return first_rows_[body]; }
+  [[nodiscard]] int first_row(BodyIndex body) const { return first_rows_[body]; }
   [[nodiscard]] int n_rows() const { return n_rows_; }
 
   /// The explicit B, by (R23): n_rows x n_tree_u. For inspection; the solver never forms it.
@@ -97,12 +97,12 @@ class Kinematics {
   [[nodiscard]] VecX Y() const;
 
  private:
-  JointPoint& moving_point(int joint, Side side) { return points_[2 * joint + index(side)]; }
-  void deform(int joint, Side side);
-  void update_link(int l);
+  JointPoint& moving_point(JointIndex joint, Side side) { return points_[2 * joint + index(side)]; }
+  void deform(JointIndex joint, Side side);
+  void update_link(LinkIndex l);
   void place_child_side(const Link& link);
   void place_parent_side(const Link& link);
-  void compute_blocks(int l);
+  void compute_blocks(LinkIndex l);
   void place_cut_joint_points();
 
   const Model* model_;

@@ -273,7 +273,7 @@ TEST_CASE("The right side of (22) needs M Bdot u; with M B udot, as printed, the
   MatX M = MatX::Zero(B.rows(), B.rows());
   VecX load(B.rows());  // Q - S - U
   for (int i = 1; i <= 2; ++i) {
-    const int row = equations.kinematics().first_row(i);
+    const int row = equations.kinematics().first_row(relative::BodyIndex(i));
     M.block<6, 6>(row, row) = mass_matrix(model.bodies[i], state.bodies[i]);
     load.segment<6>(row) = -inertia_rows(model.bodies[i], state.bodies[i], VecX::Zero(6), model.gravity);
   }

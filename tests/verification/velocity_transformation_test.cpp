@@ -29,7 +29,7 @@ VecX advanced(const relative::Equations& equations, VecX q, const VecX& step) {
 /// Change of all poses between two configurations, in the order of Y.
 VecX change_of_poses(const Model& model, const Kinematics& behind, const Kinematics& ahead, const VecX& change_of_q) {
   VecX change(ahead.n_rows());
-  for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
+  for (relative::BodyIndex i(1); i < static_cast<int>(model.bodies.size()); ++i) {
     const int row = ahead.first_row(i);
     const Span& modes = ahead.topology().modes[i];
     change.segment<3>(row) = ahead.body(i).r - behind.body(i).r;

@@ -93,12 +93,12 @@ class PushedMachine {
     const Topology& topology = equations_.topology();
     double power = applied.tau().head(topology.n_tree_u).dot(u_.head(topology.n_tree_u));
     for (std::size_t l = 0; l < topology.links.size(); ++l) {
-      const int body = topology.links[l].body;
+      const BodyIndex body = topology.links[l].body;
       const BodyMotion& motion = equations_.kinematics().body(body);
-      const Vec6& Q = applied.on_body(static_cast<int>(l));
+      const Vec6& Q = applied.on_body(LinkIndex(l));
       power += Q.head<3>().dot(motion.v) + Q.tail<3>().dot(motion.omega);
       const Span& modes = topology.modes[body];
-      power += applied.on_modes(static_cast<int>(l)).dot(u_.segment(modes.first_u, modes.n_u));
+      power += applied.on_modes(LinkIndex(l)).dot(u_.segment(modes.first_u, modes.n_u));
     }
     EXPECT_NEAR(power, applied.power(), 1e-12 * (1.0 + std::abs(power)));
     return power;

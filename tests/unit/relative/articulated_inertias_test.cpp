@@ -20,7 +20,7 @@ DenseSystem dense_system(const Equations& equations, const Evaluated& evaluated)
   MatX M = MatX::Zero(B.rows(), B.rows());
   VecX p = VecX::Zero(B.rows());
   for (std::size_t l = 0; l < equations.topology().links.size(); ++l) {
-    const int body = equations.topology().links[l].body;
+    const BodyIndex body = equations.topology().links[l].body;
     const int row = kinematics.first_row(body);
     const BodyInertia& inertia = evaluated.inertias()[l];
     Mat6 M_rr;

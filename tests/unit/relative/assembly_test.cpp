@@ -112,7 +112,7 @@ TEST(Assembly, ClosesALinkFromFarGuesses) {
     Assembly assembly(equations);
     Coordinates pose{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
     pose.q(equations.topology().joints[0].first_q) = model.joints[0].start[0].q(0);
-    ASSERT_EQ(equations.topology().cuts, std::vector<int>{1});
+    ASSERT_EQ(equations.topology().cuts, std::vector{JointIndex(1)});
     ASSERT_TRUE(assembly.close(pose)) << away;
     EXPECT_LT(misfit_of(equations, pose), 1e-14) << away;
   }

@@ -26,8 +26,8 @@ class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> 
     model.joints = {test::joint(model, "J", GetParam()->name.c_str(), 0, 1, numbers)};
     return model;
   }
-  const JointPoint& parent() const { return kinematics_.point(0, Side::parent); }
-  const JointPoint& child() const { return kinematics_.point(0, Side::child); }
+  const JointPoint& parent() const { return kinematics_.point(JointIndex(0), Side::parent); }
+  const JointPoint& child() const { return kinematics_.point(JointIndex(0), Side::child); }
 
   Model model_;
   Kinematics kinematics_;
@@ -38,12 +38,12 @@ class MeasuredJoint : public ::testing::TestWithParam<const joints::JointType*> 
 
 TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
   const PrescribedMask nothing(6, 0);
-  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
-  VecX q = kinematics_.mobilizer(0).home();
+  JointMeasure measure(kinematics_.mobilizer(JointIndex(0)), nothing.data());
+  VecX q = kinematics_.mobilizer(JointIndex(0)).home();
   VecX u = VecX::Zero(u_.size());
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
   measure.find_u(parent(), child(), q.data(), u.data());
-  if (kinematics_.mobilizer(0).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
+  if (kinematics_.mobilizer(JointIndex(0)).has_ball() && q.tail<4>().dot(q_.tail<4>()) < 0.0) q.tail<4>() *= -1.0;
   EXPECT_LT((q - q_).norm(), 1e-14);
   EXPECT_LT((u - u_).norm(), 1e-14);
   EXPECT_LT(measure.position_residual().norm(), 1e-15);
@@ -51,17 +51,17 @@ TEST_P(MeasuredJoint, FindsCoordinatesAndSpeedsAgain) {
 }
 
 TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
-  const int n_u = kinematics_.mobilizer(0).n_u();
+  const int n_u = kinematics_.mobilizer(JointIndex(0)).n_u();
   for (int prescribed_column = -1; prescribed_column < n_u; ++prescribed_column) {
     PrescribedMask prescribed(6, 0);
     if (prescribed_column >= 0) prescribed[prescribed_column] = 1;
-    JointMeasure measure(kinematics_.mobilizer(0), prescribed.data());
+    JointMeasure measure(kinematics_.mobilizer(JointIndex(0)), prescribed.data());
     VecX q = q_;
     measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::never);
     const int rows = measure.n_rows();
     EXPECT_EQ(rows, 6 - n_u + (prescribed_column >= 0 ? 1 : 0));
     const MatX T = measure.T().leftCols(rows);
-    const Mobilizer& mobilizer = kinematics_.mobilizer(0);
+    const Mobilizer& mobilizer = kinematics_.mobilizer(JointIndex(0));
     MatX weighed = T;
     if (mobilizer.couples()) weighed.bottomRows(3) /= mobilizer.length();
     EXPECT_LT((weighed.transpose() * weighed - MatX::Identity(rows, rows)).norm(), 1e-15);
@@ -87,7 +87,7 @@ TEST_P(MeasuredJoint, ComplementCompletesThePermittedDirections) {
 TEST_P(MeasuredJoint, KeepsTheNumberOfTurnsOfTheFirstGuess) {
   if (GetParam()->name != "revolute" && GetParam()->name != "universal") return;
   const PrescribedMask nothing(6, 0);
-  JointMeasure measure(kinematics_.mobilizer(0), nothing.data());
+  JointMeasure measure(kinematics_.mobilizer(JointIndex(0)), nothing.data());
   VecX q = q_;
   q(0) += 40.0 * M_PI + 0.3;
   measure.find_q(parent(), child(), q.data(), JointMeasure::Restart::if_better);
@@ -202,7 +202,9 @@ TEST_P(LoopOfFourJoints, AccelerationClosureIsTheDerivativeOnClosedPaths) {
   // Along the machine's own motion all three closures vanish; the accelerations found must say so too.
   const Evaluated& evaluated = equations_.compute_accelerations(0.0, start_.q, start_.u);
   VecX residual(equations_.closure().n_rows());
-  const auto acceleration = [&](int joint, Side side) { return evaluated.accelerations().of_point(joint, side); };
+  const auto acceleration = [&](JointIndex joint, Side side) {
+    return evaluated.accelerations().of_point(joint, side);
+  };
   equations_.closure().compute_acceleration_residual(acceleration, evaluated.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11);
   // And the velocities that they lead to stay closed to second order.

@@ -63,7 +63,9 @@ TEST_P(ClosedLoops, MultipliersAndAccelerationsSolveTheBorderedSystem) {
   const VecX gbar = Mbar * open.udot().head(udot.size());
   EXPECT_LT((Mbar * udot + Phi.transpose() * lambda - gbar).norm(), 1e-11 * gbar.norm());
   VecX residual(equations.closure().n_rows());
-  const auto acceleration = [&](int joint, Side side) { return evaluated.accelerations().of_point(joint, side); };
+  const auto acceleration = [&](JointIndex joint, Side side) {
+    return evaluated.accelerations().of_point(joint, side);
+  };
   equations.closure().compute_acceleration_residual(acceleration, evaluated.udot(), residual);
   EXPECT_LT(residual.norm(), 1e-11 * udot.norm());
   EXPECT_GT(lambda.norm(), 0.1);

@@ -117,7 +117,7 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
   for (Eigen::Index c = 0; c < V.cols(); ++c) {
     set_velocities(model, V.col(c), model.length_scale(), state);
     kinematics.place(state.bodies);
-    for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
+    for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
       const Span& span = kinematics.topology().joints[k];
       JointMeasure measure(kinematics.mobilizer(k), driven.data() + span.first_u);
       VecX q = state.q[k];

@@ -165,7 +165,7 @@ TEST(Reactions, SelfStressIsInEquilibriumWithoutLoad) {
         if (model.joints[k].on(side).body != static_cast<int>(i)) continue;
         const Wrench& w = stress.joints[k].total_on(side).in_global;
         force += w.force;
-        torque += w.torque + equations.kinematics().point(static_cast<int>(k), side).r.cross(w.force);
+        torque += w.torque + equations.kinematics().point(JointIndex(k), side).r.cross(w.force);
       }
     }
     EXPECT_LT(force.norm(), 1e-14);

@@ -154,7 +154,7 @@ TEST(States, CountTheTurnsOfAThread) {
   const Motion& motion = equations.move(0.0, start.q, start.u);
   States states(equations);
   const State state = states.write(motion, {});
-  const auto turn_from = [&](std::vector<VecX> hints, std::optional<int>& off_branch) {
+  const auto turn_from = [&](std::vector<VecX> hints, std::optional<JointIndex>& off_branch) {
     State given = state;
     given.q = std::move(hints);
     StateMisfit misfit;
@@ -164,7 +164,7 @@ TEST(States, CountTheTurnsOfAThread) {
     off_branch = misfit.joint_off_branch;
     return found;
   };
-  std::optional<int> off_branch;
+  std::optional<JointIndex> off_branch;
   EXPECT_NEAR(turn_from({VecX::Constant(1, 70.0)}, off_branch), 71.3, 1e-11);
   EXPECT_EQ(off_branch, std::nullopt);
   EXPECT_NEAR(turn_from({}, off_branch), 71.3, 1e-11);

@@ -37,7 +37,7 @@ TEST(Topology, CutsTheNamedJointAndRunsAgainstJointsWhereItMust) {
   Model model = spatial_slider_crank(false);
   model.joints[0].named_as_cut = true;
   const Topology topology = build_topology(model);
-  ASSERT_EQ(topology.cuts, std::vector<int>{0});
+  ASSERT_EQ(topology.cuts, std::vector{JointIndex(0)});
   // Ground - D - slider - C - coupler - B - crank; D and C have the body nearer to ground as child, B as parent.
   ASSERT_EQ(topology.links.size(), 3u);
   EXPECT_EQ(topology.links[0].joint, 3);

@@ -45,7 +45,7 @@ constexpr double kStep = 1e-5;
 TEST_P(MovingMachine, VelocitiesAreDerivativesOfPoses) {
   const Kinematics ahead = moved(kStep);
   const Kinematics behind = moved(-kStep);
-  for (int i = 1; i < static_cast<int>(model_.bodies.size()); ++i) {
+  for (BodyIndex i(1); i < static_cast<int>(model_.bodies.size()); ++i) {
     const Vec3 v = (ahead.body(i).r - behind.body(i).r) / (2 * kStep);
     const Vec3 omega = rotation_vector(ahead.body(i).A * behind.body(i).A.transpose()) / (2 * kStep);
     EXPECT_LT((kinematics_.body(i).v - v).norm(), 2e-8) << model_.bodies[i].name;
@@ -63,7 +63,7 @@ TEST_P(MovingMachine, BdotIsTheDerivativeOfB) {
 }
 
 TEST_P(MovingMachine, JointPointsOfBothSidesObeyTheMotion) {
-  for (int k = 0; k < static_cast<int>(model_.joints.size()); ++k) {
+  for (const JointIndex k : upward<JointIndex>(model_.joints.size())) {
     const JointPoint& parent = kinematics_.point(k, Side::parent);
     const JointPoint& child = kinematics_.point(k, Side::child);
     const JointMotion& motion = kinematics_.joint_motion(k);
