@@ -67,14 +67,14 @@ int AppliedForces::add_law(const ForceLaw& law, const std::string& owner) {
   return static_cast<int>(laws_.size()) - 1;
 }
 
-void AppliedForces::update(double t, const VecX& q, const VecX& u) {
+void AppliedForces::update(const Motion& motion) {
   if (!any()) return;
   clear();
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    move_ends(elements_[e], q, u);
-    apply_element(t, elements_[e], wrenches_[e]);
+    move_ends(elements_[e], motion);
+    apply_element(motion.t(), elements_[e], wrenches_[e]);
   }
-  apply_springs(t, q, u);
+  apply_springs(motion);
 }
 
 void AppliedForces::clear() {
@@ -84,12 +84,12 @@ void AppliedForces::clear() {
   power_ = 0.0;
 }
 
-void AppliedForces::move_ends(Element& element, const VecX& q, const VecX& u) {
+void AppliedForces::move_ends(Element& element, const Motion& motion) {
   const std::size_t without = 2 - element.ends.size();
   for (std::size_t e = 0; e < element.ends.size(); ++e) {
     const BodyIndex body = element.bodies[e + without];
     const Span& modes = kinematics_->topology().modes[body];
-    element.ends[e].deform(q.data() + modes.first_q, u.data() + modes.first_u);
+    element.ends[e].deform(motion.q().data() + modes.first_q, motion.u().data() + modes.first_u);
     element.ends[e].compute_point_motion(kinematics_->body(body));
   }
 }
@@ -188,11 +188,13 @@ void AppliedForces::apply_element(double t, const Element& element, ElementWrenc
 }
 
 /// tau = actuator - resistance (R31).
-void AppliedForces::apply_springs(double t, const VecX& q, const VecX& u) {
+void AppliedForces::apply_springs(const Motion& motion) {
+  const VecX& q = motion.q();
+  const VecX& u = motion.u();
   for (const Spring& spring : springs_) {
     LawInRegime& law_in_regime = laws_[spring.law].law_in_regime;
     const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
-    const double tau = evaluate_actuator(*law_in_regime.law, t) -
+    const double tau = evaluate_actuator(*law_in_regime.law, motion.t()) -
                        law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);

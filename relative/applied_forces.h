@@ -8,6 +8,7 @@
 #include "common/results.h"
 #include "relative/closure.h"
 #include "relative/element_wrench.h"
+#include "relative/motion.h"
 #include "relative/tire_contact.h"
 
 /// Applied forces: force elements and joint springs as generalized forces of bodies and of joint speeds.
@@ -30,10 +31,10 @@ class AppliedForces {
   /// Both must outlive this object.
   AppliedForces(const Kinematics& kinematics, const Closure& closure);
 
-  /// Takes the pose and speeds that kinematics and closure hold, coordinates and speeds q and u complete with those of
-  /// cut joints. Throws SolverError, naming the element, where a line spring has no length, or where the frames of a
-  /// turn spring or a bushing are turned by more than 175 deg, or where a wheel lies flat on the road.
-  void update(double t, const VecX& q, const VecX& u);
+  /// Takes a motion, of which kinematics and closure hold the pose. Throws SolverError, naming the element, where a
+  /// line spring has no length, or where the frames of a turn spring or a bushing are turned by more than 175 deg, or
+  /// where a wheel lies flat on the road.
+  void update(const Motion& motion);
 
   /// Tires and stops: each update takes the regime that a contact is in by itself, or keeps the regimes that the last
   /// update found, as an integrator needs during a step.
@@ -97,7 +98,7 @@ class AppliedForces {
   void lay_out_elements();
   void lay_out_springs();
   void clear();
-  void move_ends(Element& element, const VecX& q, const VecX& u);
+  void move_ends(Element& element, const Motion& motion);
   /// The wrench on the child, one evaluator for each kind of element.
   [[nodiscard]] Vec6 exerted(const Load& load, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element);
@@ -113,7 +114,7 @@ class AppliedForces {
   };
   [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);
-  void apply_springs(double t, const VecX& q, const VecX& u);
+  void apply_springs(const Motion& motion);
   void apply_wrench(BodyIndex body, const JointPoint& point, const Vec6& wrench);
 
   const Kinematics* kinematics_;

@@ -108,7 +108,7 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   Mat6 U;
   Mat6 L;
   Vec6 uhat;
-  for (int j = 0; j < N; ++j) U.col(j).noalias() = link.articulated_inertia * H.col(j);
+  for (int j = 0; j < N; ++j) U.col(j).noalias() = link.articulated_inertia.lazyProduct(H.col(j));
   for (int j = 0; j < N; ++j) {
     for (int i = j; i < N; ++i) L(i, j) = H.col(i).dot(U.col(j));
   }
@@ -122,9 +122,7 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
     link.uhat(j) = uhat(j);
   }
   if (kinematics_->topology().links[l].reference == kGround) return;
-  Mat6 I = link.articulated_inertia;
-  for (int j = 0; j < 6; ++j) I.col(j) -= combination<N>(U, U.row(j));
-  add_to_reference_body(l, I, p + combination<N>(U, uhat));
+  add_to_reference_body(l, without_squares<N>(link.articulated_inertia, U), p + combination<N>(U, uhat));
 }
 
 void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)

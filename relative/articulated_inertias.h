@@ -88,13 +88,13 @@ class ArticulatedInertias {
   void load_flexible(LinkIndex l, const BodyInertia& inertia);
   void gather_columns(LinkIndex l, const VecX& udot);
   template <int N>
-  void eliminate_rigid(LinkIndex l);
+  [[gnu::flatten]] void eliminate_rigid(LinkIndex l);
   void dispatch_rigid(LinkIndex l);
   void eliminate_flexible(LinkIndex l);
-  void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
+  [[gnu::noinline]] void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
   template <int N>
   void propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& response) const;
-  [[noreturn]] void throw_indefinite(LinkIndex l) const;
+  [[noreturn, gnu::noinline]] void throw_indefinite(LinkIndex l) const;
 
   const Kinematics* kinematics_;
   std::vector<ArticulatedBody> links_;

@@ -69,7 +69,7 @@ const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const
   move(t, q, u);
   for (const Prescription& driver : drivers_) prescribed_udot_(driver.u) = evaluate(*driver.law, t).fddot;
   update_inertias();
-  applied_.update(t, motion_.q(), motion_.u());
+  applied_.update(motion_);
   tree_.compute(inertias_, applied_, prescribed_udot_);
   accelerations_.solve(tree_, prescribed_udot_);
   loops_.close(tree_, accelerations_);
@@ -79,7 +79,7 @@ const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const
 
 const AppliedForces& Equations::update_forces(double t, const VecX& q, const VecX& u) {
   move(t, q, u);
-  applied_.update(t, motion_.q(), motion_.u());
+  applied_.update(motion_);
   return applied_;
 }
 

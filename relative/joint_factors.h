@@ -6,7 +6,7 @@
 
 /// Small triangles and columns of six rows, by loops of fixed length over vectors of six. Eigen's own products and
 /// triangular solvers of each size unroll by templates, which took most of the time that the passes need to compile.
-/// Each sum keeps the order that these have.
+/// Each sum keeps the order that these have. All are inlined by force, as Eigen's would be.
 namespace concord::relative {
 
 /// Pivots below this part of the terms they are made of are round-off.
@@ -15,7 +15,7 @@ inline constexpr double kRoundOffOfPivot = 1e-13;
 /// Cholesky factor of the symmetric N x N matrix in D (lower triangle read) in place of D; false if it is not positive
 /// definite.
 template <int N>
-bool factorize(Mat6& D) {
+[[gnu::always_inline]] inline bool factorize(Mat6& D) {
   for (int j = 0; j < N; ++j) {
     double pivot = D(j, j);
     for (int k = 0; k < j; ++k) pivot -= D(j, k) * D(j, k);
@@ -33,7 +33,7 @@ bool factorize(Mat6& D) {
 
 /// L^-1 x in place of the first N numbers of x, L lower triangular.
 template <int N, class Vector>
-void substitute_forward(const Mat6& L, Vector& x) {
+[[gnu::always_inline]] inline void substitute_forward(const Mat6& L, Vector& x) {
   for (int i = 0; i < N; ++i) {
     for (int k = 0; k < i; ++k) x(i) -= L(i, k) * x(k);
     x(i) /= L(i, i);
@@ -42,7 +42,7 @@ void substitute_forward(const Mat6& L, Vector& x) {
 
 /// L^-T x in place of x.
 template <int N, class Vector>
-void substitute_backward(const Mat6& L, Vector& x) {
+[[gnu::always_inline]] inline void substitute_backward(const Mat6& L, Vector& x) {
   for (int i = N - 1; i >= 0; --i) {
     for (int k = i + 1; k < N; ++k) x(i) -= L(k, i) * x(k);
     x(i) /= L(i, i);
@@ -51,7 +51,7 @@ void substitute_backward(const Mat6& L, Vector& x) {
 
 /// U L^-T in place of the first N columns of U.
 template <int N>
-void divide_by_transpose(const Mat6& L, Mat6& U) {
+[[gnu::always_inline]] inline void divide_by_transpose(const Mat6& L, Mat6& U) {
   for (int i = 0; i < N; ++i) {
     for (int k = 0; k < i; ++k) U.col(i) -= L(i, k) * U.col(k);
     U.col(i) /= L(i, i);
@@ -60,15 +60,24 @@ void divide_by_transpose(const Mat6& L, Mat6& U) {
 
 /// The first N columns times as many factors, summed up.
 template <int N, class Factors>
-Vec6 combination(const Mat6& columns, const Factors& factors) {
+[[gnu::always_inline]] inline Vec6 combination(const Mat6& columns, const Factors& factors) {
   Vec6 sum = columns.col(0) * factors(0);
   for (int k = 1; k < N; ++k) sum += columns.col(k) * factors(k);
   return sum;
 }
 
+/// I - K K^T for the first N columns of K.
+template <int N>
+[[gnu::always_inline]] inline Mat6 without_squares(const Mat6& I, const Mat6& K) {
+  if constexpr (N == 1) return I - K.col(0).lazyProduct(K.col(0).transpose());
+  Mat6 rest = I;
+  for (int j = 0; j < 6; ++j) rest.col(j) -= combination<N>(K, K.row(j));
+  return rest;
+}
+
 /// Calls f with the number of free speeds, 1 to 6, as a constant of type std::integral_constant.
 template <class F>
-void with_constant(int n, const F& f) {
+[[gnu::always_inline]] inline void with_constant(int n, const F& f) {
   switch (n) {
     case 1:
       return f(std::integral_constant<int, 1>());

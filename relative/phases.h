@@ -4,8 +4,8 @@
 
 #include "common/results.h"
 #include "relative/applied_forces.h"
-#include "relative/coordinates.h"
 #include "relative/loops.h"
+#include "relative/motion.h"
 #include "relative/tree_accelerations.h"
 
 /// What the phases of an evaluation hand on: each result can be had from the phase before it alone, and is asked for by
@@ -18,22 +18,6 @@
 /// They live in the equations, and say what holds until the machine is moved again; what is asked for something from a
 /// pose that the machine has left throws std::logic_error.
 namespace concord::relative {
-
-/// A machine in a pose: its coordinates and speeds, completed by the laws of drivers and by what is measured at cut
-/// joints.
-class Motion {
- public:
-  [[nodiscard]] double t() const { return at_.t; }
-  [[nodiscard]] const VecX& q() const { return at_.q; }
-  [[nodiscard]] const VecX& u() const { return at_.u; }
-
- private:
-  friend class Equations;
-  explicit Motion(const Topology& topology) : at_{0.0, VecX::Zero(topology.n_q), VecX::Zero(topology.n_u)} {}
-
-  Coordinates at_;
-  long number_ = 0;  // of motions so far
-};
 
 /// A machine in a pose, accelerated as its equations of motion say.
 class Evaluated {

@@ -14,7 +14,7 @@ TreeAccelerations::TreeAccelerations(const Kinematics& kinematics, const Articul
     if (flexible == nullptr) continue;
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
     const Eigen::Index n = flexible->uhat.size();
-    flexible_.push_back({l, VecX::Zero(n), VecX::Zero(n), VecX::Zero(flexible->bias_force_a.size())});
+    flexible_.push_back({VecX::Zero(n), VecX::Zero(n), VecX::Zero(flexible->bias_force_a.size())});
   }
 }
 
@@ -38,9 +38,23 @@ Vec6 TreeAccelerations::of_point(JointIndex joint, Side side) const {
 
 void TreeAccelerations::solve(const ArticulatedInertias& tree, const VecX& udot) {
   udot_ = udot;
-  for (const LinkIndex l : upward<LinkIndex>(links_.size())) links_[l].uhat = tree.link(l).uhat;
-  for (OfFlexible& flexible : flexible_) flexible.uhat = tree.flexible(flexible.link)->uhat;
-  solve_again(tree);
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+    load(tree, l);
+    solve_link(tree, l);
+  }
+}
+
+void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) solve_link(tree, l);
+}
+
+void TreeAccelerations::load(const ArticulatedInertias& tree, LinkIndex l) {
+  if (flexible_of_link_[l]) {
+    flexible_[*flexible_of_link_[l]].uhat = tree.flexible(l)->uhat;
+  } else {
+    const ArticulatedBody& link = tree.link(l);
+    for (int k = 0; k < link.n_free; ++k) links_[l].uhat(k) = link.uhat(k);
+  }
 }
 
 void TreeAccelerations::add_force(LinkIndex link, const Eigen::Ref<const VecX>& response) {
@@ -51,16 +65,15 @@ void TreeAccelerations::add_force(LinkIndex link, const Eigen::Ref<const VecX>& 
   }
 }
 
-void TreeAccelerations::solve_again(const ArticulatedInertias& tree) {
-  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
-    const Vec6 A0 = acceleration_from_reference(l);
-    if (flexible_of_link_[l]) {
-      solve_flexible(tree, l, A0);
-    } else if (tree.link(l).n_free == 0) {
-      links_[l].Vdot = A0 + tree.link(l).c;
-    } else {
-      with_constant(tree.link(l).n_free, [&](auto n) { solve_rigid<n()>(tree, l, A0); });
-    }
+void TreeAccelerations::solve_link(const ArticulatedInertias& tree, LinkIndex l) {
+  const Vec6 A0 = acceleration_from_reference(l);
+  const int n_free = tree.link(l).n_free;
+  if (flexible_of_link_[l]) {
+    solve_flexible(tree, l, A0);
+  } else if (n_free == 0) {
+    links_[l].Vdot = A0 + tree.link(l).c;
+  } else {
+    with_constant(n_free, [&](auto n) { solve_rigid<n()>(tree, l, A0); });
   }
 }
 

@@ -38,12 +38,13 @@ class TreeAccelerations {
     Vec6 Vdot = Vec6::Zero();
   };
   struct OfFlexible {
-    LinkIndex link;
     VecX uhat;
     VecX udot;
     VecX addot;
   };
 
+  void load(const ArticulatedInertias& tree, LinkIndex l);
+  void solve_link(const ArticulatedInertias& tree, LinkIndex l);
   [[nodiscard]] Vec6 acceleration_from_reference(LinkIndex l) const;
   template <int N>
   void solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0);

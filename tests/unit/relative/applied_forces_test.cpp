@@ -89,7 +89,7 @@ class PushedMachine {
   double power_of_generalized_forces(double t) {
     move(0.0);
     AppliedForces applied(equations_.kinematics(), equations_.closure());
-    applied.update(t, equations_.motion().q(), equations_.motion().u());
+    applied.update(equations_.move(t, equations_.motion().q(), equations_.motion().u()));
     const Topology& topology = equations_.topology();
     double power = applied.tau().head(topology.n_tree_u).dot(u_.head(topology.n_tree_u));
     for (std::size_t l = 0; l < topology.links.size(); ++l) {
