@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "relative/wrenches.h"
 
@@ -14,14 +15,22 @@ namespace {
 /// Modal rows of a body out of balance by more than this part of their largest term are no round-off.
 constexpr double kLargestModalResidual = 1e-8;
 
+/// Sizes of the terms of linear and angular accelerations that speeds of the body and of its joint's point make.
+std::pair<double, double> accelerations_by_speeds(const BodyMotion& motion, const JointPoint& own) {
+  const double turning = motion.omega.norm() + own.omega.norm();
+  return {turning * (motion.v.norm() + own.v.norm()), turning * turning};
+}
+
 /// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
-/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
-double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const VecX& addot, const Vec3& omega,
-                           const Vec3& gravity) {
+/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them; those
+/// of the body's speeds and of the speeds that modes give to its joint's point may, too.
+double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const VecX& addot, const BodyMotion& motion,
+                           const JointPoint& own, const Vec3& gravity) {
   const MatX& M_aa = inertia.flexible()->M_aa();
   const double largest_mode = std::sqrt(M_aa.diagonal().maxCoeff());
-  const double linear = std::sqrt(inertia.moments().mass) * (Vdot.head<3>().norm() + gravity.norm());
-  const double angular = std::sqrt(inertia.moments().I.trace()) * (Vdot.tail<3>().norm() + omega.squaredNorm());
+  const auto [linear_by_speeds, angular_by_speeds] = accelerations_by_speeds(motion, own);
+  const double linear = std::sqrt(inertia.moments().mass) * (Vdot.head<3>().norm() + linear_by_speeds + gravity.norm());
+  const double angular = std::sqrt(inertia.moments().I.trace()) * (Vdot.tail<3>().norm() + angular_by_speeds);
   return largest_mode * (linear + angular + largest_mode * addot.cwiseAbs().maxCoeff());
 }
 
@@ -35,6 +44,7 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
   for (const Link& link : kinematics.topology().links) {
     Load load;
     load.rho_a.setZero(model.bodies[link.body].n_modes());
+    has_modes_ = has_modes_ || load.rho_a.size() > 0;
     loads_.push_back(load);
   }
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
@@ -83,6 +93,19 @@ const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
   return found_;
 }
 
+void Reactions::take_size(const Vec6& terms, Load& load) {
+  load.size_of_forces += terms.head<3>().norm();
+  load.size_of_torques += terms.tail<3>().norm();
+}
+
+void Reactions::set_size(const BodyInertia& inertia, const BodyMotion& motion, const JointPoint& own, Load& load) {
+  const auto [linear, angular] = accelerations_by_speeds(motion, own);
+  load.size_of_forces = inertia.moments().mass * linear;
+  load.size_of_torques = inertia.moments().I.trace() * angular;
+  take_size(load.rho, load);
+  take_size(inertia.p(), load);
+}
+
 /// rho = M Ydot + S + U - Q_gravity (R54).
 void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations) {
   for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
@@ -90,15 +113,22 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     const BodyInertia& inertia = inertias[l];
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
+    const JointPoint& own =
+        kinematics_->point(kinematics_->topology().links[l].joint, kinematics_->topology().links[l].own_side());
     load.rho = inertia.moments().times(Vdot) + inertia.p();
+    if (has_modes_) set_size(inertia, kinematics_->body(body), own, load);
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
     const VecX& addot = *accelerations.of_modes(body);
+    // The body's acceleration is that of its joint's point without what the modes add there.
+    const double largest = addot.cwiseAbs().maxCoeff();
+    take_size(flexible->M_ra().cwiseAbs().rowwise().sum() * largest, load);
+    take_size(inertia.moments().times(own.Ga().cwiseAbs().rowwise().sum() * largest), load);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
-    load.largest_modal_term = std::max(
-        flexible->U().cwiseAbs().maxCoeff(),
-        size_of_modal_terms(inertia, Vdot, addot, kinematics_->body(body).omega, kinematics_->model().gravity));
+    load.largest_modal_term =
+        std::max(flexible->U().cwiseAbs().maxCoeff(),
+                 size_of_modal_terms(inertia, Vdot, addot, kinematics_->body(body), own, kinematics_->model().gravity));
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }
@@ -110,6 +140,7 @@ void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
   for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
     Load& load = loads_[l];
     load.rho -= applied.on_body(l);
+    if (has_modes_) take_size(applied.on_body(l), load);
     if (load.rho_a.size() == 0) continue;
     load.largest_modal_term = std::max(load.largest_modal_term, applied.on_modes(l).cwiseAbs().maxCoeff());
     load.rho_a -= applied.on_modes(l);
@@ -151,7 +182,7 @@ void Reactions::clear_loads() {
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
-    load.largest_modal_term = 0.0;
+    load.largest_modal_term = load.size_of_forces = load.size_of_torques = 0.0;
   }
 }
 
@@ -221,12 +252,31 @@ void Reactions::backward_pass() {  // (R57)
     audit_modal_rows(l, on_body);
     const Vec6 on_reference = opposite_wrench_at(on_body, own.r, reference.r);
     subtract_from(link.reference, reference, on_reference);
+    if (has_modes_) pass_size_on(l);
     if (link.along) {
       report(link.joint, on_body, on_reference);
     } else {
       report(link.joint, on_reference, on_body);
     }
   }
+}
+
+/// What a body sums up has the round-off of what its outboard bodies sum up, though their terms may cancel.
+void Reactions::pass_size_on(LinkIndex l) {
+  const Link& link = kinematics_->topology().links[l];
+  if (link.reference == kGround) return;
+  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
+  const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
+  Load& inboard = loads_[*kinematics_->topology().link_of_body[link.reference]];
+  const double forces = loads_[l].size_of_forces;
+  const double lever = own.lever.norm() + (own.r - reference.r).norm();
+  const double torques = loads_[l].size_of_torques + lever * forces;
+  inboard.size_of_forces += forces;
+  inboard.size_of_torques += torques + reference.lever.norm() * forces;
+  if (reference.n_modes() == 0) return;
+  inboard.largest_modal_term =
+      std::max(inboard.largest_modal_term, forces * reference.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                                               torques * reference.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
 }
 
 void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
@@ -236,7 +286,10 @@ void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
   const JointPoint& own = kinematics_->point(link.joint, link.own_side());
   const double before = std::max(load.largest_modal_term, load.rho_a.cwiseAbs().maxCoeff());
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
-  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff();
+  const double torques = load.size_of_torques + own.lever.norm() * load.size_of_forces;
+  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
+                       load.size_of_forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                       torques * own.Ga().bottomRows<3>().cwiseAbs().maxCoeff();
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
   if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;
   found_.modal_residual = residual / terms;

@@ -19,7 +19,7 @@ struct JointReactions {
   std::vector<double> couplings;
   VecX coupling_tau;
   /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
-  /// of its rows; and that body's index (ground if no body is flexible).
+  /// of its rows and of what outboard bodies pass on to them; and that body's index (ground if no body is flexible).
   double modal_residual = 0.0;
   BodyIndex worst_modal_body;
 };
@@ -46,6 +46,9 @@ class Reactions {
     Vec6 rho = Vec6::Zero();
     VecX rho_a;
     double largest_modal_term = 0.0;
+    /// Of the terms that rho sums up, outboard bodies' among them: round-off is relative to these where they cancel.
+    double size_of_forces = 0.0;
+    double size_of_torques = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
@@ -67,6 +70,9 @@ class Reactions {
   void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
+  static void set_size(const BodyInertia& inertia, const BodyMotion& motion, const JointPoint& own, Load& load);
+  static void take_size(const Vec6& terms, Load& load);
+  void pass_size_on(LinkIndex l);
   void audit_modal_rows(LinkIndex l, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
@@ -77,6 +83,7 @@ class Reactions {
   std::vector<Load> loads_;
   std::vector<ForcedJoint> forced_joints_;
   JointReactions found_;
+  bool has_modes_ = false;
 };
 
 }  // namespace concord::relative
