@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "common/decompositions.h"
@@ -32,9 +33,20 @@ Growth::Growth(const Stiffness& stiffness, double least) {
     if (growth <= least) continue;
     const double unresolved = kClearly * unresolved_growth(stiffness, right_.col(k), left_.row(k));
     if (!(growth > unresolved)) continue;
-    ++count_;
+    growing_.push_back(k);
     steepest_ = std::max(steepest_, growth);
   }
+}
+
+VecX Growth::without_negligible(const VecX& f, double least) const {
+  if (!left_.allFinite()) return f;
+  VecX along = VecX::Zero(f.size());
+  for (const Eigen::Index k : growing_) {
+    const std::complex<double> part = left_.row(k) * f.cast<std::complex<double>>();
+    if (std::abs(part) * right_.col(k).norm() > least) return f;
+    along += (right_.col(k) * part).real();
+  }
+  return f - along;
 }
 
 MatX Growth::reversed_above(double rate) const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "compare/analyses/stiffness.h"
 
 namespace concord::compare::analyses {
@@ -10,7 +12,7 @@ class Growth {
   /// Counts growth that exceeds `least` [1/s2] and what differences resolve of the eigenvalue.
   Growth(const Stiffness& stiffness, double least);
 
-  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] int count() const { return static_cast<int>(growing_.size()); }
   /// The largest of them [1/s2], or zero.
   [[nodiscard]] double steepest() const { return steepest_; }
 
@@ -18,11 +20,15 @@ class Growth {
   /// twice the real part, in the subspace of these motions.
   [[nodiscard]] MatX reversed_above(double rate) const;
 
+  /// Accelerations f without their parts along these motions where all of them are at most `least` [1/s2]: of a machine
+  /// that stands upright they are round-off, which must not decide to which side it falls.
+  [[nodiscard]] VecX without_negligible(const VecX& f, double least) const;
+
  private:
   Eigen::VectorXcd values_;
   Eigen::MatrixXcd right_;
   Eigen::MatrixXcd left_;  // rows; right_ inverted
-  int count_ = 0;
+  std::vector<Eigen::Index> growing_;
   double steepest_ = 0.0;
 };
 

@@ -138,7 +138,9 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
   result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
   if (!model.joints.empty() && !has_judged(result.wrenches)) {
-    result.wrenches.failures.emplace_back("no reaction was judged: none is unique, or none is resolved");
+    result.wrenches.failures.emplace_back(result.wrenches.rows.empty()
+                                              ? "no joint can carry a reaction, so that none was judged"
+                                              : "no reaction was judged: none is unique, or none is resolved");
   }
   conclude(result);
   return result;

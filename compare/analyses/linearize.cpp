@@ -119,6 +119,13 @@ Linearization linearize(const Model& model, Solver& solver, const State& state) 
   if (reference > 0.0) result.unsteadiness = deviations.accelerations().norm() / reference;
   const auto held = [&](const VecX& delta) { return deviations.accelerations_at(delta, none); };
   const Stiffness stiffness = stiffness_matrix(chart, solver, held, reference);
+  if (const std::string kink = kink_at_origin(chart, held, stiffness.J, reference); !kink.empty()) {
+    throw SolverError(fmt::format(
+        "{}: at t = {:.6g} s there is no linearization: a force has a kink in this very state, as a tire has "
+        "that just touches its road, so that {} meets another stiffness in one sense than in the other; "
+        "start a little beside it, or in the equilibrium",
+        solver.name(), state.t, kink));
+  }
   result.A = stiffness.J;
   const StiffnessSplit split(chart, stiffness, reference, none);
   const double rate = typical_rate(reference, split, result.A);

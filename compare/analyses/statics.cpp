@@ -129,13 +129,12 @@ class PseudoTransientContinuation {
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
-    const double reference = reference_acceleration(model_, state_, evaluation_);
+    const double reference = least_reference(reference_acceleration(model_, state_, evaluation_));
     const int rigid = chart.n() - chart.n_modal();
-    is_cautious_ = iteration * rigid * rigid <= kCautiousSteps;
+    is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
     refuse_singular(chart);
-    const AccelerationsAt accelerations = [&](const VecX& delta) { return at_rest(chart, delta); };
-    const Stiffness stiffness = stiffness_matrix(chart, solver_, accelerations, reference);
+    const Stiffness stiffness = stiffness_here(chart, reference);
     const StiffnessSplit split(chart, stiffness, reference, f);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
@@ -143,13 +142,40 @@ class PseudoTransientContinuation {
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
     const bool is_met = unmet.norm() <= kNegligibleForce * reference;
-    if (is_met && is_done(newton.norm())) return !step_back(chart, split.free_directions());
-    const bool by_newton = is_met && growth.count() == 0 && time_ >= longest_time();
-    if (!by_newton) lengthen(f, growth);
-    refuse_if_pushed(chart, unmet, reference);
+    if (is_met && is_done(newton.norm()) && !step_back(chart, split.free_directions())) {
+      if (iteration > 1) refuse_kink(chart, stiffness.J, reference);
+      return true;
+    }
+    if (is_met && is_done(newton.norm())) return false;
+    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
+    const bool falls = growth.count() > 0 && pull == f;
+    const bool by_newton = is_met && !falls && time_ >= longest_time();
+    if (!by_newton) lengthen(f, growth, falls);
+    refuse_if_pushed(chart, stiffness.J, unmet, reference);
     last_step_ = newton.norm();
-    move(chart, by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, f), split.free_directions()));
+    move(chart,
+         by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions()));
     return false;
+  }
+
+  /// Without gravity forces vanish on the way to a rest: what counts then is what they were at the start.
+  [[nodiscard]] double least_reference(double reference) {
+    if (!first_reference_) first_reference_ = reference;
+    return std::max(reference, kOfFirstReference * *first_reference_);
+  }
+
+  /// In steps so short that it hardly changes, the stiffness of a machine with many coordinates is found once.
+  [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double reference) {
+    if (!is_cautious_ && last_move_ < kNearRest && last_basis_.cols() == chart.n()) {
+      const MatX turn = chart.basis().transpose() * last_basis_;
+      const MatX size = turn.cwiseAbs();
+      last_stiffness_ = {turn * last_stiffness_.J * turn.transpose(), size * last_stiffness_.error * size.transpose()};
+    } else {
+      last_stiffness_ = stiffness_matrix(
+          chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+    }
+    last_basis_ = chart.basis();
+    return last_stiffness_;
   }
 
   /// What a step does along directions without stiffness grows with the time that it stands for, and must not leave
@@ -172,11 +198,14 @@ class PseudoTransientContinuation {
   /// A step with rough derivatives, where these can be had.
   bool flow_roughly(Chart& chart, const VecX& f, double reference) {
     const auto J = rough_stiffness(
-        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+        chart, f, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+    last_basis_.resize(0, 0);
     if (!J) return false;
     const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
-    lengthen(f, growth);
-    move(chart, flow_step(*J, growth, f));
+    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
+    const bool falls = growth.count() > 0 && pull == f;
+    lengthen(f, growth, falls);
+    move(chart, flow_step(*J, growth, pull, falls));
     return true;
   }
 
@@ -224,33 +253,50 @@ class PseudoTransientContinuation {
   }
 
   /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
-  [[nodiscard]] double longest_time() const {
-    return kLongestTime / (is_cautious_ ? reference_acceleration : slow_acceleration)(model_, state_, evaluation_);
+  [[nodiscard]] double longest_time() {
+    if (is_cautious_) return kLongestTime / least_reference(reference_acceleration(model_, state_, evaluation_));
+    const double slow = slow_acceleration(model_, state_, evaluation_);
+    if (!first_slow_) first_slow_ = slow;
+    return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
   }
 
   /// Pseudo time steps grow tenfold. Cautious ones stay short enough not to jump to a place from which the machine
   /// falls.
-  void lengthen(const VecX& f, const Growth& growth) {
+  void lengthen(const VecX& f, const Growth& growth, bool falls) {
     time_ = time_ == 0.0 ? kLongestStep / (3.0 * f.norm()) : 10.0 * time_;
     time_ = std::min(time_, longest_time());
-    if (is_cautious_ && growth.count() > 0) time_ = std::min(time_, 0.5 / growth.steepest());
+    if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
   }
 
   /// Implicit Euler; along motions that grow faster than the step can follow, against their growth reversed.
-  [[nodiscard]] VecX flow_step(const MatX& J, const Growth& growth, const VecX& f) {
+  [[nodiscard]] VecX flow_step(const MatX& J, const Growth& growth, const VecX& f, bool falls) {
     MatX system = -J;
-    if (!is_cautious_) system += growth.reversed_above(0.5 / time_);
+    if (!is_cautious_ || !falls) system += growth.reversed_above(0.5 / time_);
     system.diagonal().array() += 1.0 / time_;
     return solve_square(system, f);
   }
 
+  /// Where a tire just leaves its road equilibria begin that reach on into the air: which of them is found would hang
+  /// by round-off.
+  void refuse_kink(const Chart& chart, const MatX& J, double reference) const {
+    const std::string kink = kink_at_origin(
+        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, J, reference);
+    if (kink.empty()) return;
+    throw SolverError(fmt::format(
+        "{}: the machine comes to where a force has a kink, as that of a tire that just leaves its road: {} "
+        "meets a stiffness in one sense and another, or none, in the other; nothing presses it there; start "
+        "beside it, or hold it",
+        name(), kink));
+  }
+
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
-  void refuse_if_pushed(const Chart& chart, const VecX& unmet, double reference) {
+  void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double reference) {
     if (time_ < longest_time() || unmet.norm() <= kNegligibleForce * reference) {
       pushed_ = 0;
       return;
     }
     if (++pushed_ < kPushes) return;
+    refuse_kink(chart, J, reference);
     const VecX pushed = chart.velocities(unmet);
     throw SolverError(
         fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness; hold it, or give it a "
@@ -310,11 +356,13 @@ class PseudoTransientContinuation {
 
   static constexpr int kPushes = 25;
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
+  static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
   static constexpr int kMostStepsBack = 30;
   static constexpr double kMoreReach = 1.3;
   static constexpr double kSameDirection = 0.9;  // cosine
-  static constexpr double kNearRest = 0.1;
+  static constexpr double kNearRest = 1e-6;      // of the length, rad
+  static constexpr double kOfFirstReference = 1e-3;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
   const Model& model_;
@@ -324,6 +372,10 @@ class PseudoTransientContinuation {
   Evaluation evaluation_;
   VecX last_force_;
   std::vector<FreeDirection> free_;
+  Stiffness last_stiffness_;
+  MatX last_basis_;  // of the chart in which it is, or none
+  std::optional<double> first_reference_;
+  std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
   double last_move_ = kLongestStep;

@@ -99,17 +99,39 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
   return stiffness;
 }
 
-std::optional<MatX> rough_stiffness(const Chart& chart, const AccelerationsAt& accelerations, double reference) {
+std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
+                                    double reference) {
   MatX J(chart.n(), chart.n());
   for (int k = 0; k < chart.n(); ++k) {
     const auto plus = accelerations(kRoughStep * VecX::Unit(chart.n(), k));
     if (!plus) return std::nullopt;
-    const auto minus = accelerations(-kRoughStep * VecX::Unit(chart.n(), k));
-    if (!minus) return std::nullopt;
-    J.col(k) = (*plus - *minus) / (2.0 * kRoughStep);
+    J.col(k) = (*plus - f) / kRoughStep;
     if (!(J.col(k).norm() * kRoughStep <= kTimesReference * reference)) return std::nullopt;
   }
   return J;
+}
+
+std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference) {
+  constexpr double kJump = 1e-3;      // of a column of J
+  constexpr double kRoundOff = 1e-7;  // of what forces cause, over the step
+  constexpr double kStays = 0.7;      // of a smooth bend a quarter is left at a quarter of the step
+  const auto here = accelerations(VecX::Zero(chart.n()));
+  if (!here) return "";
+  const auto bend = [&](int k, double step) -> double {
+    const auto plus = accelerations(step * VecX::Unit(chart.n(), k));
+    const auto minus = accelerations(-step * VecX::Unit(chart.n(), k));
+    return plus && minus ? (*plus + *minus - 2.0 * *here).norm() / (2.0 * step) : 0.0;
+  };
+  int worst = -1;
+  double largest = 0.0;
+  for (int k = 0; k < chart.n(); ++k) {
+    const double coarse = bend(k, kLeastDifferenceStep);
+    if (coarse <= std::max({kJump * J.col(k).norm(), kRoundOff * reference, largest})) continue;
+    if (bend(k, 0.25 * kLeastDifferenceStep) <= kStays * coarse) continue;
+    worst = k;
+    largest = coarse;
+  }
+  return worst < 0 ? "" : chart.describe(VecX::Unit(chart.n(), worst));
 }
 
 StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "common/solver.h"
 #include "compare/verdict/chart.h"
@@ -26,9 +27,16 @@ struct Stiffness {
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
                            double reference);
 
-/// The same by one central difference for each axis: good to about five digits, without errors. Nothing where the
-/// stiffness is so large that round-off would be more than that, or where closed states are missing.
-std::optional<MatX> rough_stiffness(const Chart& chart, const AccelerationsAt& accelerations, double reference);
+/// The same by one difference for each axis from the accelerations f of the origin: good to about four digits, without
+/// errors. Nothing where the stiffness is so large that round-off would be more than that, or where closed states are
+/// missing.
+std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
+                                    double reference);
+
+/// A force with a kink in the chart's origin itself, such as that of a tire that just touches its road, has no
+/// derivative there: differences to both sides take the mean of two. The motion that meets it most, in words; empty
+/// without one.
+std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference);
 
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
