@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "relative/wrenches.h"
 
@@ -15,23 +14,13 @@ namespace {
 /// Modal rows of a body out of balance by more than this part of their largest term are no round-off.
 constexpr double kLargestModalResidual = 1e-8;
 
-/// Sizes of the terms of linear and angular accelerations that speeds of the body and of its joint's point make.
-std::pair<double, double> accelerations_by_speeds(const BodyMotion& motion, const JointPoint& own) {
-  const double turning = motion.omega.norm() + own.omega.norm();
-  return {turning * (motion.v.norm() + own.v.norm()), turning * turning};
-}
-
 /// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
-/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them; those
-/// of the body's speeds and of the speeds that modes give to its joint's point may, too.
-double size_of_modal_terms(const BodyInertia& inertia, const Vec6& Vdot, const VecX& addot, const BodyMotion& motion,
-                           const JointPoint& own, const Vec3& gravity) {
+/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
+double size_of_modal_terms(const BodyInertia& inertia, double linear, double angular, const VecX& addot) {
   const MatX& M_aa = inertia.flexible()->M_aa();
   const double largest_mode = std::sqrt(M_aa.diagonal().maxCoeff());
-  const auto [linear_by_speeds, angular_by_speeds] = accelerations_by_speeds(motion, own);
-  const double linear = std::sqrt(inertia.moments().mass) * (Vdot.head<3>().norm() + linear_by_speeds + gravity.norm());
-  const double angular = std::sqrt(inertia.moments().I.trace()) * (Vdot.tail<3>().norm() + angular_by_speeds);
-  return largest_mode * (linear + angular + largest_mode * addot.cwiseAbs().maxCoeff());
+  const double rigid = std::sqrt(inertia.moments().mass) * linear + std::sqrt(inertia.moments().I.trace()) * angular;
+  return largest_mode * (rigid + largest_mode * addot.cwiseAbs().maxCoeff());
 }
 
 }  // namespace
@@ -98,11 +87,32 @@ void Reactions::take_size(const Vec6& terms, Load& load) {
   load.size_of_torques += terms.tail<3>().norm();
 }
 
-void Reactions::set_size(const BodyInertia& inertia, const BodyMotion& motion, const JointPoint& own, Load& load) {
-  const auto [linear, angular] = accelerations_by_speeds(motion, own);
-  load.size_of_forces = inertia.moments().mass * linear;
-  load.size_of_torques = inertia.moments().I.trace() * angular;
-  take_size(load.rho, load);
+/// Terms of accelerations may cancel: those by speeds of the body and of its joint's point, what modes add at that
+/// point, and what the reference body passes on.
+void Reactions::set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations) {
+  const Link& link = kinematics_->topology().links[l];
+  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
+  const BodyMotion& motion = kinematics_->body(link.body);
+  const Vec6& Vdot = accelerations.of_body(link.body);
+  Load& load = loads_[l];
+  const double turning = motion.omega.norm() + own.omega.norm();
+  load.size_of_linear = Vdot.head<3>().norm() + turning * (motion.v.norm() + own.v.norm());
+  load.size_of_angular = Vdot.tail<3>().norm() + turning * turning;
+  if (const VecX* addot = accelerations.of_modes(link.body); addot != nullptr && addot->size() > 0) {
+    const double largest = addot->cwiseAbs().maxCoeff();
+    load.size_of_linear += largest * own.Ga().topRows<3>().cwiseAbs().rowwise().sum().maxCoeff();
+    load.size_of_angular += largest * own.Ga().bottomRows<3>().cwiseAbs().rowwise().sum().maxCoeff();
+  }
+  if (link.reference != kGround) {
+    const Load& reference = loads_[*kinematics_->topology().link_of_body[link.reference]];
+    const double lever = (motion.r - kinematics_->body(link.reference).r).norm();
+    load.size_of_linear += reference.size_of_linear + lever * reference.size_of_angular;
+    load.size_of_angular += reference.size_of_angular;
+  }
+  const double mass = inertia.moments().mass;
+  const double second = inertia.moments().I.trace();
+  load.size_of_forces = mass * load.size_of_linear + std::sqrt(mass * second) * load.size_of_angular;
+  load.size_of_torques = std::sqrt(mass * second) * load.size_of_linear + second * load.size_of_angular;
   take_size(inertia.p(), load);
 }
 
@@ -113,22 +123,18 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     const BodyInertia& inertia = inertias[l];
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
-    const JointPoint& own =
-        kinematics_->point(kinematics_->topology().links[l].joint, kinematics_->topology().links[l].own_side());
     load.rho = inertia.moments().times(Vdot) + inertia.p();
-    if (has_modes_) set_size(inertia, kinematics_->body(body), own, load);
+    if (has_modes_) set_size(l, inertia, accelerations);
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
     const VecX& addot = *accelerations.of_modes(body);
-    // The body's acceleration is that of its joint's point without what the modes add there.
-    const double largest = addot.cwiseAbs().maxCoeff();
-    take_size(flexible->M_ra().cwiseAbs().rowwise().sum() * largest, load);
-    take_size(inertia.moments().times(own.Ga().cwiseAbs().rowwise().sum() * largest), load);
+    take_size(flexible->M_ra().cwiseAbs().rowwise().sum() * addot.cwiseAbs().maxCoeff(), load);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
     load.largest_modal_term =
         std::max(flexible->U().cwiseAbs().maxCoeff(),
-                 size_of_modal_terms(inertia, Vdot, addot, kinematics_->body(body), own, kinematics_->model().gravity));
+                 size_of_modal_terms(inertia, load.size_of_linear + kinematics_->model().gravity.norm(),
+                                     load.size_of_angular, addot));
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }

@@ -47,6 +47,8 @@ class Reactions {
     VecX rho_a;
     double largest_modal_term = 0.0;
     /// Of the terms that rho sums up, outboard bodies' among them: round-off is relative to these where they cancel.
+    double size_of_linear = 0.0;  // accelerations, those that the reference body passes on among them
+    double size_of_angular = 0.0;
     double size_of_forces = 0.0;
     double size_of_torques = 0.0;
   };
@@ -70,7 +72,7 @@ class Reactions {
   void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
-  static void set_size(const BodyInertia& inertia, const BodyMotion& motion, const JointPoint& own, Load& load);
+  void set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations);
   static void take_size(const Vec6& terms, Load& load);
   void pass_size_on(LinkIndex l);
   void audit_modal_rows(LinkIndex l, const Vec6& wrench);

@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "compare/analyses/joint_changes.h"
 #include "compare/analyses/judge_steps.h"
+#include "compare/analyses/stiffness.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/report/text_table.h"
@@ -137,6 +138,11 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   compare_stiffness(found, result);
   result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
   result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
+  for (const Equilibrium& one : found) {
+    const bool agrees =
+        std::all_of(result.numbers.begin(), result.numbers.end(), [](const NumberRow& row) { return row.agrees(); });
+    if (!agrees && !one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
+  }
   if (!model.joints.empty() && !has_judged(result.wrenches)) {
     result.wrenches.failures.emplace_back(result.wrenches.rows.empty()
                                               ? "no joint can carry a reaction, so that none was judged"

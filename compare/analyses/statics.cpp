@@ -142,11 +142,11 @@ class PseudoTransientContinuation {
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
     const bool is_met = unmet.norm() <= kNegligibleForce * reference;
-    if (is_met && is_done(newton.norm()) && !step_back(chart, split.free_directions())) {
-      if (iteration > 1) refuse_kink(chart, stiffness.J, reference);
+    if (is_met && is_done(newton.norm())) {
+      if (step_back(chart, split.free_directions())) return false;
+      if (iteration > 1) kink_ = kink_here(chart, stiffness.J, reference);
       return true;
     }
-    if (is_met && is_done(newton.norm())) return false;
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
@@ -276,17 +276,9 @@ class PseudoTransientContinuation {
     return solve_square(system, f);
   }
 
-  /// Where a tire just leaves its road equilibria begin that reach on into the air: which of them is found would hang
-  /// by round-off.
-  void refuse_kink(const Chart& chart, const MatX& J, double reference) const {
-    const std::string kink = kink_at_origin(
+  [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J, double reference) const {
+    return kink_at_origin(
         chart, [&](const VecX& delta) { return at_rest(chart, delta); }, J, reference);
-    if (kink.empty()) return;
-    throw SolverError(fmt::format(
-        "{}: the machine comes to where a force has a kink, as that of a tire that just leaves its road: {} "
-        "meets a stiffness in one sense and another, or none, in the other; nothing presses it there; start "
-        "beside it, or hold it",
-        name(), kink));
   }
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
@@ -296,7 +288,9 @@ class PseudoTransientContinuation {
       return;
     }
     if (++pushed_ < kPushes) return;
-    refuse_kink(chart, J, reference);
+    if (const std::string kink = kink_here(chart, J, reference); !kink.empty()) {
+      throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
+    }
     const VecX pushed = chart.velocities(unmet);
     throw SolverError(
         fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness; hold it, or give it a "
@@ -351,7 +345,8 @@ class PseudoTransientContinuation {
   }
 
   Equilibrium conclude(int iterations) {
-    return {std::move(state_), std::move(evaluation_), iterations, last_step_, std::move(free_), unstable_directions_};
+    return {std::move(state_), std::move(evaluation_), iterations,      last_step_,
+            std::move(free_),  unstable_directions_,   std::move(kink_)};
   }
 
   static constexpr int kPushes = 25;
@@ -388,6 +383,7 @@ class PseudoTransientContinuation {
   int pushed_ = 0;
   int steps_back_ = 0;
   int unstable_directions_ = 0;
+  std::string kink_;
 };
 
 }  // namespace

@@ -26,6 +26,9 @@ struct Equilibrium {
   std::vector<FreeDirection> free;
   /// In so many directions the machine would leave the equilibrium.
   int unstable = 0;
+  /// A motion along which a force has a kink there, as that of a tire that just leaves its road: equilibria begin there
+  /// that reach on into the air, and which of them is found hangs by round-off. Empty where the machine started there.
+  std::string kink;
 };
 
 /// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler

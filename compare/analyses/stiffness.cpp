@@ -114,7 +114,7 @@ std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const Acc
 std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference) {
   constexpr double kJump = 1e-3;      // of a column of J
   constexpr double kRoundOff = 1e-7;  // of what forces cause, over the step
-  constexpr double kStays = 0.7;      // of a smooth bend a quarter is left at a quarter of the step
+  constexpr double kStays = 1.5;      // what is smooth grows with the step, round-off falls
   const auto here = accelerations(VecX::Zero(chart.n()));
   if (!here) return "";
   const auto bend = [&](int k, double step) -> double {
@@ -127,11 +127,22 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
   for (int k = 0; k < chart.n(); ++k) {
     const double coarse = bend(k, kLeastDifferenceStep);
     if (coarse <= std::max({kJump * J.col(k).norm(), kRoundOff * reference, largest})) continue;
-    if (bend(k, 0.25 * kLeastDifferenceStep) <= kStays * coarse) continue;
+    const double wider[] = {bend(k, 4.0 * kLeastDifferenceStep), bend(k, 16.0 * kLeastDifferenceStep)};
+    const auto [least, most] = std::minmax({coarse, wider[0], wider[1]});
+    if (most > kStays * least) continue;
     worst = k;
     largest = coarse;
   }
   return worst < 0 ? "" : chart.describe(VecX::Unit(chart.n(), worst));
+}
+
+std::string rests_at_kink(const std::string& motion) {
+  return fmt::format(
+      "the machine comes to rest where a force has a kink, as that of a tire that just leaves its road: {} meets one "
+      "stiffness in one sense and another, or none, in the other, and nothing presses it there, so that its place "
+      "hangs "
+      "by round-off; start beside it, or hold it",
+      motion);
 }
 
 StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,

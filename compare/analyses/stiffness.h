@@ -38,6 +38,9 @@ std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const Acc
 /// without one.
 std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference);
 
+/// What to say of an equilibrium with a kink along such a motion, where it cannot be told.
+std::string rests_at_kink(const std::string& motion);
+
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
  public:

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "common/error.h"
+#include "compare/analyses/judge.h"
+#include "compare/analyses/report.h"
+
+/// Analyses of machines whose verdict once hung by round-off: nothing acts, nothing decides, or a force has a kink.
+namespace concord::verification {
+namespace {
+
+using compare::Outcome;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
+using compare::analyses::judge_linearization;
+using compare::analyses::judge_statics;
+
+const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
+
+TEST_CASE("Two beams on a ball, on which nothing acts, have eighteen free modes", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "left"
+[body.beam]
+length = 0.61
+elements = 14
+section = { width_y = 0.011, width_z = 0.017 }
+youngs_modulus = 4.3e9
+poissons_ratio = 0.35
+density = 1150
+support = "free_free"
+modes = { bending_xy = [1], bending_xz = [1, 2], torsion = [1] }
+[[body]]
+name = "right"
+[body.beam]
+length = 0.37
+elements = 12
+section = { width_y = 0.009, width_z = 0.006 }
+youngs_modulus = 2.1e9
+poissons_ratio = 0.35
+density = 1300
+support = "free_free"
+modes = { bending_xy = [1, 2], bending_xz = [1], torsion = [1] }
+[[joint]]
+name = "flight"
+type = "free"
+parent = "ground"
+child = { body = "left", node = "first" }
+start.slide_x = { keep = 0.3, keep_speed = 0 }
+start.slide_y = { keep = -0.2, keep_speed = 0 }
+start.slide_z = { keep = 0.1, keep_speed = 0 }
+start.ball = { keep = { axis = [2, -1, 1], angle = 0.4 }, keep_speed = [0, 0, 0] }
+[[joint]]
+name = "elbow"
+type = "spherical"
+parent = { body = "left", node = "last" }
+child = { body = "right", node = "first" }
+start.ball = { keep = { axis = [1, 3, -1], angle = 0.9 }, keep_speed = [0, 0, 0] }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, modes, true));
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+  for (const auto& found : modes.linearizations) {
+    const auto is_free = [](const auto& mode) { return mode.is_free; };
+    CHECK(std::count_if(found->modes.begin(), found->modes.end(), is_free) == 18);
+  }
+}
+
+TEST_CASE("A pole that stands upright is not pushed over by round-off", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "lift"
+mass = 3.1
+inertia = [0.05, 0.06, 0.07]
+[[body]]
+name = "pole"
+mass = 0.8
+center_of_mass = [0, 0, 0.45]
+inertia = [0.05, 0.05, 0.001]
+[[body]]
+name = "cap"
+mass = 0.3
+center_of_mass = [0, 0, 0.1]
+inertia = [0.002, 0.002, 0.001]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = "ground"
+child = "lift"
+start.slide_z = { keep = 0.3, keep_speed = 0 }
+spring.slide_z = { stiffness = 210, free = 0.3 }
+[[joint]]
+name = "foot"
+type = "universal"
+parent = { body = "lift", point = [0, 0, 0.2] }
+child = "pole"
+start.turn_x = { keep = 0, keep_speed = 0 }
+start.turn_y = { keep = 0, keep_speed = 0 }
+[[joint]]
+name = "neck"
+type = "spherical"
+parent = { body = "pole", point = [0, 0, 0.9] }
+child = "cap"
+start.ball = { keep = { axis = [1, 0, 0], angle = 0 }, keep_speed = [0, 0, 0] }
+)toml");
+  const AnalysisVerdict found = judge_statics(model, kMakers);
+  INFO(format_analysis(model, found, true));
+  CHECK(found.wrenches.outcome == Outcome::agree);
+  for (const auto& row : found.numbers) {
+    if (row.name == "unstable directions") CHECK(row.values[0] == 4.0);
+    if (row.name == "slide_z of guide") CHECK(row.values[0] == Approx(0.3 - 4.2 * 9.81 / 210.0).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("A tire that just touches its road has no linearization", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "wheel"
+mass = 14
+inertia = [0.4, 0.7, 0.4]
+[[joint]]
+name = "post"
+type = "translational"
+parent = "ground"
+child = "wheel"
+start.slide_z = { keep = 0.28, keep_speed = 0 }
+[[road]]
+name = "r"
+profile = "flat"
+[[tire]]
+name = "t"
+body = "wheel"
+road = "r"
+radius = 0.28
+stiffness = 1.7e5
+slip_stiffness = 2e4
+cornering_stiffness = 2e4
+friction = 0.8
+)toml");
+  CHECK_THROWS_WITH(judge_linearization(model, kMakers, false), Catch::Contains("kink in this very state"));
+}
+
+}  // namespace
+}  // namespace concord::verification
