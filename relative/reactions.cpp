@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/unbalanced_body.h"
 #include "relative/wrenches.h"
 
 namespace concord::relative {
@@ -348,10 +349,12 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
 
 void require_modal_balance(const JointReactions& reactions, const Model& model, double t) {
   if (reactions.modal_residual <= kLargestModalResidual) return;
-  throw SolverError(fmt::format(
-      "relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by {:.1e} of their largest term, "
-      "allowed {:.0e}",
-      t, model.bodies[reactions.worst_modal_body].name, reactions.modal_residual, kLargestModalResidual));
+  const std::string& body = model.bodies[reactions.worst_modal_body].name;
+  throw UnbalancedBody(fmt::format("relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by "
+                                   "{:.1e} of their largest term, "
+                                   "allowed {:.0e}",
+                                   t, body, reactions.modal_residual, kLargestModalResidual),
+                       body);
 }
 
 }  // namespace concord::relative

@@ -24,7 +24,7 @@ struct JointReactions {
   BodyIndex worst_modal_body;
 };
 
-/// Throws SolverError if the free modal equations are out of balance by more than round-off explains (R58).
+/// Throws UnbalancedBody if the free modal equations are out of balance by more than round-off explains (R58).
 void require_modal_balance(const JointReactions& reactions, const Model& model, double t);
 
 /// The wrenches of all joints in the pose of the kinematics. All memory is laid out at construction.
