@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 #include <utility>
 
 #include "compare/attribution/reports.h"
@@ -245,22 +246,87 @@ std::optional<Attribution> blame_start(const Evidence& evidence) {
   return found;
 }
 
+Attribution from(const ConstraintFault& fault) { return {fault.solver, fault.term, fault.where, fault.because}; }
+
+/// A rank that is wrong is none of what follows from it: rows that are left out let joints open, those that are counted
+/// twice leave nothing determined.
+std::optional<Attribution> blame_count(const Evidence& evidence) {
+  const auto fault = ConstraintOpinion(evidence.model, evidence.constraints).wrong_count();
+  return fault ? std::optional(from(*fault)) : std::nullopt;
+}
+
+/// Flags alone, where nothing else is wrong: they are found by the same ways as wrenches.
+std::optional<Attribution> blame_uniqueness(const Evidence& evidence) {
+  const auto fault = ConstraintOpinion(evidence.model, evidence.constraints).wrong_uniqueness();
+  return fault ? std::optional(from(*fault)) : std::nullopt;
+}
+
 }  // namespace
 
-std::optional<Attribution> find_cause(const Evidence& evidence) {
+std::vector<int> bodies_out_of_balance(const Evidence& evidence, int solver) {
+  std::vector<int> bodies;
+  for (const Breach& breach : breaches_of(evidence, AuditRule::free_body)) {
+    if (breach.solver == solver) bodies.push_back(breach.place->number);
+  }
+  return bodies;
+}
+
+std::vector<int> elements_against_law(const Evidence& evidence, int solver) {
+  std::vector<int> elements;
+  for (const Breach& breach : breaches_of(evidence, AuditRule::force_law)) {
+    const bool is_element = breach.place->kind == AuditedPlace::Kind::element;
+    if (is_element && breach.solver == solver) elements.push_back(breach.place->number);
+  }
+  return elements;
+}
+
+namespace {
+
+/// Up to so many guesses.
+std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
   using Rule = std::function<std::optional<Attribution>(const Evidence&)>;
   const Rule sharp = [](const Evidence& all) { return blame_dynamics(all, true); };
   const Rule blunt = [](const Evidence& all) { return blame_dynamics(all, false); };
   const bool alike = !evidence.states.empty() && move_alike(evidence.states);
   // From causes to what follows from them. Where the bodies move alike, it is the report that differs.
-  const std::vector<Rule> where_alike{blame_element, blame_report,    blame_page, blame_joint_motion,
-                                      blame_driver,  blame_joint_law, blunt,      blame_start};
-  const std::vector<Rule> where_not{blame_element, sharp,           blame_joint_motion, blame_driver,
-                                    blunt,         blame_joint_law, blame_start};
+  const std::vector<Rule> where_alike{blame_count,  blame_element,   blame_report, blame_page,       blame_joint_motion,
+                                      blame_driver, blame_joint_law, blunt,        blame_uniqueness, blame_start};
+  const std::vector<Rule> where_not{blame_count,        blame_element,    sharp,
+                                    blame_joint_motion, blame_driver,     blunt,
+                                    blame_joint_law,    blame_uniqueness, blame_start};
+  std::vector<Attribution> causes;
   for (const Rule& rule : alike ? where_alike : where_not) {
-    if (auto found = rule(evidence)) return found;
+    if (causes.size() == most) break;
+    const auto found = rule(evidence);
+    if (!found) continue;
+    const auto is_same = [&](const Attribution& one) {
+      return std::tie(one.solver, one.term, one.where) == std::tie(found->solver, found->term, found->where);
+    };
+    if (std::none_of(causes.begin(), causes.end(), is_same)) causes.push_back(*found);
   }
-  return std::nullopt;
+  return causes;
+}
+
+}  // namespace
+
+std::vector<Attribution> find_causes(const Evidence& evidence) {
+  constexpr std::size_t kMost = 5;
+  return guess(evidence, kMost);
+}
+
+std::optional<Attribution> find_cause(const Evidence& evidence) {
+  const std::vector<Attribution> causes = guess(evidence, 1);
+  return causes.empty() ? std::nullopt : std::optional(causes.front());
+}
+
+std::optional<Attribution> find_cause_of_stop(const Model& model, const std::vector<AskedState>& asked) {
+  ConstraintOpinion opinion(model, asked);
+  auto fault = opinion.wrongly_closed();
+  if (!fault) fault = opinion.wrong_velocities();
+  if (!fault) fault = opinion.wrong_count();
+  if (!fault) fault = opinion.wrongly_singular();
+  if (!fault) fault = opinion.stopped_by_own_check();
+  return fault ? std::optional(from(*fault)) : std::nullopt;
 }
 
 std::string describe(const Attribution& blame) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/model.h"
+#include "compare/attribution/ranks.h"
 #include "compare/attribution/terms.h"
 #include "compare/audit/balance.h"
 
@@ -26,6 +27,8 @@ struct Evidence {
   std::vector<bool> ambiguous = {};
   /// Where each solver starts.
   std::array<const State*, 2> starts{};
+  /// What the solvers say of their constraints in some states, where they contradict each other in that.
+  std::vector<AskedState> constraints = {};
 };
 
 struct Attribution {
@@ -36,10 +39,25 @@ struct Attribution {
   std::string where;
   /// What speaks for it, in a sentence.
   std::string because;
+  /// Where the guess could be tried: by how many digits the difference closed with the blamed place put right.
+  std::optional<double> closed_digits = {};
 };
 
-/// Nothing if neither solver breaks a rule more than the other one does.
+/// All guesses, the best one first, each solver, term and place once; nothing if neither solver breaks a rule more than
+/// the other one does.
+std::vector<Attribution> find_causes(const Evidence& evidence);
+
+/// The best guess.
 std::optional<Attribution> find_cause(const Evidence& evidence);
+
+/// The same where a solver stops, and no answers can be compared: who sees the constraints wrongly, or is stopped by
+/// its own check.
+std::optional<Attribution> find_cause_of_stop(const Model& model, const std::vector<AskedState>& asked);
+
+/// The bodies that a solver leaves out of balance, and the force elements that do not follow their laws, the worst
+/// first.
+std::vector<int> bodies_out_of_balance(const Evidence& evidence, int solver);
+std::vector<int> elements_against_law(const Evidence& evidence, int solver);
 
 /// "cartesian, at body hub, in the term "inertia": breaks the audit's rule "free body" by F_y (3.2 digits); ..."
 std::string describe(const Attribution& blame);

@@ -33,6 +33,8 @@ const char* name_of(Term term) {
       return "bias";
     case Term::driver:
       return "driver";
+    case Term::rank:
+      return "rank";
     case Term::side:
       return "side";
     case Term::point:

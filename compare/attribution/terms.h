@@ -26,6 +26,7 @@ enum class Term {
   jacobian,
   bias,
   driver,
+  rank,  // which constraints are independent, and so what is unique
   // of what is reported
   side,
   point,

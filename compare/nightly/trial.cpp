@@ -197,6 +197,7 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   Model model = analyses::as_it_starts(model_of(one), makers, note);
   const auto [cartesian, relative] = make_solvers_on_one_branch(model, makers, note);
   VerifyOptions options = one.options;
+  options.makers = &makers;
   std::string last;
   options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
     if (rung == last) return;

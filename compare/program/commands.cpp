@@ -125,6 +125,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   std::optional<ThirdReport> silent;
   const auto third = ask_for_third(command, one.model, silent);
   options.third = third.get();
+  options.makers = &makers;
   {
     ProgressLine line(console);
     options.progress = [&](std::string_view rung, const std::array<double, 2>& done) {

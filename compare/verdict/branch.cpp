@@ -178,12 +178,19 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
     note = fmt::format("from the guesses {} finds no start; both start from that of {}", solvers[1 - better]->name(),
                        solvers[better]->name());
   }
+  const Model as_given = model;
   model = started_at(model, *starts[better].state);
   const std::optional<InputError> first_refusal = starts[1 - better].refusal;
   solvers = {makers.cartesian(model), makers.relative(model)};
   starts = {assembled(*solvers[0]), assembled(*solvers[1])};
-  for (const Assembled& start : starts) {
-    if (!start.state) throw first_refusal.value_or(*start.refusal);
+  if (!starts[better].state || (!starts[1 - better].state && !first_refusal)) {
+    throw *starts[starts[better].state ? 1 - better : better].refusal;
+  }
+  if (!starts[1 - better].state) {
+    // It does not take the other one's start either: whoever asks it for its own is told why.
+    model = as_given;
+    note.clear();
+    return {makers.cartesian(model), makers.relative(model)};
   }
   const Apart most = apart(model, *starts[0].state, *starts[1].state);
   if (most.size > kOneBranch) refuse_branches(model, most.text);

@@ -9,10 +9,12 @@
 
 #include "common/error.h"
 #include "compare/attribution/attribution.h"
+#include "compare/attribution/correction.h"
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
+#include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
@@ -68,13 +70,17 @@ class Verification {
     check_needs(model_);
     describe_case();
     try {
-      if (!assemble()) return std::move(verdict_);
+      if (!assemble()) {
+        attribute_stop();
+        return std::move(verdict_);
+      }
       climb();
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
       verdict_.failures.emplace_back(error.what());
     }
+    attribute_stop();
     conclude();
     return std::move(verdict_);
   }
@@ -109,6 +115,7 @@ class Verification {
   }
 
   bool assemble() {
+    std::array<std::optional<InputError>, 2> refusals;
     for (const Who who : kBothSolvers) {
       Solver& solver = *solvers_[index(who)];
       try {
@@ -117,9 +124,28 @@ class Verification {
         verdict_.solvers[index(who)].cut_joints = solver.cut_joints();
       } catch (const SolverError& error) {
         verdict_.failures.emplace_back(error.what());
+      } catch (const InputError& error) {
+        refusals[index(who)] = error;
       }
     }
+    judge_refusals(refusals);
     return verdict_.failures.empty();
+  }
+
+  /// A start that one solver finds and the other one refuses is bad input, unless it is the latter that is wrong.
+  void judge_refusals(const std::array<std::optional<InputError>, 2>& refusals) {
+    for (const Who who : kBothSolvers) {
+      const std::optional<InputError>& refusal = refusals[index(who)];
+      if (!refusal) continue;
+      const State& other = starts_[1 - index(who)];
+      const auto cause = other.bodies.empty() || !options_.explains ? std::nullopt : cause_of_stop();
+      if (cause && cause->solver == index(who)) {
+        verdict_.failures.push_back(fmt::format("{} refuses the start that {} finds: {}", solvers_[index(who)]->name(),
+                                                solvers_[1 - index(who)]->name(), refusal->what()));
+        continue;
+      }
+      throw *refusal;
+    }
   }
 
   /// What must hold at the start before anything else is asked. Uniqueness is compared state by state later.
@@ -263,32 +289,41 @@ class Verification {
     }
     std::vector<SharedState> drawn;
     if (!run.empty()) drawn = share_random(model_, solvers_, run, options_.seed + 1, kStatesOfTerms).states;
-    const auto view_of = [](const std::vector<SharedState>& states) {
-      std::vector<EvaluatedState> views;
-      for (const SharedState& one : states) {
-        views.push_back({&one.state, {&one.evaluations[0], &one.evaluations[1]}});
-      }
-      return views;
-    };
-    verdict_.attribution = find_cause({model_,
-                                       {auditors_[0].report(), auditors_[1].report()},
-                                       view_of(same_state_.weighed().states),
-                                       view_of(drawn),
-                                       ambiguous_joints(),
-                                       {&starts_[0], &starts_[1]}});
+    Evidence evidence{model_,
+                      {auditors_[0].report(), auditors_[1].report()},
+                      evaluated(same_state_.weighed().states),
+                      evaluated(drawn),
+                      ambiguous_joints(layout_, same_state_.weighed().mask),
+                      {&starts_[0], &starts_[1]}};
+    if (!verdict_.rank_agrees) {
+      evidence.constraints = ask_of_constraints(solvers_, states_of_ranks(model_, solvers_, run, options_.seed));
+    }
+    if (options_.makers == nullptr) {
+      verdict_.attribution = find_cause(evidence);
+    } else {
+      verdict_.attribution = find_confirmed_cause(evidence, {options_.makers->cartesian, options_.makers->relative});
+    }
   }
 
-  /// Joints of whose reactions and totals some component is not unique in some state.
-  std::vector<bool> ambiguous_joints() const {
-    std::vector<bool> ambiguous(model_.joints.size(), false);
-    for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
-      const Quantity& quantity = layout_.quantities()[row];
-      if (quantity.kind != Kind::reaction && quantity.kind != Kind::total) continue;
-      const auto of_row = static_cast<Eigen::Index>(row);
-      if (of_row < same_state_.weighed().mask.rows() && !same_state_.weighed().mask.row(of_row).all())
-        ambiguous[quantity.owner] = true;
+  /// A solver that stops where the other one goes on: what it says of its constraints may tell why.
+  void attribute_stop() {
+    const bool is_well = verdict_.failures.empty() && verdict_.findings.empty();
+    if (is_well || verdict_.attribution || !options_.explains) return;
+    try {
+      verdict_.attribution = cause_of_stop();
+    } catch (const std::exception& error) {  // the failure stands without its explanation
+      verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
-    return ambiguous;
+    if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
+  }
+
+  std::optional<Attribution> cause_of_stop() const {
+    std::vector<OwnedState> found = run_states(view(verdict_.trajectories), kStatesOfRanks);
+    for (const Who who : kBothSolvers) {
+      if (!starts_[index(who)].bodies.empty()) found.push_back({starts_[index(who)], who});
+    }
+    return find_cause_of_stop(model_,
+                              ask_of_constraints(solvers_, states_of_ranks(model_, solvers_, found, options_.seed)));
   }
 
   void conclude() {

@@ -7,6 +7,7 @@
 
 #include "common/solver.h"
 #include "compare/verdict/progress.h"
+#include "compare/verdict/solver_makers.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/verdict.h"
 
@@ -31,6 +32,9 @@ struct VerifyOptions {
   bool refines = true;
   /// Whether a difference is told apart: who is to blame, and whether motions or equations differ.
   bool explains = true;
+  /// Makes solvers for the model with corrections, by which a guess at who is to blame is tried; null: none is tried.
+  /// Must outlive the verification.
+  const SolverMakers* makers = nullptr;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
   /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.

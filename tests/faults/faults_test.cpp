@@ -220,7 +220,7 @@ bool is_one_of(const std::string& name, const std::vector<std::string>& all) {
 bool acts_at(const Model& model, const std::string& where, const Key& key) {
   const auto name = std::find_if(key.places.begin(), key.places.end(),
                                  [&](const std::string& place) { return where.ends_with(" " + place); });
-  if (name != key.places.end()) return true;
+  if (name != key.places.end() || is_one_of("*", key.places)) return true;
   if (where.starts_with("joint ") && is_one_of("any joint", key.places)) return true;
   if (!where.starts_with("body ")) return false;
   if (is_one_of("any body", key.places)) return true;
@@ -242,6 +242,8 @@ TEST_CASE("What is to blame is named, by solver, place and term") {
     const Planting planting(fault.number);
     VerifyOptions options;
     options.states = 40;
+    const SolverMakers makers{cartesian::make_solver, relative::make_solver};
+    options.makers = &makers;
     const Model model = read_machine(fault.machine);
     const Verdict verdict = judge_machine(model, options);
     const std::string solver = fault.is_in("common") ? "both" : fault.is_in("cartesian") ? "cartesian" : "relative";

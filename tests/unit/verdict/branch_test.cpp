@@ -102,6 +102,17 @@ TEST_F(BranchTest, AModelThatBothRefuseIsRefused) {
   EXPECT_THROW(make(refuses, refuses), InputError);
 }
 
+/// Who is wrong, the model or the solver, is for the verdict to tell.
+TEST_F(BranchTest, ASolverThatRefusesTheOthersStartTooIsLeftToSayWhy) {
+  guess(0.7);
+  const auto never = [](double) { return std::nan(""); };
+  const Solvers solvers = make(nearest, never);
+  EXPECT_EQ(note_, "");
+  EXPECT_EQ(model_.joints[0].start[0].q(0), 0.7);
+  EXPECT_NEAR(solvers[0]->assemble().q[0](0), kNear, 1e-15);
+  EXPECT_THROW(solvers[1]->assemble(), InputError);
+}
+
 TEST_F(BranchTest, SolversThatPartFromOneGuessAreRefused) {
   guess(0.7);
   const auto stubborn = [](double) { return kFar; };

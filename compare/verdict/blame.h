@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/solver.h"
+#include "compare/attribution/ranks.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/align.h"
+#include "compare/verdict/states.h"
+
+/// What both solvers say of their constraints, for compare/attribution to judge: also where one of them stops.
+namespace concord::compare {
+
+/// States that both solvers evaluated, as compare/attribution takes them; they must outlive what is returned.
+std::vector<EvaluatedState> evaluated(const std::vector<SharedState>& states);
+
+/// Joints of whose reactions and totals some component is not unique in some state.
+std::vector<bool> ambiguous_joints(const QuantityLayout& layout, const Mask& mask);
+
+/// So many states are asked about.
+inline constexpr int kStatesOfRanks = 8;
+
+/// Some of the states that the solvers found, spread over them, and perturbed ones if these are few, because a rank
+/// belongs to a pose: closed by a solver that can.
+std::vector<OwnedState> states_of_ranks(const Model& model, const std::array<Solver*, 2>& solvers,
+                                        const std::vector<OwnedState>& found, std::uint64_t seed);
+
+/// Asks both in every state. What stops a solver is its answer.
+std::vector<AskedState> ask_of_constraints(const std::array<Solver*, 2>& solvers,
+                                           const std::vector<OwnedState>& states);
+
+}  // namespace concord::compare
