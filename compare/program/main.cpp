@@ -136,6 +136,8 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
   command->add_option("--seed", line.compare.options.seed,
                       "Seed of the random states that both solvers are asked about; default: 19971025");
   command->add_flag("--all", line.compare.all_rows, "Print every component, not only the worst of each joint and side");
+  command->add_flag("--orders", line.compare.options.orders,
+                    "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
   command->add_option("--out", line.compare.out,
                       "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");
   command->add_option("--json", line.compare.json, "File for the verdict as JSON");

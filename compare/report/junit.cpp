@@ -1,12 +1,15 @@
 #include "compare/report/junit.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "compare/audit/digits.h"
 #include "compare/verdict/observe.h"
+#include "compare/verdict/orders.h"
 #include "compare/verdict/refinement.h"
+#include "compare/verdict/two_by_two.h"
 
 namespace concord::compare {
 
@@ -86,12 +89,24 @@ void add_other_differences(const Verdict& verdict, std::vector<TestCase>& tests)
   }
 }
 
+/// Who is to blame, and what tells a difference apart; nothing where nobody is.
+void add_attribution(const Verdict& verdict, std::vector<TestCase>& tests) {
+  if (!verdict.attribution) return;
+  std::string message = "to blame: " + describe(*verdict.attribution);
+  if (verdict.two_by_two) message += "; the difference of " + describe(*verdict.two_by_two);
+  if (verdict.orders) message += fmt::format("; {}", fmt::join(describe(*verdict.orders), "; "));
+  tests.push_back({"attribution", TestCase::Result::failed, std::move(message)});
+}
+
 std::vector<TestCase> tests_of(const ReportedCase& one) {
   if (one.verdict == nullptr) return {{"verdict", TestCase::Result::error, one.trouble}};
   const Verdict& verdict = *one.verdict;
   std::vector<TestCase> tests;
   for (const std::string& failure : verdict.failures) tests.push_back({"verdict", TestCase::Result::error, failure});
-  if (verdict.rows.empty() && verdict.others.empty()) return tests;
+  if (verdict.rows.empty() && verdict.others.empty()) {
+    add_attribution(verdict, tests);
+    return tests;
+  }
   tests.push_back(yes_or_no("rank", verdict.rank_agrees, "the solvers do not see the same constraints"));
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
@@ -112,8 +127,7 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
                               fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, allowed)));
   }
   add_other_differences(verdict, tests);
-  if (verdict.attribution)
-    tests.push_back({"attribution", TestCase::Result::failed, "to blame: " + describe(*verdict.attribution)});
+  add_attribution(verdict, tests);
   return tests;
 }
 

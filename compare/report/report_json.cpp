@@ -127,6 +127,7 @@ Json attribution_of(const Verdict& verdict) {
     told["place"] = verdict.attribution->where;
     told["term"] = name_of(verdict.attribution->term);
     told["because"] = verdict.attribution->because;
+    if (verdict.attribution->closed_digits) told["closed_digits"] = digits(verdict.attribution->closed_digits);
   }
   if (verdict.two_by_two) {
     const TwoByTwo& table = *verdict.two_by_two;
@@ -143,6 +144,19 @@ Json attribution_of(const Verdict& verdict) {
           {"magnitude", table.curves.magnitude},
           {"phase", table.curves.phase},
           {"combined", table.curves.combined}}}};
+  }
+  return told;
+}
+
+Json orders_of(const Orders& orders) {
+  const auto of = [](const ObservedOrder& order) {
+    return Json{{"order", order.exponent ? Json(*order.exponent) : Json(nullptr)}, {"errors", order.errors}};
+  };
+  Json told{{"rtol", orders.tolerances}, {"against", orders.against}};
+  for (std::size_t who = 0; who < 2; ++who) {
+    const SolverOrders& solver = orders.solvers[who];
+    told[kSolverNames[who]] = {
+        {"places", of(solver.places)}, {"velocities", of(solver.velocities)}, {"reactions", of(solver.reactions)}};
   }
   return told;
 }
@@ -172,6 +186,7 @@ Json document(const Model& model, const Verdict& verdict) {
             {"solvers", std::move(solvers)}};
   for (const ReferenceRow& row : verdict.references) said["reference"].push_back(reference_row(row));
   if (verdict.attribution || verdict.two_by_two) said["attribution"] = attribution_of(verdict);
+  if (verdict.orders) said["orders"] = orders_of(*verdict.orders);
   if (verdict.third) said["third_opinion"] = third_opinion(model, *verdict.third);
   if (!elements.empty()) said["elements"] = std::move(elements);
   if (model.is_flexible()) said["geometric_stiffness"] = geometric_stiffness_of(model, verdict);

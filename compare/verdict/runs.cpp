@@ -38,10 +38,14 @@ RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& s
       judge_(judge),
       progress_(progress),
       verdict_(verdict),
-      sensitivity_(layout.model(), solvers, seed) {}
+      sensitivity_(layout.model(), solvers, seed),
+      orders_(layout) {}
 
 RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
-  const char* what = name_of(rung);
+  return run_both(run, name_of(rung), verdict_.failures);
+}
+
+RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures) {
   progress_.begin(what);
   std::array<std::future<Trajectory>, 2> running;
   for (const Who who : kBothSolvers) {
@@ -56,7 +60,7 @@ RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
     try {
       pair.trajectories[index(who)] = running[index(who)].get();
     } catch (const SolverError& error) {
-      verdict_.failures.push_back(fmt::format("{}: {}", what, error.what()));
+      failures.push_back(fmt::format("{}: {}", what, error.what()));
     }
   }
   return pair;
@@ -67,6 +71,7 @@ bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
   if (!pair.is_complete()) return false;
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
   measure_pair(pair, weighed_run_.budget(), rung);
+  orders_.add(pair);
   return true;
 }
 
@@ -100,6 +105,7 @@ std::optional<RunPair> RunRungs::run_looser(const RunOptions& run, Rung rung) {
   RunPair pair = integrate(loose, rung);
   if (!pair.is_complete()) return std::nullopt;
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
+  orders_.add(pair);
   return pair;
 }
 
@@ -204,6 +210,23 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;
+}
+
+void RunRungs::study_orders(bool further) {
+  constexpr std::size_t kEnough = 4;
+  constexpr double kLoosest = 1e-3;
+  while (further && orders_.size() > 0 && orders_.size() < kEnough && orders_.loosest() * kTighter <= kLoosest) {
+    RunOptions loose = verdict_.run;
+    loose.rtol = orders_.loosest() * kTighter;
+    std::vector<std::string> stopped;  // too loose to follow the motion, which is no failure of the verdict
+    RunPair pair = run_both(loose, "observed order", stopped);
+    if (!pair.is_complete()) break;
+    pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
+    orders_.add(pair);
+  }
+  verdict_.orders = orders_.orders(weighed_run_.mask);
+  if (!verdict_.orders) return;
+  for (std::string& sentence : describe(*verdict_.orders)) verdict_.notes.push_back(std::move(sentence));
 }
 
 }  // namespace concord::compare

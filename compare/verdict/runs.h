@@ -3,11 +3,14 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/solver.h"
 #include "compare/verdict/convergence.h"
 #include "compare/verdict/horizon.h"
 #include "compare/verdict/judge.h"
+#include "compare/verdict/orders.h"
 #include "compare/verdict/progress.h"
 #include "compare/verdict/weighed_states.h"
 
@@ -34,10 +37,15 @@ class RunRungs {
   /// Runs again at the refined tolerance and judges, if the same run was judged: call it after judge_same_run().
   void refine(const RunPair& of_same_run, const WeighedStates& weighed);
 
+  /// Tells how each solver's runs converge with the tolerance, if there are enough of them; `further`: runs at looser
+  /// tolerances are made until there are.
+  void study_orders(bool further);
+
   /// What holds in the samples of a run; empty if no run was judged.
   [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
 
  private:
+  RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures);
   bool set_side_by_side(RunPair& pair, Rung rung);
   void measure_pair(RunPair& pair, const Budget& budget, Rung rung);
   std::optional<int> climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
@@ -55,6 +63,7 @@ class RunRungs {
   Verdict& verdict_;
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
+  OrderStudy orders_;
 };
 
 }  // namespace concord::compare

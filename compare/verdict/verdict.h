@@ -129,6 +129,28 @@ struct TwoByTwo {
   CurveMetrics curves;
 };
 
+/// How the errors of one solver's own runs fall with the relative tolerance, in one kind of numbers: error ~
+/// rtol^exponent.
+struct ObservedOrder {
+  /// At the tolerances, loosest first; largest over the run, in parts of the largest of the kind.
+  std::vector<double> errors;
+  /// Missing where the errors do not fall from each tolerance to the next: not in the range of convergence.
+  std::optional<double> exponent;
+};
+
+struct SolverOrders {
+  ObservedOrder places;      // of origins by the length, angles of orientations, modal ones by the body's largest
+  ObservedOrder velocities;  // of origins, angular ones times the length, by the largest; modal ones by the body's
+  ObservedOrder reactions;   // of components that are unique, each by its scale; no errors if there are none
+};
+
+/// Observed orders of both solvers.
+struct Orders {
+  std::vector<double> tolerances;  // of the errors, loosest first
+  double against = 0.0;            // the tolerance of the runs that the others are held against
+  std::array<SolverOrders, 2> solvers;
+};
+
 struct Verdict {
   Outcome outcome = Outcome::failed;
   std::string name;
@@ -165,6 +187,8 @@ struct Verdict {
   /// Of a difference: who is to blame, where and for which term; and whether motions or equations differ.
   std::optional<Attribution> attribution;
   std::optional<TwoByTwo> two_by_two;
+  /// How each solver's runs converge; where runs differ, or if it was asked for. Explains, and is never judged.
+  std::optional<Orders> orders;
 
   std::vector<Finding> findings;      // differences, worst of each joint first
   std::vector<std::string> notes;     // what the reader must know, no difference

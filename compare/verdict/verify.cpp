@@ -97,6 +97,8 @@ class Verification {
     note_geometric_stiffness(view(pair.trajectories));
     keep(view(pair.trajectories));
     attribute();
+    const bool explains = options_.explains && !(verdict_.findings.empty() && verdict_.failures.empty());
+    if (options_.orders || explains) runs_.study_orders(options_.orders);
   }
 
   void describe_case() {

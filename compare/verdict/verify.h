@@ -35,6 +35,8 @@ struct VerifyOptions {
   /// Makes solvers for the model with corrections, by which a guess at who is to blame is tried; null: none is tried.
   /// Must outlive the verification.
   const SolverMakers* makers = nullptr;
+  /// Whether runs at looser tolerances are made to tell how each solver converges.
+  bool orders = false;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
   /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.

@@ -48,6 +48,15 @@ TEST_F(JunitTest, AFailedRowSaysItsDigits) {
   EXPECT_THAT(xml, HasSubstr(" digits (need 12), same run: "));
 }
 
+TEST_F(JunitTest, WhoIsToBlameIsToldWithWhatTellsTheDifferenceApart) {
+  relative_.spoil = [](const State&, Evaluation& evaluation) {
+    evaluation.joints[0].reaction[1].in_C.force(0) *= 1.001;
+  };
+  const std::string xml = format();
+  EXPECT_THAT(xml, HasSubstr("name=\"attribution\">\n      <failure message=\"to blame: relative, at joint A"));
+  EXPECT_THAT(xml, HasSubstr("; the difference of joint A on "));
+}
+
 TEST_F(JunitTest, NamesAreEscaped) {
   model_.joints[0].name = "A<\"&\x01>";
   EXPECT_THAT(format(), HasSubstr("name=\"joint A&lt;&quot;&amp; &gt; on bob, F_x\""));

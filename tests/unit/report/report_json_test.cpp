@@ -61,6 +61,19 @@ TEST_F(ReportJsonTest, SaysWhatWasFound) {
   EXPECT_EQ(json["joints"][9]["verdict"], "agree");
 }
 
+TEST_F(ReportJsonTest, OrdersThatWereAskedForStandInIt) {
+  cartesian_.drift = relative_.drift = 2.0;
+  VerifyOptions options;
+  options.orders = true;
+  const Json json = Json::parse(format_json(model_, verify(model_, cartesian_, relative_, options)));
+  const Json& orders = json["orders"];
+  EXPECT_THAT(keys(orders), ElementsAre("rtol", "against", "cartesian", "relative"));
+  EXPECT_EQ(orders["rtol"].size(), 3U);
+  EXPECT_THAT(keys(orders["relative"]), ElementsAre("places", "velocities", "reactions"));
+  EXPECT_NEAR(orders["relative"]["places"]["order"].get<double>(), 1.0, 0.01);
+  EXPECT_EQ(orders["relative"]["places"]["errors"].size(), 3U);
+}
+
 TEST_F(ReportJsonTest, WorstDigitsAreTheWorstOfTheRows) {
   relative_.drift = 300.0;
   const Json json = document();
