@@ -133,7 +133,14 @@ Pose compose(const Pose& outer, const Pose& inner) { return {outer.r + outer.A *
 
 Pose inverse(const Pose& pose) { return {-(pose.A.transpose() * pose.r), pose.A.transpose()}; }
 
-Pose frame_on(const Attachment& side) { return {side.point_L, side.C}; }
+/// The joint frame on its body, moved and turned by the deformation that the body starts with.
+Pose frame_on(const Attachment& side, const VecX& a) {
+  if (a.size() == 0) return {side.point_L, side.C};
+  const Vec3 theta = side.Psi_r_L * a;
+  const double angle = theta.norm();
+  const Mat3 turned = angle > 0.0 ? Eigen::AngleAxisd(angle, theta / angle) * side.C : side.C;
+  return {side.point_L + side.Psi_t_L * a, turned};
+}
 
 }  // namespace
 
@@ -145,7 +152,8 @@ std::vector<Pose> guess_poses(const Model& model) {
     const Attachment& parent = joint.on(Side::parent);
     const Attachment& child = joint.on(Side::child);
     if (found[parent.body].has_value() == found[child.body].has_value()) return false;
-    const Pose step = compose(compose(frame_on(parent), start_motion(joint)), inverse(frame_on(child)));
+    const auto frame = [&model](const Attachment& side) { return frame_on(side, model.bodies[side.body].a_start); };
+    const Pose step = compose(compose(frame(parent), start_motion(joint)), inverse(frame(child)));
     if (found[parent.body]) {
       found[child.body] = compose(*found[parent.body], step);
     } else {

@@ -141,8 +141,8 @@ struct Model {
 };
 
 /// Rough poses of all bodies at the start (ground included): a body's own guess, else the pose that follows from its
-/// neighbour through a joint with the start coordinates, modes undeformed. A place to start Newton's method from, never
-/// a result: each solver closes the machine with its own equations (S43).
+/// neighbour through a joint with the start coordinates, deformed as it starts. A place to start Newton's method from,
+/// never a result: each solver closes the machine with its own equations (S43).
 std::vector<Pose> guess_poses(const Model& model);
 
 }  // namespace concord

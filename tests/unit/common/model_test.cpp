@@ -76,6 +76,29 @@ TEST(Model, GuessedPosesHaveTheStartCoordinates) {
   EXPECT_LT((spherical.A - Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5).toRotationMatrix()).norm(), 1e-14);
 }
 
+/// Newton's method starts from the guess: a soft beam that bends by a right angle would lead it to a joint that is
+/// turned round.
+TEST(Model, GuessedPosesHoldTheDeformationOfTheStart) {
+  Model model = chain_of_three();
+  model.bodies[1].a_start = Eigen::Vector2d(0.7, -1.9);
+  Attachment& bent = model.joints[1].sides[index(Side::child)];
+  ASSERT_EQ(bent.body, 1);
+  bent.Psi_t_L.resize(3, 2);
+  bent.Psi_r_L.resize(3, 2);
+  bent.Psi_t_L << 0.1, 0.3, -0.4, 0.2, 0.6, -0.1;
+  bent.Psi_r_L << 0.9, -0.3, 0.2, 0.8, -0.5, 0.4;
+  const auto poses = guess_poses(model);
+  Joint as_bent = model.joints[1];
+  Attachment& there = as_bent.sides[index(Side::child)];
+  const Vec3 theta = bent.Psi_r_L * model.bodies[1].a_start;
+  ASSERT_GT(theta.norm(), 1.5);
+  there.point_L += bent.Psi_t_L * model.bodies[1].a_start;
+  there.C = Eigen::AngleAxisd(theta.norm(), theta.normalized()).toRotationMatrix() * bent.C;
+  const Pose cylindrical = measured(as_bent, poses);
+  EXPECT_LT((cylindrical.r - Vec3(0.0, 0.0, 0.25)).norm(), 1e-14);
+  EXPECT_LT((cylindrical.A - rotation_about(Axis::z, 1.2)).norm(), 1e-14);
+}
+
 TEST(Model, AGuessOfABodysPoseIsTakenAsItIs) {
   Model model = chain_of_three();
   const Pose guess{{1.0, 2.0, 3.0}, rotation_about(Axis::y, 0.4)};
