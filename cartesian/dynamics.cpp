@@ -88,7 +88,8 @@ const Solution& Dynamics::solve_at(double t, const Eigen::Ref<const VecX>& q, co
 
 /// The largest of what gravity, speeds and forces cause, in the machine's units [1/s2].
 double Dynamics::typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const {
-  const double rate = natural_rate(equations_);
+  constexpr double kBroughtToRest = 1e-3;  // of what drivers do at any time
+  const double rate = std::max(natural_rate(equations_), kBroughtToRest * equations_.driven_rate());
   const VecX& units = equations_.units();
   return std::max({rate * rate, equations_.Y().cwiseQuotient(units).cwiseAbs2().maxCoeff(),
                    Ydot.cwiseQuotient(units).cwiseAbs().maxCoeff()});

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cartesian/driven_rate.h"
 #include "cartesian/machine_units.h"
 
 namespace concord::cartesian {
@@ -19,6 +20,7 @@ std::vector<BodyInertia> make_inertias(const Model& model) {
 Equations::Equations(const Model& model)
     : model_(model),
       length_(model.length_scale()),
+      driven_rate_(rate_of_drivers(model)),
       layout_(model),
       inertias_(make_inertias(model)),
       constraints_(model, layout_),

@@ -29,6 +29,8 @@ class Equations {
   /// The machine's units over Y (machine_units).
   [[nodiscard]] const VecX& units() const { return units_; }
   [[nodiscard]] double length() const { return length_; }  // the machine's [m]
+  /// The largest rate of the drivers, at any time [1/s].
+  [[nodiscard]] double driven_rate() const { return driven_rate_; }
 
   /// Joint coordinates (by joint) from which the turns of sprung and coupled angles are counted: at most half a turn
   /// away.
@@ -66,6 +68,7 @@ class Equations {
 
   const Model& model_;
   double length_;
+  double driven_rate_;
   Layout layout_;
   std::vector<BodyInertia> inertias_;
   Constraints constraints_;

@@ -94,7 +94,7 @@ double natural_rate(const Equations& equations) {
 double largest_rate(const Equations& equations, double t, const Eigen::Ref<const VecX>& Y) {
   constexpr double kAtRest = 1e-6;
   const Constraints& constraints = equations.constraints();
-  double largest = kAtRest * natural_rate(equations);
+  double largest = kAtRest * std::max(natural_rate(equations), equations.driven_rate());
   for (Eigen::Index c = 0; c < Y.size(); ++c) largest = std::max(largest, std::abs(Y(c)) / equations.units()(c));
   for (int k = 0; k < constraints.n_joints(); ++k) {
     const JointEquations& joint = constraints.joint(k);

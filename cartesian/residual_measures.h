@@ -39,7 +39,7 @@ std::string name_of_largest(const Equations& equations, const VecX& residual);
 /// all bodies (C46).
 double natural_rate(const Equations& equations);
 /// The largest speed Y in the machine's units [1/s], that of laws of drivers at time t included; at least a millionth
-/// of the natural rate.
+/// of the natural rate, and of that of the drivers, which may bring the machine to rest.
 double largest_rate(const Equations& equations, double t, const Eigen::Ref<const VecX>& Y);
 
 }  // namespace concord::cartesian

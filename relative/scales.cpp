@@ -57,6 +57,10 @@ double machine_rate(const Model& model) {
         rate = std::max(rate, std::abs(start.u(c)) / (slides ? length : 1.0));
       }
     }
+    for (const Driver& driver : joint.drivers) {
+      const bool slides = mobilizer.kind(first_u(*joint.type, driver.word) + driver.component).is_length;
+      rate = std::max(rate, typical_rate(driver.law, slides ? length : 1.0));
+    }
   }
   const double mass = total_mass(model);
   if (rate == 0.0 && mass > 0.0) rate = std::max(rate, std::sqrt(largest_force(model, length) / (mass * length)));

@@ -5,8 +5,9 @@
 /// Units of a machine, so that metres, radians and modal coordinates can be weighed against each other.
 namespace concord::relative {
 
-/// The rate of a machine [1/s], by which its speeds are small or not: that of gravity and of
-/// the speeds it starts with; else that of its loads and springs; zero if nothing moves it (R64).
+/// The rate of a machine [1/s], by which its speeds are small or not: that of gravity, of
+/// the speeds it starts with and of its drivers, which may bring it to rest; else that of its loads and springs; zero
+/// if nothing moves it (R64).
 double machine_rate(const Model& model);
 
 /// Length of the machine, machine_length [m], and the size of one unit of each speed and closure row.

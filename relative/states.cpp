@@ -23,6 +23,14 @@ double largest(const Vec6& values, double linear_size, double angular_size) {
 
 double part_of(double value, double size) { return value == 0.0 ? 0.0 : std::abs(value) / size; }
 
+/// The largest speed of a body's parts [m/s]: of its origin, of what is the length away from it, and of its modes,
+/// whose units move some part by the length.
+double fastest(const BodyState& body, double length, const Eigen::Ref<const VecX>& mode_units) {
+  const double rigid = std::max(body.v.cwiseAbs().maxCoeff(), length * body.omega.cwiseAbs().maxCoeff());
+  if (body.adot.size() == 0) return rigid;
+  return std::max(rigid, length * body.adot.cwiseQuotient(mode_units).cwiseAbs().maxCoeff());
+}
+
 constexpr double kLargestMisfit = 1e-12;
 
 void require_numbers(const BodyState& body, const std::string& name, double t) {
@@ -46,6 +54,7 @@ States::States(const Equations& equations)
     : equations_(&equations),
       kinematics_(equations.model()),
       length_(machine_length(equations.model())),
+      scales_(equations.model(), equations.topology()),
       rate_(machine_rate(equations.model())) {
   for (const JointIndex k : upward<JointIndex>(equations.model().joints.size())) {
     measures_.emplace_back(kinematics_.mobilizer(k),
@@ -114,12 +123,14 @@ Coordinates States::stated_coordinates(const State& state) const {
 }
 
 States::Sizes States::sizes_of(const State& state) const {
+  const Topology& topology = equations_->topology();
   double place = length_;
   double speed = length_ * rate_;
   for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
     place = std::max(place, body.r.cwiseAbs().maxCoeff());
-    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), length_ * body.omega.cwiseAbs().maxCoeff()});
+    const Span& modes = topology.modes[BodyIndex(i)];
+    speed = std::max(speed, fastest(body, length_, scales_.speeds().segment(modes.first_u, modes.n_u)));
   }
   return {place, speed / length_};
 }

@@ -81,6 +81,7 @@ class States {
   const Equations* equations_;
   Kinematics kinematics_;
   double length_;
+  Scales scales_;
   double rate_;
   std::vector<JointMeasure> measures_;
   std::vector<NonholonomicConstraint> nonholonomic_;
