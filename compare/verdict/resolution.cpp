@@ -33,26 +33,6 @@ VecX largest_displacements(const Body& body) {
   return largest;
 }
 
-/// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
-/// as they may be nothing but round-off.
-double distance(const State& one, const State& other, const StateSizes& sizes) {
-  double largest = 0.0;
-  const auto take = [&](const VecX& difference, double size) {
-    if (size > 0.0) largest = std::max(largest, largest_of(difference) / size);
-  };
-  for (std::size_t i = 1; i < one.bodies.size(); ++i) {
-    const BodyState& a = one.bodies[i];
-    const BodyState& b = other.bodies[i];
-    take(a.r - b.r, sizes.place);
-    largest = std::max(largest, std::min((a.p - b.p).norm(), (a.p + b.p).norm()));
-    take(a.v - b.v, sizes.velocity);
-    take(a.omega - b.omega, sizes.turning);
-    take((a.a - b.a).cwiseProduct(sizes.shapes[i]), sizes.place);
-    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), sizes.velocity);
-  }
-  return largest;
-}
-
 /// The largest over the components that belong together: three of a force, of a torque and of an acceleration, all
 /// modes.
 void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
@@ -73,6 +53,24 @@ void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
 }
 
 }  // namespace
+
+double distance(const State& one, const State& other, const StateSizes& sizes) {
+  double largest = 0.0;
+  const auto take = [&](const VecX& difference, double size) {
+    if (size > 0.0) largest = std::max(largest, largest_of(difference) / size);
+  };
+  for (std::size_t i = 1; i < one.bodies.size(); ++i) {
+    const BodyState& a = one.bodies[i];
+    const BodyState& b = other.bodies[i];
+    take(a.r - b.r, sizes.place);
+    largest = std::max(largest, std::min((a.p - b.p).norm(), (a.p + b.p).norm()));
+    take(a.v - b.v, sizes.velocity);
+    take(a.omega - b.omega, sizes.turning);
+    take((a.a - b.a).cwiseProduct(sizes.shapes[i]), sizes.place);
+    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), sizes.velocity);
+  }
+  return largest;
+}
 
 StateSizes sizes_of(const Model& model, const State& state) {
   const double length = model.length_scale();

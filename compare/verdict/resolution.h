@@ -49,6 +49,10 @@ struct StateSizes {
 };
 StateSizes sizes_of(const Model& model, const State& state);
 
+/// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
+/// as they may be nothing but round-off.
+double distance(const State& one, const State& other, const StateSizes& sizes);
+
 /// `state` with every number moved by at most so many units of round-off of its kind's size, the same for the same
 /// seed; by the opposite numbers of units, if they are negative.
 State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed, double units = 1.0);

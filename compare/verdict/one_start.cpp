@@ -1,0 +1,61 @@
+#include "compare/verdict/one_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "compare/verdict/resolution.h"
+
+namespace concord::compare {
+
+namespace {
+
+/// The farthest that closing from round-off around a start ends from it; nothing if it closes from too few.
+std::optional<double> known_to(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
+  const StateSizes sizes = sizes_of(model, start);
+  double farthest = 0.0;
+  int closed = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto found = solver.close(draw_within_roundoff(start, sizes, seed + static_cast<std::uint64_t>(draw)));
+    if (!found) continue;
+    farthest = std::max(farthest, distance(*found, start, sizes));
+    ++closed;
+  }
+  if (closed < kFewestDraws) return std::nullopt;
+  return farthest;
+}
+
+bool accepts(Solver& solver, const State& state) {
+  try {
+    (void)solver.evaluate(state);
+    return true;
+  } catch (const SolverError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
+                                  const std::array<State, 2>& starts, std::uint64_t seed) {
+  const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
+  if (!(apart > kSameClosing)) return std::nullopt;
+  double known = HUGE_VAL;
+  for (std::size_t who = 0; who < 2; ++who) {
+    const auto found = known_to(model, *solvers[who], starts[who], seed);
+    if (!found) return std::nullopt;
+    known = std::min(known, *found);
+  }
+  if (apart > kWithinResolution * known) return std::nullopt;
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (!accepts(*solvers[1 - who], starts[who])) continue;
+    return OneStart{starts[who], fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
+                                             "as near a singular pose: both solvers run from the start of {}",
+                                             known, solvers[who]->name())};
+  }
+  return std::nullopt;
+}
+
+}  // namespace concord::compare

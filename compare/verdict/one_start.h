@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/solver.h"
+
+/// Where closing knows a start less well than round-off, as near a singular pose, both solvers run from the same one.
+namespace concord::compare {
+
+/// A start for both, and a note that says so.
+struct OneStart {
+  State state;
+  std::string note;
+};
+
+/// Nothing if the two starts are the same within kSameClosing, if they differ by more than closing explains, or if
+/// neither solver accepts that of the other. What closing explains is measured by each solver alone: how far it ends
+/// from its own start when it closes anew from round-off around it; they differ by no more than kWithinResolution times
+/// what the solver that knows better finds.
+std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
+                                  const std::array<State, 2>& starts, std::uint64_t seed);
+
+}  // namespace concord::compare
