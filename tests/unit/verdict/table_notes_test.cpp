@@ -1,0 +1,42 @@
+#include "compare/verdict/table_notes.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/fake_pendulum.h"
+
+namespace concord::compare {
+namespace {
+
+const std::vector<double> kX{-2.0, -0.3, -0.2, 0.2, 0.3, 2.0};
+
+TEST(TableNotes, ACubicThatLeavesItsPointsIsTold) {
+  Model model = pendulum_model();
+  JointSpring spring;
+  spring.law.damper_table = ForceTable(kX, {-7.0, -7.0, 0.0, 0.0, 7.0, 7.0});
+  model.joints[0].springs = {spring};
+  const std::vector<std::string> notes = notes_on_tables(model);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(notes[0].starts_with("the damper_table of joint 'A' leaves its points: the cubic through them reaches "))
+      << notes[0];
+  EXPECT_NE(notes[0].find("between -7 at -2 and -7 at -0.3: give more points where it bends"), std::string::npos)
+      << notes[0];
+}
+
+TEST(TableNotes, AForceElementIsNamedToo) {
+  Model model = sprung_pendulum_model();
+  std::get<LineSpring>(model.elements[0].what).law.spring_table = ForceTable(kX, {-7.0, -7.0, 0.0, 0.0, 7.0, 7.0});
+  const std::vector<std::string> notes = notes_on_tables(model);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(notes[0].starts_with("the spring_table of force element 'strut' leaves its points")) << notes[0];
+}
+
+TEST(TableNotes, ATableThatStaysBetweenItsPointsIsNoNews) {
+  Model model = pendulum_model();
+  JointSpring spring;
+  spring.law.spring_table = ForceTable({-2.0, -1.0, 0.1, 1.0, 2.0}, {-5.0, -2.0, 0.2, 2.1, 5.5});
+  model.joints[0].springs = {spring};
+  EXPECT_TRUE(notes_on_tables(model).empty());
+}
+
+}  // namespace
+}  // namespace concord::compare
