@@ -11,6 +11,7 @@
 #include "cartesian/evaluation.h"
 #include "cartesian/joint_coordinates.h"
 #include "cartesian/line_watch.h"
+#include "cartesian/pace.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/residual_measures.h"
 #include "cartesian/state_check.h"
@@ -32,33 +33,8 @@ struct FrozenRegimes {
   FrozenRegimes& operator=(const FrozenRegimes&) = delete;
 };
 
-/// Refuses a run that would never end: an explicit method on a stiff machine, or a motion into a pose that locks.
-class Pace {
- public:
-  /// `advice` ends the message: what to do about a stiff machine.
-  Pace(double until, std::string advice) : until_(until), advice_(std::move(advice)) {}
-
-  /// Throws SolverError if a thousandth of the run takes too many evaluations.
-  void require(double t, long evaluations) {
-    constexpr long kMost = 300'000;
-    constexpr double kPart = 1e-3;
-    if (t - since_ > kPart * until_) {
-      since_ = t;
-      evaluations_then_ = evaluations;
-    }
-    if (evaluations - evaluations_then_ <= kMost) return;
-    throw SolverError(fmt::format(
-        "cartesian: at t = {:.6g} s {} evaluations brought the run {:.1e} s further: the motion locks there, "
-        "or is too stiff for this integrator{}",
-        t, kMost, t - since_, advice_));
-  }
-
- private:
-  double until_;
-  std::string advice_;
-  double since_ = 0.0;
-  long evaluations_then_ = 0;
-};
+/// How much more an evaluation costs where Newton's method takes it.
+constexpr double kCostOfNewton = 3.0;
 
 std::string integrator_of(const RunOptions& options) {
   return options.integrator.empty() ? integrator_names().front() : options.integrator;
@@ -104,7 +80,8 @@ class Run {
         stepper_(make_stepper(dynamics, options, motion_)),
         lines_(0.0, equations_.applied(), equations_.length()),
         watch_(dynamics, machine.generic, 0.0, motion_),
-        pace_(options.until, options.integrator == "ida" ? "" : ": try --cartesian-integrator ida"),
+        pace_(options.integrator == "ida" ? Pace(options.until, "", kCostOfNewton)
+                                          : Pace(options.until, ": try --cartesian-integrator ida")),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}
@@ -148,6 +125,8 @@ class Run {
       pace_.require(reached, stepper_->evaluations());
       return reached;
     } catch (const SingularPose&) {
+      throw;
+    } catch (const TooManyEvaluations&) {
       throw;
     } catch (const SolverError& error) {
       watch_.explain_stop(error.what());

@@ -52,4 +52,11 @@ class SingularPose : public SolverError {
   using SolverError::SolverError;
 };
 
+/// A run that takes more evaluations than are reasonable: its integrator is not made for this machine, or the motion
+/// locks.
+class TooManyEvaluations : public SolverError {
+ public:
+  using SolverError::SolverError;
+};
+
 }  // namespace concord

@@ -19,10 +19,6 @@ constexpr double kFinestStep = 2e-15;
 /// change fast, leaves more in the power of drivers than steps could remove.
 constexpr double kFinestWork = 1e-12;
 
-/// More evaluations than this within this part of a run get nowhere.
-constexpr long kMostEvaluationsWithoutAdvance = 300'000;
-constexpr double kLeastAdvance = 1e-3;
-
 }  // namespace
 
 IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const Coordinates& start,
@@ -34,11 +30,10 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       qdot_(VecX::Zero(equations.topology().n_q)),
       has_work_(equations.has_drivers() || equations.has_applied_forces() || equations.model().is_flexible()),
       rtol_(integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol),
-      until_(options.until),
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      advice_if_stiff_(integrator == "dirk" ? "" : ": try --relative-integrator dirk") {
+      pace_(options.until, integrator == "dirk" ? "" : ": try --relative-integrator dirk") {
   watch_.pass(start);
   follow_lines();
 }
@@ -66,23 +61,6 @@ void IntegrationRun::weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> wei
   weights = weights.cwiseInverse();
 }
 
-/// Refuses steps that get nowhere, as where a loop is driven into a pose that locks it.
-void IntegrationRun::require_advance(double t) {
-  if (t - paced_from_ > kLeastAdvance * until_) {
-    paced_from_ = t;
-    evaluations_before_ = evaluations_;
-  }
-  if (evaluations_ - evaluations_before_ <= kMostEvaluationsWithoutAdvance) return;
-  const std::string place = equations_->closure().n_rows() > 0
-                                ? fmt::format("; {} has the largest multiplier there",
-                                              equations_->closure().worst_place(equations_->loops().solution().lambda))
-                                : "";
-  throw SolverError(
-      fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
-                  "integrator{}{}",
-                  kMostEvaluationsWithoutAdvance, t - paced_from_, advice_if_stiff_, place));
-}
-
 bool IntegrationRun::count_turns(Eigen::Ref<VecX> y) {
   constexpr double kMany = 10.0;
   const VecX more = equations_->kinematics().whole_turns(coordinates_.q, kMany);
@@ -94,10 +72,10 @@ bool IntegrationRun::count_turns(Eigen::Ref<VecX> y) {
 }
 
 void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
-  require_advance(t);
-  largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
-  coordinates_.t = t;
   variables_.unpack(y, coordinates_);
+  coordinates_.t = t;
+  pace_.pass(t, evaluations_, *equations_, coordinates_);
+  largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
   assembly_->project(coordinates_);
   variables_.pack(coordinates_.q, coordinates_.u, y);
   watch_.pass(coordinates_);
@@ -141,6 +119,7 @@ Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<co
 void IntegrationRun::remember(const SolverError& error) {
   last_reason_ = error.what();
   is_singular_ = dynamic_cast<const SingularPose*>(&error) != nullptr;
+  is_costly_ = dynamic_cast<const TooManyEvaluations*>(&error) != nullptr;
 }
 
 void IntegrationRun::throw_stopped(double t, const std::string& message) const {
@@ -149,6 +128,7 @@ void IntegrationRun::throw_stopped(double t, const std::string& message) const {
   const std::string text = fmt::format("relative: at t = {:.6g} s {}", t, plain);
   const std::string what = plain.starts_with("at t = ") ? "relative: " + plain : text;
   if (is_singular_ && !last_reason_.empty()) throw SingularPose(what);
+  if (is_costly_ && !last_reason_.empty()) throw TooManyEvaluations(what);
   throw SolverError(what);
 }
 

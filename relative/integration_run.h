@@ -6,6 +6,7 @@
 #include "relative/assembly.h"
 #include "relative/integrated_variables.h"
 #include "relative/line_watch.h"
+#include "relative/pace.h"
 #include "relative/singularity_watch.h"
 #include "relative/states.h"
 #include "relative/stepper.h"
@@ -41,14 +42,14 @@ class IntegrationRun {
   /// The last evaluation or projection that failed, which may be why the integrator does.
   void remember(const SolverError& error);
   void forget_failure() { last_reason_.clear(); }
-  /// Throws SolverError, or SingularPose if that was the last failure; without one, `message` is the reason.
+  /// Throws SolverError, or SingularPose or TooManyEvaluations if that was the last failure; without one, `message` is
+  /// the reason.
   [[noreturn]] void throw_stopped(double t, const std::string& message) const;
 
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] double largest_work() const { return largest_work_; }
 
  private:
-  void require_advance(double t);
   void follow_lines();
 
   Equations* equations_;
@@ -58,17 +59,15 @@ class IntegrationRun {
   VecX qdot_;
   bool has_work_;
   double rtol_;
-  double until_;
   VecX sizes_;
   SingularityWatch watch_;
   LineWatch lines_;
-  std::string advice_if_stiff_;  // ends a message
+  Pace pace_;
   double largest_work_ = 0.0;
   std::string last_reason_;
   bool is_singular_ = false;  // whether that was a singular pose
+  bool is_costly_ = false;    // whether too many evaluations were made
   long evaluations_ = 0;
-  double paced_from_ = 0.0;
-  long evaluations_before_ = 0;
 };
 
 /// Calls of an integrator that end in the run, which must outlive it. A pose that cannot be evaluated asks it for a

@@ -25,6 +25,8 @@
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
+#include "compare/verdict/stiff_choice.h"
+#include "compare/verdict/table_notes.h"
 
 namespace concord::compare {
 
@@ -296,17 +298,25 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, *solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;
+    MadeBy made_by;
     {
       ProgressLine line(console);
-      trajectory = solver->integrate(run, [&](double t) {
+      const bool may_switch = command.options.integrators[command.is_cartesian ? 0 : 1].empty();
+      const auto tell = [&](double t) {
         line.show(fmt::format("{}: {} {} %", model.name, solver->name(), percent(t / run.until)));
-      });
+      };
+      trajectory = integrate_or_switch(*solver, run, may_switch, tell, made_by);
+      run.integrator = made_by.integrator;
     }
     console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
                                solver->name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
-    if (!note.empty()) console.out << fmt::format("note: {}\n", note);
+    std::vector<std::string> notes = notes_on_tables(model);
+    notes.insert(notes.end(), {note, made_by.note});
+    for (const std::string& one : notes) {
+      if (!one.empty()) console.out << fmt::format("note: {}\n", one);
+    }
     const QuantityLayout layout(model);
     const RunCheck check = check_run(layout, *solver, trajectory, run);
     console.out << format_run_check(layout, solver->name(), check);

@@ -81,6 +81,14 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
+bool a_run_stands(const Model& model, const RunPair& looser, const RunPair& tighter) {
+  constexpr double kTheSame = 14.0;  // digits
+  if (!looser.is_complete() || !tighter.is_complete()) return false;
+  if (looser.run.samples != tighter.run.samples) return false;
+  const std::array<double, 2> digits = own_motion_digits(model, looser, tighter);
+  return std::max(digits[0], digits[1]) >= kTheSame;
+}
+
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
                                             Rung rung, double motion_need, Verdict& verdict) {
   const std::vector<QuantityRow*> missing = rows_that_miss(verdict, rung);

@@ -12,6 +12,7 @@
 #include "compare/verdict/align.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/refinement.h"
+#include "compare/verdict/stiff_choice.h"
 
 namespace concord::compare {
 
@@ -48,11 +49,13 @@ RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
 RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures) {
   progress_.begin(what);
   std::array<std::future<Trajectory>, 2> running;
+  std::array<MadeBy, 2> made_by;
   for (const Who who : kBothSolvers) {
-    running[index(who)] = std::async(std::launch::async, [this, run, what, who] {
+    running[index(who)] = std::async(std::launch::async, [this, run, what, who, &made_by] {
       RunOptions own = run;
       own.integrator = verdict_.solvers[index(who)].integrator;
-      return solvers_[index(who)]->integrate(own, [&](double t) { progress_.advance(what, who, t / own.until); });
+      const auto tell = [&](double t) { progress_.advance(what, who, t / own.until); };
+      return integrate_or_switch(*solvers_[index(who)], own, may_switch_[index(who)], tell, made_by[index(who)]);
     });
   }
   RunPair pair{run, {}, {}, {}, {}};
@@ -62,6 +65,11 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
     } catch (const SolverError& error) {
       failures.push_back(fmt::format("{}: {}", what, error.what()));
     }
+  }
+  for (const Who who : kBothSolvers) {
+    if (made_by[index(who)].note.empty()) continue;
+    verdict_.solvers[index(who)].integrator = made_by[index(who)].integrator;
+    verdict_.notes.push_back(fmt::format("{}: {}", what, made_by[index(who)].note));
   }
   return pair;
 }
@@ -157,8 +165,9 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
   std::optional<RunPair> looser;
   // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor.
   const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
-  if (!is_far && verdict_.findings.empty()) {
-    looser = run_looser(pair.run, rung);
+  const bool stands = is_far && a_run_stands(layout_.model(), *compared, pair);
+  if ((!is_far || stands) && verdict_.findings.empty()) {
+    looser = run_looser(stands ? compared->run : pair.run, rung);
     if (!looser) return false;
     compared = &*looser;
   }

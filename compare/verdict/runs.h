@@ -27,8 +27,11 @@ class RunRungs {
            RungProgress& progress, Verdict& verdict);
 
   /// Both solvers at once, each in its own thread and by the integrator that the verdict names; neither sees the other.
-  /// Who does not finish is a failure. Nothing is judged.
+  /// Who does not finish is a failure. Nothing is judged. A solver whose first integrator takes too long, and that may
+  /// switch, goes on by its second from then on; a note says so.
   RunPair integrate(const RunOptions& run, Rung rung);
+  /// Whose integrator was not asked for, by Who.
+  void allow_switching(const std::array<bool, 2>& may_switch) { may_switch_ = may_switch; }
 
   /// Judges complete runs, whose states were weighed, or their repetition at tighter tolerances, which is left in
   /// `pair`.
@@ -61,6 +64,7 @@ class RunRungs {
   Judge& judge_;
   RungProgress& progress_;
   Verdict& verdict_;
+  std::array<bool, 2> may_switch_{};
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
   OrderStudy orders_;

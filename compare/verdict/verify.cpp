@@ -16,10 +16,12 @@
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
+#include "compare/verdict/one_start.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/sums.h"
+#include "compare/verdict/table_notes.h"
 #include "compare/verdict/third_words.h"
 #include "compare/verdict/two_by_two.h"
 
@@ -89,6 +91,10 @@ class Verification {
   void climb() {
     check_rank();
     make_rows(layout_, verdict_);
+    if (const auto same = one_start(model_, solvers_, starts_, options_.seed)) {
+      verdict_.run.start = same->state;
+      verdict_.notes.push_back(same->note);
+    }
     RunPair pair = runs_.integrate(verdict_.run, Rung::same_run);
     ask_in_same_states(view(pair.trajectories));
     runs_.judge_same_run(pair, same_state_.weighed());
@@ -114,6 +120,8 @@ class Verification {
       summary.integrator = chosen_integrator(model_, solver, options_.integrators[index(who)]);
       summary.cut_joints = solver.cut_joints();
     }
+    runs_.allow_switching({options_.integrators[0].empty(), options_.integrators[1].empty()});
+    for (std::string& note : notes_on_tables(model_)) verdict_.notes.push_back(std::move(note));
   }
 
   bool assemble() {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "common/solver.h"
+
+/// What becomes of a run that is too stiff for its integrator.
+namespace concord::compare {
+
+/// Which integrator made a run, and a note if it is another than the one that was tried first.
+struct MadeBy {
+  std::string integrator;
+  std::string note;
+};
+
+/// Integrates by `run.integrator`. If that takes too many evaluations, `may_switch` is set, and it is the first that
+/// the solver has, integrates by the second, which is for stiff machines. Throws what the solver throws; where both
+/// take too many, TooManyEvaluations with both messages.
+Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
+                               MadeBy& made_by);
+
+}  // namespace concord::compare

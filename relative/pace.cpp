@@ -1,0 +1,81 @@
+#include "relative/pace.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace concord::relative {
+
+namespace {
+
+/// |udot_c| changes by so much where entry k of `moved`, the coordinates or the speeds, changes by `step`.
+double change(Equations& equations, const Coordinates& at, VecX Coordinates::*moved, int k, int c, double step) {
+  Coordinates there = at;
+  double udot[2];
+  for (const int side : {0, 1}) {
+    (there.*moved)(k) = (at.*moved)(k) + (side == 0 ? step : -step);
+    udot[side] = equations.compute_accelerations(there.t, there.q, there.u).udot()(c);
+  }
+  return 0.5 * std::abs(udot[0] - udot[1]);
+}
+
+std::string place_of(Equations& equations, const Coordinates& at) {
+  std::string text;
+  if (equations.closure().n_rows() > 0) {
+    text = fmt::format("; {} has the largest multiplier there",
+                       equations.closure().worst_place(equations.loops().solution().lambda));
+  }
+  Equations alone(equations.model());
+  alone.count_turns(equations.kinematics().turns());
+  const FastestMotion fastest = fastest_motion(alone, at);
+  if (fastest.of.empty()) return text;
+  return text + fmt::format("; the fastest motion there is that of {}, at {:.1e} per s", fastest.of, fastest.rate);
+}
+
+}  // namespace
+
+Pace::Pace(double until, std::string advice) : until_(until), advice_(std::move(advice)) {}
+
+void Pace::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
+  for (Count& count : counts_) {
+    if (evaluations - count.from_evaluations > count.most) {
+      throw TooManyEvaluations(
+          fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
+                      "integrator{}{}",
+                      count.most, t - count.from_t, advice_, place_of(equations, coordinates)));
+    }
+    if (t - count.from_t <= count.part * until_) continue;
+    count.from_t = t;
+    count.from_evaluations = evaluations;
+  }
+}
+
+FastestMotion fastest_motion(Equations& equations, const Coordinates& at) {
+  constexpr double kStep = 1e-7;
+  FastestMotion fastest;
+  const Topology& topology = equations.topology();
+  const double length = machine_length(equations.model());
+  for (const JointIndex k : upward<JointIndex>(topology.joints.size())) {
+    const Span& span = topology.joints[k];
+    const Mobilizer& mobilizer = equations.kinematics().mobilizer(k);
+    for (int c = 0; c < mobilizer.n_u(); ++c) {
+      const int place = span.first_u + c;
+      if (place >= topology.n_tree_u || equations.driven()[place] != 0) continue;
+      const double step = kStep * (mobilizer.kind(c).is_length ? length : 1.0);
+      try {
+        double rate = change(equations, at, &Coordinates::u, place, place, step) / step;
+        if (span.n_q == span.n_u) {
+          const double of_place = change(equations, at, &Coordinates::q, span.first_q + c, place, step) / step;
+          rate = std::max(rate, std::sqrt(of_place));
+        }
+        if (rate > fastest.rate) fastest = {fmt::format("joint '{}'", equations.model().joints[k].name), rate};
+      } catch (const SolverError&) {  // not defined so near to here
+      }
+    }
+  }
+  return fastest;
+}
+
+}  // namespace concord::relative

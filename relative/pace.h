@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+#include "relative/coordinates.h"
+#include "relative/equations.h"
+
+namespace concord::relative {
+
+/// Counts what a run costs and refuses one that gets nowhere. Three counts begin anew after a thousandth, a hundredth
+/// and a tenth of the run; an event that is hard but short stays within them.
+class Pace {
+ public:
+  /// `until` [s]: the length of the run; `advice`: how the message of an integrator that is not made for stiff machines
+  /// goes on.
+  Pace(double until, std::string advice);
+
+  /// Throws TooManyEvaluations where `evaluations` since the start of the run are too many for what it gained up to
+  /// t [s]. The message names the loop with the largest multiplier, or the joint whose motion is the fastest.
+  void pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates);
+
+ private:
+  struct Count {
+    double part;
+    long most;
+    double from_t = 0.0;
+    long from_evaluations = 0;
+  };
+
+  double until_;
+  std::string advice_;
+  Count counts_[3] = {{1e-3, 300'000}, {1e-2, 400'000}, {0.1, 2'400'000}};
+};
+
+/// The joint whose own speed changes its own acceleration, or whose own place does, at the largest rate
+/// [1/s] at these coordinates; nothing if no such rate exceeds the others. For messages.
+struct FastestMotion {
+  std::string of;
+  double rate = 0.0;
+};
+FastestMotion fastest_motion(Equations& equations, const Coordinates& coordinates);
+
+}  // namespace concord::relative

@@ -1,0 +1,82 @@
+#include "relative/pace.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "machines.h"
+#include "relative/assembly.h"
+
+namespace concord::relative {
+namespace {
+
+/// Two bodies in a row, the second on a spring of `stiffness` against a damper of `damping`.
+struct TwoOnHinges {
+  Model model;
+
+  TwoOnHinges(double stiffness, double damping) {
+    test::Numbers numbers(71);
+    model.file = "two.toml";
+    model.bodies = {test::ground(), test::rigid_body("first", numbers), test::rigid_body("second", numbers)};
+    model.joints = {test::joint(model, "shoulder", "revolute", 0, 1, numbers),
+                    test::joint(model, "elbow", "revolute", 1, 2, numbers)};
+    JointSpring spring;
+    spring.law.stiffness = stiffness;
+    spring.law.damping = damping;
+    model.joints[1].springs = {spring};
+  }
+};
+
+FastestMotion fastest_of(const Model& model) {
+  Equations equations(model);
+  Assembly assembly(equations);
+  return fastest_motion(equations, assembly.start());
+}
+
+TEST(RelativePace, NamesTheJointThatIsTooStiff) {
+  const TwoOnHinges one(4e8, 0.0);
+  const TwoOnHinges hundredfold(4e10, 0.0);
+  const FastestMotion found = fastest_of(one.model);
+  EXPECT_EQ(found.of, "joint 'elbow'");
+  EXPECT_NEAR(fastest_of(hundredfold.model).rate, 10.0 * found.rate, 1e-3 * found.rate);
+  const TwoOnHinges damped(0.0, 3e6);
+  const TwoOnHinges tenfold(0.0, 3e7);
+  EXPECT_EQ(fastest_of(damped.model).of, "joint 'elbow'");
+  EXPECT_NEAR(fastest_of(tenfold.model).rate / fastest_of(damped.model).rate, 10.0, 1e-3);
+}
+
+TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
+  const TwoOnHinges machine(4e8, 0.0);
+  Equations equations(machine.model);
+  Assembly assembly(equations);
+  const Coordinates start = assembly.start();
+  Pace pace(2.0, ": try another");
+  long evaluations = 0;
+  double t = 0.0;
+  try {
+    for (; t < 2.0; t += 1e-4) pace.pass(t, evaluations += 4000, equations, start);  // 80 million in all
+    FAIL() << "80 million evaluations were let pass";
+  } catch (const TooManyEvaluations& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(
+        text.starts_with("400000 evaluations were needed for 1.0e-02 s: something there locks, or is too stiff "
+                         "for this integrator: try another; the fastest motion there is that of joint 'elbow', "
+                         "at "))
+        << text;
+  }
+  EXPECT_LT(t, 0.05);
+}
+
+TEST(RelativePace, LetsAShortHardPhasePass) {
+  const TwoOnHinges machine(3.0, 0.1);
+  Equations equations(machine.model);
+  Assembly assembly(equations);
+  const Coordinates start = assembly.start();
+  Pace pace(2.0, "");
+  long evaluations = 250'000;
+  pace.pass(1e-5, evaluations, equations, start);
+  for (double t = 1e-3; t < 2.0; t += 1e-3) pace.pass(t, evaluations += 400, equations, start);
+}
+
+}  // namespace
+}  // namespace concord::relative
