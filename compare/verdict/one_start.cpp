@@ -15,10 +15,13 @@ namespace {
 /// The farthest that closing from round-off around a start ends from it; nothing if it closes from too few.
 std::optional<double> known_to(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
   const StateSizes sizes = sizes_of(model, start);
+  // A state that closes within round-off is left as it is: begin a little outside.
+  constexpr double kUnits = 64.0;
   double farthest = 0.0;
   int closed = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const auto found = solver.close(draw_within_roundoff(start, sizes, seed + static_cast<std::uint64_t>(draw)));
+    const auto of_draw = seed + static_cast<std::uint64_t>(draw);
+    const auto found = solver.close(draw_within_roundoff(start, sizes, of_draw, kUnits));
     if (!found) continue;
     farthest = std::max(farthest, distance(*found, start, sizes));
     ++closed;
@@ -42,11 +45,11 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
                                   const std::array<State, 2>& starts, std::uint64_t seed) {
   const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
   if (!(apart > kSameClosing)) return std::nullopt;
-  double known = HUGE_VAL;
+  double known = 0.0;
   for (std::size_t who = 0; who < 2; ++who) {
     const auto found = known_to(model, *solvers[who], starts[who], seed);
-    if (!found) return std::nullopt;
-    known = std::min(known, *found);
+    if (!found || *found <= kSameClosing) return std::nullopt;
+    known = std::max(known, *found);
   }
   if (apart > kWithinResolution * known) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {

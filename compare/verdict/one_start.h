@@ -18,8 +18,8 @@ struct OneStart {
 
 /// Nothing if the two starts are the same within kSameClosing, if they differ by more than closing explains, or if
 /// neither solver accepts that of the other. What closing explains is measured by each solver alone: how far it ends
-/// from its own start when it closes anew from round-off around it; they differ by no more than kWithinResolution times
-/// what the solver that knows better finds.
+/// from its own start when it closes anew from round-off around it. Both must find more than kSameClosing, so that the
+/// pose is to blame and not one solver; then the starts may differ by kWithinResolution times the larger.
 std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
                                   const std::array<State, 2>& starts, std::uint64_t seed);
 

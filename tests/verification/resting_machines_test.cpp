@@ -28,7 +28,7 @@ Model stopping_four_bar(const std::string& law) {
                R"([[joint]]
 name = "A"
 type = "revolute"
-parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0], angle = "30 deg" }
+parent = { body = "ground", point = [0.02, -0.01, 0.03] }
 child = "crank"
 drive.turn_z = )" +
                law + R"(
@@ -46,8 +46,8 @@ child = { body = "rocker", point = [0.26, 0, 0] }
 [[joint]]
 name = "D"
 type = "revolute"
-parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0], angle = "30 deg" }
-child = { body = "rocker", point = [-0.31, 0.06, 0] }
+parent = { body = "ground", point = [0.34, -0.05, 0.03] }
+child = "rocker"
 start.turn_z = { guess = "75 deg" }
 [run]
 until = 0.5

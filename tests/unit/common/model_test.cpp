@@ -81,6 +81,8 @@ TEST(Model, GuessedPosesHaveTheStartCoordinates) {
 TEST(Model, GuessedPosesHoldTheDeformationOfTheStart) {
   Model model = chain_of_three();
   model.bodies[1].a_start = Eigen::Vector2d(0.7, -1.9);
+  model.joints[0].sides[index(Side::child)].Psi_t_L = Mat3X::Zero(3, 2);
+  model.joints[0].sides[index(Side::child)].Psi_r_L = Mat3X::Zero(3, 2);
   Attachment& bent = model.joints[1].sides[index(Side::child)];
   ASSERT_EQ(bent.body, 1);
   bent.Psi_t_L.resize(3, 2);

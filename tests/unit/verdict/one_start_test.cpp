@@ -34,7 +34,9 @@ struct Pair {
   /// The start of the second one turns faster by this part.
   std::optional<OneStart> starts_apart(double part) {
     std::array<State, 2> starts{cartesian.assemble(), relative.assemble()};
-    starts[1].bodies[1].omega *= 1.0 + part;
+    Model faster = model;
+    faster.joints[0].start[0].u *= 1.0 + part;
+    starts[1] = FakePendulum(faster, "faster").assemble();
     return one_start(model, {&cartesian, &relative}, starts, 3);
   }
 };
@@ -44,13 +46,13 @@ TEST(OneStart, BothStartFromOneWhereClosingKnowsNoBetter) {
   const auto found = pair.starts_apart(1e-7);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->state.bodies[1].omega, pair.cartesian.assemble().bodies[1].omega);
-  EXPECT_TRUE(found->note.starts_with("closing from round-off around the start ends 4.")) << found->note;
+  EXPECT_TRUE(found->note.starts_with("closing from round-off around the start ends 7.")) << found->note;
   EXPECT_TRUE(found->note.ends_with("both solvers run from the start of cartesian")) << found->note;
 }
 
 TEST(OneStart, StartsThatDifferByMoreAreADifference) {
   Pair pair(4e-8, 7e-8);
-  EXPECT_FALSE(pair.starts_apart(1e-6));
+  EXPECT_FALSE(pair.starts_apart(3e-6));
 }
 
 TEST(OneStart, OneSolverThatDoesNotKnowItsStartIsNoExcuseForTheOther) {
