@@ -126,8 +126,6 @@ class Run {
       return reached;
     } catch (const SingularPose&) {
       throw;
-    } catch (const TooManyEvaluations&) {
-      throw;
     } catch (const SolverError& error) {
       watch_.explain_stop(error.what());
       throw;

@@ -89,7 +89,6 @@ class ArticulatedInertias {
   void gather_columns(LinkIndex l, const VecX& udot);
   template <int N>
   [[gnu::flatten]] void eliminate_rigid(LinkIndex l);
-  void dispatch_rigid(LinkIndex l);
   void eliminate_flexible(LinkIndex l);
   [[gnu::noinline]] void add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p);
   template <int N>

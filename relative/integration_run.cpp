@@ -98,21 +98,22 @@ Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<co
   variables_.unpack(y, coordinates_);
   Sample sample;
   sample.work = y(variables_.work());
+  const Evaluated* evaluated = nullptr;
   try {
     lines_.settle();
     assembly_->project(coordinates_);
-    const Evaluated& evaluated = equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
-    assembly_->closure_rank().require_general(coordinates_, evaluated);
-    assembly_->closure_rank().require_agreeing_rows(coordinates_, evaluated);
+    evaluated = &equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+    assembly_->closure_rank().require_general(coordinates_, *evaluated);
+    assembly_->closure_rank().require_agreeing_rows(coordinates_, *evaluated);
     sample.state = states.write(equations_->motion(), before);
     (void)states.read_closed(sample.state);
-    const JointReactions& reactions = equations_->compute_reactions(evaluated);
-    require_modal_balance(reactions, equations_->model(), t);
-    sample.evaluation = states.write_evaluation(evaluated, reactions);
   } catch (const SolverError& error) {
     remember(error);
     throw_stopped(t, last_reason_);
   }
+  const JointReactions& reactions = equations_->compute_reactions(*evaluated);
+  require_modal_balance(reactions, equations_->model(), t);
+  sample.evaluation = states.write_evaluation(*evaluated, reactions);
   return sample;
 }
 

@@ -19,7 +19,7 @@ using SolverMaker = std::function<std::unique_ptr<Solver>(const Model&)>;
 struct Trial {
   /// By how many digits the difference closed, in the state where it did so least.
   double digits = 0.0;
-  /// "body hub", "body hub and 2 others", "both ends of force element strut": where loads were added.
+  /// "body hub", "body hub and 2 others", "force element strut": where loads were added.
   std::string where;
 
   [[nodiscard]] bool confirms() const { return digits >= 2.0; }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "compare/nightly/database.h"
-#include "compare/report/origin.h"
 #include "compare/nightly/result.h"
+#include "compare/report/origin.h"
 
 /// What nights found, kept for ever in a SQLite file.
 namespace concord::compare::nightly {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "compare/nightly/command.h"
-#include "compare/report/origin.h"
 #include "compare/nightly/result.h"
+#include "compare/report/origin.h"
 
 /// The folder by which the jobs of one night on a cluster know of each other. Every file in it is there in full or not
 /// at all.

@@ -10,6 +10,8 @@
 #include "compare/report/table.h"
 #include "compare/verdict/branch.h"
 #include "compare/verdict/run_check.h"
+#include "compare/verdict/stiff_choice.h"
+#include "compare/verdict/table_notes.h"
 
 /// The commands `compare` and `run` of the program, with results in memory.
 namespace concord::compare::python {
@@ -52,7 +54,9 @@ Compared compare_model(const Model& model, const VerifyOptions& options, const S
   const auto started = std::make_shared<Model>(analyses::as_it_starts(model, makers, note));
   std::string branch;
   const auto [cartesian, relative] = make_solvers_on_one_branch(*started, makers, branch);
-  Verdict verdict = verify(*started, *cartesian, *relative, options);
+  VerifyOptions own = options;
+  own.makers = &makers;
+  Verdict verdict = verify(*started, *cartesian, *relative, own);
   for (const std::string& one : {note, branch}) {
     if (!one.empty()) verdict.notes.push_back(one);
   }
@@ -80,13 +84,20 @@ std::shared_ptr<Run> run_model(const Model& model, const std::string& name, cons
   const auto solver = (is_cartesian(model, name) ? makers.cartesian : makers.relative)(*started);
   RunOptions run = run_options(*started, options);
   run.integrator = chosen_integrator(*started, *solver, integrator);
+  MadeBy made_by;
+  Trajectory trajectory = integrate_or_switch(*solver, run, integrator.empty(), {}, made_by);
+  run.integrator = made_by.integrator;
   auto found =
-      std::make_shared<Run>(Run{started, name, run.integrator, run.rtol, solver->integrate(run, {}), std::nullopt, ""});
+      std::make_shared<Run>(Run{started, name, run.integrator, run.rtol, std::move(trajectory), std::nullopt, ""});
   const QuantityLayout layout(*started);
   RunCheck check = check_run(layout, *solver, found->trajectory, run);
   found->check = format_run_check(layout, name, check);
   if (!check.holds()) throw SolverError(found->check);
-  if (!note.empty()) found->check += fmt::format("note: {}\n", note);
+  std::vector<std::string> notes = notes_on_tables(*started);
+  notes.insert(notes.end(), {note, made_by.note});
+  for (const std::string& one : notes) {
+    if (!one.empty()) found->check += fmt::format("note: {}\n", one);
+  }
   found->unique = std::move(check.unique);
   return found;
 }

@@ -62,7 +62,7 @@ std::string tell(std::string_view what, double digits, const std::array<double, 
 }  // namespace
 
 RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples) {
-  RunPair first{pair.run, {}, {}, {}, {}};
+  RunPair first{pair.run, {}, {}, {}, {}, pair.integrators};
   for (std::size_t who = 0; who < 2; ++who) {
     Trajectory& run = first.trajectories[who].emplace();
     const std::vector<Sample>& all = pair.trajectories[who]->samples;

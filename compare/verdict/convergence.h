@@ -23,6 +23,8 @@ struct RunPair {
   Series series;
   std::vector<Measured> measured;
   MotionAgreement motion;
+  /// Who made the runs, by Who.
+  std::array<std::string, 2> integrators = {};
 
   [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
 };

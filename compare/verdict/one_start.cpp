@@ -51,12 +51,15 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
     if (!found || *found <= kSameClosing) return std::nullopt;
     known = std::max(known, *found);
   }
-  if (apart > kWithinResolution * known) return std::nullopt;
+  constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
+  if (apart > std::min(kWithinResolution * known, kElsewhere)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!accepts(*solvers[1 - who], starts[who])) continue;
-    return OneStart{starts[who], fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
-                                             "as near a singular pose: both solvers run from the start of {}",
-                                             known, solvers[who]->name())};
+    return OneStart{
+        starts[who],
+        fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
+                    "as near a singular pose; the solvers' starts differ by {:.1e}: both run from that of {}",
+                    known, apart, solvers[who]->name())};
   }
   return std::nullopt;
 }

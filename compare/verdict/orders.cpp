@@ -41,11 +41,17 @@ OrderStudy::OrderStudy(const QuantityLayout& layout) : layout_(layout) {
 }
 
 void OrderStudy::add(const RunPair& pair) {
+  // 1e-13 * 100 is not 1e-11 in the last digit.
+  constexpr double kSameTolerance = 1e-9;
+  // Another integrator converges otherwise: its runs are told apart from those before.
+  if (!kept_.empty() && kept_.front().integrators != pair.integrators) kept_.clear();
+  const auto is_same = [&](const Kept& one) { return std::abs(one.rtol - pair.run.rtol) <= kSameTolerance * one.rtol; };
+  if (std::any_of(kept_.begin(), kept_.end(), is_same)) return;
   const auto is_looser = [&](const Kept& one) { return one.rtol > pair.run.rtol; };
   const auto place = std::find_if_not(kept_.begin(), kept_.end(), is_looser);
-  if (place != kept_.end() && place->rtol == pair.run.rtol) return;
   Kept kept;
   kept.rtol = pair.run.rtol;
+  kept.integrators = pair.integrators;
   const auto n = static_cast<int>(pair.series.times.size());
   const int stride = (n + kKeptSamples - 1) / kKeptSamples;
   std::vector<int> columns;

@@ -31,6 +31,7 @@ class OrderStudy {
  private:
   struct Kept {
     double rtol = 0.0;
+    std::array<std::string, 2> integrators;
     std::array<std::vector<std::vector<BodyState>>, 2> motions;  // sample by sample
     std::array<MatX, 2> reactions;
     VecX scales;  // of reactions
@@ -50,7 +51,7 @@ class OrderStudy {
 /// fewer than two, or if the errors do not clearly fall from each to the next.
 std::optional<double> observed_exponent(const std::vector<double>& tolerances, const std::vector<double>& errors);
 
-/// A sentence for each solver: "cartesian converges as rtol^0.98 in places, ...".
+/// A sentence for each solver: "observed order of cartesian, errors at rtol ...: places fall as rtol^0.98, ...".
 std::vector<std::string> describe(const Orders& orders);
 
 }  // namespace concord::compare

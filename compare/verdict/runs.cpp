@@ -43,19 +43,25 @@ RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& s
       orders_(layout) {}
 
 RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
-  return run_both(run, name_of(rung), verdict_.failures);
+  return run_both(run, name_of(rung), verdict_.failures, may_switch_);
 }
 
-RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures) {
+const std::string& RunRungs::integrator_of(Who who) const {
+  const std::string& later = goes_on_by_[index(who)];
+  return later.empty() ? verdict_.solvers[index(who)].integrator : later;
+}
+
+RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
+                           const std::array<bool, 2>& may_switch) {
   progress_.begin(what);
   std::array<std::future<Trajectory>, 2> running;
   std::array<MadeBy, 2> made_by;
   for (const Who who : kBothSolvers) {
-    running[index(who)] = std::async(std::launch::async, [this, run, what, who, &made_by] {
+    running[index(who)] = std::async(std::launch::async, [this, run, what, who, &made_by, &may_switch] {
       RunOptions own = run;
-      own.integrator = verdict_.solvers[index(who)].integrator;
+      own.integrator = integrator_of(who);
       const auto tell = [&](double t) { progress_.advance(what, who, t / own.until); };
-      return integrate_or_switch(*solvers_[index(who)], own, may_switch_[index(who)], tell, made_by[index(who)]);
+      return integrate_or_switch(*solvers_[index(who)], own, may_switch[index(who)], tell, made_by[index(who)]);
     });
   }
   RunPair pair{run, {}, {}, {}, {}};
@@ -67,8 +73,9 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
     }
   }
   for (const Who who : kBothSolvers) {
+    pair.integrators[index(who)] = made_by[index(who)].integrator;
     if (made_by[index(who)].note.empty()) continue;
-    verdict_.solvers[index(who)].integrator = made_by[index(who)].integrator;
+    goes_on_by_[index(who)] = made_by[index(who)].integrator;
     verdict_.notes.push_back(fmt::format("{}: {}", what, made_by[index(who)].note));
   }
   return pair;
@@ -94,7 +101,7 @@ std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
   const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
   if (!sensitivity_.is_measured()) {
     progress_.begin("sensitivity");
-    sensitivity_.measure(pair, {verdict_.solvers[0].integrator, verdict_.solvers[1].integrator}, need);
+    sensitivity_.measure(pair, pair.integrators, need);
   }
   const std::optional<Horizon> horizon = sensitivity_.horizon(pair.run.rtol, need);
   if (!horizon) return std::nullopt;
@@ -201,7 +208,9 @@ void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   const std::optional<int> judged = climb(pair, nullptr, Rung::same_run, verdict_.need.same_run, weighed);
   for (const Who who : kBothSolvers) {
     const auto& trajectory = pair.trajectories[index(who)];
-    if (trajectory) verdict_.solvers[index(who)].statistics = trajectory->statistics;
+    if (!trajectory) continue;
+    verdict_.solvers[index(who)].statistics = trajectory->statistics;
+    if (!pair.integrators[index(who)].empty()) verdict_.solvers[index(who)].integrator = pair.integrators[index(who)];
   }
   verdict_.run = pair.run;
   if (!judged) return;
@@ -228,13 +237,17 @@ void RunRungs::study_orders(bool further) {
     RunOptions loose = verdict_.run;
     loose.rtol = orders_.loosest() * kTighter;
     std::vector<std::string> stopped;  // too loose to follow the motion, which is no failure of the verdict
-    RunPair pair = run_both(loose, "observed order", stopped);
+    RunPair pair = run_both(loose, "observed order", stopped, {false, false});
     if (!pair.is_complete()) break;
     pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
     orders_.add(pair);
   }
   verdict_.orders = orders_.orders(weighed_run_.mask);
-  if (!verdict_.orders) return;
+  if (!verdict_.orders) {
+    if (further)
+      verdict_.notes.push_back(fmt::format("observed order: not told, runs at only {} tolerances", orders_.size()));
+    return;
+  }
   for (std::string& sentence : describe(*verdict_.orders)) verdict_.notes.push_back(std::move(sentence));
 }
 

@@ -48,7 +48,9 @@ class RunRungs {
   [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
 
  private:
-  RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures);
+  RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
+                   const std::array<bool, 2>& may_switch);
+  [[nodiscard]] const std::string& integrator_of(Who who) const;
   bool set_side_by_side(RunPair& pair, Rung rung);
   void measure_pair(RunPair& pair, const Budget& budget, Rung rung);
   std::optional<int> climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
@@ -65,6 +67,7 @@ class RunRungs {
   RungProgress& progress_;
   Verdict& verdict_;
   std::array<bool, 2> may_switch_{};
+  std::array<std::string, 2> goes_on_by_;  // after a switch
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
   OrderStudy orders_;

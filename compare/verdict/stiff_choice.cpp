@@ -2,9 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/error.h"
 
 namespace concord::compare {
+
+namespace {
+
+/// A message without the advice to try what is tried next.
+std::string without_advice(const std::string& message) {
+  const std::size_t begin = message.find(": try --");
+  if (begin == std::string::npos) return message;
+  return message.substr(0, begin) + message.substr(std::min(message.find(';', begin), message.size()));
+}
+
+}  // namespace
 
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
                                MadeBy& made_by) {
@@ -16,7 +29,7 @@ Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_s
     return solver.integrate(run, progress);
   } catch (const TooManyEvaluations& error) {
     if (!has_other) throw;
-    first = error.what();
+    first = without_advice(error.what());
   }
   RunOptions stiff = run;
   stiff.integrator = known[1];
@@ -27,6 +40,8 @@ Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_s
     return trajectory;
   } catch (const TooManyEvaluations& error) {
     throw TooManyEvaluations(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
+  } catch (const SingularPose& error) {
+    throw SingularPose(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
   } catch (const SolverError& error) {
     throw SolverError(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
   }

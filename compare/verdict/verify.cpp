@@ -148,7 +148,11 @@ class Verification {
       const std::optional<InputError>& refusal = refusals[index(who)];
       if (!refusal) continue;
       const State& other = starts_[1 - index(who)];
-      const auto cause = other.bodies.empty() || !options_.explains ? std::nullopt : cause_of_stop();
+      std::optional<Attribution> cause;
+      try {
+        if (!other.bodies.empty() && options_.explains) cause = cause_of_stop();
+      } catch (const SolverError&) {  // nothing is known of the state: the refusal stands
+      }
       if (cause && cause->solver == index(who)) {
         verdict_.failures.push_back(fmt::format("{} refuses the start that {} finds: {}", solvers_[index(who)]->name(),
                                                 solvers_[1 - index(who)]->name(), refusal->what()));
