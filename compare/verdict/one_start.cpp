@@ -30,7 +30,7 @@ std::optional<double> known_to(const Model& model, Solver& solver, const State& 
   return farthest;
 }
 
-bool accepts(Solver& solver, const State& state) {
+bool accepts_start(Solver& solver, const State& state) {
   try {
     (void)solver.evaluate(state);
     return true;
@@ -54,7 +54,7 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
   constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
   if (apart > std::min(kWithinResolution * known, kElsewhere)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
-    if (!accepts(*solvers[1 - who], starts[who])) continue;
+    if (!accepts_start(*solvers[1 - who], starts[who])) continue;
     return OneStart{
         starts[who],
         fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
