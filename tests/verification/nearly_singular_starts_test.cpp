@@ -64,9 +64,8 @@ until = 0.2
 }
 
 bool tells_of_one_start(const compare::Verdict& verdict) {
-  return std::any_of(verdict.notes.begin(), verdict.notes.end(), [](const std::string& note) {
-    return note.find("both solvers run from the start of") != std::string::npos;
-  });
+  return std::any_of(verdict.notes.begin(), verdict.notes.end(),
+                     [](const std::string& note) { return note.find("both run from that of") != std::string::npos; });
 }
 
 }  // namespace

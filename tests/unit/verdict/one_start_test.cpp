@@ -47,12 +47,20 @@ TEST(OneStart, BothStartFromOneWhereClosingKnowsNoBetter) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->state.bodies[1].omega, pair.cartesian.assemble().bodies[1].omega);
   EXPECT_TRUE(found->note.starts_with("closing from round-off around the start ends 7.")) << found->note;
-  EXPECT_TRUE(found->note.ends_with("both solvers run from the start of cartesian")) << found->note;
+  EXPECT_TRUE(found->note.ends_with("the solvers' starts differ by 1.0e-07: both run from that of cartesian"))
+      << found->note;
 }
 
 TEST(OneStart, StartsThatDifferByMoreAreADifference) {
   Pair pair(4e-8, 7e-8);
   EXPECT_FALSE(pair.starts_apart(3e-6));
+}
+
+/// Finds a start that is wrong by more than any closing near a singular pose leaves, and passes for uncertain.
+TEST(OneStart, WhatNoClosingLeavesIsADifferenceHoweverUncertainTheStartsAre) {
+  Pair pair(4e-5, 7e-5);
+  EXPECT_TRUE(pair.starts_apart(5e-5));
+  EXPECT_FALSE(pair.starts_apart(1e-3));
 }
 
 TEST(OneStart, OneSolverThatDoesNotKnowItsStartIsNoExcuseForTheOther) {
