@@ -61,7 +61,7 @@ void IntegrationRun::weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> wei
   weights = weights.cwiseInverse();
 }
 
-bool IntegrationRun::count_turns(Eigen::Ref<VecX> y) {
+bool IntegrationRun::count_turns(const Eigen::Ref<VecX>& y) {
   constexpr double kMany = 10.0;
   const VecX more = equations_->kinematics().whole_turns(coordinates_.q, kMany);
   if (more.isZero(0.0)) return false;

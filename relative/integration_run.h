@@ -32,7 +32,7 @@ class IntegrationRun {
   /// Brings the applied forces to a state.
   void apply_forces(double t, const Eigen::Ref<const VecX>& y);
   /// Counts apart the turns of coordinates that have made many, so that they keep their digits; true if there are any.
-  bool count_turns(Eigen::Ref<VecX> y);
+  bool count_turns(const Eigen::Ref<VecX>& y);
 
   /// The state at an output time, projected, with accelerations and wrenches computed anew from it; Euler parameters
   /// near those of `before`. A state that this solver would not take from anyone else is not written: what follows it
