@@ -33,7 +33,7 @@ class Pace {
 };
 
 /// The joint whose own speed changes its own acceleration, or whose own place does, at the largest rate
-/// [1/s] at these coordinates; nothing if no such rate exceeds the others. For messages.
+/// [1/s] at these coordinates; empty if all are zero. For messages.
 struct FastestMotion {
   std::string of;
   double rate = 0.0;

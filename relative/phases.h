@@ -15,8 +15,8 @@
 ///   Equations::compute_accelerations -> Evaluated        articulated inertias, loops, accelerations
 ///   Equations::compute_reactions     -> JointReactions   wrenches of all joints
 ///
-/// They live in the equations, and say what holds until the machine is moved again; what is asked for something from a
-/// pose that the machine has left throws std::logic_error.
+/// They live in the equations, and say what holds until the machine is moved again. Equations::compute_reactions and
+/// power refuse with std::logic_error what comes from a pose that the machine has left.
 namespace concord::relative {
 
 /// A machine in a pose, accelerated as its equations of motion say.

@@ -140,8 +140,7 @@ std::string rests_at_kink(const std::string& motion) {
   return fmt::format(
       "the machine comes to rest where a force has a kink, as that of a tire that just leaves its road: {} meets one "
       "stiffness in one sense and another, or none, in the other, and nothing presses it there, so that its place "
-      "hangs "
-      "by round-off; start beside it, or hold it",
+      "hangs by round-off; start beside it, or hold it",
       motion);
 }
 
