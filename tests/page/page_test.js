@@ -37,6 +37,28 @@ async function sortAndFilter(page, word) {
   assert.strictEqual(await rows().count(), all);
 }
 
+/** No line leaves the picture. */
+async function fits(page) {
+  const marks = await page.evaluate(() => {
+    const shown = document.getElementById("scene");
+    const { width, height } = shown;
+    const pen = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d", { willReadFrequently: true });
+    pen.drawImage(shown, 0, 0);
+    const read = (...box) => pen.getImageData(...box).data.filter((_, k) => k % 4 === 3).filter(Boolean).length;
+    return read(0, 0, width, 1) + read(0, height - 1, width, 1) + read(0, 0, 1, height) + read(width - 1, 0, 1, height);
+  });
+  assert.strictEqual(marks, 0, "the machine stands within the picture");
+}
+
+/** Who is to blame, and the rows against the reference. */
+async function explains(page) {
+  assert.match(await text(page, "#blame"), /To blame: neither solver, but the statement, at joint hinge/);
+  const rows = page.locator("#explanations table tbody tr");
+  assert.strictEqual(await rows.count(), 1, "one column of the reference");
+  assert.match(await rows.first().textContent(), /hinge on pendulum.*F_x.*differ/);
+  assert.strictEqual(await page.locator(".note", { hasText: "to blame" }).count(), 0, "said once");
+}
+
 async function play(page) {
   const at = () => text(page, "#now");
   const before = [await at(), await picture(page)];
@@ -161,6 +183,7 @@ async function tryPage(browser, file) {
   const name = path.basename(file, ".html");
   assert((await text(page, "#sentence")).length > 20, "the verdict is a sentence");
   if (await page.locator("#picture").isVisible()) {
+    await fits(page);
     await sortAndFilter(page, "F_x");
     await hover(page);
     await play(page);
@@ -168,6 +191,7 @@ async function tryPage(browser, file) {
   }
   if (await page.locator("#turns").count() > 0) await useNight(page);
   if (name === "nights") await readStories(page);
+  if (name === "differs") await explains(page);
   await page.screenshot({ path: path.join(pictures, name + ".png"), fullPage: true });
   const light = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   await page.click("#theme");

@@ -18,7 +18,12 @@
     const findings = (machine.findings || []).map((f) => (f.symptom ? `${f.what}: ${f.symptom}` : f.what));
     if (findings.length) said.append(concord.list(findings, "finding"));
     if ((machine.failures || []).length) said.append(concord.list(machine.failures, "finding"));
-    if ((machine.notes || []).length) said.append(concord.list(machine.notes, "note"));
+    said.append(...concord.blame(machine));
+    const notes = concord.notesBesideExplanations(machine);
+    if (notes.length) said.append(concord.list(notes, "note"));
+    const explained = concord.explanations(machine);
+    find("explanations").hidden = explained.length === 0;
+    find("explanations").replaceChildren(...explained);
   }
 
   function showSolvers(machine) {
@@ -87,7 +92,7 @@
       concord.element("span", { class: "two", text: "\u2505 " + machine.solvers[1].name }), "  ",
       concord.element("span", { class: "load", text: "\u2192 reaction on the child" }),
       scene.largest > 0 ? `, longest ${concord.short(scene.largest)} N` : "");
-    const red = machine.rows.find((row) => row.verdict === "differ") || machine.rows[0];
+    const red = concord.farthestBelowNeed(machine.rows) || machine.rows[0];
     if (red) choose(red.kind, red.owner, red.side);
     showTime(scene.t);
   }

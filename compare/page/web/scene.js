@@ -122,6 +122,23 @@ concord.Scene = class {
 
   /** Looks at all places that bodies and joints reach; follows a machine that travels farther than it is large. */
   fit() {
+    this.boxSize = 0;
+    const points = this.extents();
+    this.boxSize = 0.4 * (points.all.reach() || 1);
+    const { all, largest } = this.extents();
+    if (all.isEmpty()) { all.take([-1, -1, -1]); all.take([1, 1, 1]); }
+    this.centre = all.centre();
+    this.reach = Math.max(1e-12, all.reach());
+    this.follows = largest > 0 && this.reach > 3 * largest;
+    if (this.follows) this.reach = 1.2 * largest;
+    this.azimuth = 0.7;
+    this.elevation = 0.45;
+    this.zoom = 1;
+    this.draw();
+  }
+
+  /** What the machine reaches over the run, with ground's ends, and how large it is itself at most. */
+  extents() {
     const all = new concord.Extent();
     let largest = 0;
     const poses = this.poses.find(Boolean);
@@ -134,21 +151,17 @@ concord.Scene = class {
       all.join(extent);
       this.ends().forEach((end) => { if (end.body === 0) all.take(this.pointOf(bodies[0], end)); });
     }
-    if (all.isEmpty()) { all.take([-1, -1, -1]); all.take([1, 1, 1]); }
-    this.centre = all.centre();
-    this.reach = Math.max(1e-12, all.reach());
-    this.follows = largest > 0 && this.reach > 3 * largest;
-    if (this.follows) this.reach = 1.2 * largest;
-    this.azimuth = 0.7;
-    this.elevation = 0.45;
-    this.zoom = 1;
-    this.draw();
+    return { all, largest };
   }
 
   /** Of the bodies themselves in one pose, without ground. */
   extentOf(bodies) {
     const extent = new concord.Extent();
-    this.machine.bodies.forEach((body, i) => { if (i > 0) extent.take(this.inSpace(bodies[i], body.center)); });
+    this.machine.bodies.forEach((body, i) => {
+      if (i === 0) return;
+      extent.take(this.inSpace(bodies[i], body.center));
+      if (this.hasBox(body)) this.corners(bodies[i], body).forEach((corner) => extent.take(corner));
+    });
     this.ends().forEach((end) => { if (end.body > 0) extent.take(this.pointOf(bodies[end.body], end)); });
     return extent;
   }
@@ -234,22 +247,26 @@ concord.Scene = class {
       }
       if (body.points && body.points.length > 1) {
         this.line(body.points.map((p) => this.inSpace(pose, this.deformed(pose, p.point, p.modes))), edge, 4, dash);
-      } else if (body.box) {
+      } else if (this.hasBox(body)) {
         this.drawBox(pose, body, edge, face, dash);
       }
     });
   }
 
-  /** The box of even density with the body's inertia; no larger than half of the picture. */
-  drawBox(pose, body, edge, face, dash) {
+  hasBox(body) { return Boolean(body.box) && !(body.points && body.points.length > 1); }
+
+  /** Of the box of even density with the body's inertia; no larger than a part of the picture. */
+  corners(pose, body) {
     const { axes, half } = body.box;
-    const largest = Math.max(...half);
-    const shrink = Math.min(1, 0.5 * this.reach / Math.max(largest, 1e-300));
-    const corner = (k) => {
+    const shrink = Math.min(1, this.boxSize / Math.max(...half, 1e-300));
+    return Array.from({ length: 8 }, (_, k) => {
       const s = [k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1].map((sign, d) => sign * half[d] * shrink);
       return this.inSpace(pose, concord.plus(body.center, concord.times(axes, s)));
-    };
-    const corners = Array.from({ length: 8 }, (_, k) => corner(k));
+    });
+  }
+
+  drawBox(pose, body, edge, face, dash) {
+    const corners = this.corners(pose, body);
     const faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     for (const f of faces) {
       const outline = [...f, f[0]].map((k) => corners[k]);
