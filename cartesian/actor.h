@@ -21,7 +21,8 @@ struct OfSprings {
   int joint = 0;  // index in Model::joints
 };
 
-/// What pushes on two bodies at once (a load: on one, the child): an element of the model, or the springs of one joint.
+/// A force element, or the springs of one joint, in the current state: its ends on two bodies (of a load: on one, the
+/// child), its wrenches and its regimes.
 struct Actor {
   std::variant<OfElement, OfSprings> owner;
   std::array<const Attachment*, 2> ends{nullptr, nullptr};

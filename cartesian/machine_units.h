@@ -11,8 +11,8 @@ namespace concord::cartesian {
 /// (C44).
 VecX machine_units(const Model& model, const Layout& layout);
 
-/// The time squared in which a body's modes, the slowest that has a stiffness too, resist steps of positions as if they
-/// were a million times heavier [s^2]; 0 without stiffness.
+/// kappa of (C48) [s^2]: a million over the smallest K_kk / M_kk of modes that have a stiffness; kappa K is added to
+/// the modal mass when positions are projected. 0 without stiffness.
 double stiffening_of(const BodyInertia& inertia);
 
 /// How much less a step of positions moves a mode than a coordinate without stiffness, at most 1.

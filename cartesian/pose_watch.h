@@ -13,14 +13,15 @@ namespace concord::cartesian {
 /// Follows a motion from step to step: takes other independent rows where those in use become dependent, and sees
 /// singular poses on and between steps.
 ///
-/// Between two poses a and b of a motion the matrix J_b M^-1 J_a^T, J the rows in use, is positive definite for b = a,
-/// and its pivots, eliminated in a fixed order, are the geometric means of those at a and b as far as what the rows
-/// permit does not turn from a to b. A turn is taken apart by looking between a and b; the change of sign where the
-/// rows lose rank, and the sudden turn where a motion changes to another branch, stay however near both are.
+/// For two poses a and b of a motion take the matrix J_b M^-1 J_a^T, J the rows in use. It is positive definite for
+/// b = a. While the null space of the rows hardly rotates from a to b, its pivots, eliminated in a fixed order, stay
+/// near the geometric means of the pivots at a and at b. A null space that rotates is followed by looking at poses
+/// between a and b. Two things remain however near a and b are: the change of sign where the rows lose rank, and the
+/// sudden rotation where a motion changes to another branch.
 ///
-/// Where a motion goes over into a branch that is near, or permits nothing as drivers hold it, neither changes its sign
-/// or turns. But the roots of the pivots of J M^-1 J^T fall to zero and rise again, as steeply as they fell: what
-/// either end and the middle predict of the other end is then wrong, however near both are, and nowhere else.
+/// Neither happens where a motion goes over into a neighbouring branch, or where drivers leave the machine no motion.
+/// There the square roots of the pivots of J M^-1 J^T fall to zero and rise again as steeply: extrapolation from either
+/// end and the middle to the other end fails, however near both are. It fails nowhere else.
 class PoseWatch {
  public:
   /// At the motion's start, with the rows in use there; `generic_rank`: that of the machine where it is

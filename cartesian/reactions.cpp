@@ -4,6 +4,7 @@ namespace concord::cartesian {
 
 namespace {
 
+/// The same wrench in the joint frame and in global axes (C41), paper (29).
 SideWrench seen_from(const Mat3& A_joint, const Wrench& in_global) {
   return {{A_joint.transpose() * in_global.force, A_joint.transpose() * in_global.torque}, in_global};
 }

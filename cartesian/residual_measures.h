@@ -8,7 +8,8 @@
 /// without a length or a mass in their unit.
 namespace concord::cartesian {
 
-/// How often the residuals of constraint rows hold their round-off at some positions.
+/// By what factor the round-off in the residuals of constraint rows exceeds that of a row of unit terms, at some
+/// positions: far from the origin, or after many turns.
 struct RoundOffShares {
   explicit RoundOffShares(const Constraints& constraints)
       : terms(VecX::Ones(constraints.n_rows())), reaches(VecX::Ones(constraints.n_rows())) {}

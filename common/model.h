@@ -14,7 +14,7 @@
 #include "common/laws/time_function.h"
 #include "common/types.h"
 
-/// The statement of a machine, and nothing of its solution: all that the two solvers share.
+/// The statement of a machine, and nothing of its solution.
 namespace concord {
 
 /// A pose of a body frame in the global frame: origin [m] and rotation, body to global.

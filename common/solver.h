@@ -48,8 +48,8 @@ struct RankReport {
   double smallest_kept = 0.0;  // relative to the largest singular value
   double largest_dropped = 0.0;
   std::vector<JointUniqueness> joints;
-  /// Whether each flag of `joints` stays what it is when the thresholds that decide it move by 1000, half of that each
-  /// way; false: the flag is undecided. Empty: all stay.
+  /// Whether each flag of `joints` stays what it is when the thresholds that decide it are multiplied or divided by the
+  /// square root of 1000; false: the flag is undecided. Empty: all stay.
   std::vector<JointUniqueness> decided;
   /// The same two of the force of each coupling. Empty: all unique, and all stay.
   std::vector<bool> unique_coupling;

@@ -20,7 +20,8 @@ struct MassMoments {
   /// The block [m 1, -h~; h~, I] of M that belongs to [vdot; omegadot] (R26).
   void fill(Mat6& M) const;
 
-  /// S - Q of the six rigid rows without deformation rates: centrifugal, gyroscopic and gravity terms (R27).
+  /// S - Q of the six rigid rows, of Q gravity alone, without deformation rates: centrifugal, gyroscopic and gravity
+  /// terms (R27).
   [[nodiscard]] Vec6 bias(const Vec3& omega, const Vec3& gravity) const {
     Vec6 p;
     p.head<3>() = omega.cross(omega.cross(h)) - mass * gravity;

@@ -81,7 +81,8 @@ Vec6 Closure::relative_acceleration(const Cut& cut, const Vec6& of_parent, const
   return a_rel;
 }
 
-/// Adds what wrenches on the child of a joint (6 x rows, global axes) and their answers do on the tree's speeds.
+/// Adds what wrenches on the child of a joint (6 x rows, global axes), and the opposite ones on its parent, do on the
+/// tree's speeds.
 void Closure::add_wrench_rows(JointIndex joint, const Mat6X& on_child, MatX& rows) const {
   const Joint& statement = kinematics_->model().joints[joint];
   const JointPoint& parent = kinematics_->point(joint, Side::parent);

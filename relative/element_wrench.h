@@ -38,8 +38,8 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
 /// and speed behind, the direction turns over, so that f(0, -speed) + f(0, speed) is left.
 double jump_where_ends_pass(const LineSpring& spring, double t, double speed);
 
-/// -f dx/drho about the parent's point of view. Throws SolverError beyond 175 deg, or if the child's x axis points
-/// along the parent's z.
+/// A torque on the child alone, -f dx/drho, x measured in the parent's end frame. Throws SolverError beyond 175 deg, or
+/// if the child's x axis points along the parent's z.
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime);
 

@@ -3,7 +3,7 @@
 #include "common/model.h"
 #include "relative/mobilizer.h"
 
-/// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R8).
+/// Motion of a point and a frame on one body, where a joint or a force element sits, (R5) to (R7).
 namespace concord::relative {
 
 /// Pose and velocity of a body frame, global axes.

@@ -6,8 +6,8 @@
 /// Factors of Lambda = Phi_u Mbar^-1 Phi_u^T over its independent rows.
 namespace concord::relative {
 
-/// Cholesky's factor of Lambda, or where that loses digits the orthogonal factor of the stacked unit responses, of
-/// which Lambda is the square. Memory is laid out by lay_out().
+/// Cholesky's factor of Lambda, or where that loses digits the orthogonal factor of the stacked unit responses E,
+/// Lambda = E^T E. Memory is laid out by lay_out().
 class MultiplierFactors {
  public:
   /// For so many independent rows and `n_stacked` unknowns on the paths.

@@ -317,7 +317,8 @@ void Reactions::add_to_total(JointIndex joint, const Vec6& on_child, const Vec6&
 }
 
 /// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
-/// w_d with S^T w_d = tau is taken off the total on the child at P_i and, answered, on the parent (R59), (R60).
+/// w_d with S^T w_d = tau is taken off the total on the child at P_i, and the opposite wrench off that on the parent
+/// (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
   for (const ForcedJoint& forced : forced_joints_) {
     const JointIndex k = forced.joint;

@@ -5,7 +5,8 @@
 
 namespace concord::relative {
 
-/// A wrench [F; T] about one point of a frame, global axes, in that frame's axes and in global ones.
+/// A wrench [F; T] about one point of a frame, global axes, in that frame's axes, paper (29), and in global ones. It
+/// is what is reported on either side of a joint (R30).
 inline SideWrench in_both_frames(const Mat3& A_joint, const Vec6& w) {
   return {{A_joint.transpose() * w.head<3>(), A_joint.transpose() * w.tail<3>()}, {w.head<3>(), w.tail<3>()}};
 }

@@ -13,7 +13,7 @@ enum class BeamSupport {
   simply_supported,  // both ends: no displacement, no twist; axially fixed at the first end only
   cantilever,        // first end clamped
   free_free,         // elastic modes only, the six rigid ones left out
-  craig_bampton      // first end clamped: modes with the free end clamped too, and the free end's six static modes
+  craig_bampton      // first end clamped: fixed-interface normal modes, and the other end's six constraint modes
 };
 
 /// Which of the decoupled families a mode belongs to: bending in the beam's x-y plane or x-z plane, torsion, axial.

@@ -6,7 +6,7 @@
 
 namespace concord::compare::analyses {
 
-/// Motions of a machine at rest that grow: positive eigenvalues of its stiffness per inertia, which are squared rates.
+/// Unstable motions of a machine at rest: positive eigenvalues of J = -M^-1 K (Stiffness::J), which are squared rates.
 class Growth {
  public:
   /// Counts growth that exceeds `least` [1/s2] and what differences resolve of the eigenvalue.

@@ -7,14 +7,15 @@
 #include "common/solver.h"
 #include "compare/verdict/chart.h"
 
-/// What pulls a machine back per inertia, from a solver's accelerations alone, and how far double precision sees it.
+/// Derivatives of a machine's accelerations, -M^-1 K of its linearization, from a solver's accelerations alone, and how
+/// far double precision resolves them.
 namespace concord::compare::analyses {
 
 /// Accelerations in the chart's coordinates where these are delta [1/s2]; nothing if there is no closed state there.
 using AccelerationsAt = std::function<std::optional<VecX>(const VecX& delta)>;
 
-/// Derivatives of accelerations with respect to the chart's coordinates [1/s2], and what each may be wrong by, as
-/// measured where they were taken.
+/// J = -M^-1 K: derivatives of accelerations with respect to the chart's coordinates [1/s2], and what each may be wrong
+/// by, as measured where they were taken. An eigenvalue of J with a positive real part is an unstable motion.
 struct Stiffness {
   MatX J;
   MatX error;

@@ -16,7 +16,8 @@ inline constexpr double kScaleFloor = 1e-6;
 /// A difference within so many resolutions is round-off.
 inline constexpr double kWithinResolution = 20.0;
 /// A difference in the same state beyond this many resolutions is a difference whatever the need, unless the model
-/// lowered it: no machine of the fuzz came beyond a tenth of it, and most slips in a parameter show there first.
+/// lowered it. Differences of sound solvers on the random machines of `concord fuzz` stay below a tenth of it, and most
+/// slips in a parameter show there first.
 inline constexpr double kBeyondRoundOff = 200.0;
 /// Where kWithinResolution resolutions exceed this part of the scale, a row is unresolved; where they also exceed this
 /// part of the machine's largest of its kind, it is not judged.

@@ -28,7 +28,7 @@ struct VerifyOptions {
   std::optional<int> states;
   /// Seed of the random states, and of the draws within round-off.
   std::uint64_t seed = kSeed;
-  /// Whether the third rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
+  /// Whether the refined rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
   /// Whether a difference is told apart: who is to blame, and whether motions or equations differ.
   bool explains = true;
