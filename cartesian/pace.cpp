@@ -8,7 +8,7 @@
 
 namespace concord::cartesian {
 
-Pace::Pace(double until, std::string advice, double cost) : until_(until), advice_(std::move(advice)) {
+Pace::Pace(double until, std::string integrator, double cost) : until_(until), integrator_(std::move(integrator)) {
   for (Window& window : windows_) window.most = static_cast<long>(double(window.most) / cost);
 }
 
@@ -18,8 +18,8 @@ void Pace::require(double t, long evaluations) {
     if (taken > window.most) {
       throw TooManyEvaluations(fmt::format(
           "cartesian: at t = {:.6g} s {} evaluations brought the run {:.1e} s further: the motion locks there, "
-          "or is too stiff for this integrator{}",
-          t, window.most, t - window.since, advice_));
+          "or is too stiff for {}",
+          t, window.most, t - window.since, integrator_));
     }
     if (t - window.since > window.part * until_) {
       window.since = t;

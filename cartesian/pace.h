@@ -9,9 +9,9 @@ namespace concord::cartesian {
 /// short hard phase, such as an impact, may take its part; a run that is hard throughout may not.
 class Pace {
  public:
-  /// `until` [s] is the length of the run; `advice` ends the message: what to do about a stiff machine. An integrator
-  /// whose evaluations cost `cost` times as much as those of an explicit one may make so many fewer.
-  Pace(double until, std::string advice, double cost = 1.0);
+  /// `until` [s] is the length of the run. An integrator whose evaluations cost `cost` times as much as those of an
+  /// explicit one may make so many fewer.
+  Pace(double until, std::string integrator, double cost = 1.0);
 
   /// Throws TooManyEvaluations if a thousandth, a hundredth or a tenth of the run took more evaluations than it may.
   /// `t` [s] has been reached, with so many evaluations since the start.
@@ -27,7 +27,7 @@ class Pace {
   };
 
   double until_;
-  std::string advice_;
+  std::string integrator_;
   std::array<Window, 3> windows_{{{1e-3, 300'000}, {1e-2, 400'000}, {1e-1, 2'400'000}}};
 };
 

@@ -80,8 +80,7 @@ class Run {
         stepper_(make_stepper(dynamics, options, motion_)),
         lines_(0.0, equations_.applied(), equations_.length()),
         watch_(dynamics, machine.generic, 0.0, motion_),
-        pace_(options.integrator == "ida" ? Pace(options.until, "", kCostOfNewton)
-                                          : Pace(options.until, ": try --cartesian-integrator ida")),
+        pace_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}

@@ -33,7 +33,7 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      pace_(options.until, integrator == "dirk" ? "" : ": try --relative-integrator dirk") {
+      pace_(options.until, integrator) {
   watch_.pass(start);
   follow_lines();
 }

@@ -36,15 +36,14 @@ std::string place_of(Equations& equations, const Coordinates& at) {
 
 }  // namespace
 
-Pace::Pace(double until, std::string advice) : until_(until), advice_(std::move(advice)) {}
+Pace::Pace(double until, std::string integrator) : until_(until), integrator_(std::move(integrator)) {}
 
 void Pace::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {
       throw TooManyEvaluations(
-          fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for this "
-                      "integrator{}{}",
-                      count.most, t - count.from_t, advice_, place_of(equations, coordinates)));
+          fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for {}{}",
+                      count.most, t - count.from_t, integrator_, place_of(equations, coordinates)));
     }
     if (t - count.from_t <= count.part * until_) continue;
     count.from_t = t;

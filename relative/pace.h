@@ -11,9 +11,8 @@ namespace concord::relative {
 /// and a tenth of the run; an event that is hard but short stays within them.
 class Pace {
  public:
-  /// `until` [s]: the length of the run; `advice`: how the message of an integrator that is not made for stiff machines
-  /// goes on.
-  Pace(double until, std::string advice);
+  /// `until` [s]: the length of the run; `integrator`: its name, for the message.
+  Pace(double until, std::string integrator);
 
   /// Throws TooManyEvaluations where `evaluations` since the start of the run are too many for what it gained up to
   /// t [s]. The message names the loop with the largest multiplier, or the joint whose motion is the fastest.
@@ -28,7 +27,7 @@ class Pace {
   };
 
   double until_;
-  std::string advice_;
+  std::string integrator_;
   Count counts_[3] = {{1e-3, 300'000}, {1e-2, 400'000}, {0.1, 2'400'000}};
 };
 

@@ -30,7 +30,7 @@ constexpr std::array kRefusals{
     RefusalKind{"singular pose", "singular in this pose"},
     RefusalKind{"singular pose", "its velocity is singular there"},
     RefusalKind{"singular pose", "passes a pose where two of its motions are one"},
-    RefusalKind{"stiff beyond the integrator", "too stiff for this integrator"},
+    RefusalKind{"stiff beyond the integrator", "or is too stiff for "},
     RefusalKind{"integration does not converge", "the runs do not converge"},
     RefusalKind{"turned too far for its element", "allowed are 175 deg"},
     RefusalKind{"element without direction", "its force has no direction"},

@@ -2,34 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "common/error.h"
 
 namespace concord::compare {
-
-namespace {
-
-/// A message without the advice to try what is tried next.
-std::string without_advice(const std::string& message) {
-  const std::size_t begin = message.find(": try --");
-  if (begin == std::string::npos) return message;
-  return message.substr(0, begin) + message.substr(std::min(message.find(';', begin), message.size()));
-}
-
-}  // namespace
 
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
                                MadeBy& made_by) {
   made_by = {run.integrator, {}};
   const std::vector<std::string> known = solver.integrators();
-  const bool has_other = may_switch && known.size() > 1 && run.integrator == known.front();
+  const bool has_other = known.size() > 1 && run.integrator == known.front();
   std::string first;
   try {
     return solver.integrate(run, progress);
   } catch (const TooManyEvaluations& error) {
     if (!has_other) throw;
-    first = without_advice(error.what());
+    if (!may_switch) throw TooManyEvaluations(fmt::format("{}; {} is for stiff machines", error.what(), known[1]));
+    first = error.what();
   }
   RunOptions stiff = run;
   stiff.integrator = known[1];

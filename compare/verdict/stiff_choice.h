@@ -13,9 +13,9 @@ struct MadeBy {
   std::string note;
 };
 
-/// Integrates by `run.integrator`. If that takes too many evaluations, `may_switch` is set, and it is the first that
-/// the solver has, integrates by the second, which is for stiff machines. Throws what the solver throws; where both
-/// take too many, TooManyEvaluations with both messages.
+/// Integrates by `run.integrator`. If that takes too many evaluations and is the first that the solver has, integrates
+/// by the second, which is for stiff machines; if it may not switch, the message names the second. Throws what the
+/// solver throws; where both take too many, TooManyEvaluations with both messages.
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
                                MadeBy& made_by);
 

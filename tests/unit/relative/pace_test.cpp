@@ -50,7 +50,7 @@ TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   Equations equations(machine.model);
   Assembly assembly(equations);
   const Coordinates start = assembly.start();
-  Pace pace(2.0, ": try another");
+  Pace pace(2.0, "erk");
   long evaluations = 0;
   double t = 0.0;
   try {
@@ -60,8 +60,7 @@ TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
     const std::string text = error.what();
     EXPECT_TRUE(
         text.starts_with("400000 evaluations were needed for 1.0e-02 s: something there locks, or is too stiff "
-                         "for this integrator: try another; the fastest motion there is that of joint 'elbow', "
-                         "at "))
+                         "for erk; the fastest motion there is that of joint 'elbow', at "))
         << text;
   }
   EXPECT_LT(t, 0.05);
@@ -72,7 +71,7 @@ TEST(RelativePace, LetsAShortHardPhasePass) {
   Equations equations(machine.model);
   Assembly assembly(equations);
   const Coordinates start = assembly.start();
-  Pace pace(2.0, "");
+  Pace pace(2.0, "erk");
   long evaluations = 250'000;
   pace.pass(1e-5, evaluations, equations, start);
   for (double t = 1e-3; t < 2.0; t += 1e-3) pace.pass(t, evaluations += 400, equations, start);
