@@ -11,6 +11,7 @@
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
+#include "compare/audit/round_off.h"
 
 namespace concord::compare {
 
@@ -129,42 +130,6 @@ bool has_laws(const Model& model) {
   return !model.elements.empty() || std::any_of(model.joints.begin(), model.joints.end(), sprung);
 }
 
-/// States that no solver can tell from this one: every place, orientation and velocity moved by a few units of
-/// round-off of what it is computed from. What a law makes of them is what is known of its force: that of a stiff
-/// spring hangs by the last digits of its length.
-std::array<State, 2> within_roundoff(const State& state, double length) {
-  constexpr double kUnits = 4.0 * std::numeric_limits<double>::epsilon();
-  double place = length;
-  double speed = 0.0;
-  for (const BodyState& body : state.bodies) {
-    place = std::max(place, body.r.cwiseAbs().maxCoeff());
-    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff() * length});
-  }
-  std::array<State, 2> moved{state, state};
-  std::uint32_t signs = 1;
-  const auto move = [&](auto& values, double size) {
-    for (double& one : values) {
-      signs = signs * 1664525U + 1013904223U;
-      one += ((signs >> 31U) != 0U ? kUnits : -kUnits) * size;
-    }
-  };
-  for (State& one : moved) {
-    for (std::size_t i = 1; i < one.bodies.size(); ++i) {
-      move(one.bodies[i].r, place);
-      move(one.bodies[i].p, 1.0);
-      move(one.bodies[i].v, speed);
-      move(one.bodies[i].omega, speed / length);
-    }
-  }
-  return moved;
-}
-
-/// What of residuals no round-off explains, `roundoff` being measured on two states.
-VecX beyond_roundoff(const VecX& residuals, const VecX& roundoff) {
-  constexpr double kTimes = 4.0;
-  return (residuals.cwiseAbs() - kTimes * roundoff).cwiseMax(0.0);
-}
-
 /// Both sides' wrenches, global axes, minus what the element's law says.
 VecX law_residuals(const ElementLaw& law, const State& state, const ElementWrenches& wrenches) {
   const std::array<Wrench, 2> by_law = law.wrenches(state);
@@ -247,17 +212,24 @@ void Auditor::lay_out_element(const ForceElement& element) {
   if (end_of(element, Side::parent) != nullptr) add_components(AuditRule::both_sides, "", entity);
 }
 
-void Auditor::add(const State& state, const Evaluation& evaluation) {
+void Auditor::add(const State& state, const Evaluation& evaluation, const Redraw& redraw) {
   ++states_;
+  OwnRoundOff own(state, redraw);
   moved_ = has_laws_ ? std::optional(within_roundoff(state, length_)) : std::nullopt;
-  for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation);
+  for (int body = 1; body < static_cast<int>(model_.bodies.size()); ++body) add_body(body, state, evaluation, own);
   for (std::size_t k = 0; k < model_.joints.size(); ++k) add_joint(k, state, evaluation);
   for (std::size_t k = 0; k < model_.elements.size(); ++k) add_element(k, state, evaluation.elements[k]);
   motions_.add(state, evaluation);
 }
 
-void Auditor::add_body(int body, const State& state, const Evaluation& evaluation) {
-  const Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
+void Auditor::add_body(int body, const State& state, const Evaluation& evaluation, OwnRoundOff& own) {
+  Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
+  if (is_suspicious(balance)) {
+    const auto again = [&](const State& moved, const Evaluation& of_moved) {
+      return balance_of(model_, mass_points_[body], body, moved, of_moved).rows;
+    };
+    balance.rows = own.unexplained(balance, again);
+  }
   std::vector<AuditRow>& rows = bodies_[body].rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const auto row = static_cast<Eigen::Index>(r);

@@ -10,6 +10,7 @@
 #include "compare/audit/element_laws.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/motion_audit.h"
+#include "compare/audit/round_off.h"
 
 /// The third opinion: are a solver's motions and wrenches in balance, and do they obey joints and laws? Computed from
 /// the results, mass points, modal stiffness and damping, laws and gravity alone; no solver's inertia terms, Jacobians
@@ -65,7 +66,8 @@ class Auditor {
  public:
   explicit Auditor(const Model& model);
 
-  void add(const State& state, const Evaluation& evaluation);
+  /// With `redraw`, what a body's forces leave over is no breach as far as it is the solver's own round-off there.
+  void add(const State& state, const Evaluation& evaluation, const Redraw& redraw = {});
 
   [[nodiscard]] AuditReport report() const;
 
@@ -76,7 +78,7 @@ class Auditor {
   void lay_out_body(const Body& body);
   void lay_out_joint(int joint);
   void lay_out_element(const ForceElement& element);
-  void add_body(int body, const State& state, const Evaluation& evaluation);
+  void add_body(int body, const State& state, const Evaluation& evaluation, OwnRoundOff& own);
   void add_joint(std::size_t joint, const State& state, const Evaluation& evaluation);
   void add_element(std::size_t element, const State& state, const ElementWrenches& wrenches);
   [[nodiscard]] AuditScales largest_scales() const;

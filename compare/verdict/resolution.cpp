@@ -279,6 +279,18 @@ MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who wh
   return own;
 }
 
+Redraw answers_within_roundoff(const Model& model, Solver& solver, std::uint64_t seed) {
+  return [&model, &solver, seed](const State& state, int k) -> std::optional<std::pair<State, Evaluation>> {
+    try {
+      State moved = draw_within_roundoff(state, sizes_of(model, state), seed + static_cast<std::uint64_t>(k));
+      Evaluation answer = solver.evaluate(moved);
+      return std::pair{std::move(moved), std::move(answer)};
+    } catch (const SolverError&) {
+      return std::nullopt;
+    }
+  };
+}
+
 MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedState>& states, int samples) {
   MatX of_run = MatX::Constant(resolution.both.rows(), samples, kUnknown);
   for (std::size_t k = 0; k < states.size(); ++k) {

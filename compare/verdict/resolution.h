@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/audit/round_off.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 
@@ -69,6 +70,10 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
 /// `who`.
 MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
                             const std::vector<SharedState>& states, std::uint64_t seed);
+
+/// The solver's answers in states that differ from the one asked about by round-off, for its audit. Model and solver
+/// must outlive it.
+Redraw answers_within_roundoff(const Model& model, Solver& solver, std::uint64_t seed);
 
 /// The resolutions in the samples of a run: of each sample the largest over the states taken from it
 /// (SharedState::row), NaN where there is none.

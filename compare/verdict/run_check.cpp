@@ -6,6 +6,8 @@
 
 #include "common/error.h"
 #include "compare/verdict/needs.h"
+#include "compare/verdict/resolution.h"
+#include "compare/verdict/states.h"
 #include "compare/verdict/uniqueness.h"
 
 namespace concord::compare {
@@ -60,7 +62,7 @@ RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajector
   Auditor auditor(layout.model());
   for (const Sample& sample : trajectory.samples) {
     static_cast<void>(layout.observe(sample.state, sample.evaluation));  // throws if anything is missing
-    auditor.add(sample.state, sample.evaluation);
+    auditor.add(sample.state, sample.evaluation, answers_within_roundoff(layout.model(), solver, kSeed));
   }
   check_samples(layout, solver, trajectory, check);
   check.audit = auditor.report();

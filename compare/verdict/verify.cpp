@@ -66,7 +66,9 @@ class Verification {
         judge_(layout_, {kRungs.begin(), kRungs.end()}, verdict_),
         same_state_(layout_, solvers_, options.seed, judge_, verdict_),
         runs_(layout_, solvers_, options.seed, judge_, progress_, verdict_),
-        auditors_{Auditor(model), Auditor(model)} {}
+        auditors_{Auditor(model), Auditor(model)},
+        redraws_{answers_within_roundoff(model, cartesian, options.seed),
+                 answers_within_roundoff(model, relative, options.seed)} {}
 
   Verdict run() {
     check_needs(model_);
@@ -203,7 +205,9 @@ class Verification {
     const WeighedStates& weighed = same_state_.weighed();
     if (weighed.states.empty()) return;
     for (const SharedState& one : weighed.states) {
-      for (const Who who : kBothSolvers) auditors_[index(who)].add(one.state, one.evaluations[index(who)]);
+      for (const Who who : kBothSolvers) {
+        auditors_[index(who)].add(one.state, one.evaluations[index(who)], redraws_[index(who)]);
+      }
     }
     verdict_.pair_sums = compare_pair_sums(layout_, weighed.states, measured, weighed.budget());
     for (const PairSum& pair : verdict_.pair_sums) judge_pair_sum(pair);
@@ -242,7 +246,9 @@ class Verification {
     progress_.begin("audit");
     for (const Who who : kBothSolvers) {
       if (const Trajectory* trajectory = trajectories[index(who)]) {
-        for (const Sample& sample : trajectory->samples) auditors_[index(who)].add(sample.state, sample.evaluation);
+        for (const Sample& sample : trajectory->samples) {
+          auditors_[index(who)].add(sample.state, sample.evaluation, redraws_[index(who)]);
+        }
         judge_energy(verdict_.solvers[index(who)], audit_energy(model_, *trajectory));
       }
       judge_.judge_audit(who, auditors_[index(who)].report());
@@ -370,6 +376,7 @@ class Verification {
   SameState same_state_;
   RunRungs runs_;
   std::array<Auditor, 2> auditors_;
+  std::array<Redraw, 2> redraws_;
   int asked_samples_ = 0;
   double asked_rtol_ = 0.0;
   std::array<State, 2> starts_;
