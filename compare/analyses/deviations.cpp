@@ -4,6 +4,7 @@
 
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
+#include "compare/analyses/kinematics.h"
 #include "compare/audit/joint_kinematics.h"
 
 namespace concord::compare::analyses {
@@ -18,6 +19,11 @@ int ball_of(const joints::JointType& type) {
   return -1;
 }
 
+/// The places and the orientation of a body that is free: slides along x, y, z, then a ball.
+bool is_free_joint(const joints::JointType& type) {
+  return turning_speeds(type) == std::vector<bool>{false, false, false, true, true, true} && ball_of(type) == 3;
+}
+
 PlacedFrame place_of(const Joint& joint, Side side, const State& state) {
   const Attachment& attachment = joint.on(side);
   return place(attachment, state.bodies[static_cast<std::size_t>(attachment.body)]);
@@ -29,10 +35,10 @@ RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
 
 }  // namespace
 
-Deviations::Deviations(const Model& model, Solver& solver, const State& state)
+Deviations::Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes)
     : model_(model), solver_(solver), chart_(model, solver, state) {
   if (chart_.n() == 0) return;
-  choose_axes(state);
+  choose_axes(state, axes);
   find_weights();
   directions_.resize(weights_.size(), chart_.n());
   for (int k = 0; k < chart_.n(); ++k) {
@@ -43,18 +49,25 @@ Deviations::Deviations(const Model& model, Solver& solver, const State& state)
   speeds_ = speeds(state);
   speed_rates_ = speed_rates(state, solver_.evaluate(state));
   rates_ = inverse_ * speeds_;
-  accelerations_ = inverse_ * speed_rates_;
+  accelerations_ = inverse_ * (speed_rates_ - turned_by_axes(speeds_));
 }
 
-void Deviations::choose_axes(const State& state) {
+void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
   constexpr double kClearlySlower = 1.0 - 1e-6;
   Eigen::Index row = 0;
-  for (const Joint& joint : model_.joints) {
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    const Joint& joint = model_.joints[k];
     const double parent = place_of(joint, Side::parent, state).omega_joint.norm();
     const double child = place_of(joint, Side::child, state).omega_joint.norm();
     by_child_.push_back(child < kClearlySlower * parent);
     const int ball = ball_of(*joint.type);
-    if (ball >= 0) balls_.push_back({row + ball, by_child_.back() ? 1.0 : -1.0});
+    if (ball >= 0) balls_.push_back({k, row + ball, by_child_.back() ? 1.0 : -1.0});
+    if (ball >= 0 && !axes.rates.empty() && !axes.rates[k].isZero(0.0)) {
+      const Mat3 Q = exponential_of(axes.rates[k] * (state.t - axes.since));
+      turned_.push_back({row + ball, axes.rates[k], Q});
+      if (axes.carry_places && is_free_joint(*joint.type) && !by_child_.back())
+        turned_.push_back({row, axes.rates[k], Q});
+    }
     row += joint.type->n_u();
   }
 }
@@ -89,6 +102,7 @@ VecX Deviations::speeds(const State& state) const {
     rows.segment(next, adot.size()) = adot;
     next += adot.size();
   }
+  turn_rows(rows);
   return rows;
 }
 
@@ -111,6 +125,7 @@ VecX Deviations::speed_rates(const State& state, const Evaluation& evaluation) c
     rows.segment(next, addot.size()) = addot;
     next += addot.size();
   }
+  turn_rows(rows);
   return rows;
 }
 
@@ -123,16 +138,58 @@ VecX Deviations::turned_with(const VecX& deviation, const VecX& values) const {
   return rows;
 }
 
+VecX Deviations::turned_by_axes(const VecX& values) const {
+  VecX rows = VecX::Zero(values.size());
+  for (const TurnedRows& vector : turned_) {
+    rows.segment<3>(vector.first) = vector.W.cross(Vec3(values.segment<3>(vector.first)));
+  }
+  return rows;
+}
+
+void Deviations::turn_rows(VecX& rows) const {
+  for (const TurnedRows& vector : turned_) {
+    rows.segment<3>(vector.first) = (vector.Q.transpose() * rows.segment<3>(vector.first)).eval();
+  }
+}
+
+std::optional<TurningAxes> Deviations::steady_axes() {
+  constexpr double kStep = 0.02;         // rad of the motion
+  constexpr double kLeastStep = 1e-5;    // the same
+  constexpr double kStandsStill = 1e-6;  // of w^2
+  if (balls_.empty() || !(speed() > 0.0)) return std::nullopt;
+  const Sample now{chart_.origin(), solver_.evaluate(chart_.origin()), 0.0};
+  const auto rates_at = [&](double h) -> std::optional<VecX> {
+    const auto state = solver_.close(predict(model_, now, h));
+    if (!state) return std::nullopt;
+    return speed_rates(*state, solver_.evaluate(*state));
+  };
+  const auto second_rates =
+      derivative_at_zero(rates_at, kStep / speed(), kLeastStep / speed(), speed_rates_.norm() * speed());
+  if (!second_rates) return std::nullopt;
+  TurningAxes axes{now.state.t, std::vector<Vec3>(model_.joints.size(), Vec3::Zero())};
+  for (const BallRows& ball : balls_) {
+    const Vec3 w = speeds_.segment<3>(ball.first);
+    const Vec3 wdot = speed_rates_.segment<3>(ball.first);
+    const Vec3 wddot = second_rates->value.segment<3>(ball.first);
+    const bool stands_still = wdot.norm() <= kStandsStill * w.squaredNorm();
+    axes.rates[ball.joint] = stands_still ? Vec3(-ball.sign * w) : Vec3(wdot.cross(wddot) / wdot.squaredNorm());
+  }
+  return axes;
+}
+
 std::optional<VecX> Deviations::accelerations_at(const VecX& delta, const VecX& deltadot) {
   const VecX moved = directions_ * delta;
-  // epsdot = omega - omega* -+ eps x omega*: the speeds are as asked where those of the machine are so.
-  const VecX wanted = rates_ + deltadot - inverse_ * turned_with(moved, speeds_);
+  // epsdot = omega - omega* -+ eps x omega* - W x eps: the speeds are as asked where those of the machine are so.
+  const VecX drift = turned_with(moved, speeds_) - turned_by_axes(moved);
+  const VecX wanted = rates_ + deltadot - inverse_ * drift;
   const auto state = chart_.at(
       delta, [&](const State& s) { return VecX(inverse_ * speeds(s)); }, wanted);
   if (!state) return std::nullopt;
-  const VecX rate = speeds(*state) - speeds_ + turned_with(moved, speeds_);
-  return VecX(inverse_ * (speed_rates(*state, solver_.evaluate(*state)) - speed_rates_ + turned_with(rate, speeds_) +
-                          turned_with(moved, speed_rates_)));
+  const VecX rate = speeds(*state) - speeds_ + drift;  // in axes that turn
+  const VecX carried = turned_by_axes(moved);
+  const VecX in_side_axes = speed_rates(*state, solver_.evaluate(*state)) - speed_rates_ +
+                            turned_with(rate + carried, speeds_) + turned_with(moved, speed_rates_);
+  return VecX(inverse_ * (in_side_axes - turned_by_axes(2.0 * rate + carried)));
 }
 
 }  // namespace concord::compare::analyses

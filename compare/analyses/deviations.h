@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "common/solver.h"
 #include "compare/verdict/chart.h"
@@ -8,17 +9,28 @@
 /// Small deviations of a machine from a motion, in the coordinates of its joints.
 namespace concord::compare::analyses {
 
+/// Axes that turn steadily against those of a joint's side, with which they coincide at a time: where a machine
+/// precesses or spins about an axis of its own, its motion is a rest in them and in no others.
+struct TurningAxes {
+  double since = 0.0;       // s
+  std::vector<Vec3> rates;  // by joint, in the axes of its side [rad/s]; empty: none turns
+  /// Whether displacements of free joints are seen in them, too: those of a body whose origin goes round.
+  bool carry_places = false;
+};
+
 /// Deviations delta from the motion that leads through a state, frozen at its time: the chart's coordinates there, but
 /// measured in what all joints and modes have moved beyond what the motion itself moves them. In these coordinates the
 /// steady motion of a rotor, or of a machine on an arm that turns, is a rest: its matrices do not depend on time, and
 /// gyroscopic and centrifugal terms stand in them. Angles and displacements deviate as numbers; the orientation of a
 /// ball by a rotation vector eps in the axes of the side that turns slower, with epsdot = omega - omega* - eps x omega*
-/// on the parent's side (plus on the child's), omega* being that of the motion.
+/// on the parent's side (plus on the child's), omega* being that of the motion. Where TurningAxes turn at W against
+/// that side, eps and the displacements of a free joint are taken in them: their rates in these axes are less by W x
+/// eps.
 ///
 /// Model and solver must outlive it; the state is closed.
 class Deviations {
  public:
-  Deviations(const Model& model, Solver& solver, const State& state);
+  Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes = {});
 
   /// Coordinates at the state, in which deviations of first order are measured.
   [[nodiscard]] const Chart& chart() const { return chart_; }
@@ -26,25 +38,42 @@ class Deviations {
   [[nodiscard]] const MatX& directions() const { return scaled_directions_; }
   /// Size of all its speeds, those of drivers too, in units of the machine [1/s].
   [[nodiscard]] double speed() const { return weights_.cwiseProduct(speeds_).norm(); }
-  /// Second derivatives of the coordinates along the motion itself [1/s2]: zero where it is steady.
+  /// Second derivatives of the coordinates along the motion itself [1/s2], as seen in the axes that turn: zero where it
+  /// is steady.
   [[nodiscard]] const VecX& accelerations() const { return accelerations_; }
 
   /// Second derivatives of the deviations [1/s2] where they are delta, with rates deltadot of the deviations; exact to
   /// first order in both, and even in the rest. Nothing if the solver finds no closed state there.
   [[nodiscard]] std::optional<VecX> accelerations_at(const VecX& delta, const VecX& deltadot);
 
+  /// Axes in which the motion of each ball would be a rest if it is steady: those that turn with its angular velocity w
+  /// about an axis that stands still, (wdot x wddot) / |wdot|^2; where w itself stands still, those of the other side.
+  /// Nothing if the solver finds no closed state a little later and earlier.
+  [[nodiscard]] std::optional<TurningAxes> steady_axes();
+
  private:
   /// Speeds of all joints, then rates of all modal coordinates, and the same of their rates; balls in their own axes.
   [[nodiscard]] VecX speeds(const State& state) const;
   [[nodiscard]] VecX speed_rates(const State& state, const Evaluation& evaluation) const;
-  /// eps x values over the rows of balls, + or - by their axes; zero elsewhere.
+  /// Over the rows of balls eps x values, + or - by their axes; zero elsewhere.
   [[nodiscard]] VecX turned_with(const VecX& deviation, const VecX& values) const;
-  void choose_axes(const State& state);
+  /// W x values over the rows that are seen in turning axes; zero elsewhere.
+  [[nodiscard]] VecX turned_by_axes(const VecX& values) const;
+  /// Seen in the turning axes instead of those of the sides.
+  void turn_rows(VecX& rows) const;
+  void choose_axes(const State& state, const TurningAxes& axes);
   void find_weights();
 
   struct BallRows {
+    std::size_t joint;
     Eigen::Index first;
     double sign;  // of omega* x eps in epsdot
+  };
+  /// Three rows that are a vector, seen in axes that have turned by Q and turn at W.
+  struct TurnedRows {
+    Eigen::Index first;
+    Vec3 W;
+    Mat3 Q;
   };
 
   const Model& model_;
@@ -52,6 +81,7 @@ class Deviations {
   Chart chart_;
   std::vector<bool> by_child_;  // joints whose ball is seen from the child
   std::vector<BallRows> balls_;
+  std::vector<TurnedRows> turned_;
   VecX weights_;     // of the rows
   MatX directions_;  // rows of speeds() by coordinates
   MatX scaled_directions_;

@@ -124,17 +124,45 @@ class ModeJudge {
 };
 
 /// About a motion that is not steady, modes say how the machine behaves as if it stayed as it is now.
-std::string steadiness_text(const Model& model, Solver& solver, const Linearization& found) {
-  constexpr double kChanges = 1e-3;
-  const Steadiness steadiness = steadiness_of(model, solver, found);
+std::string steadiness_text(const Steadiness& steadiness) {
   if (steadiness.accelerates) {
     return "note: the machine accelerates in this state: modes are those of the machine frozen in it\n";
   }
-  if (steadiness.change <= kChanges) return "";
+  if (steadiness.is_steady()) return "";
   return fmt::format(
       "note: the motion is not steady: in a radian of it the matrices change by {:.2g} of the fastest rate; modes are "
       "those of the machine frozen in this state\n",
       steadiness.change);
+}
+
+std::string axes_text(const Model& model, const TurningAxes& axes) {
+  std::string text;
+  for (std::size_t k = 0; k < axes.rates.size(); ++k) {
+    const Vec3& W = axes.rates[k];
+    if (W.isZero(0.0)) continue;
+    text += fmt::format(
+        "note: the motion is steady in axes that turn at ({:.6g}, {:.6g}, {:.6g}) rad/s; deviations of the ball{} of "
+        "{} are measured in them\n",
+        W(0), W(1), W(2), axes.carry_places ? " and the displacements" : "", model.joints[k].name);
+  }
+  return text;
+}
+
+/// A motion that is not steady in the axes of the joints' sides may be so in others; both solvers then measure in them.
+void measure_in_steady_axes(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& states,
+                            AnalysisVerdict& result) {
+  const auto state_of = [&](Who who) -> const State& { return states[index(who)].samples[0].state; };
+  const Steadiness steadiness = steadiness_of(model, *solvers[0], *result.linearizations[0]);
+  TurningAxes axes;
+  if (!steadiness.is_steady()) axes = find_turning_axes(model, *solvers[0], state_of(Who::cartesian));
+  if (axes.rates.empty()) {
+    result.text += steadiness_text(steadiness);
+    return;
+  }
+  result.text += axes_text(model, axes);
+  for (const Who who : kBothSolvers) {
+    result.linearizations[index(who)] = linearize(model, *solvers[index(who)], state_of(who), axes);
+  }
 }
 
 }  // namespace
@@ -158,7 +186,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
     result.linearizations[index(who)] = linearize(held, solver, states[index(who)].samples[0].state);
   }
   judge_wrenches(held, solvers, states, at_equilibrium, result);
-  result.text += steadiness_text(held, *solvers[0], *result.linearizations[0]);
+  measure_in_steady_axes(held, solvers, states, result);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
   ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
   conclude(result);

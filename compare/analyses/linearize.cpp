@@ -106,10 +106,11 @@ std::array<int, 2> range_of_free(ModeSearch search, const MotionMatrices& matric
 
 }  // namespace
 
-Linearization linearize(const Model& model, Solver& solver, const State& state) {
+Linearization linearize(const Model& model, Solver& solver, const State& state, const TurningAxes& axes) {
   Linearization result;
   result.state = state;
-  Deviations deviations(model, solver, state);
+  result.axes = axes;
+  Deviations deviations(model, solver, state, axes);
   const Chart& chart = deviations.chart();
   if (chart.n() == 0) return result;
   const VecX none = VecX::Zero(chart.n());
@@ -156,7 +157,7 @@ Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization
   const Sample now{found.state, solver.evaluate(found.state), 0.0};
   const auto later = solver.close(predict(model, now, kMovesBy / found.rate));
   if (!later) return steadiness;
-  const Linearization there = linearize(model, solver, *later);
+  const Linearization there = linearize(model, solver, *later, found.axes);
   if (there.directions.cols() != found.directions.cols()) return steadiness;
   const MatX to_here = least_squares(found.directions, there.directions);
   const MatX from_here = least_squares(there.directions, found.directions);
@@ -166,6 +167,16 @@ Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization
                                (to_here * there.B * from_here - found.B).norm() / fastest) /
                       kMovesBy;
   return steadiness;
+}
+
+TurningAxes find_turning_axes(const Model& model, Solver& solver, const State& state) {
+  std::optional<TurningAxes> axes = Deviations(model, solver, state).steady_axes();
+  if (!axes) return {};
+  for (const bool carry_places : {false, true}) {
+    axes->carry_places = carry_places;
+    if (steadiness_of(model, solver, linearize(model, solver, state, *axes)).is_steady()) return *axes;
+  }
+  return {};
 }
 
 }  // namespace concord::compare::analyses

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/analyses/deviations.h"
 
 /// Small motions about a state, from a solver's accelerations alone.
 namespace concord::compare::analyses {
@@ -52,6 +53,8 @@ struct Linearization {
   /// if it is steady.
   double rate = 0.0;
   double unsteadiness = 0.0;
+  /// In which deviations are measured.
+  TurningAxes axes;
 };
 
 /// How far two modes are from moving alike: the norm of what of one's shape is not along the other's, 0 to 1.
@@ -73,7 +76,7 @@ ModePairs pair_modes(const std::vector<Mode>& one, const std::vector<Mode>& othe
 /// stiffness (see StiffnessSplit) and, as a rate, no damping above `resolution`: decided on subspaces of the matrices,
 /// not on eigenvalues, which of two equal zeros stray by the root of the round-off. Throws SingularPose, as Chart and
 /// stiffness_matrix() do.
-Linearization linearize(const Model& model, Solver& solver, const State& state);
+Linearization linearize(const Model& model, Solver& solver, const State& state, const TurningAxes& axes = {});
 
 /// By how much the motion of a linearization fails to be steady: 0, or why its modes are those of a frozen machine.
 struct Steadiness {
@@ -81,7 +84,13 @@ struct Steadiness {
   /// By how much the matrices change in a radian of motion, as a part of the fastest rate and its square; 0 where the
   /// machine rests or accelerates.
   double change = 0.0;
+
+  [[nodiscard]] bool is_steady() const { return !accelerates && change <= 1e-3; }
 };
 Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found);
+
+/// Axes in which a motion is steady that is not in those of the joints' sides: that of a body that spins about a
+/// principal axis, of a top that precesses. No rates where there are none.
+TurningAxes find_turning_axes(const Model& model, Solver& solver, const State& state);
 
 }  // namespace concord::compare::analyses
