@@ -42,6 +42,33 @@ double largest_force(const Model& model, double length) {
   return largest;
 }
 
+/// How many of its units a law passes in a second, where it is fastest: straight pieces by their slope, a term c t^k of
+/// a polynomial by the time 1 / rate in which it would pass one if it were (rate t)^k / k! (R64).
+double units_per_second(const TimeFunction& law, double unit) {
+  return std::visit(
+      Overloaded{[unit](const ConstantSpeed& of) { return std::abs(of.speed) / unit; },
+                 [unit](const Harmonic& of) { return std::abs(of.amplitude * of.frequency) / unit; },
+                 [unit](const SmoothStep& of) { return std::abs(of.to - of.from) / (of.t1 - of.t0) / unit; },
+                 [unit](const Polynomial& of) {
+                   double rate = 0.0;
+                   double factorial = 1.0;
+                   for (int k = 1; k < static_cast<int>(of.coefficients.size()); ++k) {
+                     factorial *= k;
+                     rate = std::max(rate, std::pow(factorial * std::abs(of.coefficients[k]) / unit, 1.0 / k));
+                   }
+                   return rate;
+                 },
+                 [unit](const SplineTable& of) {
+                   double steepest = 0.0;
+                   for (std::size_t k = 1; k < of.times().size(); ++k) {
+                     const double passed = std::abs(of.values()[k] - of.values()[k - 1]);
+                     steepest = std::max(steepest, passed / (of.times()[k] - of.times()[k - 1]));
+                   }
+                   return steepest / unit;
+                 }},
+      law);
+}
+
 }  // namespace
 
 double machine_rate(const Model& model) {
@@ -59,7 +86,7 @@ double machine_rate(const Model& model) {
     }
     for (const Driver& driver : joint.drivers) {
       const bool slides = mobilizer.kind(first_u(*joint.type, driver.word) + driver.component).is_length;
-      rate = std::max(rate, typical_rate(driver.law, slides ? length : 1.0));
+      rate = std::max(rate, units_per_second(driver.law, slides ? length : 1.0));
     }
   }
   const double mass = total_mass(model);

@@ -99,39 +99,6 @@ TimeFunctionValue SplineTable::evaluate(int piece, double t) const {
           left * m0 + right * m1};
 }
 
-namespace {
-
-double rate_of(const ConstantSpeed& law, double unit) { return std::abs(law.speed) / unit; }
-
-double rate_of(const Polynomial& law, double unit) {
-  double largest = 0.0;
-  double factorial = 1.0;
-  for (std::size_t k = 1; k < law.coefficients.size(); ++k) {
-    factorial *= static_cast<double>(k);
-    largest = std::max(largest, std::pow(factorial * std::abs(law.coefficients[k]) / unit, 1.0 / double(k)));
-  }
-  return largest;
-}
-
-double rate_of(const Harmonic& law, double unit) { return std::abs(law.amplitude * law.frequency) / unit; }
-
-double rate_of(const SmoothStep& law, double unit) { return std::abs(law.to - law.from) / (law.t1 - law.t0) / unit; }
-
-double rate_of(const SplineTable& law, double unit) {
-  double steepest = 0.0;
-  for (std::size_t k = 1; k < law.times().size(); ++k) {
-    const double rise = law.values()[k] - law.values()[k - 1];
-    steepest = std::max(steepest, std::abs(rise) / (law.times()[k] - law.times()[k - 1]));
-  }
-  return steepest / unit;
-}
-
-}  // namespace
-
-double typical_rate(const TimeFunction& function, double unit) {
-  return std::visit([unit](const auto& law) { return rate_of(law, unit); }, function);
-}
-
 TimeFunctionValue evaluate(const TimeFunction& function, double t) {
   return std::visit([t](const auto& law) { return evaluate_one(law, t); }, function);
 }

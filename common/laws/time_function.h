@@ -68,8 +68,4 @@ using TimeFunction = std::variant<ConstantSpeed, Polynomial, Harmonic, SmoothSte
 /// Value and derivatives at time t [s].
 TimeFunctionValue evaluate(const TimeFunction& function, double t);
 
-/// A rate [1/s] at which the law moves what it drives by `unit` (of its value), somewhere: its steepest mean slope over
-/// the unit; of a polynomial the largest (k! |c_k| / unit)^(1/k). For scales, never for results.
-double typical_rate(const TimeFunction& function, double unit);
-
 }  // namespace concord

@@ -94,15 +94,5 @@ TEST(TimeFunction, SplineGoesThroughItsTableWithContinuousCurvature) {
   }
 }
 
-/// A machine that its driver brings to rest has no speed that small ones could be compared with, but this rate.
-TEST(TimeFunction, HasARateOfItsOwnAtRestToo) {
-  EXPECT_DOUBLE_EQ(typical_rate(ConstantSpeed{3.0, -0.8}, 0.4), 2.0);
-  EXPECT_DOUBLE_EQ(typical_rate(Harmonic{1.0, 0.3, 7.0, 0.2}, 0.7), 3.0);
-  EXPECT_DOUBLE_EQ(typical_rate(SmoothStep{0.1, 0.6, 1.5, 0.5}, 0.5), 4.0);
-  EXPECT_DOUBLE_EQ(typical_rate(Polynomial{{9.0, 0.2, 0.0, 4.0 / 3.0}}, 1.0), 2.0);  // 3! 4/3 = 2^3
-  EXPECT_DOUBLE_EQ(typical_rate(SplineTable({0.0, 0.5, 0.6, 1.0}, {0.0, 0.1, 0.4, 0.4}), 2.0), 1.5);
-  EXPECT_EQ(typical_rate(Polynomial{{9.0}}, 1.0), 0.0);
-}
-
 }  // namespace
 }  // namespace concord

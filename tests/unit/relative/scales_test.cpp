@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/joints/revolute.h"
+#include "common/joints/translational.h"
 #include "machines.h"
 
 namespace concord::relative {
@@ -49,6 +51,40 @@ TEST(Scales, MakeTheClosureIndependentOfTheUnitOfLength) {
     return Scales(machine, topology).scaled(closure.Phi_u(), closure);
   };
   EXPECT_LT((matrix(model) - matrix(scaled)).norm(), 1e-12);
+}
+
+/// The rate of a machine without gravity that a law alone moves, in joint `type`, from rest.
+double rate_driven_by(const joints::JointType& type, const TimeFunction& law) {
+  Model model;
+  model.gravity.setZero();
+  model.bodies.resize(2);
+  model.bodies[1].mass = 1.0;
+  Joint joint;
+  joint.type = &type;
+  joint.sides[index(Side::child)].body = 1;
+  joint.sides[index(Side::child)].point_L = Vec3(0.5, 0.0, 0.0);
+  joint.drivers.push_back({0, law, 0});
+  model.joints.push_back(joint);
+  return machine_rate(model);
+}
+
+TEST(MachineRate, OfADrivenTurnIsThatOfItsLaw) {
+  const auto rate = [](const TimeFunction& law) { return rate_driven_by(joints::revolute, law); };
+  EXPECT_DOUBLE_EQ(rate(ConstantSpeed{3.0, -0.8}), 0.8);
+  EXPECT_DOUBLE_EQ(rate(Harmonic{1.0, 0.3, 7.0, 0.2}), 2.1);
+  EXPECT_DOUBLE_EQ(rate(SmoothStep{0.1, 0.6, 1.5, 0.5}), 2.0);
+  EXPECT_DOUBLE_EQ(rate(Polynomial{{9.0, 0.2, 0.0, 4.0 / 3.0}}), 2.0);  // 3! 4/3 = 2^3
+  EXPECT_DOUBLE_EQ(rate(SplineTable({0.0, 0.5, 0.6, 1.0}, {0.0, 0.1, 0.4, 0.4})), 3.0);
+  EXPECT_EQ(rate(Polynomial{{9.0}}), 0.0);
+}
+
+TEST(MachineRate, OfADrivenSlideCountsLengthsOfTheMachine) {
+  const auto rate = [](const TimeFunction& law) { return rate_driven_by(joints::translational, law); };
+  EXPECT_DOUBLE_EQ(rate(ConstantSpeed{3.0, -0.8}), 1.6);
+  EXPECT_DOUBLE_EQ(rate(Harmonic{1.0, 0.3, 7.0, 0.2}), 4.2);
+  EXPECT_DOUBLE_EQ(rate(SmoothStep{0.1, 0.6, 1.5, 0.5}), 4.0);
+  EXPECT_DOUBLE_EQ(rate(Polynomial{{9.0, 0.2, 0.0, 2.0 / 3.0}}), 2.0);  // 3! 2/3 / 0.5 = 2^3
+  EXPECT_DOUBLE_EQ(rate(SplineTable({0.0, 0.5, 0.6, 1.0}, {0.0, 0.1, 0.4, 0.4})), 6.0);
 }
 
 }  // namespace
