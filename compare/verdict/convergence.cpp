@@ -81,12 +81,21 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
-bool a_run_stands(const Model& model, const RunPair& looser, const RunPair& tighter) {
+std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter) {
   constexpr double kTheSame = 14.0;  // digits
-  if (!looser.is_complete() || !tighter.is_complete()) return false;
-  if (looser.run.samples != tighter.run.samples) return false;
+  if (!looser.is_complete() || !tighter.is_complete()) return std::nullopt;
+  if (looser.run.samples != tighter.run.samples) return std::nullopt;
   const std::array<double, 2> digits = own_motion_digits(model, looser, tighter);
-  return std::max(digits[0], digits[1]) >= kTheSame;
+  const std::size_t nearer = digits[0] >= digits[1] ? 0 : 1;
+  return digits[nearer] >= kTheSame ? std::optional(nearer) : std::nullopt;
+}
+
+std::string advice_on_standing(const RunPair& pair, std::size_t who) {
+  const char* solver = who == 0 ? "cartesian" : "relative";
+  return fmt::format(
+      "; the {} run is the same at rtol {:g} as at a looser one: {} holds its steps no tighter, another "
+      "integrator (--{}-integrator) may",
+      solver, pair.run.rtol, pair.integrators[who].empty() ? "its integrator" : pair.integrators[who], solver);
 }
 
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,

@@ -35,9 +35,12 @@ RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int sam
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
 
-/// Whether a solver's run is the same at both tolerances though one is tighter: its integrator holds its steps no
-/// tighter than a limit of its own, and what tolerance changes is not seen between these two.
-bool a_run_stands(const Model& model, const RunPair& looser, const RunPair& tighter);
+/// The solver whose run is the same at both tolerances though one is tighter: its integrator holds its steps no tighter
+/// than a limit of its own, and what tolerance changes is not seen between these two. Of both the first.
+std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter);
+
+/// What to do about it: the end of a sentence on runs that do not converge.
+std::string advice_on_standing(const RunPair& pair, std::size_t who);
 
 /// Looks at the rows that miss their need on a rung where the same state agrees. If the largest difference among them,
 /// relative to its scale, is of the size, within a factor of ten, of what the solvers' own runs moved by in these rows

@@ -130,7 +130,7 @@ bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Run
   if (!set_side_by_side(pair, rung)) return false;
   const double first = pair.run.rtol;
   while (!reaches_needs(verdict_, rung, pair, motion_need) && verdict_.findings.empty() &&
-         pair.run.rtol > kTightestRepeat) {
+         0.5 * pair.run.rtol > kTightestRepeat) {
     RunOptions tight = pair.run;
     tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
     RunPair tighter = integrate(tight, rung);
@@ -170,21 +170,29 @@ std::optional<int> RunRungs::climb(RunPair& pair, const RunPair* before, Rung ru
 /// converged, which `compared`, runs at a looser tolerance, tell apart. False if a solver did not finish those.
 bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
   std::optional<RunPair> looser;
-  // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor.
-  const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
-  const bool stands = is_far && a_run_stands(layout_.model(), *compared, pair);
-  if ((!is_far || stands) && verdict_.findings.empty()) {
-    looser = run_looser(stands ? compared->run : pair.run, rung);
-    if (!looser) return false;
-    compared = &*looser;
-  }
+  std::optional<std::size_t> standing;
   if (verdict_.findings.empty()) {
+    // Integrators hold their steps no tighter than round-off: what tolerance changes is seen over a whole factor, and
+    // where neither run stands.
+    const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
+    if (!is_far) {
+      looser = run_looser(pair.run, rung);
+      if (!looser) return false;
+      compared = &*looser;
+    }
+    standing = run_that_stands(layout_.model(), *compared, pair);
+    if (standing) {
+      looser = run_looser(compared->run, rung);
+      if (!looser) return false;
+      compared = &*looser;
+    }
     const auto samples = static_cast<int>(pair.series.times.size());
     if (samples < compared->run.samples + 1) {
       looser = first_samples(layout_, *compared, samples);
       compared = &*looser;
     }
     if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
+      if (standing) *why += advice_on_standing(pair, *standing);
       verdict_.failures.push_back(std::move(*why));
       return true;
     }

@@ -11,6 +11,7 @@
 namespace concord::compare {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 /// Two stand-ins that agree to 1e-9 or so, as two integrators would.
@@ -178,6 +179,24 @@ TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   EXPECT_TRUE(verdict.same_state.climbed);
   EXPECT_FALSE(verdict.same_run.climbed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
+  for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
+}
+
+/// An integrator that holds its steps no tighter than at the tolerance of the same run leaves the same error on the
+/// refined rung. What tolerance changes is looked for at a looser one: nothing is told apart, and no solver differs.
+TEST_F(VerifyTest, ARunThatGetsNoTighterIsNoDifference) {
+  model_.run.rtol = 1e-9;
+  cartesian_.drift = 1.1e3;
+  cartesian_.finest = 3.1e-11;
+  relative_.drift = 130.0;
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
+  EXPECT_TRUE(verdict.same_run.climbed);
+  EXPECT_FALSE(verdict.refined.climbed);
+  EXPECT_THAT(verdict.failures, Contains(AllOf(HasSubstr("refined: the runs do not converge"),
+                                               HasSubstr("the cartesian run is the same at rtol 1e-13 as at a looser "
+                                                         "one: rk4 holds its steps no tighter, another "
+                                                         "integrator (--cartesian-integrator) may"))));
   for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
 }
 
