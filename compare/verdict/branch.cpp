@@ -34,6 +34,15 @@ Assembled assembled(Solver& solver) {
   }
 }
 
+bool accepts(Solver& solver, const State& state) {
+  try {
+    (void)solver.evaluate(state);
+    return true;
+  } catch (const SolverError&) {
+    return false;
+  }
+}
+
 /// Calls `use` with joint, named coordinate, word of the start and both values of each coordinate; of a ball with the
 /// angle between both orientations, and zero.
 template <class Use>
@@ -186,15 +195,18 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   if (!starts[better].state || (!starts[1 - better].state && !first_refusal)) {
     throw *starts[starts[better].state ? 1 - better : better].refusal;
   }
-  if (!starts[1 - better].state) {
-    // It does not take the other one's start either: whoever asks it for its own is told why.
-    model = as_given;
-    note.clear();
-    return {makers.cartesian(model), makers.relative(model)};
+  if (starts[1 - better].state) {
+    const Apart most = apart(model, *starts[0].state, *starts[1].state);
+    if (most.size <= kOneBranch) return solvers;
+    if (accepts(*solvers[1], *starts[0].state) && accepts(*solvers[0], *starts[1].state)) {
+      refuse_branches(model, most.text);
+    }
   }
-  const Apart most = apart(model, *starts[0].state, *starts[1].state);
-  if (most.size > kOneBranch) refuse_branches(model, most.text);
-  return solvers;
+  // It does not take the other one's start either, or takes it for open, which is no branch: whoever asks it for its
+  // own is told why, or sees in states who is wrong.
+  model = as_given;
+  note.clear();
+  return {makers.cartesian(model), makers.relative(model)};
 }
 
 }  // namespace concord::compare

@@ -124,6 +124,30 @@ TEST_F(BranchTest, SolversThatPartFromOneGuessAreRefused) {
   }
 }
 
+/// A solver with a wrong constraint closes elsewhere, and takes no other closed state for closed: the model is sound,
+/// and the verdict, which has states to look at, says who is wrong.
+TEST_F(BranchTest, AStartThatTheOtherOneTakesForOpenIsNoBranch) {
+  guess(0.7);
+  class Strict : public TwoWays {
+   public:
+    using TwoWays::TwoWays;
+    Evaluation evaluate(const State& state) override {
+      if (std::abs(state.q[0](0) - kFar) > 1e-9) throw SolverError("relative: joint 'A' is open by 0.8 rad");
+      return TwoWays::evaluate(state);
+    }
+  };
+  const auto stubborn = [](double) { return kFar; };
+  const Solvers solvers = make_solvers_on_one_branch(
+      model_,
+      {[](const Model& model) { return std::make_unique<TwoWays>(model, "cartesian", nearest); },
+       [&](const Model& model) { return std::make_unique<Strict>(model, "relative", stubborn); }},
+      note_);
+  EXPECT_EQ(note_, "");
+  EXPECT_EQ(model_.joints[0].start[0].q(0), 0.7);
+  EXPECT_NEAR(solvers[0]->assemble().q[0](0), kNear, 1e-15);
+  EXPECT_NEAR(solvers[1]->assemble().q[0](0), kFar, 1e-15);
+}
+
 TEST_F(BranchTest, WholeTurnsAreBranchesToo) {
   guess(0.7);
   const auto turned = [](double guess) { return guess == kNear ? kNear : kNear - 4.0 * M_PI; };
