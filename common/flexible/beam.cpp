@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -159,6 +160,7 @@ ModalData make_beam(const BeamSpecification& beam) {
   data.nodes = make_nodes(beam, modes);
   data.mass_points = make_mass_points(beam, modes);
   data.G = mass_integrals(data.mass_points, modes.count);
+  data.beam = std::make_shared<const BeamSpecification>(beam);
   return data;
 }
 

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/types.h"
 
 namespace concord {
+
+struct BeamSpecification;
 
 /// A mass point of a flexible body: mass [kg], undeformed position in the body frame [m], translation rows of the m
 /// mode shapes there (3 x m): its deformed position is s0_L + Psi_t_L a.
@@ -36,6 +39,8 @@ struct ModalData {
   std::vector<MassPoint> mass_points;
   /// Undamped frequencies of the modes [rad/s] as their source gives them, for `info`; may be empty.
   VecX frequencies;
+  /// The beam that they are the modes of, for the audit; none for modes of another source, or told otherwise.
+  std::shared_ptr<const BeamSpecification> beam;
 
   [[nodiscard]] int n_modes() const { return static_cast<int>(stiffness.rows()); }
 };

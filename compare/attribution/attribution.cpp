@@ -82,6 +82,18 @@ std::optional<Attribution> blame_element(const Evidence& evidence) {
   return std::nullopt;
 }
 
+/// Modes that are not those of the beam that is stated: both solvers take them from there.
+std::optional<Attribution> blame_modal_data(const Evidence& evidence) {
+  const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::modal_data);
+  if (breaches.empty()) return std::nullopt;
+  const std::string& row = breaches.front().finding->row;
+  const Term term = row == "modal damping"     ? Term::damping
+                    : row == "modal stiffness" ? Term::elastic
+                    : row == "mass integrals"  ? Term::inertia
+                                               : Term::point;
+  return at(evidence, breaches.front(), term);
+}
+
 /// Springs, actuators and couplings on joints that do not follow theirs.
 std::optional<Attribution> blame_joint_law(const Evidence& evidence) {
   const std::vector<Breach> breaches = breaches_of(evidence, AuditRule::force_law);
@@ -289,11 +301,12 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
   const Rule blunt = [](const Evidence& all) { return blame_dynamics(all, false); };
   const bool alike = !evidence.states.empty() && move_alike(evidence.states);
   // From causes to what follows from them. Where the bodies move alike, it is the report that differs.
-  const std::vector<Rule> where_alike{blame_count,  blame_element,   blame_report, blame_page,       blame_joint_motion,
-                                      blame_driver, blame_joint_law, blunt,        blame_uniqueness, blame_start};
-  const std::vector<Rule> where_not{blame_count,        blame_element,    sharp,
-                                    blame_joint_motion, blame_driver,     blunt,
-                                    blame_joint_law,    blame_uniqueness, blame_start};
+  const std::vector<Rule> where_alike{blame_count, blame_modal_data,   blame_element, blame_report,
+                                      blame_page,  blame_joint_motion, blame_driver,  blame_joint_law,
+                                      blunt,       blame_uniqueness,   blame_start};
+  const std::vector<Rule> where_not{blame_count,        blame_modal_data, blame_element, sharp,
+                                    blame_joint_motion, blame_driver,     blunt,         blame_joint_law,
+                                    blame_uniqueness,   blame_start};
   std::vector<Attribution> causes;
   for (const Rule& rule : alike ? where_alike : where_not) {
     if (causes.size() == most) break;

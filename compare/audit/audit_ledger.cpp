@@ -26,9 +26,9 @@ bool is_worse(const AuditFinding& one, const AuditFinding& other) {
 }  // namespace
 
 std::string_view name_of(AuditRule rule) {
-  constexpr std::array<std::string_view, kAuditRules> names{"free body",  "workless",   "both sides",
-                                                            "two frames", "drivers",    "force law",
-                                                            "kinematics", "driver law", "derivatives"};
+  constexpr std::array<std::string_view, kAuditRules> names{"free body",   "workless",  "both sides", "two frames",
+                                                            "drivers",     "force law", "kinematics", "driver law",
+                                                            "derivatives", "modal data"};
   return names[static_cast<std::size_t>(rule)];
 }
 
@@ -39,6 +39,8 @@ std::string_view breach_of(AuditRule rule) {
       return "does not move as joints and laws say";
     case AuditRule::derivatives:
       return "is given a wrong derivative";
+    case AuditRule::modal_data:
+      return "is given wrong modes";
     default:
       return "is not in balance";
   }

@@ -21,9 +21,10 @@ enum class AuditRule {
                // add
   kinematics,  // positions, velocities and accelerations of the bodies are such as the joints permit
   driver_law,  // a driven coordinate follows its law, q = f, u = f', udot = f''; coupled ones keep their relation
-  derivatives  // the derivatives of a joint type that is given by functions are those of the functions' values
+  derivatives,  // the derivatives of a joint type that is given by functions are those of the functions' values
+  modal_data    // nodes, masses, stiffness and damping of a beam's modes are those of the beam that is stated
 };
-inline constexpr int kAuditRules = 9;
+inline constexpr int kAuditRules = 10;
 
 /// "free body", "workless", ...
 std::string_view name_of(AuditRule rule);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/decompositions.h"
+#include "compare/audit/beam_statement.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
@@ -179,6 +180,7 @@ Auditor::Auditor(const Model& model)
 void Auditor::lay_out_body(const Body& body) {
   std::vector<MassPoint> of_rigid;
   mass_points_.push_back(mass_points_of(body, of_rigid));
+  beams_.push_back(audit_beam(body));
   AuditEntity& entity = bodies_.emplace_back(AuditEntity{body.name, {}, false});
   if (bodies_.size() == 1) return;  // ground
   add_components(AuditRule::free_body, "", entity);
@@ -267,7 +269,6 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
       frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
       side_residuals(frames, wrenches.reaction), side_residuals(frames, wrenches.total), power.beyond_tau(),
       power.outside_coordinates(length_), beyond_roundoff(power.beyond_law(), roundoff);
-
   double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
   double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
   const VecX of_laws = power.sizes_of_laws();
@@ -345,6 +346,7 @@ AuditReport Auditor::report() const {
     begin(AuditedPlace::Kind::body, report.bodies.size());
     report.bodies.emplace_back().where = body.name;
     judge(body, report.bodies.back());
+    judge(beams_[report.bodies.size() - 1], report.bodies.back());
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     begin(AuditedPlace::Kind::joint, k);

@@ -93,6 +93,7 @@ class Auditor {
   std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
   std::vector<ElementLaw> element_laws_;
   std::vector<AuditEntity> bodies_;
+  std::vector<AuditEntity> beams_;  // of each body; without rows if it is none
   std::vector<AuditEntity> joints_;
   std::vector<AuditEntity> elements_;
   MotionAudit motions_;

@@ -17,6 +17,7 @@ Body with_frame(Body body, const Pose& frame) {
     return body;
   }
   ModalData& modal = *body.modal;
+  modal.beam.reset();
   // w = [1; s_0; psi_1; ...] becomes X w.
   MatX X = MatX::Identity(modal.G.rows(), modal.G.cols());
   for (Eigen::Index block = 1; block < X.rows(); block += 3) X.block<3, 3>(block, block) = to_new;

@@ -8,6 +8,7 @@ namespace {
 
 Body with_modes(Body body, const MatX& T) {
   ModalData& modal = *body.modal;
+  modal.beam.reset();
   modal.stiffness = T.transpose() * modal.stiffness * T;
   modal.damping = T.transpose() * modal.damping * T;
   modal.frequencies.resize(0);

@@ -47,6 +47,7 @@ void tell_attachment(Attachment& side, const Units& units) {
 
 void tell_modes(ModalData& modal, const Units& units) {
   const double stiffness = units.torque() / (units.modal * units.modal);
+  modal.beam.reset();
   modal.stiffness *= stiffness;
   modal.damping *= stiffness * units.time;
   modal.frequencies /= units.time;
