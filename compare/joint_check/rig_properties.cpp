@@ -80,7 +80,8 @@ class RigCheck {
         }
       }
     }
-    for (int rule = 0; rule < kAuditRules; ++rule) {
+    // The last rule, on modal data, is one of beams, of which no rig is made.
+    for (int rule = 0; rule < static_cast<int>(AuditRule::modal_data); ++rule) {
       const auto which = static_cast<AuditRule>(rule);
       audits_.emplace_back(plain_name(which), need_of(which) < kAudit ? need_of(which) : kNeed);
     }
