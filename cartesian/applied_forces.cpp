@@ -112,7 +112,11 @@ void AppliedForces::place_end(Actor& actor, Side side, const Mat3& A, const Eige
                               const Eigen::Ref<const VecX>& Y) const {
   const Attachment& end = *actor.ends[index(side)];
   Marker& marker = actor.markers[index(side)];
-  place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
+  try {
+    place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
+  } catch (const LargeRotation& turned) {
+    throw LargeRotation(fmt::format("force element '{}'", element_of(actor)->name), turned.angle);
+  }
   move(end, A, layout_.v(Y, end.body), layout_.omega(Y, end.body), layout_.adot(Y, end.body), marker);
 }
 

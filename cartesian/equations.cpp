@@ -1,5 +1,7 @@
 #include "cartesian/equations.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "cartesian/driven_rate.h"
@@ -43,6 +45,14 @@ void Equations::count_turns_and_hold_regimes_as(const Equations& other) {
 }
 
 void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
+  try {
+    update_at(t, q, Y);
+  } catch (const LargeRotation& turned) {
+    throw LargeRotation(turned.of, turned.angle, fmt::format(" at t = {:.6g} s", t));
+  }
+}
+
+void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
   t_ = t;
   Y_ = Y;
   constraints_.place(q);

@@ -63,6 +63,7 @@ class Equations {
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;  // (C39)
 
  private:
+  void update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void measure_rows() const;
   [[nodiscard]] double size_of(int joint, int own) const;
 

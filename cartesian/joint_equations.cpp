@@ -1,5 +1,7 @@
 #include "cartesian/joint_equations.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace concord::cartesian {
@@ -88,7 +90,11 @@ void place_joint(const Joint& stated, const Layout& layout, const std::vector<Ma
     const Attachment& attachment = stated.on(side);
     const int body = attachment.body;
     if (body == kGround) continue;  // placed once, at construction
-    place(attachment, layout.r(q, body), rotations[body], layout.a(q, body), joint.markers[index(side)]);
+    try {
+      place(attachment, layout.r(q, body), rotations[body], layout.a(q, body), joint.markers[index(side)]);
+    } catch (const LargeRotation& turned) {
+      throw LargeRotation(fmt::format("joint '{}'", stated.name), turned.angle);
+    }
   }
   const Marker& on_parent = joint.marker(Side::parent);
   const Marker& on_child = joint.marker(Side::child);

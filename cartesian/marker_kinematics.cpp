@@ -86,11 +86,13 @@ Marker make_marker(const Attachment& attachment) {
   return marker;
 }
 
-void refuse_large_rotation(double angle) {
-  throw SolverError(
-      fmt::format("cartesian: a joint frame has turned by {:.3g} rad through deformation alone; linear modes hold for "
-                  "small rotations and the exponential map below pi",
-                  angle));
-}
+LargeRotation::LargeRotation(std::string_view owner, double turned, const std::string& when)
+    : SolverError(fmt::format("cartesian:{} the frame of {} has turned by {:.3g} rad through deformation alone; linear "
+                              "modes hold for small rotations and the exponential map below pi",
+                              when, owner, turned)),
+      angle(turned),
+      of(owner) {}
+
+void refuse_large_rotation(double angle) { throw LargeRotation("a joint or force element", angle); }
 
 }  // namespace concord::cartesian

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <string_view>
+
+#include "common/error.h"
 #include "common/model.h"
 #include "common/types.h"
 
@@ -44,10 +48,18 @@ struct Marker {
   Vec3 angular_velocity_bias = Vec3::Zero();  // angular acceleration of the joint frame at Ydot = 0
 };
 
+/// Deformation has turned a frame too far: whose it is and when, as far as those know who place it.
+struct LargeRotation : SolverError {
+  LargeRotation(std::string_view owner, double turned, const std::string& when = "");
+  double angle;
+  std::string of;
+};
+
 /// A Marker with room for the modes of its body.
 Marker make_marker(const Attachment& attachment);
 
-/// Positions of `marker` for a body at r with rotation A and modal coordinates a. Throws SolverError if |theta| >= pi.
+/// Positions of `marker` for a body at r with rotation A and modal coordinates a. Throws LargeRotation if |theta| >=
+/// pi.
 template <class Modal>
 void place(const Attachment& attachment, const Vec3& r, const Mat3& A, const Modal& a, Marker& marker);  // (C5)
 
