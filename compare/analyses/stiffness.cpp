@@ -23,6 +23,17 @@ constexpr double kTimesReference = 10.0;
 constexpr double kClearly = 10.0;
 constexpr double kRoundOffOfReference = 1e-12;  // derivative_at_zero() looks no further
 
+/// Why the solver refuses the nearest of the states along a direction, to both sides, that it refuses at all.
+std::string nearest_refusal(const Chart& chart, const VecX& direction) {
+  for (double step = kLeastDifferenceStep; step <= kDifferenceStep; step *= 4.0) {
+    for (const double sense : {1.0, -1.0}) {
+      std::string refusal = chart.refusal_at(sense * step * direction);
+      if (!refusal.empty()) return refusal;
+    }
+  }
+  return "";
+}
+
 constexpr double kNearRest = 1e-9;  // of what forces cause
 
 using AlongLine = std::function<std::optional<VecX>(double)>;
@@ -85,7 +96,7 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
   for (int k = 0; k < chart.n(); ++k) {
     const auto column = derivative_along(accelerations, VecX::Unit(chart.n(), k), reference);
     if (!column) {
-      const std::string refusal = chart.refusal_at(kLeastDifferenceStep * VecX::Unit(chart.n(), k));
+      const std::string refusal = nearest_refusal(chart, VecX::Unit(chart.n(), k));
       if (!refusal.empty()) throw SolverError(refusal);
       throw SingularPose(fmt::format(
           "{}: at t = {:.6g} s the constraints permit {}, but no closed states are found along it: the pose "
