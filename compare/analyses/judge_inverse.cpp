@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"

@@ -8,6 +8,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/deviations.h"
 #include "compare/analyses/eigenmodes.h"
 #include "compare/analyses/kinematics.h"
@@ -57,8 +58,9 @@ double Mode::damping_ratio() const { return is_free ? 0.0 : 0.0 - eigenvalue.rea
 namespace {
 
 /// Accelerations that velocities and forces cause [1/s2].
-double size_of_accelerations(const Model& model, Solver& solver, const State& state, double speed) {
-  return std::max(reference_acceleration(model, state, solver.evaluate(state)), speed * speed);
+double size_of_accelerations(const Model& model, Solver& solver, const Chart& chart, double speed) {
+  const State& state = chart.origin();
+  return std::max(reference_acceleration(model, chart, state, solver.evaluate(state)), speed * speed);
 }
 
 /// The rate at which derivatives with respect to rates are taken: the machine's largest, else that of its motions in
@@ -114,7 +116,7 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   const Chart& chart = deviations.chart();
   if (chart.n() == 0) return result;
   const VecX none = VecX::Zero(chart.n());
-  const double reference = size_of_accelerations(model, solver, state, deviations.speed());
+  const double reference = size_of_accelerations(model, solver, chart, deviations.speed());
   result.directions = deviations.directions();
   result.rate = deviations.speed();
   if (reference > 0.0) result.unsteadiness = deviations.accelerations().norm() / reference;

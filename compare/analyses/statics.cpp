@@ -9,10 +9,10 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/growth.h"
 #include "compare/analyses/joint_changes.h"
 #include "compare/analyses/stiffness.h"
-#include "compare/audit/joint_motion.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
 
@@ -28,59 +28,6 @@ constexpr double kRoundOffStep = 1e-14;    // and does end
 /// The longest pseudo time step, in units of the time in which forces move the machine by its length.
 constexpr double kLongestTime = 1e4;
 
-double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
-
-/// What springs, actuators and couplings exert on the speeds of joint k, as forces [N]: the sum of their sizes, though
-/// they may cancel.
-double force_of_laws(const Model& model, std::size_t k, const State& state, const Evaluation& evaluation) {
-  const Joint& joint = model.joints[k];
-  VecX sizes = coupled_tau(model, static_cast<int>(k), evaluation.couplings).cwiseAbs();
-  if (!joint.springs.empty()) {
-    const std::vector<LawOfForce> laws = laws_of_springs(joint);
-    const VecX tau = tau_by_laws(joint, laws, motion_of(model, k, state), state.t);
-    sizes += tau.array().isNaN().select(VecX::Zero(tau.size()), tau.cwiseAbs());
-  }
-  const std::vector<bool> turns = turning_speeds(*joint.type);
-  double sum = 0.0;
-  for (Eigen::Index c = 0; c < sizes.size(); ++c) {
-    sum += sizes(c) / (turns[static_cast<std::size_t>(c)] ? model.length_scale() : 1.0);
-  }
-  return sum;
-}
-
-/// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
-std::vector<double> forces_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
-  std::vector<double> forces(model.bodies.size(), 0.0);
-  const auto add = [&](int body, const Wrench& wrench) {
-    forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / model.length_scale());
-  };
-  for (const Side side : {Side::parent, Side::child}) {
-    for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
-    }
-    for (std::size_t k = 0; k < model.elements.size(); ++k) {
-      const Attachment* end = end_of(model.elements[k], side);
-      if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
-    }
-  }
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const double of_laws = force_of_laws(model, k, state, evaluation);
-    for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
-  }
-  return forces;
-}
-
-/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
-/// the machine's length.
-double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
-  double mass = 0.0;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
-  double largest = model.gravity.norm();
-  if (mass > 0.0) largest = std::max(largest, *std::max_element(forces.begin() + 1, forces.end()) / mass);
-  return largest / model.length_scale();
-}
-
 }  // namespace
 
 Model held_at_start(const Model& model) {
@@ -91,16 +38,6 @@ Model held_at_start(const Model& model) {
   }
   for (Body& body : held.bodies) body.adot_start.setZero();
   return held;
-}
-
-double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
-  double largest = model.gravity.norm();
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const double mass = mass_of(model.bodies[i]);
-    if (mass > 0.0) largest = std::max(largest, forces[i] / mass);
-  }
-  return largest / model.length_scale();
 }
 
 namespace {
@@ -129,7 +66,8 @@ class PseudoTransientContinuation {
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
-    const double reference = least_reference(reference_acceleration(model_, state_, evaluation_));
+    const double reference = least_reference(reference_acceleration(model_, chart, state_, evaluation_));
+    reference_ = reference;
     const int rigid = chart.n() - chart.n_modal();
     is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
@@ -254,7 +192,7 @@ class PseudoTransientContinuation {
 
   /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
   [[nodiscard]] double longest_time() {
-    if (is_cautious_) return kLongestTime / least_reference(reference_acceleration(model_, state_, evaluation_));
+    if (is_cautious_) return kLongestTime / reference_;
     const double slow = slow_acceleration(model_, state_, evaluation_);
     if (!first_slow_) first_slow_ = slow;
     return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
@@ -370,6 +308,7 @@ class PseudoTransientContinuation {
   Stiffness last_stiffness_;
   MatX last_basis_;  // of the chart in which it is, or none
   std::optional<double> first_reference_;
+  double reference_ = 0.0;  // at the state
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;

@@ -40,8 +40,4 @@ struct Equilibrium {
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
 
-/// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
-/// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
-double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
-
 }  // namespace concord::compare::analyses

@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 
 #include "closed_forms.h"
@@ -197,6 +198,89 @@ spring.turn_z = { stiffness = 2e8 }
   const AnalysisVerdict found = judge_statics(model, kMakers);
   INFO(format_analysis(model, found, true));
   for (const auto& solver : found.wrenches.solvers) CHECK(solver.audit_digits.value_or(0.0) >= 9.0);
+}
+
+TEST_CASE("What resists is held against the inertia that heavy neighbours lend to a light pin", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.7]
+[[body]]
+name = "mast"
+mass = 730.0
+inertia = [41.0, 38.0, 44.0]
+center_of_mass = [0.8, 0, 0]
+[[body]]
+name = "cross"
+mass = 1.3e-6
+inertia = [3e-13, 2e-13, 2e-13]
+[[body]]
+name = "load"
+mass = 1250.0
+inertia = [61.0, 58.0, 47.0]
+center_of_mass = [0.6, 0, 0.15]
+[[joint]]
+name = "top"
+type = "revolute"
+parent = { body = "ground", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "mast", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { keep = 0.9, keep_speed = 0 }
+[[joint]]
+name = "swivel"
+type = "revolute"
+parent = { body = "mast", point = [2.1, 0, 0], z = [1, 0, 0], x = [0, 1, 0] }
+child = { body = "cross", z = [1, 0, 0], x = [0, 1, 0] }
+start.turn_z = { keep = 0.13, keep_speed = 0 }
+[[joint]]
+name = "pin"
+type = "revolute"
+parent = { body = "cross", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "load", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { keep = 0.2, keep_speed = 0 }
+)toml");
+  const AnalysisVerdict found = judge_statics(model, kMakers);
+  INFO(format_analysis(model, found, true));
+  REQUIRE(found.wrenches.outcome == Outcome::agree);
+  const State& rest = found.wrenches.trajectories[0]->samples[0].state;
+  CHECK(rest.q[0](0) == Approx(0.5 * EIGEN_PI).epsilon(1e-11));
+  CHECK(rest.q[2](0) == Approx(std::atan2(0.15, 0.6)).epsilon(1e-11));
+  CHECK(found.text.find("without stiffness, as near to its start as balance lets it be: turn_z of swivel") !=
+        std::string::npos);
+}
+
+TEST_CASE("A beam that bends beyond what modes describe is named, not called singular", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0.6, 0.3, -9.8]
+[[body]]
+name = "rod"
+[body.beam]
+length = 0.7
+elements = 10
+section = { width_y = 0.022, width_z = 0.011 }
+youngs_modulus = 7e6
+poissons_ratio = 0.3
+density = 1300.0
+support = "cantilever"
+modes = { bending_xz = [1, 2], bending_xy = [1] }
+[[body]]
+name = "bob"
+mass = 0.15
+inertia = [3e-4, 4e-4, 5e-4]
+center_of_mass = [0.1, 0, 0.01]
+[[joint]]
+name = "root"
+type = "weld"
+parent = "ground"
+child = { body = "rod", node = "first" }
+[[joint]]
+name = "tip"
+type = "revolute"
+parent = { body = "bob", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "rod", node = "last", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { keep = 0.4, keep_speed = 0 }
+spring.turn_z = { stiffness = 0.7, free = 0.1 }
+)toml");
+  CHECK_THROWS_WITH(judge_statics(model, kMakers),
+                    Catch::StartsWith("cartesian: at t = 0 s the frame of joint 'tip' has turned by 3.1") &&
+                        Catch::Contains("through deformation alone"));
 }
 
 }  // namespace

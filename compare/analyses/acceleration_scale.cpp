@@ -1,0 +1,133 @@
+#include "compare/analyses/acceleration_scale.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "common/decompositions.h"
+#include "compare/analyses/joint_changes.h"
+#include "compare/audit/free_body.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+
+/// What springs, actuators and couplings exert on the speeds of joint k, as forces [N]: the sum of their sizes, though
+/// they may cancel.
+double force_of_laws(const Model& model, std::size_t k, const State& state, const Evaluation& evaluation) {
+  const Joint& joint = model.joints[k];
+  VecX sizes = coupled_tau(model, static_cast<int>(k), evaluation.couplings).cwiseAbs();
+  if (!joint.springs.empty()) {
+    const std::vector<LawOfForce> laws = laws_of_springs(joint);
+    const VecX tau = tau_by_laws(joint, laws, motion_of(model, k, state), state.t);
+    sizes += tau.array().isNaN().select(VecX::Zero(tau.size()), tau.cwiseAbs());
+  }
+  const std::vector<bool> turns = turning_speeds(*joint.type);
+  double sum = 0.0;
+  for (Eigen::Index c = 0; c < sizes.size(); ++c) {
+    sum += sizes(c) / (turns[static_cast<std::size_t>(c)] ? model.length_scale() : 1.0);
+  }
+  return sum;
+}
+
+/// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
+std::vector<double> forces_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
+  std::vector<double> forces(model.bodies.size(), 0.0);
+  const auto add = [&](int body, const Wrench& wrench) {
+    forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / model.length_scale());
+  };
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      add(model.joints[k].on(side).body, evaluation.joints[k].total_on(side).in_C);
+    }
+    for (std::size_t k = 0; k < model.elements.size(); ++k) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
+    }
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const double of_laws = force_of_laws(model, k, state, evaluation);
+    for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
+  }
+  return forces;
+}
+
+/// Twice the kinetic energy of the chart's origin as a quadratic form of the rates of its coordinates [kg m2].
+MatX inertia_of(const Model& model, const Chart& chart) {
+  MatX velocities(chart.basis().rows(), chart.n());
+  for (int k = 0; k < chart.n(); ++k) velocities.col(k) = chart.velocities(VecX::Unit(chart.n(), k));
+  MatX inertia = MatX::Zero(chart.n(), chart.n());
+  std::vector<MassPoint> of_rigid;
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const BodyState& body = chart.origin().bodies[i];
+    const Mat3 A = rotation_of(body.p);
+    const MatX of_body = velocities.middleRows(row, 6 + body.a.size());
+    for (const MassPoint& point : mass_points_of(model.bodies[i], of_rigid)) {
+      MatX moved = of_body.topRows<3>();
+      const Vec3 s = A * (point.s0_L + point.Psi_t_L * body.a);
+      for (int k = 0; k < chart.n(); ++k) moved.col(k) += Vec3(of_body.col(k).segment<3>(3)).cross(s);
+      if (body.a.size() > 0) moved += A * point.Psi_t_L * of_body.bottomRows(body.a.size());
+      inertia += point.mass * moved.transpose() * moved;
+    }
+    row += of_body.rows();
+  }
+  return inertia;
+}
+
+/// What a unit of force on each body, at its origin or as a torque at the machine's length, causes in the chart's
+/// coordinates at most [1/(kg m)].
+std::vector<double> responses_to_forces(const Model& model, const Chart& chart) {
+  const MatX causes = smallest_least_squares(inertia_of(model, chart), chart.basis().transpose());
+  std::vector<double> responses(model.bodies.size(), 0.0);
+  Eigen::Index column = 0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    responses[i] = model.length_scale() * causes.middleCols(column, 6).norm();
+    column += 6 + chart.origin().bodies[i].a.size();
+  }
+  return responses;
+}
+
+}  // namespace
+
+/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
+/// the machine's length.
+double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
+  double mass = 0.0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
+  double largest = model.gravity.norm();
+  if (mass > 0.0) largest = std::max(largest, *std::max_element(forces.begin() + 1, forces.end()) / mass);
+  return largest / model.length_scale();
+}
+
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
+  double largest = model.gravity.norm();
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const double mass = mass_of(model.bodies[i]);
+    if (mass > 0.0) largest = std::max(largest, forces[i] / mass);
+  }
+  return largest / model.length_scale();
+}
+
+double reference_acceleration(const Model& model, const Chart& chart, const State& state,
+                              const Evaluation& evaluation) {
+  const double alone = reference_acceleration(model, state, evaluation);
+  const double of_gravity = model.gravity.norm() / model.length_scale();
+  if (chart.n() == 0 || alone <= of_gravity) return alone;
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
+  const std::vector<double> responses = responses_to_forces(model, chart);
+  double largest = of_gravity;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const double mass = mass_of(model.bodies[i]);
+    if (mass > 0.0)
+      largest = std::max(largest, forces[i] * std::min(responses[i], 1.0 / (mass * model.length_scale())));
+  }
+  return largest;
+}
+
+}  // namespace concord::compare::analyses

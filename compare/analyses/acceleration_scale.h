@@ -1,0 +1,22 @@
+#pragma once
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/verdict/chart.h"
+
+/// What forces cause in a machine: the scale of all that analyses decide about accelerations.
+namespace concord::compare::analyses {
+
+/// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
+/// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
+
+/// The same where forces on a body are held against its apparent inertia, which its neighbours share: a light pin that
+/// heavy bodies hold is not moved as if it were alone. The chart is that of the state.
+double reference_acceleration(const Model& model, const Chart& chart, const State& state, const Evaluation& evaluation);
+
+/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
+/// the machine's length.
+double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
+
+}  // namespace concord::compare::analyses
