@@ -268,6 +268,9 @@ class PseudoTransientContinuation {
         return;
       }
     }
+    for (int attempt = 0; attempt <= kTries; ++attempt, step *= 2.0) {
+      if (const std::string refusal = chart.refusal_at(step); !refusal.empty()) throw SolverError(refusal);
+    }
     throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
                                   describe_motion(model_, state_, chart.velocities(step / step.norm()))));
   }
