@@ -91,7 +91,8 @@ class ModeJudge {
     row.digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
     row.resolvable = matching_digits(least, scale);
     if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
-    if (*row.resolvable < kFewDigits) unresolved_.push_back(k + 1);
+    if (*row.resolvable < kFewDigits)
+      unresolved_.push_back(fmt::format("{} ({}: {})", k + 1, mode.motion, format_digits(*row.resolvable)));
     NumberRow shape{fmt::format("shape of mode {}", k + 1), "", {kNone, kNone}, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
@@ -119,7 +120,7 @@ class ModeJudge {
   const Linearization& other_;
   double resolution_;
   AnalysisVerdict& result_;
-  std::vector<std::size_t> unresolved_;
+  std::vector<std::string> unresolved_;
   Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};
 };
 
