@@ -1,5 +1,7 @@
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <complex>
 
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
@@ -267,6 +269,90 @@ TEST_CASE("Machines whose motion is fully driven go through it alike", "[analyse
   const AnalysisVerdict result = judge_kinematics(model, kMakers, {});
   INFO(format_analysis(model, result, true));
   CHECK(result.wrenches.outcome == compare::Outcome::agree);
+}
+
+/// A body that flies and spins about its axis k; no two inertias are equal.
+Model spinning_stone(int k, double speed) {
+  Vec3 omega = Vec3::Zero();
+  omega(k) = speed;
+  return parse(fmt::format(R"toml(format = 1
+[[body]]
+name = "stone"
+mass = 2.3
+inertia = [0.031, 0.052, 0.068]
+[[joint]]
+name = "flight"
+type = "free"
+parent = "ground"
+child = "stone"
+start.slide_x = {{ keep = 0.1, keep_speed = 0 }}
+start.slide_y = {{ keep = 0.2, keep_speed = 0 }}
+start.slide_z = {{ keep = 0.3, keep_speed = 0 }}
+start.ball = {{ keep = {{ axis = [0, 0, 1], angle = 0 }}, keep_speed = [{}, {}, {}] }}
+)toml",
+                           omega(0), omega(1), omega(2)));
+}
+
+TEST_CASE("A free body that spins about a principal axis nutates, or tumbles, as Euler's equations say",
+          "[analyses][quick]") {
+  const Vec3 I(0.031, 0.052, 0.068);
+  constexpr double speed = 9.1;
+  const double largest = speed * std::sqrt((I(2) - I(0)) * (I(2) - I(1)) / (I(0) * I(1)));
+  const double middle = speed * std::sqrt((I(2) - I(1)) * (I(1) - I(0)) / (I(0) * I(2)));
+  const double least = speed * std::sqrt((I(1) - I(0)) * (I(2) - I(0)) / (I(1) * I(2)));
+  const std::complex<double> exact[] = {{0.0, least}, {middle, 0.0}, {0.0, largest}};
+  for (int k = 0; k < 3; ++k) {
+    const Model model = spinning_stone(k, speed);
+    const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+    INFO(format_analysis(model, result, true));
+    CHECK(result.wrenches.outcome == compare::Outcome::agree);
+    CHECK(result.text.find("frozen") == std::string::npos);
+    CHECK(result.text.find("steady in axes that turn at") != std::string::npos);
+    for (const auto& found : result.linearizations) {
+      const auto is_it = [&](const auto& mode) { return std::abs(mode.eigenvalue - exact[k]) < 1e-8 * speed; };
+      CHECK(std::count_if(found->modes.begin(), found->modes.end(), is_it) == 1);
+    }
+  }
+}
+
+/// A symmetric top on a ball that precesses steadily at 6.5 rad/s, leaning by 0.7 rad; its spin follows from gravity.
+TEST_CASE("A top that precesses steadily nutates as its equation of lean says", "[analyses][quick]") {
+  constexpr double mass = 0.8, lever = 0.11, across = 0.0061 + mass * lever * lever, along = 0.0035, lean = 0.7;
+  constexpr double precession = 6.5, g = 9.81;
+  const double s = std::sin(lean);
+  const double c = std::cos(lean);
+  const double spin =
+      (across * precession * precession * c + mass * g * lever) / (along * precession);  // about its axis
+  const Vec3 axis(0.0, -s, c);
+  const Vec3 omega = precession * Vec3::UnitZ() + (spin - precession * c) * axis;
+  const Model model = parse(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "top"
+mass = {}
+center_of_mass = [0, 0, {}]
+inertia = [0.0061, 0.0061, {}]
+[[joint]]
+name = "tip"
+type = "spherical"
+parent = "ground"
+child = "top"
+start.ball = {{ keep = {{ axis = [1, 0, 0], angle = {} }}, keep_speed = [0, {:.17g}, {:.17g}] }}
+)toml",
+                                        mass, lever, along, lean, omega(1), omega(2)));
+  // I1 lean'' = I1 p^2 s c - I3 w p s + m g l s, with the momenta about the vertical and the axis kept.
+  const double turn_rate = along * spin / (across * s) - 2.0 * c / s * precession;  // dp/dlean
+  const double slope = 2.0 * precession * turn_rate * s * c + precession * precession * std::cos(2.0 * lean) -
+                       along * spin * (turn_rate * s + precession * c) / across + mass * g * lever * c / across;
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  CHECK(result.text.find("steady in axes that turn at") != std::string::npos);
+  for (const auto& found : result.linearizations) {
+    const std::complex<double> nutation(0.0, std::sqrt(-slope));
+    const auto is_it = [&](const auto& mode) { return std::abs(mode.eigenvalue - nutation) < 1e-7 * precession; };
+    CHECK(std::count_if(found->modes.begin(), found->modes.end(), is_it) == 1);
+  }
 }
 
 }  // namespace
