@@ -34,7 +34,7 @@ Assembled assembled(Solver& solver) {
   }
 }
 
-bool accepts(Solver& solver, const State& state) {
+bool takes_foreign_start(Solver& solver, const State& state) {
   try {
     (void)solver.evaluate(state);
     return true;
@@ -198,7 +198,7 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   if (starts[1 - better].state) {
     const Apart most = apart(model, *starts[0].state, *starts[1].state);
     if (most.size <= kOneBranch) return solvers;
-    if (accepts(*solvers[1], *starts[0].state) && accepts(*solvers[0], *starts[1].state)) {
+    if (takes_foreign_start(*solvers[1], *starts[0].state) && takes_foreign_start(*solvers[0], *starts[1].state)) {
       refuse_branches(model, most.text);
     }
   }
