@@ -154,16 +154,15 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
                             AnalysisVerdict& result) {
   const auto state_of = [&](Who who) -> const State& { return states[index(who)].samples[0].state; };
   const Steadiness steadiness = steadiness_of(model, *solvers[0], *result.linearizations[0]);
-  TurningAxes axes;
-  if (!steadiness.is_steady()) axes = find_turning_axes(model, *solvers[0], state_of(Who::cartesian));
-  if (axes.rates.empty()) {
+  std::optional<Linearization> turning;
+  if (!steadiness.is_steady()) turning = linearize_in_steady_axes(model, *solvers[0], state_of(Who::cartesian));
+  if (!turning) {
     result.text += steadiness_text(steadiness);
     return;
   }
-  result.text += axes_text(model, axes);
-  for (const Who who : kBothSolvers) {
-    result.linearizations[index(who)] = linearize(model, *solvers[index(who)], state_of(who), axes);
-  }
+  result.text += axes_text(model, turning->axes);
+  result.linearizations[1] = linearize(model, *solvers[1], state_of(Who::relative), turning->axes);
+  result.linearizations[0] = std::move(turning);
 }
 
 }  // namespace

@@ -171,14 +171,15 @@ Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization
   return steadiness;
 }
 
-TurningAxes find_turning_axes(const Model& model, Solver& solver, const State& state) {
+std::optional<Linearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state) {
   std::optional<TurningAxes> axes = Deviations(model, solver, state).steady_axes();
-  if (!axes) return {};
+  if (!axes) return std::nullopt;
   for (const bool carry_places : {false, true}) {
     axes->carry_places = carry_places;
-    if (steadiness_of(model, solver, linearize(model, solver, state, *axes)).is_steady()) return *axes;
+    Linearization found = linearize(model, solver, state, *axes);
+    if (steadiness_of(model, solver, found).is_steady()) return found;
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace concord::compare::analyses

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,8 +90,8 @@ struct Steadiness {
 };
 Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found);
 
-/// Axes in which a motion is steady that is not in those of the joints' sides: that of a body that spins about a
-/// principal axis, of a top that precesses. No rates where there are none.
-TurningAxes find_turning_axes(const Model& model, Solver& solver, const State& state);
+/// The same in axes in which a motion is steady that is not in those of the joints' sides: that of a body that spins
+/// about a principal axis, of a top that precesses. Nothing where there are no such axes.
+std::optional<Linearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state);
 
 }  // namespace concord::compare::analyses

@@ -11,6 +11,7 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare {
 
@@ -31,15 +32,6 @@ Assembled assembled(Solver& solver) {
     return {solver.assemble(), std::nullopt};
   } catch (const InputError& error) {
     return {std::nullopt, error};
-  }
-}
-
-bool takes_foreign_start(Solver& solver, const State& state) {
-  try {
-    (void)solver.evaluate(state);
-    return true;
-  } catch (const SolverError&) {
-    return false;
   }
 }
 
@@ -198,7 +190,7 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   if (starts[1 - better].state) {
     const Apart most = apart(model, *starts[0].state, *starts[1].state);
     if (most.size <= kOneBranch) return solvers;
-    if (takes_foreign_start(*solvers[1], *starts[0].state) && takes_foreign_start(*solvers[0], *starts[1].state)) {
+    if (accepts(*solvers[1], *starts[0].state) && accepts(*solvers[0], *starts[1].state)) {
       refuse_branches(model, most.text);
     }
   }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.h"
 #include "compare/verdict/resolution.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare {
 
@@ -30,15 +30,6 @@ std::optional<double> known_to(const Model& model, Solver& solver, const State& 
   return farthest;
 }
 
-bool accepts_start(Solver& solver, const State& state) {
-  try {
-    (void)solver.evaluate(state);
-    return true;
-  } catch (const SolverError&) {
-    return false;
-  }
-}
-
 }  // namespace
 
 std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
@@ -54,7 +45,7 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
   constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
   if (apart > std::min(kWithinResolution * known, kElsewhere)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
-    if (!accepts_start(*solvers[1 - who], starts[who])) continue;
+    if (!accepts(*solvers[1 - who], starts[who])) continue;
     return OneStart{
         starts[who],
         fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "

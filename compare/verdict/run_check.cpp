@@ -60,9 +60,10 @@ RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajector
                    const RunOptions& options) {
   RunCheck check;
   Auditor auditor(layout.model());
+  const Redraw redraw = answers_within_roundoff(layout.model(), solver, kSeed);
   for (const Sample& sample : trajectory.samples) {
     static_cast<void>(layout.observe(sample.state, sample.evaluation));  // throws if anything is missing
-    auditor.add(sample.state, sample.evaluation, answers_within_roundoff(layout.model(), solver, kSeed));
+    auditor.add(sample.state, sample.evaluation, redraw);
   }
   check_samples(layout, solver, trajectory, check);
   check.audit = auditor.report();

@@ -154,9 +154,6 @@ SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<Owne
   return shared;
 }
 
-namespace {
-
-/// Whether the solver's own evaluation accepts a state; else Newton's method found another branch.
 bool accepts(Solver& solver, const State& state) {
   try {
     solver.evaluate(state);
@@ -165,6 +162,8 @@ bool accepts(Solver& solver, const State& state) {
     return false;
   }
 }
+
+namespace {
 
 /// A neighbour of `base`, closed by `solver`, that its own evaluation accepts.
 std::optional<State> neighbour(const Model& model, Solver& solver, StatePerturbation& perturbation, const State& base) {

@@ -54,6 +54,9 @@ class StatePerturbation {
   std::vector<VecX> modal_rate_;
 };
 
+/// Whether the solver's own evaluation accepts a state: it may be open to its equations, or lie on another branch.
+bool accepts(Solver& solver, const State& state);
+
 /// A state that one solver closed and the other one does not accept, in the latter's words.
 struct RefusedState {
   OwnedState state;
