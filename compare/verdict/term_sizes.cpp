@@ -8,6 +8,7 @@
 #include "common/results.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
+#include "compare/verdict/spring_terms.h"
 
 namespace concord::compare {
 
@@ -29,6 +30,7 @@ class Loads {
   Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
     for (const Evaluation& evaluation : shared.evaluations) add_wrenches(evaluation);
+    add_springs();
   }
 
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
@@ -104,6 +106,25 @@ class Loads {
     }
   }
 
+  void take_terms(const Attachment& side, const SpringTerms& terms) {
+    if (side.body == kGround) return;
+    take_force(bodies_[side.body], terms.force, side.point_L.norm());
+    bodies_[side.body].torque = std::max(bodies_[side.body].torque, terms.torque);
+  }
+
+  void add_springs() {
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      const SpringTerms terms = spring_terms(model_.joints[k], shared_.state.q[k]);
+      for (const Attachment& side : model_.joints[k].sides) take_terms(side, terms);
+    }
+    for (const ForceElement& element : model_.elements) {
+      const SpringTerms terms = spring_terms(element, shared_.state);
+      for (const Side side : kSides) {
+        if (const Attachment* end = end_of(element, side)) take_terms(*end, terms);
+      }
+    }
+  }
+
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
@@ -125,7 +146,7 @@ class TermSizes {
       case Kind::body_sum:
         return of_sum(quantity.owner, is_torque);
       case Kind::acceleration:
-        return of_acceleration(loads_.of(quantity.owner), quantity.component);
+        return of_acceleration(quantity.owner, quantity.component);
       default:
         return of_joint(quantity.owner, is_torque);
     }
@@ -192,7 +213,8 @@ class TermSizes {
   [[nodiscard]] double of_element(int k, bool is_torque) const {
     const ForceElement& element = model_.elements[k];
     const double lever = reach(end_of(element, Side::parent), end_of(element, Side::child));
-    double size = 0.0;
+    const SpringTerms terms = spring_terms(element, shared_.state);
+    double size = is_torque ? std::max(terms.torque, terms.force * lever) : terms.force;
     for (const SideWrench& side : shared_.evaluations[0].elements[k].on) {
       const double force = side.in_C.force.norm();
       size = std::max(size, is_torque ? std::max(side.in_C.torque.norm(), force * lever) : force);
@@ -200,9 +222,11 @@ class TermSizes {
     return size;
   }
 
-  static double of_acceleration(const BodyLoad& load, int component) {
+  /// A solver may add up moments about the points of joints, of those too that pass nothing.
+  [[nodiscard]] double of_acceleration(int body, int component) const {
+    const BodyLoad& load = loads_.of(body);
     if (component < 3) return load.mass > 0.0 ? load.force / load.mass : 0.0;
-    if (component < 6) return load.least_inertia > 0.0 ? load.torque / load.least_inertia : 0.0;
+    if (component < 6) return load.least_inertia > 0.0 ? of_sum(body, true) / load.least_inertia : 0.0;
     const double mass = load.modal_mass(component - 6);
     return mass > 0.0 ? load.modal(component - 6) / mass : 0.0;
   }

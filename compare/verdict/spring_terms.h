@@ -1,0 +1,21 @@
+#pragma once
+
+#include "common/model.h"
+#include "common/results.h"
+
+/// Springs are differences: what a spring adds up on the way to its force is known no better than to round-off of these
+/// terms, however small the force is, as where a machine rests at the free lengths of its springs.
+namespace concord::compare {
+
+struct SpringTerms {
+  double force = 0.0;   // N
+  double torque = 0.0;  // N m
+};
+
+/// Of a force element in a state; zero for loads and tires.
+SpringTerms spring_terms(const ForceElement& element, const State& state);
+
+/// Of the springs on a joint's coordinates q.
+SpringTerms spring_terms(const Joint& joint, const VecX& q);
+
+}  // namespace concord::compare
