@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <iterator>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -70,12 +69,13 @@ void SameState::note_singular_start() {
   }
 }
 
-/// In a singular pose the solvers need not close alike: such a state is counted, and no difference.
+/// In a singular pose the solvers need not close alike, nor beside one in which a machine is locked: there a closing
+/// holds the root of round-off. Such a state is counted, and no difference.
 void SameState::note_refusals(const std::vector<RefusedState>& refused) {
   const std::array<int, 2> general = general_ranks(weighed_.reports);
   std::vector<std::string> elsewhere;
   for (const RefusedState& one : refused) {
-    if (rank_in(one.state) < general[index(one.state.owner)]) {
+    if (is_at_singular_pose(one.state, general[index(one.state.owner)])) {
       ++verdict_.singular_states;
       verdict_.failures.push_back(fmt::format("the pose is singular: {}", one.why));
     } else {
@@ -90,12 +90,14 @@ void SameState::note_refusals(const std::vector<RefusedState>& refused) {
                    elsewhere.size())});
 }
 
-/// The rank that a state's owner finds there; a number above all ranks where it finds none.
-int SameState::rank_in(const OwnedState& state) const {
+/// Whether a state's owner finds another rank there than in general, or one that hangs by a singular value which may be
+/// round-off.
+bool SameState::is_at_singular_pose(const OwnedState& state, int general) const {
   try {
-    return solvers_[index(state.owner)]->rank(state.state).rank;
+    const RankReport report = solvers_[index(state.owner)]->rank(state.state);
+    return report.rank != general || report.undecided;
   } catch (const SolverError&) {
-    return std::numeric_limits<int>::max();
+    return false;
   }
 }
 
