@@ -50,6 +50,11 @@ TEST_CASE("Each solver says the same of rare machines, however they are describe
   }
 }
 
+// Detects a resolution that forgets what springs cancel: all that this machine passes is round-off.
+TEST_CASE("Each solver says the same of a machine at rest, however it is described", "[invariance]") {
+  expect_invariance(machine_of("resting", "train"));
+}
+
 TEST_CASE("Each solver says the same of textbook machines, however they are described", "[invariance][nightly]") {
   for (const std::string& name : machines_of("textbook")) {
     DYNAMIC_SECTION(name) { expect_invariance(machine_of("textbook", name)); }

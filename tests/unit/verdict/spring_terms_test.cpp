@@ -1,0 +1,88 @@
+#include "compare/verdict/spring_terms.h"
+
+#include <gtest/gtest.h>
+
+#include "common/joints/catalogue.h"
+#include "common/reading/model_file.h"
+
+namespace concord::compare {
+namespace {
+
+constexpr const char* kSprung = R"(format = 1
+[[body]]
+name = "block"
+mass = 2.0
+inertia = [0.1, 0.2, 0.3]
+[[joint]]
+name = "guide"
+type = "cylindrical"
+parent = "ground"
+child = "block"
+start.slide_z = { keep = -0.4 }
+spring.slide_z = { stiffness = 500.0, free = -0.3, preload = 20.0 }
+spring.turn_z = { stiffness = 7.0, free = 2.0 }
+[[line_spring]]
+name = "line"
+parent = { body = "ground", point = [0, 3, 0] }
+child = { body = "block", point = [4, 0, 0] }
+stiffness = 10.0
+free = 5.0
+[[turn_spring]]
+name = "turn"
+parent = "ground"
+child = "block"
+stiffness = 4.0
+free = 0.5
+[[bushing]]
+name = "bushing"
+parent = "ground"
+child = { body = "block", point = [0, 0, 2] }
+stiffness = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+preload = [0.0, 0.0, 0.0, 0.0, 0.0, 9.0]
+[[load]]
+name = "load"
+body = "block"
+force = [1, 2, 3]
+)";
+
+class SpringTermsTest : public ::testing::Test {
+ protected:
+  SpringTermsTest() : model_(parse_model(kSprung, "sprung.toml")) {
+    state_.bodies.resize(2);
+    state_.bodies[1].a = state_.bodies[1].adot = VecX(0);
+  }
+
+  [[nodiscard]] SpringTerms of_element(std::size_t k) const { return spring_terms(model_.elements[k], state_); }
+
+  Model model_;
+  State state_;
+};
+
+TEST_F(SpringTermsTest, ALineSpringAddsUpItsLengthAndItsFreeLength) {
+  EXPECT_DOUBLE_EQ(of_element(0).force, 10.0 * (5.0 + 5.0));
+  EXPECT_EQ(of_element(0).torque, 0.0);
+}
+
+TEST_F(SpringTermsTest, ATurnSpringAddsUpARadianAndItsFreeAngle) {
+  EXPECT_EQ(of_element(1).force, 0.0);
+  EXPECT_DOUBLE_EQ(of_element(1).torque, 4.0 * (1.0 + 0.5));
+}
+
+TEST_F(SpringTermsTest, ABushingAddsUpItsMotionsAndItsPreload) {
+  EXPECT_DOUBLE_EQ(of_element(2).force, 3.0 * 2.0);
+  EXPECT_DOUBLE_EQ(of_element(2).torque, 6.0 + 9.0);
+}
+
+TEST_F(SpringTermsTest, ALoadHasNone) {
+  EXPECT_EQ(of_element(3).force, 0.0);
+  EXPECT_EQ(of_element(3).torque, 0.0);
+}
+
+TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
+  const SpringTerms terms = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1));
+  EXPECT_DOUBLE_EQ(terms.force, 500.0 * (0.4 + 0.3) + 20.0);
+  EXPECT_DOUBLE_EQ(terms.torque, 7.0 * (0.1 + 2.0));
+}
+
+}  // namespace
+}  // namespace concord::compare
