@@ -70,7 +70,7 @@ gravity = [0, -7, 0]
 [[body]]
 name = "strip"
 [body.beam]
-length = 0.21
+length = 0.1547
 section = { area = 0.0003, second_moment_y = 1.1e-8, second_moment_z = 2.3e-8, torsion_constant = 1.6e-8 }
 youngs_modulus = 3.1e7
 poissons_ratio = 0.3
@@ -82,12 +82,12 @@ elements = 6
 name = "left"
 type = "revolute"
 parent = { body = "strip", node = "6" }
-child = { body = "ground", point = [0.13, 0, 0] }
+child = { body = "ground", point = [0.09, 0, 0] }
 [[joint]]
 name = "right"
 type = "revolute"
-parent = { body = "ground", point = [-0.07, 0, 0] }
-child = { body = "strip", node = "0", offset = [0.01, 0, 0] }
+parent = { body = "ground", point = [-0.06, 0, 0] }
+child = { body = "strip", node = "0", offset = [0.0047, 0, 0] }
 [run]
 until = 0.03
 )");
