@@ -105,24 +105,23 @@ void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
   ArticulatedBody& link = links_[l];
   const Mat6& H = free_columns(l);
   const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
-  Mat6 U;
-  Mat6 L;
-  Vec6 uhat;
-  for (int j = 0; j < N; ++j) U.col(j).noalias() = link.articulated_inertia.lazyProduct(H.col(j));
+  Mat6 V;
+  Vec6 w;
+  for (int j = 0; j < N; ++j) V.col(j).noalias() = link.articulated_inertia.lazyProduct(H.col(j));
   for (int j = 0; j < N; ++j) {
-    for (int i = j; i < N; ++i) L(i, j) = H.col(i).dot(U.col(j));
+    for (int i = j; i < N; ++i) link.L(i, j) = H.col(i).dot(V.col(j));
   }
-  if (!factorize<N>(L)) throw_indefinite(l);
-  for (int i = 0; i < N; ++i) uhat(i) = link.tau(i) - H.col(i).dot(p);
-  substitute_forward<N>(L, uhat);
-  divide_by_transpose<N>(L, U);
-  for (int j = 0; j < N; ++j) link.K.col(j) = U.col(j);
+  if (!factorize<N>(link.L)) throw_indefinite(l);
+  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - H.col(i).dot(p);
+  substitute_forward<N>(link.L, w);
+  divide_by_transpose<N>(link.L, V);
   for (int j = 0; j < N; ++j) {
-    for (int i = j; i < N; ++i) link.L(i, j) = L(i, j);
-    link.uhat(j) = uhat(j);
+    link.W.col(j) = V.col(j) / link.L(j, j);
+    link.root(j) = std::sqrt(link.L(j, j));
+    link.uhat(j) = w(j) / link.root(j);
   }
   if (kinematics_->topology().links[l].reference == kGround) return;
-  add_to_reference_body(l, without_squares<N>(link.articulated_inertia, U), p + combination<N>(U, uhat));
+  add_to_reference_body(l, without_products<N>(link.articulated_inertia, V, link.W), p + combination<N>(link.W, w));
 }
 
 void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
@@ -222,7 +221,8 @@ void ArticulatedInertias::propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& r
     auto along = response.col(c);
     for (int i = 0; i < N; ++i) along(i) += H.col(i).dot(z);
     substitute_forward<N>(link.L, along);
-    z_r.col(c) = z - combination<N>(link.K, along);
+    z_r.col(c) = z - combination<N>(link.W, along);
+    for (int i = 0; i < N; ++i) along(i) /= link.root(i);
   }
 }
 

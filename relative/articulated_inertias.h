@@ -15,7 +15,8 @@ namespace concord::relative {
 
 /// One link with all links outboard of it as an articulated body: its articulated inertia I and bias force p, and the
 /// factors of its joint. With H = [H_free, -Ha] (6 rows, n columns), udot_free = L^-T (uhat - K^T A0), where A0 is the
-/// acceleration that the reference body alone would give.
+/// acceleration that the reference body alone would give. Of a rigid link the roots of the pivots stand apart from L
+/// and K, so that a light body knows its own inertia though it carries a heavy one that turns about the same axis.
 struct ArticulatedBody {
   int n_free = 0;             // free joint speeds
   std::array<int, 6> free{};  // their indices in u
@@ -28,8 +29,9 @@ struct ArticulatedBody {
   Vec6 bias_force = Vec6::Zero();
   Vec6 c = Vec6::Zero();    // D and what the driven speeds add
   Vec6 tau = Vec6::Zero();  // of joint springs on the free speeds
-  Mat6 K = Mat6::Zero();    // first n_free columns
-  Mat6 L = Mat6::Zero();    // n_free x n_free, lower triangle
+  Mat6 W = Mat6::Zero();    // first n_free columns: those of K over the roots
+  Mat6 L = Mat6::Zero();    // n_free x n_free, lower triangle: the columns of L over the roots, pivots on the diagonal
+  Vec6 root = Vec6::Zero();
   Vec6 uhat = Vec6::Zero();
 };
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 #include "common/types.h"
 
 /// Small triangles and columns of six rows, by loops of fixed length over vectors of six. Eigen's own products and
@@ -12,49 +10,46 @@ namespace concord::relative {
 /// Pivots below this part of the terms they are made of are round-off.
 inline constexpr double kRoundOffOfPivot = 1e-13;
 
-/// Cholesky factor of the symmetric N x N matrix in D (lower triangle read) in place of D; false if it is not positive
-/// definite.
+/// Factors L diag(d) L^T of the symmetric N x N matrix in D (lower triangle read), with ones on the diagonal of L: L
+/// below the diagonal of D, d on it. False if D is not positive definite. Without roots, what a matrix of one number
+/// divides by itself is one, to the last bit.
 template <int N>
 [[gnu::always_inline]] inline bool factorize(Mat6& D) {
   for (int j = 0; j < N; ++j) {
     double pivot = D(j, j);
-    for (int k = 0; k < j; ++k) pivot -= D(j, k) * D(j, k);
+    for (int k = 0; k < j; ++k) pivot -= D(j, k) * (D(j, k) * D(k, k));
     if (!(pivot > kRoundOffOfPivot * D(j, j))) return false;
-    pivot = std::sqrt(pivot);
     D(j, j) = pivot;
     for (int i = j + 1; i < N; ++i) {
       double entry = D(i, j);
-      for (int k = 0; k < j; ++k) entry -= D(i, k) * D(j, k);
+      for (int k = 0; k < j; ++k) entry -= D(i, k) * (D(j, k) * D(k, k));
       D(i, j) = entry / pivot;
     }
   }
   return true;
 }
 
-/// L^-1 x in place of the first N numbers of x, L lower triangular.
+/// L^-1 x in place of the first N numbers of x, L lower triangular with ones on its diagonal.
 template <int N, class Vector>
 [[gnu::always_inline]] inline void substitute_forward(const Mat6& L, Vector& x) {
-  for (int i = 0; i < N; ++i) {
+  for (int i = 1; i < N; ++i) {
     for (int k = 0; k < i; ++k) x(i) -= L(i, k) * x(k);
-    x(i) /= L(i, i);
   }
 }
 
 /// L^-T x in place of x.
 template <int N, class Vector>
 [[gnu::always_inline]] inline void substitute_backward(const Mat6& L, Vector& x) {
-  for (int i = N - 1; i >= 0; --i) {
+  for (int i = N - 2; i >= 0; --i) {
     for (int k = i + 1; k < N; ++k) x(i) -= L(k, i) * x(k);
-    x(i) /= L(i, i);
   }
 }
 
 /// U L^-T in place of the first N columns of U.
 template <int N>
 [[gnu::always_inline]] inline void divide_by_transpose(const Mat6& L, Mat6& U) {
-  for (int i = 0; i < N; ++i) {
+  for (int i = 1; i < N; ++i) {
     for (int k = 0; k < i; ++k) U.col(i) -= L(i, k) * U.col(k);
-    U.col(i) /= L(i, i);
   }
 }
 
@@ -66,12 +61,12 @@ template <int N, class Factors>
   return sum;
 }
 
-/// I - K K^T for the first N columns of K.
+/// I - V W^T for the first N columns of V and W.
 template <int N>
-[[gnu::always_inline]] inline Mat6 without_squares(const Mat6& I, const Mat6& K) {
-  if constexpr (N == 1) return I - K.col(0).lazyProduct(K.col(0).transpose());
+[[gnu::always_inline]] inline Mat6 without_products(const Mat6& I, const Mat6& V, const Mat6& W) {
+  if constexpr (N == 1) return I - V.col(0).lazyProduct(W.col(0).transpose());
   Mat6 rest = I;
-  for (int j = 0; j < 6; ++j) rest.col(j) -= combination<N>(K, K.row(j));
+  for (int j = 0; j < 6; ++j) rest.col(j) -= combination<N>(V, W.row(j));
   return rest;
 }
 

@@ -89,11 +89,16 @@ Vec6 TreeAccelerations::acceleration_from_reference(LinkIndex l) const {
 template <int N>
 void TreeAccelerations::solve_rigid(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0) {  // (R37)
   const ArticulatedBody& link = tree.link(l);
-  Vec6 solution;
-  for (int i = 0; i < N; ++i) solution(i) = links_[l].uhat(i) - link.K.col(i).dot(A0);
-  substitute_backward<N>(link.L, solution);
-  links_[l].Vdot = A0 + link.c + combination<N>(tree.free_columns(l), solution);
-  for (int k = 0; k < N; ++k) udot_(link.free[k]) = solution(k);
+  // Apart, so that a joint which does not pass an acceleration leaves nothing of it.
+  Vec6 by_forces;
+  Vec6 by_reference;
+  for (int i = 0; i < N; ++i) by_forces(i) = links_[l].uhat(i) / link.root(i);
+  for (int i = 0; i < N; ++i) by_reference(i) = link.W.col(i).dot(A0);
+  substitute_backward<N>(link.L, by_forces);
+  substitute_backward<N>(link.L, by_reference);
+  const Mat6& H = tree.free_columns(l);
+  links_[l].Vdot = (A0 - combination<N>(H, by_reference)) + (link.c + combination<N>(H, by_forces));
+  for (int k = 0; k < N; ++k) udot_(link.free[k]) = by_forces(k) - by_reference(k);
 }
 
 void TreeAccelerations::solve_flexible(const ArticulatedInertias& tree, LinkIndex l, const Vec6& A0) {  // (R37)
