@@ -13,6 +13,7 @@
 #include "compare/program/commands.h"
 #include "compare/program/frame.h"
 #include "compare/report/origin.h"
+#include "compare/report/seed.h"
 #ifdef CONCORD_HAS_SIMBODY
 #include "compare/oracle/simbody_oracle.h"
 #endif
@@ -133,8 +134,10 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
                       "Integrator of the Cartesian solver; `concord info` lists them");
   command->add_option("--relative-integrator", line.compare.options.integrators[1],
                       "Integrator of the relative solver; `concord info` lists them");
-  command->add_option("--seed", line.compare.options.seed,
-                      "Seed of the random states that both solvers are asked about; default: 19971025");
+  command
+      ->add_option("--seed", line.compare.options.seed,
+                   "Seed of the random states that both solvers are asked about; default: 19971025")
+      ->check(compare::why_no_seed);
   command->add_flag("--all", line.compare.all_rows, "Print every component, not only the worst of each joint and side");
   command->add_flag("--orders", line.compare.options.orders,
                     "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
