@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "common/reading/body_reader.h"
@@ -239,12 +240,21 @@ bool has_complaints(const ModelParts& parts) {
                      [](const ModelPart& part) { return !part.reading.complaints.empty(); });
 }
 
+/// A model that has no name is called as its file, without the ending.
+std::string name_from(const std::filesystem::path& file, const TableReader& document) {
+  std::string name = file.stem().string();
+  const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+  if (std::any_of(name.begin(), name.end(), is_control))
+    document.complain(fmt::format("'name' is missing, and the file's, {:?}, is no name: it must be one line", name));
+  return name;
+}
+
 /// What the parts say. Throws InputError with all that is wrong in them.
 Model model_of(ModelParts& parts, const std::filesystem::path& file) {
   Model model;
   model.file = file.generic_string();
   const TableReader& document = *parts.front().document;
-  model.name = document.has("name") ? document.name() : file.stem().string();
+  model.name = document.has("name") ? document.name() : name_from(file, document);
   if (const TableReader* one = first_with("gravity", parts))
     model.gravity = one->vector3("gravity").value_or(Vec3::Zero());
   if (const TableReader* one = first_with("run", parts)) model.run = read_run(*one);
