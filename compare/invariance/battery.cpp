@@ -140,7 +140,8 @@ class BatteryRun {
         compare_starts(who, moved);
         const Answers answers = ask(who, variant, moved);
         if (answers.states.empty()) continue;
-        judge(who, variant, answers, measure_own_resolution(layout_, moved, who, answers.states, options_.seed));
+        judge(who, variant, answers,
+              measure_own_resolution(layout_, moved, who, answers.states, unique_rows(answers.reports), options_.seed));
       } catch (const UnsuitableCut& error) {
         leave_out(who, variant, error);
       } catch (const InputError& error) {
@@ -195,6 +196,17 @@ class BatteryRun {
     }
     if (refused > 0) refuse(who, variant, fmt::format("{} of {} states", refused, base_.states.size()), first_words);
     return answers;
+  }
+
+  /// Where a description says that a quantity is unique: rows of the layout, columns of its states.
+  [[nodiscard]] Mask unique_rows(const std::vector<RankReport>& reports) const {
+    Mask unique(static_cast<Eigen::Index>(layout_.quantities().size()), static_cast<Eigen::Index>(reports.size()));
+    for (std::size_t k = 0; k < reports.size(); ++k) {
+      const std::vector<Uniqueness> flags = uniqueness_of(layout_, reports[k]);
+      for (std::size_t row = 0; row < flags.size(); ++row)
+        unique(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = flags[row] == Uniqueness::unique;
+    }
+    return unique;
   }
 
   /// One solver under one description against itself in the first one.

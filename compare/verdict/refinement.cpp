@@ -167,8 +167,10 @@ bool has_judged_sums(const Verdict& verdict) {
 
 bool has_judged(const Verdict& verdict) {
   const auto is_judged_force = [](const QuantityRow& row) { return is_force(row.quantity.kind) && is_judged(row); };
-  return verdict.judged > 0 || std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force) ||
-         has_judged_sums(verdict);
+  const auto is_unresolved = [](const QuantityRow& row) { return row.unique && !is_judged(row); };
+  if (verdict.judged > 0 || has_judged_sums(verdict)) return true;
+  return std::none_of(verdict.rows.begin(), verdict.rows.end(), is_unresolved) &&
+         std::any_of(verdict.others.begin(), verdict.others.end(), is_judged_force);
 }
 
 bool carries_something(const Verdict& verdict) {

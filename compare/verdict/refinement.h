@@ -57,7 +57,7 @@ bool is_judged(const QuantityRow& row);
 bool has_judged_sums(const Verdict& verdict);
 
 /// Whether anything was judged: a reaction component, a force element, a force on a joint speed (driver, spring,
-/// actuator, coupling) where no joint constrains anything, or the total of joints that share what they carry.
+/// actuator, coupling) where no reaction is unique, or the total of joints that share what they carry.
 bool has_judged(const Verdict& verdict);
 
 /// Whether any of those that is judged carries more than nothing.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "compare/verdict/draws.h"
@@ -11,6 +12,8 @@
 namespace concord::compare {
 
 namespace {
+
+using UniqueRows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -34,8 +37,8 @@ VecX largest_displacements(const Body& body) {
 }
 
 /// The largest over the components that belong together: three of a force, of a torque and of an acceleration, all
-/// modes.
-void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
+/// modes. Those that are not unique keep their own: these may be anything.
+void take_largest_of_blocks(const QuantityLayout& layout, const UniqueRows& unique, VecX& values) {
   const auto& quantities = layout.quantities();
   const auto block_of = [&](std::size_t row) {
     const Quantity& one = quantities[row];
@@ -46,8 +49,11 @@ void take_largest_of_blocks(const QuantityLayout& layout, VecX& values) {
     if (quantities[first].kind != Kind::driver && quantities[first].kind != Kind::coupling) {
       while (end < quantities.size() && block_of(end) == block_of(first)) ++end;
     }
-    auto block = values.segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(end - first));
-    block.setConstant(block.maxCoeff());
+    const auto start = static_cast<Eigen::Index>(first);
+    const auto size = static_cast<Eigen::Index>(end - first);
+    auto block = values.segment(start, size).array();
+    const auto counts = unique.segment(start, size);
+    block = counts.select(counts.select(block, 0.0).maxCoeff(), block).eval();
     first = end;
   }
 }
@@ -115,8 +121,14 @@ namespace {
 /// Of one state: the largest change of each quantity, as drawn and as closed by a solver.
 class StateResolution {
  public:
-  StateResolution(const QuantityLayout& layout, const SharedState& shared, std::uint64_t seed, Resolution& result)
-      : layout_(layout), shared_(shared), sizes_(sizes_of(layout.model(), shared.state)), seed_(seed), result_(result) {
+  StateResolution(const QuantityLayout& layout, const SharedState& shared, UniqueRows unique, std::uint64_t seed,
+                  Resolution& result)
+      : layout_(layout),
+        shared_(shared),
+        unique_(std::move(unique)),
+        sizes_(sizes_of(layout.model(), shared.state)),
+        seed_(seed),
+        result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
       drawn_.push_back(draw_within_roundoff(shared.state, sizes_, seed + static_cast<std::uint64_t>(draw)));
     }
@@ -162,7 +174,7 @@ class StateResolution {
         std::max(kSameClosing, std::min(kWithinResolution * kEps * amplification * amplification, kElsewhere));
     take_closing(solver, said, allowed, change);
     if (amplification > kIllConditioned) take_pairs_of_closings(solver, said, allowed, change);
-    take_largest_of_blocks(layout_, change);
+    take_largest_of_blocks(layout_, unique_, change);
     return change;
   }
 
@@ -210,6 +222,7 @@ class StateResolution {
 
   const QuantityLayout& layout_;
   const SharedState& shared_;
+  UniqueRows unique_;
   StateSizes sizes_;
   std::uint64_t seed_;
   Resolution& result_;
@@ -226,8 +239,8 @@ std::uint64_t seed_of(std::uint64_t seed, Eigen::Index state) {
 }  // namespace
 
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
-                              const std::vector<SharedState>& states, const std::vector<Measured>& measured,
-                              std::uint64_t seed) {
+                              const std::vector<SharedState>& states, const Mask& unique,
+                              const std::vector<Measured>& measured, std::uint64_t seed) {
   const auto rows = static_cast<Eigen::Index>(layout.quantities().size());
   const auto columns = static_cast<Eigen::Index>(states.size());
   Resolution result;
@@ -237,7 +250,7 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index row = 0; row < rows; ++row) scales(row) = measured[static_cast<std::size_t>(row)].scale;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, shared, seed_of(seed, column), result);
+    StateResolution one(layout, shared, unique.col(column), seed_of(seed, column), result);
     std::array<VecX, 2> said;
     std::array<std::optional<VecX>, 2> change;
     double amplification = HUGE_VAL;  // that of the solver that knows better: what the machine has
@@ -264,13 +277,13 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
 }
 
 MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
-                            const std::vector<SharedState>& states, std::uint64_t seed) {
+                            const std::vector<SharedState>& states, const Mask& unique, std::uint64_t seed) {
   Resolution counts;
   MatX own = MatX::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                             static_cast<Eigen::Index>(states.size()), kUnknown);
   for (Eigen::Index column = 0; column < own.cols(); ++column) {
     const SharedState& state = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, state, seed_of(seed, column), counts);
+    StateResolution one(layout, state, unique.col(column), seed_of(seed, column), counts);
     const VecX said = layout.observe(state.state, state.evaluations[index(who)]);
     if (const auto change = one.of_draws(solver, said)) {
       own.col(column) = one.with_closings(solver, said, *change, one.amplification(said, *change));

@@ -60,16 +60,16 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
 
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
 /// closing by each; near singular poses, over closings from nearby. Over the three components of a force, torque or
-/// acceleration the largest; plus the floor, a unit of round-off of the larger of the scale (`measured`, one for each
-/// quantity) and of the terms.
+/// acceleration the largest of those that are `unique` in the state (rows of the layout, columns: states); plus the
+/// floor, a unit of round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
-                              const std::vector<SharedState>& states, const std::vector<Measured>& measured,
-                              std::uint64_t seed);
+                              const std::vector<SharedState>& states, const Mask& unique,
+                              const std::vector<Measured>& measured, std::uint64_t seed);
 
 /// The same of one solver alone, without the floor: the largest change of its answers, which stand in the states' place
 /// `who`.
 MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
-                            const std::vector<SharedState>& states, std::uint64_t seed);
+                            const std::vector<SharedState>& states, const Mask& unique, std::uint64_t seed);
 
 /// The solver's answers in states that differ from the one asked about by round-off, for its audit. Model and solver
 /// must outlive it.

@@ -15,7 +15,8 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   weighed.mask = judged_states(layout, weighed.reports);
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
-  weighed.resolution = measure_resolution(layout, solvers, weighed.states, measure(layout, weighed.series), seed);
+  weighed.resolution =
+      measure_resolution(layout, solvers, weighed.states, weighed.mask, measure(layout, weighed.series), seed);
   weighed.singular = lower_ranks(solvers, weighed.states, weighed.reports);
   for (std::size_t k = 0; k < weighed.states.size(); ++k) {
     const std::string& within_round_off = weighed.resolution.singular[k];

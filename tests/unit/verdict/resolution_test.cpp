@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "common/reading/model_file.h"
 #include "compare/verdict/term_sizes.h"
@@ -36,8 +37,11 @@ class ResolutionTest : public ::testing::Test {
 
   Resolution measure_all() {
     for (SharedState& one : states_) one.evaluations[1] = relative_.evaluate(one.state);
-    return measure_resolution(layout_, {&cartesian_, &relative_}, states_, measure(layout_, align(layout_, states_)),
-                              7);
+    Mask unique = Mask::Constant(static_cast<Eigen::Index>(layout_.quantities().size()),
+                                 static_cast<Eigen::Index>(states_.size()), true);
+    if (not_unique_) unique.row(*not_unique_).setConstant(false);
+    return measure_resolution(layout_, {&cartesian_, &relative_}, states_, unique,
+                              measure(layout_, align(layout_, states_)), 7);
   }
 
   [[nodiscard]] int row(int component) const { return layout_.row_of({Kind::reaction, 0, Side::child, component}); }
@@ -47,6 +51,7 @@ class ResolutionTest : public ::testing::Test {
   FakePendulum cartesian_{model_, "cartesian"};
   FakePendulum relative_{model_, "relative"};
   std::vector<SharedState> states_;
+  std::optional<int> not_unique_;  // row
 };
 
 TEST_F(ResolutionTest, DrawsMoveEveryNumberByRoundOffOfItsKindAndRepeat) {
@@ -89,6 +94,16 @@ TEST_F(ResolutionTest, AnAnswerThatIsNoiseIsResolvedToThatNoiseInItsWholeForce) 
     EXPECT_EQ(resolution.own[1](row(0), k), resolution.own[1](row(1), k)) << "one force, one resolution";
     EXPECT_LT(resolution.own[0](row(1), k), 1e-12) << "the other solver's own is its own";
   }
+}
+
+TEST_F(ResolutionTest, AComponentThatIsNotUniqueSaysNothingOfItsNeighbours) {
+  relative_.spoil = [](const State& state, Evaluation& evaluation) {
+    evaluation.joints[0].reaction[index(Side::child)].in_C.force(1) += noise_from(state.bodies[1].omega(2));
+  };
+  not_unique_ = row(1);
+  const Resolution resolution = measure_all();
+  EXPECT_LT(resolution.both.row(row(0)).maxCoeff(), 1e-12);
+  EXPECT_GT(resolution.both.row(row(1)).maxCoeff(), 1e-3);
 }
 
 TEST_F(ResolutionTest, AnErrorThatDoesNotMoveBuysNoTolerance) {
