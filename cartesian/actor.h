@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "cartesian/indices.h"
 #include "cartesian/joint_rows.h"
 #include "cartesian/marker_kinematics.h"
 #include "common/model.h"
@@ -15,10 +16,10 @@ namespace concord::cartesian {
 
 /// Whose forces an actor's are.
 struct OfElement {
-  int element = 0;  // index in Model::elements
+  ElementIndex element;
 };
 struct OfSprings {
-  int joint = 0;  // index in Model::joints
+  JointIndex joint;
 };
 
 /// A force element, or the springs of one joint, in the current state: its ends on two bodies (of a load: on one, the
@@ -43,13 +44,15 @@ struct Actor {
   VecX known_q;
 
   /// The joint whose springs push; nothing for an element.
-  [[nodiscard]] std::optional<int> joint() const {
+  [[nodiscard]] std::optional<JointIndex> joint() const {
     const auto* springs = std::get_if<OfSprings>(&owner);
     return springs != nullptr ? std::optional(springs->joint) : std::nullopt;
   }
   [[nodiscard]] bool sits_on_moving_body(Side side) const {
-    return ends[index(side)] != nullptr && ends[index(side)]->body != kGround;
+    return ends[index(side)] != nullptr && !is_ground(body(side));
   }
+  /// The body that an end sits on.
+  [[nodiscard]] BodyIndex body(Side side) const { return body_of(*ends[index(side)]); }
   [[nodiscard]] const Marker& child() const { return markers[index(Side::child)]; }
   [[nodiscard]] const Marker& parent() const { return markers[index(Side::parent)]; }
   [[nodiscard]] Wrench& on_child() { return wrenches[index(Side::child)]; }

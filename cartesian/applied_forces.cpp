@@ -22,18 +22,15 @@ AppliedForces::AppliedForces(const Model& model, const Layout& layout)
       layout_(layout),
       shortest_line_(kShortestLine * model.length_scale()),
       springs_of_joint_(model.joints.size()) {
-  for (std::size_t e = 0; e < model.elements.size(); ++e) {
-    actors_.push_back(make_actor(model.elements[e], static_cast<int>(e)));
-  }
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    if (model.joints[k].springs.empty()) continue;
-    springs_of_joint_[k] = static_cast<int>(actors_.size());
-    actors_.push_back(make_actor(model.joints[k], static_cast<int>(k)));
+  for (const ElementIndex e : indices_of(model.elements)) actors_.add(make_actor(pick(model.elements, e), e));
+  for (const JointIndex k : indices_of(model.joints)) {
+    const Joint& joint = pick(model.joints, k);
+    if (!joint.springs.empty()) springs_of_joint_[k] = actors_.add(make_actor(joint, k));
   }
   lay_out_events();
 }
 
-Actor AppliedForces::make_actor(const ForceElement& element, int e) const {
+Actor AppliedForces::make_actor(const ForceElement& element, ElementIndex e) const {
   Actor actor;
   actor.owner = OfElement{e};
   for (const Side side : {Side::parent, Side::child}) {
@@ -44,7 +41,7 @@ Actor AppliedForces::make_actor(const ForceElement& element, int e) const {
   return actor;
 }
 
-Actor AppliedForces::make_actor(const Joint& joint, int k) const {
+Actor AppliedForces::make_actor(const Joint& joint, JointIndex k) const {
   Actor actor;
   actor.owner = OfSprings{k};
   for (const Side side : {Side::parent, Side::child}) make_end(joint.on(side), side, actor);
@@ -63,20 +60,19 @@ void AppliedForces::make_end(const Attachment& end, Side side, Actor& actor) con
   actor.markers[index(side)] = make_marker(end);
   const VecX none;
   place(end, Vec3::Zero(), Mat3::Identity(), none.head(0), actor.markers[index(side)]);
-  if (actor.sits_on_moving_body(side)) actor.forces[index(side)].setZero(layout_.size_Y(end.body));
+  if (actor.sits_on_moving_body(side)) actor.forces[index(side)].setZero(layout_.size_Y(body_of(end)));
 }
 
 void AppliedForces::lay_out_events() {
-  for (std::size_t k = 0; k < actors_.size(); ++k) {
-    event_owners_.insert(event_owners_.end(), static_cast<std::size_t>(actors_[k].n_event_functions),
-                         static_cast<int>(k));
+  for (const ActorIndex actor : actors_.indices()) {
+    event_owners_.insert(event_owners_.end(), static_cast<std::size_t>(actors_[actor].n_event_functions), actor);
   }
   event_values_ = VecX::Zero(static_cast<Eigen::Index>(event_owners_.size()));
 }
 
 const ForceElement* AppliedForces::element_of(const Actor& actor) const {
   const auto* owner = std::get_if<OfElement>(&actor.owner);
-  return owner != nullptr ? &model_.elements[owner->element] : nullptr;
+  return owner != nullptr ? &pick(model_.elements, owner->element) : nullptr;
 }
 
 ForceInstant AppliedForces::instant_of(const ForceElement& element, const Mat3& A_child, double t) const {
@@ -85,20 +81,20 @@ ForceInstant AppliedForces::instant_of(const ForceElement& element, const Mat3& 
 
 void AppliedForces::update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q,
                            const Eigen::Ref<const VecX>& Y) {
-  for (std::size_t k = 0; k < actors_.size(); ++k) update(at, static_cast<int>(k), t, q, Y);
+  for (const ActorIndex actor : actors_.indices()) update(at, actor, t, q, Y);
 }
 
-void AppliedForces::update(const Constraints& at, int of, double t, const Eigen::Ref<const VecX>& q,
+void AppliedForces::update(const Constraints& at, ActorIndex of, double t, const Eigen::Ref<const VecX>& q,
                            const Eigen::Ref<const VecX>& Y) {
   Actor& actor = actors_[of];
-  const std::optional<int> joint = actor.joint();
+  const std::optional<JointIndex> joint = actor.joint();
   if (joint) {
-    exert_springs(model_.joints[*joint], at.joint(*joint), t, regimes_, actor);
+    exert_springs(pick(model_.joints, *joint), at.joint(*joint), t, regimes_, actor);
   } else {
     place_ends(
-        actor, [&](int body) -> const Mat3& { return at.rotation(body); }, q, Y);
+        actor, [&](BodyIndex body) -> const Mat3& { return at.rotation(body); }, q, Y);
     const ForceElement& element = *element_of(actor);
-    exert(element, instant_of(element, at.rotation(actor.ends[index(Side::child)]->body), t), actor);
+    exert(element, instant_of(element, at.rotation(actor.body(Side::child)), t), actor);
   }
   for (const Side side : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(side)) continue;
@@ -111,13 +107,14 @@ void AppliedForces::update(const Constraints& at, int of, double t, const Eigen:
 void AppliedForces::place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                               const Eigen::Ref<const VecX>& Y) const {
   const Attachment& end = *actor.ends[index(side)];
+  const BodyIndex body = actor.body(side);
   Marker& marker = actor.markers[index(side)];
   try {
-    place(end, layout_.r(q, end.body), A, layout_.a(q, end.body), marker);
+    place(end, layout_.r(q, body), A, layout_.a(q, body), marker);
   } catch (const LargeRotation& turned) {
     throw LargeRotation(fmt::format("force element '{}'", element_of(actor)->name), turned.angle);
   }
-  move(end, A, layout_.v(Y, end.body), layout_.omega(Y, end.body), layout_.adot(Y, end.body), marker);
+  move(end, A, layout_.v(Y, body), layout_.omega(Y, body), layout_.adot(Y, body), marker);
 }
 
 template <class RotationOf>
@@ -125,7 +122,7 @@ void AppliedForces::place_ends(Actor& actor, const RotationOf& rotation_of_body,
                                const Eigen::Ref<const VecX>& Y) const {
   for (const Side side : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(side)) continue;
-    place_end(actor, side, rotation_of_body(actor.ends[index(side)]->body), q, Y);
+    place_end(actor, side, rotation_of_body(actor.body(side)), q, Y);
   }
   place_relative(actor.parent(), actor.child(), actor.motion);
   move_relative(actor.parent(), actor.child(), actor.motion);
@@ -137,23 +134,23 @@ const VecX& AppliedForces::event_functions(const Constraints& near, double t, co
   for (Actor& actor : actors_) {
     if (actor.n_event_functions == 0) continue;
     place_ends(
-        actor, [&](int body) { return rotation_of(layout_.p(q, body).normalized()); }, q, Y);
-    if (const std::optional<int> joint = actor.joint()) {
+        actor, [&](BodyIndex body) { return rotation_of(layout_.p(q, body).normalized()); }, q, Y);
+    if (const std::optional<JointIndex> joint = actor.joint()) {
       actor.motion.is_beyond_upright = near.joint(*joint).motion.is_beyond_upright;
-      next = write_event_functions(model_.joints[*joint], actor.motion, actor, next);
+      next = write_event_functions(pick(model_.joints, *joint), actor.motion, actor, next);
     } else {
       const ForceElement& element = *element_of(actor);
-      const Mat3& A_child = near.rotation(actor.ends[index(Side::child)]->body);  // for loads, which have no events
+      const Mat3& A_child = near.rotation(actor.body(Side::child));  // for loads, which have no events
       next = write_event_functions(element, instant_of(element, A_child, t), actor, next);
     }
   }
   return event_values_;
 }
 
-std::string AppliedForces::name_of_regime(int actor) const {
+std::string AppliedForces::name_of_regime(ActorIndex actor) const {
   const Actor& of = actors_[actor];
-  if (const std::optional<int> joint = of.joint()) {
-    return fmt::format("the stop of joint '{}'", model_.joints[*joint].name);
+  if (const std::optional<JointIndex> joint = of.joint()) {
+    return fmt::format("the stop of joint '{}'", pick(model_.joints, *joint).name);
   }
   const ForceElement& element = *element_of(of);
   return fmt::format("{} '{}'", std::holds_alternative<Tire>(element.what) ? "tire" : "the stop of", element.name);
@@ -163,7 +160,7 @@ void AppliedForces::add_to(Eigen::Ref<VecX> forces) const {
   for (const Actor& actor : actors_) {
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
-      const int body = actor.ends[index(side)]->body;
+      const BodyIndex body = actor.body(side);
       forces.segment(layout_.first_Y(body), layout_.size_Y(body)) += actor.forces[index(side)];
     }
   }
@@ -174,19 +171,19 @@ double AppliedForces::power(const Eigen::Ref<const VecX>& Y) const {
   for (const Actor& actor : actors_) {
     for (const Side side : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(side)) continue;
-      const int body = actor.ends[index(side)]->body;
+      const BodyIndex body = actor.body(side);
       sum += actor.forces[index(side)].dot(Y.segment(layout_.first_Y(body), layout_.size_Y(body)));
     }
   }
   return sum;
 }
 
-const Actor* AppliedForces::springs_of(int k) const {
+const Actor* AppliedForces::springs_of(JointIndex k) const {
   return springs_of_joint_[k] ? &actors_[*springs_of_joint_[k]] : nullptr;
 }
 
-ElementWrenches AppliedForces::element(int e) const {
-  const Actor& actor = actors_[e];
+ElementWrenches AppliedForces::element(ElementIndex e) const {
+  const Actor& actor = actors_[ActorIndex(e.value)];  // elements come first
   ElementWrenches wrenches;
   for (const Side side : {Side::parent, Side::child}) {
     if (actor.ends[index(side)] == nullptr) continue;
@@ -210,16 +207,16 @@ std::vector<SpringLine> AppliedForces::spring_lines(double t) const {
 
 void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
   for (Actor& actor : actors_) {
-    if (const std::optional<int> joint = actor.joint()) actor.known_q = q[*joint];
+    if (const std::optional<JointIndex> joint = actor.joint()) actor.known_q = q[joint->value];
   }
 }
 
 void AppliedForces::count_turns_and_hold_regimes_as(const AppliedForces& other) {
-  for (std::size_t k = 0; k < actors_.size(); ++k) {
-    const Actor& known = other.actors_[k];
-    actors_[k].known_q = known.known_q;
-    actors_[k].regime = known.regime;
-    actors_[k].stop_regimes = known.stop_regimes;
+  for (const ActorIndex actor : actors_.indices()) {
+    const Actor& known = other.actors_[actor];
+    actors_[actor].known_q = known.known_q;
+    actors_[actor].regime = known.regime;
+    actors_[actor].stop_regimes = known.stop_regimes;
   }
   regimes_ = other.regimes_;
 }

@@ -6,6 +6,7 @@
 
 #include "cartesian/actor.h"
 #include "cartesian/constraints.h"
+#include "cartesian/indices.h"
 #include "cartesian/layout.h"
 #include "cartesian/spring_forces.h"
 #include "common/model.h"
@@ -24,7 +25,7 @@ class AppliedForces {
   /// element, where its law has no direction (exert).
   void update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   /// The same of one actor.
-  void update(const Constraints& at, int actor, double t, const Eigen::Ref<const VecX>& q,
+  void update(const Constraints& at, ActorIndex actor, double t, const Eigen::Ref<const VecX>& q,
               const Eigen::Ref<const VecX>& Y);
 
   /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
@@ -37,9 +38,9 @@ class AppliedForces {
                               const Eigen::Ref<const VecX>& Y);
   [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
   /// The actor whose event function has a given index.
-  [[nodiscard]] int owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
+  [[nodiscard]] ActorIndex owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
   /// "tire 'left'", "the stop of 'coil'": what an actor's regimes belong to.
-  [[nodiscard]] std::string name_of_regime(int actor) const;
+  [[nodiscard]] std::string name_of_regime(ActorIndex actor) const;
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -48,11 +49,11 @@ class AppliedForces {
   [[nodiscard]] double power(const Eigen::Ref<const VecX>& Y) const;
 
   /// Elements in the order of the model, then joints with springs.
-  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
+  [[nodiscard]] const ByActor<Actor>& actors() const { return actors_; }
   /// The springs of joint k; nullptr if it has none.
-  [[nodiscard]] const Actor* springs_of(int k) const;
+  [[nodiscard]] const Actor* springs_of(JointIndex k) const;
   /// Wrenches of element e on both its ends.
-  [[nodiscard]] ElementWrenches element(int e) const;
+  [[nodiscard]] ElementWrenches element(ElementIndex e) const;
 
   /// The line springs as they lie at the last update, which was at time t, in the order of the model.
   [[nodiscard]] std::vector<SpringLine> spring_lines(double t) const;
@@ -63,8 +64,8 @@ class AppliedForces {
   void count_turns_and_hold_regimes_as(const AppliedForces& other);
 
  private:
-  Actor make_actor(const ForceElement& element, int e) const;
-  Actor make_actor(const Joint& joint, int k) const;
+  Actor make_actor(const ForceElement& element, ElementIndex e) const;
+  Actor make_actor(const Joint& joint, JointIndex k) const;
   void make_end(const Attachment& end, Side side, Actor& actor) const;
   /// The element whose force an actor is; nullptr for springs of a joint.
   [[nodiscard]] const ForceElement* element_of(const Actor& actor) const;
@@ -80,10 +81,10 @@ class AppliedForces {
   const Model& model_;
   const Layout& layout_;
   double shortest_line_;
-  std::vector<Actor> actors_;
-  std::vector<std::optional<int>> springs_of_joint_;  // index in actors_, if the joint has springs
+  ByActor<Actor> actors_;
+  ByJoint<std::optional<ActorIndex>> springs_of_joint_;  // if the joint has springs
   Regimes regimes_ = Regimes::own;
-  std::vector<int> event_owners_;  // by event function
+  std::vector<ActorIndex> event_owners_;  // by event function
   VecX event_values_;
 };
 

@@ -18,7 +18,7 @@ Pattern lay_out(const Equations& equations) {
   const Constraints& constraints = equations.constraints();
   const auto index_of = [&](RowIndex row) { return layout.n_Y() + row.value; };
   std::vector<std::vector<int>> columns(layout.n_Y() + constraints.n_rows());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     for (int column = 0; column < layout.size_Y(i); ++column) {
       for (int row = 0; row < layout.size_Y(i); ++row) {
         columns[layout.first_Y(i) + column].push_back(layout.first_Y(i) + row);
@@ -48,7 +48,7 @@ SparseLu make_lu(const Pattern& pattern) { return {pattern.starts, pattern.rows,
 /// Unit of inertia that the matrix is scaled with, a power of two near the mass of all bodies [kg].
 double mass_unit(const Equations& equations) {
   double mass = 0.0;
-  for (int i = 0; i < equations.layout().n_bodies(); ++i) mass += equations.inertia(i).mass();
+  for (const BodyIndex i : equations.layout().moving_bodies()) mass += equations.inertia(i).mass();
   return mass > 0.0 ? std::ldexp(1.0, std::ilogb(mass)) : 1.0;
 }
 
@@ -58,15 +58,15 @@ AugmentedMatrix::AugmentedMatrix(const Equations& equations)
     : n_Y_(equations.layout().n_Y()),
       n_rows_(equations.constraints().n_rows()),
       lu_(make_lu(lay_out(equations))),
-      mass_matrices_(make_mass_matrices(equations.layout())) {
+      mass_matrices_(make_mass_matrices(equations.layout())),
+      mass_entries_(equations.model().bodies.size()) {
   lu_.set_diagonal_unit(mass_unit(equations));
   find_entries(equations);
 }
 
 void AugmentedMatrix::find_entries(const Equations& equations) {
   const Layout& layout = equations.layout();
-  mass_entries_.assign(layout.n_bodies(), {});
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     for (int column = 0; column < layout.size_Y(i); ++column) {
       mass_entries_[i].push_back(lu_.find(layout.first_Y(i), layout.first_Y(i) + column));
     }
@@ -95,7 +95,7 @@ void AugmentedMatrix::use_rows(const std::vector<bool>& active) {
 void AugmentedMatrix::fill(const Equations& equations) {
   equations.write_mass_matrices(mass_matrices_);
   double* values = lu_.values();
-  for (std::size_t i = 1; i < mass_entries_.size(); ++i) {
+  for (const BodyIndex i : equations.layout().moving_bodies()) {
     const auto size = mass_entries_[i].size();
     for (std::size_t column = 0; column < size; ++column) {
       std::copy_n(mass_matrices_[i].col(static_cast<Eigen::Index>(column)).data(), size,
@@ -118,7 +118,7 @@ void AugmentedMatrix::copy_numbers_of(const AugmentedMatrix& other) {
   std::copy_n(other.lu_.values(), other.lu_.row_indices().size(), lu_.values());
 }
 
-void AugmentedMatrix::add_to_modes(int body, double factor, const MatX& K) {
+void AugmentedMatrix::add_to_modes(BodyIndex body, double factor, const MatX& K) {
   for (int k = 0; k < K.cols(); ++k) {
     double* column = lu_.values() + mass_entries_[body][6 + k] + 6;
     for (int l = 0; l < K.rows(); ++l) column[l] += factor * K(l, k);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cartesian/equations.h"
-#include "cartesian/row_index.h"
+#include "cartesian/indices.h"
 #include "cartesian/sparse_lu.h"
 
 namespace concord::cartesian {
@@ -26,7 +26,7 @@ class AugmentedMatrix {
   /// Takes the numbers of another one of the same equations.
   void copy_numbers_of(const AugmentedMatrix& other);
   /// Adds factor * K to the inertia of a body's modes.
-  void add_to_modes(int body, double factor, const MatX& K);
+  void add_to_modes(BodyIndex body, double factor, const MatX& K);
 
  private:
   void find_entries(const Equations& equations);
@@ -34,10 +34,10 @@ class AugmentedMatrix {
   int n_Y_;
   int n_rows_;
   SparseLu lu_;
-  std::vector<MatX> mass_matrices_;  // by body
-  /// Where blocks go in the matrix's values: by body the first entry of each column of M; by block of rows and column
+  ByBody<MatX> mass_matrices_;
+  /// Where blocks go in the matrix's values: of a body the first entry of each column of M; by block of rows and column
   /// of the body the first of the block's rows; by block and row the first of the body's entries in the row's column.
-  std::vector<std::vector<int>> mass_entries_;
+  ByBody<std::vector<int>> mass_entries_;
   std::vector<std::vector<int>> Phi_Y_entries_;
   std::vector<std::vector<int>> transposed_entries_;
 };

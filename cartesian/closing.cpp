@@ -20,7 +20,7 @@ constexpr int kMaxSteps = 80;
 
 /// A row that is no constraint of the machine: a coordinate or speed that the start keeps.
 struct KeptRow {
-  int joint;
+  JointIndex joint;
   ConstraintRow row;  // gradient and, for coordinates, value less the kept value
   double target;      // of a speed
   double size;        // of the kept value, which the round-off of `row` is relative to
@@ -39,9 +39,9 @@ enum class Kept { coordinates, speeds };
 std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   std::vector<KeptRow> kept;
   const Model& model = equations.model();
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& stated = model.joints[k];
-    const RelativeMotion& motion = equations.constraints().joint(static_cast<int>(k)).motion;
+  for (const JointIndex k : indices_of(model.joints)) {
+    const Joint& stated = pick(model.joints, k);
+    const RelativeMotion& motion = equations.constraints().joint(k).motion;
     for (std::size_t word = 0; word < stated.start.size(); ++word) {
       const WordStart& start = stated.start[word];
       if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
@@ -63,7 +63,7 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
         const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
         if (follows_law) continue;
         const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
-        kept.push_back({static_cast<int>(k), rows[c], start.u(c), size});
+        kept.push_back({k, rows[c], start.u(c), size});
       }
     }
   }
@@ -77,13 +77,13 @@ std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
 /// Calls visit(joint, index among its q, reading, component) for each reading that counts turns by itself.
 template <class Visit>
 void each_counting_reading(const Model& model, const Visit& visit) {
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+  for (const JointIndex k : indices_of(model.joints)) {
     int place = 0;
-    for (const joints::Read& read : model.joints[k].type->reads) {
+    for (const joints::Read& read : pick(model.joints, k).type->reads) {
       const joints::CoordinateKinds kinds = kinds_of(read);
       for (int c = 0; c < kinds.size(); ++c) {
         if (kinds[c] == joints::CoordinateKind::angle && !reads_turn(read, c)) {
-          visit(static_cast<int>(k), place + c, read, c);
+          visit(k, place + c, read, c);
         }
       }
       place += n_q(read);
@@ -93,10 +93,10 @@ void each_counting_reading(const Model& model, const Visit& visit) {
 
 std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
   std::vector<KeptRow> rows;
-  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+  each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
     ConstraintRow row = evaluate_read(read, component, equations.constraints().joint(k).motion);
-    row.value -= known[k](place);
-    rows.push_back({k, row, 0.0, std::abs(known[k](place))});
+    row.value -= known[k.value](place);
+    rows.push_back({k, row, 0.0, std::abs(known[k.value](place))});
   });
   return rows;
 }
@@ -107,14 +107,14 @@ VecX units_of_steps(const Equations& equations, Modes modes) {
   VecX units = equations.units();
   const Layout& layout = equations.layout();
   if (modes == Modes::moving) return units;
-  for (int i = 1; i < layout.n_bodies(); ++i) layout.adot(units, i).setZero();
+  for (const BodyIndex i : layout.moving_bodies()) layout.adot(units, i).setZero();
   return units;
 }
 
 VecX units_of_displacements(const Equations& equations, Modes modes) {
   VecX units = units_of_steps(equations, modes);
   const Layout& layout = equations.layout();
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= compliance_of(equations.inertia(i), k);
   }
   return units;
@@ -127,7 +127,7 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
   const Constraints& constraints = equations.constraints();
   const Layout& layout = equations.layout();
   std::vector<Eigen::Triplet<double, SparseIndex>> entries;
-  const auto add = [&](int row, int body, const auto& gradient) {
+  const auto add = [&](int row, BodyIndex body, const auto& gradient) {
     for (int c = 0; c < layout.size_Y(body); ++c) {
       const int column = layout.first_Y(body) + c;
       if (units(column) > 0.0) entries.emplace_back(row, column, gradient(c) * units(column));
@@ -141,8 +141,8 @@ SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::
   }
   for (std::size_t k = 0; k < kept.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
-      const int body = equations.model().joints[kept[k].joint].on(side).body;
-      if (body == kGround) continue;
+      const BodyIndex body = body_of(pick(equations.model().joints, kept[k].joint).on(side));
+      if (is_ground(body)) continue;
       VecX gradient(layout.size_Y(body));
       write_transposed(constraints.joint(kept[k].joint), side, kept[k].row, gradient);
       add(constraints.n_rows() + static_cast<int>(k), body, gradient);
@@ -224,18 +224,18 @@ double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : resid
 void name_open(const Equations& equations, const std::vector<KeptRow>& kept, const VecX& residual, Closing& closing) {
   const Model& model = equations.model();
   const double large = 0.05 * size_of(residual);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const JointEquations& joint = equations.constraints().joint(static_cast<int>(k));
+  for (const JointIndex k : indices_of(model.joints)) {
+    const JointEquations& joint = equations.constraints().joint(k);
     double own = size_of(residual.segment(joint.first_row.value, joint.n_rows));
     for (std::size_t row = 0; row < kept.size(); ++row) {
-      if (kept[row].joint != static_cast<int>(k)) continue;
+      if (kept[row].joint != k) continue;
       own = std::max(own, std::abs(residual(equations.constraints().n_rows() + row)));
     }
-    if (own >= large) closing.joints_left_open.push_back(model.joints[k].name);
+    if (own >= large) closing.joints_left_open.push_back(pick(model.joints, k).name);
   }
-  for (std::size_t g = 0; g < model.couplings.size(); ++g) {
-    const double own = std::abs(residual(equations.constraints().coupling(static_cast<int>(g)).row.value));
-    if (own >= large) closing.couplings_left_open.push_back(model.couplings[g].name);
+  for (const CouplingIndex g : indices_of(model.couplings)) {
+    const double own = std::abs(residual(equations.constraints().coupling(g).row.value));
+    if (own >= large) closing.couplings_left_open.push_back(pick(model.couplings, g).name);
   }
 }
 
@@ -329,10 +329,10 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
   close_positions(equations, t, hold, rows, modes, q, Y, closing);
   if (!closing.closed) return closing;
-  if (const std::optional<int> joint = equations.constraints().first_joint_off_branch()) {
+  if (const std::optional<JointIndex> joint = equations.constraints().first_joint_off_branch()) {
     closing.closed = false;
     closing.is_off_branch = true;
-    closing.joints_left_open = {equations.model().joints[*joint].name};
+    closing.joints_left_open = {pick(equations.model().joints, *joint).name};
     return closing;
   }
   closing.places_closed = true;
@@ -351,10 +351,10 @@ std::string named_open(const Closing& closing) {
 
 std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
   std::optional<TurnError> largest;
-  each_counting_reading(equations.model(), [&](int k, int place, const joints::Read& read, int component) {
+  each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
     const double value = evaluate_read(read, component, equations.constraints().joint(k).motion).value;
-    const double error = std::abs(value - q[k](place));
-    if (!largest || error > largest->size) largest = TurnError{k, error, value, q[k](place)};
+    const double error = std::abs(value - q[k.value](place));
+    if (!largest || error > largest->size) largest = TurnError{k, error, value, q[k.value](place)};
   });
   return largest;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cartesian/equations.h"
+#include "cartesian/indices.h"
 
 namespace concord::cartesian {
 
@@ -32,7 +33,7 @@ enum class Hold { constraints, start, joints_alone };
 /// Of readings that count turns by themselves, as the height on a thread does: the joint that reads farthest from its
 /// known coordinate q (by joint) at the last update, and by how much.
 struct TurnError {
-  int joint = 0;
+  JointIndex joint;
   double size = 0.0;  // rad
   double read = 0.0;
   double known = 0.0;

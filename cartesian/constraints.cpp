@@ -18,10 +18,10 @@ Constraints::Constraints(const Model& model, const Layout& layout)
 }
 
 void Constraints::add_joints() {
-  std::vector<std::vector<CoupledCoordinate>> coupled = coupled_coordinates(model_);
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-    joints_.push_back(make_joint_equations(model_.joints[k], layout_, RowIndex(n_rows_), std::move(coupled[k])));
-    const JointEquations& joint = joints_.back();
+  ByJoint<std::vector<CoupledCoordinate>> coupled = coupled_coordinates(model_);
+  for (const JointIndex k : indices_of(model_.joints)) {
+    joints_.add(make_joint_equations(pick(model_.joints, k), layout_, RowIndex(n_rows_), std::move(coupled[k])));
+    const JointEquations& joint = joints_[k];
     for (int own = 0; own < joint.n_rows; ++own) {
       holds_positions_.push_back(own < joint.n_forbids || joint.is_driver(own));
       is_driver_.push_back(joint.is_driver(own));
@@ -32,22 +32,22 @@ void Constraints::add_joints() {
 
 void Constraints::add_couplings() {
   for (const Coupling& stated : model_.couplings) {
-    couplings_.push_back(make_coupling_equations(model_, stated, layout_, RowIndex(n_rows_++), joints_));
+    couplings_.add(make_coupling_equations(model_, stated, layout_, RowIndex(n_rows_++), joints_));
     holds_positions_.push_back(true);
     is_driver_.push_back(false);
   }
 }
 
 void Constraints::add_blocks() {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     for (const Side side : {Side::parent, Side::child}) {
-      const int body = model_.joints[k].on(side).body;
-      if (body == kGround || joint.n_rows == 0) continue;
+      const BodyIndex body = body_of(pick(model_.joints, k).on(side));
+      if (is_ground(body) || joint.n_rows == 0) continue;
       blocks_.push_back({body, joint.first_row, joint.n_rows, RowBlock::OfJoint{k, side}});
     }
   }
-  for (int g = 0; g < n_couplings(); ++g) {
+  for (const CouplingIndex g : couplings()) {
     const CouplingEquations& coupling = couplings_[g];
     for (std::size_t share = 0; share < coupling.bodies.size(); ++share) {
       blocks_.push_back({coupling.bodies[share], coupling.row, 1, RowBlock::OfCoupling{g, static_cast<int>(share)}});
@@ -60,37 +60,37 @@ bool Constraints::has_nonholonomic_rows() const {
 }
 
 std::string Constraints::name_of(RowIndex wanted) const {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     if (wanted >= joint.first_row && wanted < joint.row(joint.n_rows)) {
-      return fmt::format("joint '{}'", model_.joints[k].name);
+      return fmt::format("joint '{}'", pick(model_.joints, k).name);
     }
   }
-  for (int g = 0; g < n_couplings(); ++g) {
-    if (wanted == couplings_[g].row) return fmt::format("coupling '{}'", model_.couplings[g].name);
+  for (const CouplingIndex g : couplings()) {
+    if (wanted == couplings_[g].row) return fmt::format("coupling '{}'", pick(model_.couplings, g).name);
   }
   return {};
 }
 
-void Constraints::place_body(int body, const Eigen::Ref<const VecX>& q) {
+void Constraints::place_body(BodyIndex body, const Eigen::Ref<const VecX>& q) {
   rotations_[body] = rotation_of(layout_.p(q, body));
 }
 
 void Constraints::place(const Eigen::Ref<const VecX>& q) {
-  for (int i = 1; i < layout_.n_bodies(); ++i) place_body(i, q);
-  for (int k = 0; k < n_joints(); ++k) place_joint(model_.joints[k], layout_, rotations_, q, joints_[k]);
+  for (const BodyIndex i : layout_.moving_bodies()) place_body(i, q);
+  for (const JointIndex k : joints()) place_joint(pick(model_.joints, k), layout_, rotations_, q, joints_[k]);
   for (CouplingEquations& coupling : couplings_) place_coupling(model_, joints_, coupling);
 }
 
 void Constraints::move(const Eigen::Ref<const VecX>& Y) {
-  for (int k = 0; k < n_joints(); ++k) move_joint(model_.joints[k], layout_, rotations_, Y, joints_[k]);
+  for (const JointIndex k : joints()) move_joint(pick(model_.joints, k), layout_, rotations_, Y, joints_[k]);
 }
 
-void Constraints::place_and_move(int joint, int body, const Eigen::Ref<const VecX>& q,
+void Constraints::place_and_move(JointIndex joint, BodyIndex body, const Eigen::Ref<const VecX>& q,
                                  const Eigen::Ref<const VecX>& Y) {
   place_body(body, q);
-  place_joint(model_.joints[joint], layout_, rotations_, q, joints_[joint]);
-  move_joint(model_.joints[joint], layout_, rotations_, Y, joints_[joint]);
+  place_joint(pick(model_.joints, joint), layout_, rotations_, q, joints_[joint]);
+  move_joint(pick(model_.joints, joint), layout_, rotations_, Y, joints_[joint]);
 }
 
 void Constraints::place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q,
@@ -106,15 +106,15 @@ void Constraints::place_and_move(const RowBlock& block, const Eigen::Ref<const V
 }
 
 void Constraints::count_turns_from(const std::vector<VecX>& q) {
-  for (int k = 0; k < n_joints(); ++k) {
-    for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k](coordinate.place);
+  for (const JointIndex k : joints()) {
+    for (CoupledCoordinate& coordinate : joints_[k].coupled) coordinate.known = q[k.value](coordinate.place);
     if (!joints_[k].elevation) continue;
-    joints_[k].motion.is_beyond_upright = std::cos(q[k](*joints_[k].elevation)) < 0.0;
+    joints_[k].motion.is_beyond_upright = std::cos(q[k.value](*joints_[k].elevation)) < 0.0;
   }
 }
 
 void Constraints::count_turns_as(const Constraints& other) {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     JointEquations& joint = joints_[k];
     const JointEquations& known = other.joints_[k];
     for (std::size_t c = 0; c < joint.coupled.size(); ++c) joint.coupled[c].known = known.coupled[c].known;
@@ -131,18 +131,18 @@ void Constraints::follow_turns() {
 }
 
 void Constraints::write_turns(std::vector<VecX>& q) const {
-  for (int k = 0; k < n_joints(); ++k) {
-    for (const CoupledCoordinate& coordinate : joints_[k].coupled) q[k](coordinate.place) = coordinate.known;
+  for (const JointIndex k : joints()) {
+    for (const CoupledCoordinate& coordinate : joints_[k].coupled) q[k.value](coordinate.place) = coordinate.known;
   }
 }
 
 void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
   terms.setZero();
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
       if (joint.driver_turns[own - joint.first_driver]) continue;
-      const Driver& driver = model_.joints[k].drivers[own - joint.first_driver];
+      const Driver& driver = pick(model_.joints, k).drivers[own - joint.first_driver];
       terms(joint.row(own).value) = std::abs(evaluate(driver.law, t).f);
     }
   }
@@ -178,9 +178,9 @@ Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {
 }
 
 void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
-    const Joint& stated = model_.joints[k];
+    const Joint& stated = pick(model_.joints, k);
     for (int own = 0; own < joint.first_driver; ++own) residual(joint.row(own).value) = joint.rows[own].value;
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
       const Driver& driver = stated.drivers[own - joint.first_driver];
@@ -194,9 +194,9 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
 }
 
 void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) const {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
-    const Joint& stated = model_.joints[k];
+    const Joint& stated = pick(model_.joints, k);
     for (int own = 0; own < joint.n_rows; ++own) {
       double rate = rate_of(joint.rows[own], joint.motion);
       if (joint.is_driver(own)) rate -= evaluate(stated.drivers[own - joint.first_driver].law, t).fdot;
@@ -215,9 +215,9 @@ double Constraints::row_rate(const RowBlock& block, int own) const {
 }
 
 void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
-  for (int k = 0; k < n_joints(); ++k) {
+  for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
-    const Joint& stated = model_.joints[k];
+    const Joint& stated = pick(model_.joints, k);
     for (int own = 0; own < joint.n_rows; ++own) {
       double rest = joint.bias_of(joint.rows[own]);
       if (joint.is_driver(own)) rest -= evaluate(stated.drivers[own - joint.first_driver].law, t).fddot;
@@ -227,9 +227,9 @@ void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
   for (const CouplingEquations& coupling : couplings_) gamma(coupling.row.value) = -bias_of(coupling, joints_);
 }
 
-std::optional<int> Constraints::first_joint_off_branch() const {
-  for (int k = 0; k < n_joints(); ++k) {
-    if (!on_branch(*model_.joints[k].type, joints_[k].motion)) return k;
+std::optional<JointIndex> Constraints::first_joint_off_branch() const {
+  for (const JointIndex k : joints()) {
+    if (!on_branch(*pick(model_.joints, k).type, joints_[k].motion)) return k;
   }
   return std::nullopt;
 }

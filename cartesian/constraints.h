@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cartesian/couplings.h"
+#include "cartesian/indices.h"
 #include "cartesian/joint_equations.h"
 #include "cartesian/layout.h"
-#include "cartesian/row_index.h"
 #include "common/model.h"
 
 /// Constraint equations of all joints and couplings: residuals, Jacobians over the body velocities, gamma.
@@ -17,14 +17,14 @@ namespace concord::cartesian {
 /// Constraint rows that follow each other and stand on one moving body: those of a joint on a side, or a coupling's.
 struct RowBlock {
   struct OfJoint {
-    int joint;
+    JointIndex joint;
     Side side;
   };
   struct OfCoupling {
-    int coupling;
+    CouplingIndex coupling;
     int share;  // of the coupling's bodies
   };
-  int body;
+  BodyIndex body;
   RowIndex first_row;
   int n_rows;
   std::variant<OfJoint, OfCoupling> owner;
@@ -42,11 +42,11 @@ class Constraints {
   [[nodiscard]] bool holds_positions(RowIndex row) const { return holds_positions_[row.value]; }
   [[nodiscard]] bool is_driver(RowIndex row) const { return is_driver_[row.value]; }
   [[nodiscard]] bool has_nonholonomic_rows() const;
-  [[nodiscard]] const JointEquations& joint(int k) const { return joints_[k]; }
-  [[nodiscard]] int n_joints() const { return static_cast<int>(joints_.size()); }
-  [[nodiscard]] const CouplingEquations& coupling(int g) const { return couplings_[g]; }
-  [[nodiscard]] int n_couplings() const { return static_cast<int>(couplings_.size()); }
-  [[nodiscard]] const Mat3& rotation(int body) const { return rotations_[body]; }
+  [[nodiscard]] const JointEquations& joint(JointIndex k) const { return joints_[k]; }
+  [[nodiscard]] IndexRange<JointIndex> joints() const { return joints_.indices(); }
+  [[nodiscard]] const CouplingEquations& coupling(CouplingIndex g) const { return couplings_[g]; }
+  [[nodiscard]] IndexRange<CouplingIndex> couplings() const { return couplings_.indices(); }
+  [[nodiscard]] const Mat3& rotation(BodyIndex body) const { return rotations_[body]; }
   /// The joint or coupling that a row belongs to, "joint 'A'".
   [[nodiscard]] std::string name_of(RowIndex row) const;
 
@@ -55,10 +55,11 @@ class Constraints {
   /// Velocities and accelerations at Ydot = 0, for velocities Y; after place().
   void move(const Eigen::Ref<const VecX>& Y);
   /// Both of one joint, where only its `body` has moved.
-  void place_and_move(int joint, int body, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void place_and_move(JointIndex joint, BodyIndex body, const Eigen::Ref<const VecX>& q,
+                      const Eigen::Ref<const VecX>& Y);
   /// The same of the joints that a block's rows depend on, where only the block's body has moved.
   void place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
-  void place_body(int body, const Eigen::Ref<const VecX>& q);
+  void place_body(BodyIndex body, const Eigen::Ref<const VecX>& q);
 
   /// Joint coordinates (by joint) from which the turns of coupled angles are counted, at most half a turn away, and
   /// which tell the side that an arm stands on.
@@ -89,8 +90,8 @@ class Constraints {
   /// Transposed Jacobian of a block over Y of its body: (6 + m) x its rows.
   [[nodiscard]] Eigen::Ref<const MatX> columns(const RowBlock& block) const;
 
-  /// Whether every joint is on the branch that its type means; otherwise the index of the first that is not.
-  [[nodiscard]] std::optional<int> first_joint_off_branch() const;
+  /// Whether every joint is on the branch that its type means; otherwise the first that is not.
+  [[nodiscard]] std::optional<JointIndex> first_joint_off_branch() const;
 
  private:
   void add_joints();
@@ -99,12 +100,12 @@ class Constraints {
 
   const Model& model_;
   const Layout& layout_;
-  std::vector<JointEquations> joints_;
-  std::vector<CouplingEquations> couplings_;
+  ByJoint<JointEquations> joints_;
+  ByCoupling<CouplingEquations> couplings_;
   std::vector<RowBlock> blocks_;
   std::vector<bool> holds_positions_;
   std::vector<bool> is_driver_;
-  std::vector<Mat3> rotations_;
+  ByBody<Mat3> rotations_;
   int n_rows_ = 0;
 };
 

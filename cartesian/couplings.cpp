@@ -16,13 +16,14 @@ int index_among(const std::vector<CoupledCoordinate>& coupled, const CouplingTer
 
 }  // namespace
 
-std::vector<std::vector<CoupledCoordinate>> coupled_coordinates(const Model& model) {
-  std::vector<std::vector<CoupledCoordinate>> all(model.joints.size());
+ByJoint<std::vector<CoupledCoordinate>> coupled_coordinates(const Model& model) {
+  ByJoint<std::vector<CoupledCoordinate>> all(model.joints.size());
   for (const Coupling& stated : model.couplings) {
     for (const CouplingTerm& term : stated.terms) {
-      std::vector<CoupledCoordinate>& coupled = all[term.joint];
+      const JointIndex k(term.joint);
+      std::vector<CoupledCoordinate>& coupled = all[k];
       if (index_among(coupled, term) < static_cast<int>(coupled.size())) continue;
-      const joints::JointType& type = *model.joints[term.joint].type;
+      const joints::JointType& type = *pick(model.joints, k).type;
       const int place = first_q(type, term.word) + term.component;
       const joints::Read* read = read_of(type, term.word);
       coupled.push_back({read, term.word, term.component, place, reads_turn(*read, term.component), 0.0});
@@ -32,30 +33,33 @@ std::vector<std::vector<CoupledCoordinate>> coupled_coordinates(const Model& mod
 }
 
 CouplingEquations make_coupling_equations(const Model& model, const Coupling& stated, const Layout& layout,
-                                          RowIndex row, std::vector<JointEquations>& joints) {
+                                          RowIndex row, ByJoint<JointEquations>& joints) {
   CouplingEquations coupling;
   coupling.row = row;
   coupling.offset = stated.offset;
   for (const CouplingTerm& term : stated.terms) {
-    JointEquations& joint = joints[term.joint];
-    coupling.terms.push_back({term.joint, joint.n_rows + index_among(joint.coupled, term), term.factor});
+    const JointIndex k(term.joint);
+    JointEquations& joint = joints[k];
+    coupling.terms.push_back({k, joint.n_rows + index_among(joint.coupled, term), term.factor});
     joint.shares.push_back({coupling.terms.back().row, row, term.factor});
-    for (const Attachment& side : model.joints[term.joint].sides) {
-      const bool is_new = std::count(coupling.bodies.begin(), coupling.bodies.end(), side.body) == 0;
-      if (side.body != kGround && is_new) coupling.bodies.push_back(side.body);
+    for (const Attachment& side : pick(model.joints, k).sides) {
+      const BodyIndex body = body_of(side);
+      const bool is_new = std::count(coupling.bodies.begin(), coupling.bodies.end(), body) == 0;
+      if (!is_ground(body) && is_new) coupling.bodies.push_back(body);
     }
   }
-  for (const int body : coupling.bodies) coupling.Phi_Y_transposed.emplace_back(MatX::Zero(layout.size_Y(body), 1));
+  for (const BodyIndex body : coupling.bodies)
+    coupling.Phi_Y_transposed.emplace_back(MatX::Zero(layout.size_Y(body), 1));
   return coupling;
 }
 
 /// A body may sit in several of the coupled joints: its columns add up (C30).
-void place_coupling(const Model& model, const std::vector<JointEquations>& joints, CouplingEquations& coupling) {
+void place_coupling(const Model& model, const ByJoint<JointEquations>& joints, CouplingEquations& coupling) {
   for (MatX& columns : coupling.Phi_Y_transposed) columns.setZero();
   for (const CouplingEquations::Term& term : coupling.terms) {
     for (const Side side : {Side::parent, Side::child}) {
-      const int body = model.joints[term.joint].on(side).body;
-      if (body == kGround) continue;
+      const BodyIndex body = body_of(pick(model.joints, term.joint).on(side));
+      if (is_ground(body)) continue;
       const auto share = std::find(coupling.bodies.begin(), coupling.bodies.end(), body) - coupling.bodies.begin();
       coupling.Phi_Y_transposed[share].col(0) +=
           term.factor * joints[term.joint].Phi_Y_transposed[index(side)].col(term.row);
@@ -64,7 +68,7 @@ void place_coupling(const Model& model, const std::vector<JointEquations>& joint
 }
 
 /// Whole turns and offset are summed apart: the rest has the round-off of one turn.
-double residual_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+double residual_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints) {
   long double turned = -static_cast<long double>(coupling.offset);
   double sum = 0.0;
   for (const CouplingEquations::Term& term : coupling.terms) {
@@ -76,7 +80,7 @@ double residual_of(const CouplingEquations& coupling, const std::vector<JointEqu
   return sum + static_cast<double>(turned);
 }
 
-double rate_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+double rate_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints) {
   double sum = 0.0;
   for (const auto& term : coupling.terms) {
     const JointEquations& joint = joints[term.joint];
@@ -85,7 +89,7 @@ double rate_of(const CouplingEquations& coupling, const std::vector<JointEquatio
   return sum;
 }
 
-double bias_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints) {
+double bias_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints) {
   double rest = 0.0;
   for (const auto& term : coupling.terms) {
     const JointEquations& joint = joints[term.joint];

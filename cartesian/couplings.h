@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "cartesian/indices.h"
 #include "cartesian/joint_equations.h"
 #include "cartesian/layout.h"
-#include "cartesian/row_index.h"
 #include "common/model.h"
 
 /// Couplings: each is one row, the weighted sum of the rows of the joint coordinates that it relates.
@@ -13,32 +13,32 @@ namespace concord::cartesian {
 /// One coupling at the current state.
 struct CouplingEquations {
   struct Term {
-    int joint;
+    JointIndex joint;
     int row;  // among the joint's rows
     double factor;
   };
   RowIndex row;
   double offset = 0.0;
   std::vector<Term> terms;
-  std::vector<int> bodies;             // moving ones, each once
+  std::vector<BodyIndex> bodies;       // moving ones, each once
   std::vector<MatX> Phi_Y_transposed;  // by body: one column
 };
 
-/// By joint: its coordinates that couplings relate, each once.
-std::vector<std::vector<CoupledCoordinate>> coupled_coordinates(const Model& model);
+/// Of each joint its coordinates that couplings relate, each once.
+ByJoint<std::vector<CoupledCoordinate>> coupled_coordinates(const Model& model);
 
 /// The equations of a coupling whose row is `row`; its joints get their shares in it.
 CouplingEquations make_coupling_equations(const Model& model, const Coupling& stated, const Layout& layout,
-                                          RowIndex row, std::vector<JointEquations>& joints);
+                                          RowIndex row, ByJoint<JointEquations>& joints);
 
 /// Jacobian of a coupling whose joints are placed (C30).
-void place_coupling(const Model& model, const std::vector<JointEquations>& joints, CouplingEquations& coupling);
+void place_coupling(const Model& model, const ByJoint<JointEquations>& joints, CouplingEquations& coupling);
 
 /// Sum of factor q - offset, turns counted, and its rate, of placed and of moved joints.
-double residual_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints);
-double rate_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints);
+double residual_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints);
+double rate_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints);
 /// What the second rate is without the accelerations Ydot.
-double bias_of(const CouplingEquations& coupling, const std::vector<JointEquations>& joints);
+double bias_of(const CouplingEquations& coupling, const ByJoint<JointEquations>& joints);
 
 /// A coupled coordinate of a placed joint, turns counted.
 double coupled_value(const JointEquations& joint, int row);

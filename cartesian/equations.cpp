@@ -11,9 +11,9 @@ namespace concord::cartesian {
 
 namespace {
 
-std::vector<BodyInertia> make_inertias(const Model& model) {
-  std::vector<BodyInertia> inertias;
-  for (const Body& body : model.bodies) inertias.emplace_back(body);
+ByBody<BodyInertia> make_inertias(const Model& model) {
+  ByBody<BodyInertia> inertias;
+  for (const Body& body : model.bodies) inertias.add(BodyInertia(body));
   return inertias;
 }
 
@@ -60,8 +60,8 @@ void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen
   constraints_.write_residual(t, residual_);
   constraints_.write_velocity_residual(t, velocity_residual_);
   has_row_sizes_ = false;
-  for (int i = 1; i < layout_.n_bodies(); ++i) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
-  for (int i = 1; i < layout_.n_bodies(); ++i) {
+  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
+  for (const BodyIndex i : layout_.moving_bodies()) {
     inertias_[i].write_forces(constraints_.rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
                               layout_.adot(Y, i), forces_.segment(layout_.first_Y(i), layout_.size_Y(i)));
   }
@@ -70,11 +70,11 @@ void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen
 }
 
 /// Of a row among a joint's (C45).
-double Equations::size_of(int joint, int own) const {
+double Equations::size_of(JointIndex joint, int own) const {
   double squared = 0.0;
   for (const Side side : {Side::parent, Side::child}) {
-    const int body = model_.joints[joint].on(side).body;
-    if (body == kGround) continue;
+    const BodyIndex body = body_of(pick(model_.joints, joint).on(side));
+    if (is_ground(body)) continue;
     const auto over_Y = constraints_.joint(joint).Phi_Y_transposed[index(side)].col(own);
     squared += over_Y.cwiseProduct(units_.segment(layout_.first_Y(body), over_Y.size())).squaredNorm();
   }
@@ -82,11 +82,11 @@ double Equations::size_of(int joint, int own) const {
 }
 
 void Equations::measure_rows() const {  // (C45)
-  for (int k = 0; k < constraints_.n_joints(); ++k) {
+  for (const JointIndex k : constraints_.joints()) {
     const JointEquations& joint = constraints_.joint(k);
     for (int own = 0; own < joint.n_rows; ++own) row_sizes_(joint.row(own).value) = size_of(k, own);
   }
-  for (int g = 0; g < constraints_.n_couplings(); ++g) {
+  for (const CouplingIndex g : constraints_.couplings()) {
     const CouplingEquations& coupling = constraints_.coupling(g);
     double sum = 0.0;
     for (const CouplingEquations::Term& term : coupling.terms)
@@ -96,32 +96,32 @@ void Equations::measure_rows() const {  // (C45)
   has_row_sizes_ = true;
 }
 
-void Equations::write_mass_matrices(std::vector<MatX>& M) const {
-  for (int i = 1; i < layout_.n_bodies(); ++i) inertias_[i].write_mass_matrix(constraints_.rotation(i), M[i]);
+void Equations::write_mass_matrices(ByBody<MatX>& M) const {
+  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].write_mass_matrix(constraints_.rotation(i), M[i]);
 }
 
 double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {
   double sum = applied_.power(Y_);
-  for (int k = 0; k < constraints_.n_joints(); ++k) {
+  for (const JointIndex k : constraints_.joints()) {
     const JointEquations& joint = constraints_.joint(k);
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
-      const Driver& driver = model_.joints[k].drivers[own - joint.first_driver];
+      const Driver& driver = pick(model_.joints, k).drivers[own - joint.first_driver];
       sum -= lambda(joint.row(own).value) * evaluate(driver.law, t_).fdot;
     }
   }
-  for (int i = 1; i < layout_.n_bodies(); ++i) sum -= inertias_[i].damping_power(layout_.adot(Y_, i));
+  for (const BodyIndex i : layout_.moving_bodies()) sum -= inertias_[i].damping_power(layout_.adot(Y_, i));
   return sum;
 }
 
-std::vector<MatX> make_mass_matrices(const Layout& layout) {
-  std::vector<MatX> M;
-  for (int i = 0; i < layout.n_bodies(); ++i) M.emplace_back(MatX::Zero(layout.size_Y(i), layout.size_Y(i)));
+ByBody<MatX> make_mass_matrices(const Layout& layout) {
+  ByBody<MatX> M(layout.n_bodies());
+  for (const BodyIndex i : layout.moving_bodies()) M[i].setZero(layout.size_Y(i), layout.size_Y(i));
   return M;
 }
 
-void write_mass_times(const Layout& layout, const std::vector<MatX>& M, const Eigen::Ref<const VecX>& x,
+void write_mass_times(const Layout& layout, const ByBody<MatX>& M, const Eigen::Ref<const VecX>& x,
                       Eigen::Ref<VecX> product) {
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     product.segment(layout.first_Y(i), layout.size_Y(i)).noalias() =
         M[i] * x.segment(layout.first_Y(i), layout.size_Y(i));
   }

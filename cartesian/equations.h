@@ -5,6 +5,7 @@
 #include "cartesian/applied_forces.h"
 #include "cartesian/body_inertia.h"
 #include "cartesian/constraints.h"
+#include "cartesian/indices.h"
 #include "cartesian/layout.h"
 #include "common/model.h"
 
@@ -25,7 +26,7 @@ class Equations {
   [[nodiscard]] Constraints& constraints() { return constraints_; }
   [[nodiscard]] const AppliedForces& applied() const { return applied_; }
   [[nodiscard]] AppliedForces& applied() { return applied_; }
-  [[nodiscard]] const BodyInertia& inertia(int body) const { return inertias_[body]; }
+  [[nodiscard]] const BodyInertia& inertia(BodyIndex body) const { return inertias_[body]; }
   /// The machine's units over Y (machine_units).
   [[nodiscard]] const VecX& units() const { return units_; }
   [[nodiscard]] double length() const { return length_; }  // the machine's [m]
@@ -56,8 +57,8 @@ class Equations {
   }
   /// Generalized forces Q - S - U, n_Y rows; Q holds gravity, force elements and joint springs.
   [[nodiscard]] const VecX& forces() const { return forces_; }
-  /// Writes the mass matrices of all moving bodies, by body (make_mass_matrices).
-  void write_mass_matrices(std::vector<MatX>& M) const;
+  /// Writes the mass matrices of all moving bodies (make_mass_matrices).
+  void write_mass_matrices(ByBody<MatX>& M) const;
   /// Power of drivers, joint springs and force elements less that of modal damping [W], with these multipliers (one for
   /// each row).
   [[nodiscard]] double power_of(const Eigen::Ref<const VecX>& lambda) const;  // (C39)
@@ -65,13 +66,13 @@ class Equations {
  private:
   void update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   void measure_rows() const;
-  [[nodiscard]] double size_of(int joint, int own) const;
+  [[nodiscard]] double size_of(JointIndex joint, int own) const;
 
   const Model& model_;
   double length_;
   double driven_rate_;
   Layout layout_;
-  std::vector<BodyInertia> inertias_;
+  ByBody<BodyInertia> inertias_;
   Constraints constraints_;
   AppliedForces applied_;
   VecX units_;
@@ -86,9 +87,9 @@ class Equations {
 };
 
 /// Room for the mass matrices of all bodies; ground's is empty.
-std::vector<MatX> make_mass_matrices(const Layout& layout);
+ByBody<MatX> make_mass_matrices(const Layout& layout);
 /// M x, n_Y rows.
-void write_mass_times(const Layout& layout, const std::vector<MatX>& M, const Eigen::Ref<const VecX>& x,
+void write_mass_times(const Layout& layout, const ByBody<MatX>& M, const Eigen::Ref<const VecX>& x,
                       Eigen::Ref<VecX> product);
 
 }  // namespace concord::cartesian

@@ -19,21 +19,19 @@ Evaluation reported_evaluation(const Equations& equations, const Solution& solut
   const Constraints& constraints = equations.constraints();
   Evaluation result;
   result.bodies.resize(layout.n_bodies());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    result.bodies[i] = {layout.v(solution.Ydot(), i), layout.omega(solution.Ydot(), i),
-                        layout.adot(solution.Ydot(), i)};
+  for (const BodyIndex i : layout.moving_bodies()) {
+    result.bodies[i.value] = {layout.v(solution.Ydot(), i), layout.omega(solution.Ydot(), i),
+                              layout.adot(solution.Ydot(), i)};
   }
-  for (int k = 0; k < constraints.n_joints(); ++k) {
+  for (const JointIndex k : constraints.joints()) {
     const JointEquations& joint = constraints.joint(k);
     const VecX lambda = joint_multipliers(joint, solution.lambda());
-    result.joints.push_back(compute_wrenches(model.joints[k], joint, lambda, equations.applied().springs_of(k)));
+    result.joints.push_back(compute_wrenches(pick(model.joints, k), joint, lambda, equations.applied().springs_of(k)));
   }
-  for (int g = 0; g < constraints.n_couplings(); ++g) {
+  for (const CouplingIndex g : constraints.couplings()) {
     result.couplings.push_back(-solution.lambda()(constraints.coupling(g).row.value));
   }
-  for (std::size_t e = 0; e < model.elements.size(); ++e) {
-    result.elements.push_back(equations.applied().element(static_cast<int>(e)));
-  }
+  for (const ElementIndex e : indices_of(model.elements)) result.elements.push_back(equations.applied().element(e));
   return result;
 }
 

@@ -27,7 +27,7 @@ IdaJacobian::IdaJacobian(const Dynamics& dynamics, const IdaUnknowns& places, co
   for (const RowBlock& block : own_.constraints().blocks()) {
     rates_over_q_.emplace_back(MatX::Zero(block.n_rows, layout_.size_Y(block.body)));
   }
-  for (const Actor& actor : own_.applied().actors()) slopes_.push_back(make_slopes(actor));
+  for (const Actor& actor : own_.applied().actors()) slopes_.add(make_slopes(actor));
   lay_out(q, Y);
 }
 
@@ -36,8 +36,7 @@ IdaJacobian::ForceSlopes IdaJacobian::make_slopes(const Actor& actor) const {
   for (const Side moved : {Side::parent, Side::child}) {
     for (const Side pushed : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(moved) || !actor.sits_on_moving_body(pushed)) continue;
-      const MatX none =
-          MatX::Zero(layout_.size_Y(actor.ends[index(pushed)]->body), layout_.size_Y(actor.ends[index(moved)]->body));
+      const MatX none = MatX::Zero(layout_.size_Y(actor.body(pushed)), layout_.size_Y(actor.body(moved)));
       slopes.over_q[index(moved)][index(pushed)] = none;
       slopes.over_Y[index(moved)][index(pushed)] = none;
     }
@@ -77,23 +76,23 @@ void IdaJacobian::differentiate_rates(const RowBlock& block, const VecX& q, cons
 /// How the forces of each actor change with positions and velocities of the bodies that it pushes on, by central
 /// differences of the actor alone.
 void IdaJacobian::differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y) {
-  const std::vector<Actor>& actors = own_.applied().actors();
-  for (std::size_t a = 0; a < actors.size(); ++a) {
+  const ByActor<Actor>& actors = own_.applied().actors();
+  for (const ActorIndex a : actors.indices()) {
     for (const Side moved : {Side::parent, Side::child}) {
       if (!actors[a].sits_on_moving_body(moved)) continue;
-      differentiate_forces(static_cast<int>(a), moved, t, rate, q, Y, slopes_[a]);
+      differentiate_forces(a, moved, t, rate, q, Y, slopes_[a]);
     }
   }
 }
 
-void IdaJacobian::differentiate_forces(int of, Side moved, double t, double rate, const VecX& q,
+void IdaJacobian::differentiate_forces(ActorIndex of, Side moved, double t, double rate, const VecX& q,
                                        const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes) {
   constexpr double kStep = 1e-6;  // of the machine's units
   const Actor& actor = own_.applied().actors()[of];
-  const int body = actor.ends[index(moved)]->body;
+  const BodyIndex body = actor.body(moved);
   const auto units = own_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
   const auto put = [&](const VecX& at, const VecX& speeds) {
-    if (const std::optional<int> joint = actor.joint()) {
+    if (const std::optional<JointIndex> joint = actor.joint()) {
       own_.constraints().place_and_move(*joint, body, at, speeds);
     } else {
       own_.constraints().place_body(body, at);
@@ -139,11 +138,11 @@ template <class Visit>
 void IdaJacobian::each_entry(double c, const Eigen::Ref<const VecX>& x, const Visit& visit) const {
   const auto q = x.head(places_.first_Y);
   const auto Y = x.segment(places_.first_Y, layout_.n_Y());
-  for (int i = 1; i < layout_.n_bodies(); ++i) each_body_entry(i, c, q, Y, visit);
+  for (const BodyIndex i : layout_.moving_bodies()) each_body_entry(i, c, q, Y, visit);
   const auto& blocks = own_.constraints().blocks();
   for (std::size_t b = 0; b < blocks.size(); ++b) each_row_entry(blocks[b], rates_over_q_[b], q, visit);
-  const auto& actors = own_.applied().actors();
-  for (std::size_t a = 0; a < actors.size(); ++a) each_force_entry(actors[a], slopes_[a], q, visit);
+  const ByActor<Actor>& actors = own_.applied().actors();
+  for (const ActorIndex a : actors.indices()) each_force_entry(actors[a], slopes_[a], q, visit);
   for (const RowIndex row : places_.rows()) {
     const double own = dynamics_.is_active(row) ? 0.0 : 1.0;
     visit(places_.at_lambda(row), places_.at_lambda(row), own);
@@ -153,7 +152,7 @@ void IdaJacobian::each_entry(double c, const Eigen::Ref<const VecX>& x, const Vi
 }
 
 template <class Q, class V, class Visit>
-void IdaJacobian::each_body_entry(int i, double c, const Q& q, const V& Y, const Visit& visit) const {
+void IdaJacobian::each_body_entry(BodyIndex i, double c, const Q& q, const V& Y, const Visit& visit) const {
   const int m = layout_.n_modes(i);
   const int at_r = layout_.first_q(i);
   const int at_p = at_r + 3;
@@ -194,7 +193,7 @@ template <class Q, class Visit>
 void IdaJacobian::each_row_entry(const RowBlock& block, const MatX& rates, const Q& q,
                                  const Visit& visit) const {  // (C57)
   const Eigen::Ref<const MatX> Phi_Y_transposed = own_.constraints().columns(block);
-  const int body = block.body;
+  const BodyIndex body = block.body;
   const int at_q = layout_.first_q(body);
   const int at_Y = places_.first_Y + layout_.first_Y(body);
   const int m = layout_.n_modes(body);
@@ -231,13 +230,13 @@ void IdaJacobian::each_force_entry(const Actor& actor, const ForceSlopes& slopes
                                    const Visit& visit) const {
   for (const Side moved : {Side::parent, Side::child}) {
     if (!actor.sits_on_moving_body(moved)) continue;
-    const int body = actor.ends[index(moved)]->body;
+    const BodyIndex body = actor.body(moved);
     const int at_q = layout_.first_q(body);
     const int at_Y = places_.first_Y + layout_.first_Y(body);
     const Mat34 E = compute_E(layout_.p(q, body));
     for (const Side pushed : {Side::parent, Side::child}) {
       if (!actor.sits_on_moving_body(pushed)) continue;
-      const int at_row = places_.first_Y + layout_.first_Y(actor.ends[index(pushed)]->body);
+      const int at_row = places_.first_Y + layout_.first_Y(actor.body(pushed));
       const MatX& over_q = slopes.over_q[index(moved)][index(pushed)];
       const MatX& over_Y = slopes.over_Y[index(moved)][index(pushed)];
       for (Eigen::Index row = 0; row < over_q.rows(); ++row) {

@@ -5,6 +5,7 @@
 
 #include "cartesian/dynamics.h"
 #include "cartesian/ida_unknowns.h"
+#include "cartesian/indices.h"
 
 namespace concord::cartesian {
 
@@ -37,12 +38,12 @@ class IdaJacobian {
   void differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y);
   void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates);
   void differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y);
-  void differentiate_forces(int actor, Side moved, double t, double rate, const VecX& q,
+  void differentiate_forces(ActorIndex actor, Side moved, double t, double rate, const VecX& q,
                             const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes);
   template <class Visit>
   void each_entry(double c, const Eigen::Ref<const VecX>& x, const Visit& visit) const;
   template <class Q, class V, class Visit>
-  void each_body_entry(int i, double c, const Q& q, const V& Y, const Visit& visit) const;
+  void each_body_entry(BodyIndex i, double c, const Q& q, const V& Y, const Visit& visit) const;
   template <class Q, class Visit>
   void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const;
   template <class Q, class Visit>
@@ -52,9 +53,9 @@ class IdaJacobian {
   Equations own_;  // whose joints and actors are displaced
   const Layout& layout_;
   const IdaUnknowns& places_;
-  std::vector<MatX> mass_matrices_;  // by body
-  std::vector<ForceSlopes> slopes_;  // by actor
-  std::vector<MatX> rates_over_q_;   // by block of rows: rows x (6 + m)
+  ByBody<MatX> mass_matrices_;
+  ByActor<ForceSlopes> slopes_;
+  std::vector<MatX> rates_over_q_;  // by block of rows: rows x (6 + m)
   VecX unit_q_;
   VecX displaced_q_;
   VecX displaced_Y_;

@@ -188,7 +188,7 @@ class IdaStepper : public Stepper {
     dynamics_.add_Phi_Y_transposed_times(all_rows_, quasi_);
     quasi_ = Y + equations_.units().cwiseAbs2().cwiseProduct(quasi_);
     layout_.write_qdot(q, quasi_, F.head(places_.first_Y));
-    for (int i = 1; i < layout_.n_bodies(); ++i) {
+    for (const BodyIndex i : layout_.moving_bodies()) {
       const double nu = x(places_.at_nu(i));
       layout_.p(F, i) += nu * layout_.p(q, i);
       F(places_.at_nu(i)) = 0.5 * (layout_.p(q, i).squaredNorm() - 1.0);
@@ -241,8 +241,8 @@ class IdaStepper : public Stepper {
   sundials::Matrix matrix_;
   RefinedLu linear_solver_;
   std::unique_ptr<void, FreeMemory> memory_;
-  double rate_ = 0.0;                // of the machine [1/s]: its speeds in its units
-  std::vector<MatX> mass_matrices_;  // by body
+  double rate_ = 0.0;  // of the machine [1/s]: its speeds in its units
+  ByBody<MatX> mass_matrices_;
   VecX all_rows_;
   VecX unit_q_;
   VecX quasi_;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cartesian/equations.h"
-#include "cartesian/row_index.h"
+#include "cartesian/indices.h"
 
 namespace concord::cartesian {
 
@@ -13,7 +13,7 @@ struct IdaUnknowns {
   explicit IdaUnknowns(const Equations& equations);
 
   /// A body's |p|^2 = 1.
-  [[nodiscard]] int at_nu(int body) const { return first_nu + body - 1; }
+  [[nodiscard]] int at_nu(BodyIndex body) const { return first_nu + body.value - 1; }
   /// Whether a row has a mu, and where.
   [[nodiscard]] bool has_mu(RowIndex row) const { return place_of_mu[row.value] >= 0; }
   [[nodiscard]] int at_mu(RowIndex row) const { return first_mu + place_of_mu[row.value]; }

@@ -33,26 +33,26 @@ void choose_turns(const Model& model, const Coupling& coupling, std::vector<VecX
 
 void read_joint_coordinates(const Model& model, const Constraints& constraints, std::vector<VecX>& q,
                             std::vector<VecX>& u) {
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const joints::JointType& type = *model.joints[k].type;
-    const RelativeMotion& motion = constraints.joint(static_cast<int>(k)).motion;
+  for (const JointIndex k : indices_of(model.joints)) {
+    const joints::JointType& type = *pick(model.joints, k).type;
+    const RelativeMotion& motion = constraints.joint(k).motion;
     int at_q = 0;
     int at_u = 0;
     for (const joints::Read& read : type.reads) {
       if (is_orientation(read)) {
         const Vec4 p = euler_parameters_of(motion.R);
-        auto known = q[k].segment<4>(at_q);
+        auto known = q[k.value].segment<4>(at_q);
         known = known.dot(p) < 0.0 ? Vec4(-p) : p;
-        u[k].segment<3>(at_u) = motion.omega;
+        u[k.value].segment<3>(at_u) = motion.omega;
         at_q += n_q(read);
         at_u += n_u(read);
         continue;
       }
       for (int component = 0; component < n_u(read); ++component) {
         const ConstraintRow row = evaluate_read(read, component, motion);
-        double& known = q[k](at_q++);
+        double& known = q[k.value](at_q++);
         known = value_near(reads_turn(read, component), row, known);
-        u[k](at_u++) = rate_of(row, motion);
+        u[k.value](at_u++) = rate_of(row, motion);
       }
     }
   }

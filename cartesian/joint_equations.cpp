@@ -77,19 +77,19 @@ JointEquations make_joint_equations(const Joint& stated, const Layout& layout, R
     marker = make_marker(attachment);
     const VecX none;
     place(attachment, Vec3::Zero(), Mat3::Identity(), none.head(0), marker);
-    if (attachment.body == kGround) continue;
-    joint.Phi_Y_transposed[index(side)].setZero(layout.size_Y(attachment.body),
+    if (is_ground(body_of(attachment))) continue;
+    joint.Phi_Y_transposed[index(side)].setZero(layout.size_Y(body_of(attachment)),
                                                 static_cast<Eigen::Index>(joint.rows.size()));
   }
   return joint;
 }
 
-void place_joint(const Joint& stated, const Layout& layout, const std::vector<Mat3>& rotations,
+void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
                  const Eigen::Ref<const VecX>& q, JointEquations& joint) {
   for (const Side side : {Side::parent, Side::child}) {
     const Attachment& attachment = stated.on(side);
-    const int body = attachment.body;
-    if (body == kGround) continue;  // placed once, at construction
+    const BodyIndex body = body_of(attachment);
+    if (is_ground(body)) continue;  // placed once, at construction
     try {
       place(attachment, layout.r(q, body), rotations[body], layout.a(q, body), joint.markers[index(side)]);
     } catch (const LargeRotation& turned) {
@@ -104,7 +104,7 @@ void place_joint(const Joint& stated, const Layout& layout, const std::vector<Ma
   joint.motion.omega.setZero();
   evaluate_rows(stated, joint);
   for (const Side side : {Side::parent, Side::child}) {
-    if (stated.on(side).body == kGround) continue;
+    if (is_ground(body_of(stated.on(side)))) continue;
     auto& Phi_Y_transposed = joint.Phi_Y_transposed[index(side)];
     for (std::size_t row = 0; row < joint.rows.size(); ++row) {
       write_row(joint, side, joint.rows[row], Phi_Y_transposed.col(static_cast<Eigen::Index>(row)));
@@ -112,12 +112,12 @@ void place_joint(const Joint& stated, const Layout& layout, const std::vector<Ma
   }
 }
 
-void move_joint(const Joint& stated, const Layout& layout, const std::vector<Mat3>& rotations,
+void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
                 const Eigen::Ref<const VecX>& Y, JointEquations& joint) {  // (C14)
   for (const Side side : {Side::parent, Side::child}) {
     const Attachment& attachment = stated.on(side);
-    const int body = attachment.body;
-    if (body == kGround) continue;
+    const BodyIndex body = body_of(attachment);
+    if (is_ground(body)) continue;
     move(attachment, rotations[body], layout.v(Y, body), layout.omega(Y, body), layout.adot(Y, body),
          joint.markers[index(side)]);
   }

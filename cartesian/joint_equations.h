@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "cartesian/indices.h"
 #include "cartesian/joint_rows.h"
 #include "cartesian/layout.h"
 #include "cartesian/marker_kinematics.h"
-#include "cartesian/row_index.h"
 #include "common/model.h"
 
 /// One joint at the current state: its markers, the child's motion seen from the parent, and its rows with their
@@ -72,10 +72,10 @@ JointEquations make_joint_equations(const Joint& stated, const Layout& layout, R
                                     std::vector<CoupledCoordinate> coupled);
 
 /// Points, frames, rows and Jacobians at positions q, of bodies with these rotations.
-void place_joint(const Joint& stated, const Layout& layout, const std::vector<Mat3>& rotations,
+void place_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
                  const Eigen::Ref<const VecX>& q, JointEquations& joint);
 /// Velocities and accelerations at Ydot = 0 of a placed joint, for velocities Y (C14).
-void move_joint(const Joint& stated, const Layout& layout, const std::vector<Mat3>& rotations,
+void move_joint(const Joint& stated, const Layout& layout, const ByBody<Mat3>& rotations,
                 const Eigen::Ref<const VecX>& Y, JointEquations& joint);
 
 /// Transposed Jacobian over Y of the side's body of any row of a placed joint, for rows that are no constraints.

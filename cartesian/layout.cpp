@@ -5,20 +5,20 @@
 namespace concord::cartesian {
 
 Layout::Layout(const Model& model) {
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const int m = model.bodies[i].n_modes();
-    first_q_.push_back(n_q_);
-    first_Y_.push_back(n_Y_);
-    n_modes_.push_back(m);
-    if (i == kGround) continue;
+  for (const BodyIndex i : indices_of(model.bodies)) {
+    const int m = pick(model.bodies, i).n_modes();
+    first_q_.add(n_q_);
+    first_Y_.add(n_Y_);
+    n_modes_.add(m);
+    if (is_ground(i)) continue;
     n_q_ += 7 + m;
     n_Y_ += 6 + m;
   }
 }
 
 void Layout::unpack(const State& state, VecX& q, VecX& Y) const {
-  for (int i = 1; i < n_bodies(); ++i) {
-    const BodyState& body = state.bodies[i];
+  for (const BodyIndex i : moving_bodies()) {
+    const BodyState& body = state.bodies[i.value];
     r(q, i) = body.r;
     p(q, i) = body.p;
     a(q, i) = body.a;
@@ -32,14 +32,14 @@ State Layout::pack(double t, const VecX& q, const VecX& Y) const {
   State state;
   state.t = t;
   state.bodies.resize(n_bodies());
-  for (int i = 1; i < n_bodies(); ++i) {
-    state.bodies[i] = {r(q, i), p(q, i), v(Y, i), omega(Y, i), a(q, i), adot(Y, i)};
+  for (const BodyIndex i : moving_bodies()) {
+    state.bodies[i.value] = {r(q, i), p(q, i), v(Y, i), omega(Y, i), a(q, i), adot(Y, i)};
   }
   return state;
 }
 
 void Layout::write_qdot(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, Eigen::Ref<VecX> qdot) const {
-  for (int i = 1; i < n_bodies(); ++i) {
+  for (const BodyIndex i : moving_bodies()) {
     r(qdot, i) = v(Y, i);
     p(qdot, i) = compute_pdot(p(q, i), omega(Y, i));
     a(qdot, i) = adot(Y, i);
@@ -47,14 +47,14 @@ void Layout::write_qdot(const Eigen::Ref<const VecX>& q, const Eigen::Ref<const 
 }
 
 void Layout::displace(const Eigen::Ref<const VecX>& step, Eigen::Ref<VecX> q) const {
-  for (int i = 1; i < n_bodies(); ++i) {
+  for (const BodyIndex i : moving_bodies()) {
     r(q, i) += v(step, i);
     p(q, i) = (p(q, i) + compute_pdot(p(q, i), omega(step, i))).normalized();
     a(q, i) += adot(step, i);
   }
 }
 
-void Layout::displace_along(int body, int c, double size, Eigen::Ref<VecX> q) const {
+void Layout::displace_along(BodyIndex body, int c, double size, Eigen::Ref<VecX> q) const {
   if (c < 3) {
     r(q, body)(c) += size;
   } else if (c < 6) {
@@ -64,12 +64,12 @@ void Layout::displace_along(int body, int c, double size, Eigen::Ref<VecX> q) co
   }
 }
 
-void Layout::copy_body(int body, const Eigen::Ref<const VecX>& from, Eigen::Ref<VecX> to) const {
+void Layout::copy_body(BodyIndex body, const Eigen::Ref<const VecX>& from, Eigen::Ref<VecX> to) const {
   to.segment(first_q_[body], 7 + n_modes_[body]) = from.segment(first_q_[body], 7 + n_modes_[body]);
 }
 
 void Layout::normalize(Eigen::Ref<VecX> q) const {
-  for (int i = 1; i < n_bodies(); ++i) p(q, i).normalize();
+  for (const BodyIndex i : moving_bodies()) p(q, i).normalize();
 }
 
 }  // namespace concord::cartesian

@@ -26,7 +26,7 @@ int rank_nearby(Equations& equations, const State& start, Modes modes, std::mt19
   VecX Y(layout.n_Y());
   layout.unpack(start, q, Y);
   VecX move = VecX::NullaryExpr(layout.n_Y(), [&] { return spread(engine); }).cwiseProduct(equations.units());
-  for (int i = 1; i < layout.n_bodies(); ++i) layout.adot(move, i).setZero();
+  for (const BodyIndex i : layout.moving_bodies()) layout.adot(move, i).setZero();
   layout.displace(move, q);
   Y.setZero();
   equations.count_turns_from(start.q);

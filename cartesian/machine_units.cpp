@@ -3,23 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cartesian/indices.h"
+
 namespace concord::cartesian {
 
 namespace {
 
 /// Size of a mode's rate that moves some joint of its body by `length` per second (C44).
-double modal_unit(const Model& model, int body, int mode, double length) {
+double modal_unit(const Model& model, BodyIndex body, int mode, double length) {
   double largest = 0.0;
   for (const Joint& joint : model.joints) {
     for (const Attachment& side : joint.sides) {
-      if (side.body != body) continue;
+      if (body_of(side) != body) continue;
       largest = std::max(largest, side.Psi_t_L.col(mode).norm());
       largest = std::max(largest, side.Psi_r_L.col(mode).norm() * length);
     }
   }
   if (largest > 0.0) return length / largest;
   // It moves no joint: by its size at a typical mass point.
-  const BodyInertia inertia(model.bodies[body]);
+  const BodyInertia inertia(pick(model.bodies, body));
   const double shape = std::sqrt(inertia.modal_mass()(mode, mode) / inertia.mass());
   return shape > 0.0 && std::isfinite(shape) ? length / shape : 1.0;
 }
@@ -29,7 +31,7 @@ double modal_unit(const Model& model, int body, int mode, double length) {
 VecX machine_units(const Model& model, const Layout& layout) {
   const double length = model.length_scale();
   VecX units = VecX::Ones(layout.n_Y());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     layout.v(units, i).setConstant(length);
     for (int mode = 0; mode < layout.n_modes(i); ++mode) {
       layout.adot(units, i)(mode) = modal_unit(model, i, mode, length);

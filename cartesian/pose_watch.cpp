@@ -19,7 +19,7 @@ namespace {
 /// Constraint rows in an order of little fill for J M^-1 J^T: rows on one body are neighbours.
 std::vector<int> order_rows(const Equations& equations) {
   const Constraints& constraints = equations.constraints();
-  std::vector<std::vector<int>> of_body(equations.layout().n_bodies());
+  ByBody<std::vector<int>> of_body(equations.layout().n_bodies());
   for (const RowBlock& block : constraints.blocks()) {
     for (int row = 0; row < block.n_rows; ++row) of_body[block.body].push_back(block.row(row).value);
   }
@@ -146,17 +146,17 @@ class PoseWatch::Overlap {
 
 bool may_lose_rank(const Model& model) {
   if (!model.couplings.empty()) return true;
-  std::vector<int> tree(model.bodies.size());
-  std::iota(tree.begin(), tree.end(), 0);
-  const auto root = [&](int body) {
+  ByBody<BodyIndex> tree;
+  for (const BodyIndex body : indices_of(model.bodies)) tree.add(body);
+  const auto root = [&](BodyIndex body) {
     while (tree[body] != body) body = tree[body];
     return body;
   };
   for (const Joint& joint : model.joints) {
     const bool restricts = joint.type->n_u() < 6 || !joint.drivers.empty();
     if (!restricts) continue;
-    const int parent = root(joint.on(Side::parent).body);
-    const int child = root(joint.on(Side::child).body);
+    const BodyIndex parent = root(body_of(joint.on(Side::parent)));
+    const BodyIndex child = root(body_of(joint.on(Side::child)));
     if (parent == child) return true;
     tree[child] = parent;
   }

@@ -20,11 +20,12 @@ constexpr double kProjectionLimit = 1e-9;
 
 Projection::Projection(const Equations& equations)
     : constraints_(equations.model(), equations.layout()),
+      stiffening_(equations.model().bodies.size()),
       shares_(constraints_),
       residual_(VecX::Zero(constraints_.n_rows())),
       unknowns_(VecX::Zero(equations.layout().n_Y() + constraints_.n_rows())),
       step_(VecX::Zero(equations.layout().n_Y())) {
-  for (int i = 0; i < equations.layout().n_bodies(); ++i) stiffening_.push_back(stiffening_of(equations.inertia(i)));
+  for (const BodyIndex i : equations.layout().moving_bodies()) stiffening_[i] = stiffening_of(equations.inertia(i));
   if (constraints_.has_nonholonomic_rows() || equations.model().is_flexible()) {
     position_matrix_ = std::make_unique<AugmentedMatrix>(equations);
   }
@@ -55,7 +56,7 @@ const RoundOffShares& Projection::project(const Equations& equations, AugmentedM
 /// else can (C48).
 void Projection::factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix) {
   position_matrix_->copy_numbers_of(matrix);
-  for (int i = 1; i < equations.layout().n_bodies(); ++i) {
+  for (const BodyIndex i : equations.layout().moving_bodies()) {
     position_matrix_->add_to_modes(i, stiffening_[i], equations.inertia(i).stiffness());
   }
   SparseLu& lu = position_matrix_->lu();

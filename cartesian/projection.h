@@ -32,7 +32,7 @@ class Projection {
   void solve_constraint_step(AugmentedMatrix& matrix);
 
   Constraints constraints_;
-  std::vector<double> stiffening_;  // by body [s^2]: what stiffness counts for beside inertia in steps of positions
+  ByBody<double> stiffening_;  // [s^2]: what stiffness counts for beside inertia in steps of positions
   /// The matrix that steps of positions are taken with: no rows that hold for velocities alone, and modes held by their
   /// stiffness, so that they take no round-off of the joints. nullptr: it is the matrix itself.
   std::unique_ptr<AugmentedMatrix> position_matrix_;

@@ -70,7 +70,7 @@ JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint,
   for (const Side side : {Side::parent, Side::child}) {
     const Marker& marker = joint.marker(side);
     // All rows, those of drivers and couplings included; springs stand among the applied forces.
-    const Wrench of_rows = stated.on(side).body == kGround
+    const Wrench of_rows = is_ground(body_of(stated.on(side)))
                                ? on_ground(joint, side, lambda)
                                : from_columns(marker, joint.Phi_Y_transposed[index(side)], lambda);
     Wrench total = of_rows;

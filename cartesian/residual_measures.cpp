@@ -14,10 +14,10 @@ double farthest(const Equations& equations, const Eigen::Ref<const VecX>& q) {
   const Layout& layout = equations.layout();
   const Constraints& constraints = equations.constraints();
   double reach = 1.0;
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     reach = std::max(reach, layout.r(q, i).lpNorm<Eigen::Infinity>() / equations.length());
   }
-  for (int k = 0; k < constraints.n_joints(); ++k) {
+  for (const JointIndex k : constraints.joints()) {
     for (const Marker& marker : constraints.joint(k).markers) {
       const double far = std::max(marker.lever.lpNorm<Eigen::Infinity>(), marker.point.lpNorm<Eigen::Infinity>());
       reach = std::max(reach, far / equations.length());
@@ -34,9 +34,10 @@ void measure_round_off(const Equations& equations, double t, const Eigen::Ref<co
   shares.reach = farthest(equations, q);
   constraints.write_own_terms(t, shares.terms);
   constraints.write_reaches(shares.reach, shares.reaches);
-  for (int row = 0; row < constraints.n_rows(); ++row) {
-    const double own = sizes(row) > 0.0 ? shares.terms(row) / sizes(row) : 0.0;
-    shares.terms(row) = std::max(shares.reaches(row), own);
+  for (const RowIndex row : constraints.rows()) {
+    const double size = sizes(row.value);
+    const double own = size > 0.0 ? shares.terms(row.value) / size : 0.0;
+    shares.terms(row.value) = std::max(shares.reaches(row.value), own);
   }
 }
 
@@ -83,7 +84,7 @@ std::string name_of_largest(const Equations& equations, const VecX& residual) {
 double natural_rate(const Equations& equations) {
   const Layout& layout = equations.layout();
   double acceleration = 0.0;
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     const double mass = equations.inertia(i).mass();
     if (!(mass > 0.0)) continue;
     acceleration = std::max(acceleration, layout.v(equations.forces(), i).lpNorm<Eigen::Infinity>() / mass);
@@ -96,11 +97,11 @@ double largest_rate(const Equations& equations, double t, const Eigen::Ref<const
   const Constraints& constraints = equations.constraints();
   double largest = kAtRest * std::max(natural_rate(equations), equations.driven_rate());
   for (Eigen::Index c = 0; c < Y.size(); ++c) largest = std::max(largest, std::abs(Y(c)) / equations.units()(c));
-  for (int k = 0; k < constraints.n_joints(); ++k) {
+  for (const JointIndex k : constraints.joints()) {
     const JointEquations& joint = constraints.joint(k);
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
       const double size = equations.row_sizes()(joint.row(own).value);
-      const Driver& driver = equations.model().joints[k].drivers[own - joint.first_driver];
+      const Driver& driver = pick(equations.model().joints, k).drivers[own - joint.first_driver];
       if (size > 0.0) largest = std::max(largest, std::abs(evaluate(driver.law, t).fdot) / size);
     }
   }

@@ -92,7 +92,7 @@ MatX permitted_velocities(const Equations& equations) {
   }
   null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();
-  for (int i = 1; i < layout.n_bodies(); ++i) null_space.middleRows<3>(layout.first_Y(i)) /= length;
+  for (const BodyIndex i : layout.moving_bodies()) null_space.middleRows<3>(layout.first_Y(i)) /= length;
   return orthonormal_columns(null_space);
 }
 

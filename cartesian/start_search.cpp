@@ -21,11 +21,11 @@ void set_guesses(Equations& equations, const Model& model, VecX& q, VecX& Y) {
   const Layout& layout = equations.layout();
   const std::vector<Pose> poses = guess_poses(model);
   Y.setZero();
-  for (int i = 1; i < layout.n_bodies(); ++i) {
-    layout.r(q, i) = poses[i].r;
-    layout.p(q, i) = euler_parameters_of(poses[i].A);
-    layout.a(q, i) = model.bodies[i].a_start;
-    layout.adot(Y, i) = model.bodies[i].adot_start;
+  for (const BodyIndex i : layout.moving_bodies()) {
+    layout.r(q, i) = poses[i.value].r;
+    layout.p(q, i) = euler_parameters_of(poses[i.value].A);
+    layout.a(q, i) = pick(model.bodies, i).a_start;
+    layout.adot(Y, i) = pick(model.bodies, i).adot_start;
   }
   equations.count_turns_from(start_coordinates(model));
 }
@@ -36,11 +36,11 @@ class GuessShaker {
   explicit GuessShaker(const Model& model) : original_(model), shaken_(model), length_(model.length_scale()) {}
 
   const Model& shake() {
-    for (std::size_t k = 0; k < original_.joints.size(); ++k) {
-      const Joint& joint = original_.joints[k];
+    for (const JointIndex k : indices_of(original_.joints)) {
+      const Joint& joint = pick(original_.joints, k);
       for (std::size_t word = 0; word < joint.start.size(); ++word) {
         if (joint.start[word].role_q == StartRole::keep) continue;
-        shaken_.joints[k].start[word].q = moved(joint.start[word], joint.type->permits[word]);
+        shaken_.joints[k.value].start[word].q = moved(joint.start[word], joint.type->permits[word]);
       }
     }
     for (std::size_t i = 1; i < original_.bodies.size(); ++i) {
@@ -99,13 +99,13 @@ double distance_from(const Equations& equations, const std::vector<VecX>& known)
   std::vector<VecX> u = zero_speeds(model);
   read_joint_coordinates(model, equations.constraints(), q, u);
   double sum = 0.0;
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
+  for (const JointIndex k : indices_of(model.joints)) {
+    const Joint& joint = pick(model.joints, k);
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       const auto n = joint.start[word].q.size();
       if (n == 0) continue;  // an arm
       const int first = first_q(*joint.type, static_cast<int>(word));
-      VecX apart = q[k].segment(first, n) - known[k].segment(first, n);
+      VecX apart = q[k.value].segment(first, n) - known[k.value].segment(first, n);
       const joints::Permit& permitted = joint.type->permits[word];
       for (int c = 0; c < n && !joints::is_orientation(permitted); ++c) {
         if (joints::is_length(permitted, c)) apart(c) /= model.length_scale();
@@ -124,13 +124,13 @@ std::vector<VecX> guessed_coordinates(Equations& equations, const VecX& q, const
   std::vector<VecX> speeds = zero_speeds(model);
   equations.update(0.0, q, Y);
   read_joint_coordinates(model, equations.constraints(), guessed, speeds);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
+  for (const JointIndex k : indices_of(model.joints)) {
+    const Joint& joint = pick(model.joints, k);
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       if (joint.start[word].role_q == StartRole::unsaid) continue;
       const int first = first_q(*joint.type, static_cast<int>(word));
       const auto n = joint.start[word].q.size();
-      guessed[k].segment(first, n) = stated[k].segment(first, n);
+      guessed[k.value].segment(first, n) = stated[k.value].segment(first, n);
     }
   }
   return guessed;

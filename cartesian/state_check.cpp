@@ -44,7 +44,7 @@ void refuse_other_turn(const Equations& equations, const State& state) {
   throw SolverError(fmt::format(
       "cartesian: in the state at t = {:.6g} s joint '{}' stands at {:.6g} rad, but its coordinate says {:.6g} rad: "
       "another turn",
-      state.t, equations.model().joints[error->joint].name, error->read, error->known));
+      state.t, pick(equations.model().joints, error->joint).name, error->read, error->known));
 }
 
 }  // namespace concord::cartesian

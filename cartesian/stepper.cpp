@@ -213,10 +213,10 @@ VecX absolute_tolerances(const Equations& equations, const MotionState& start, T
   const Layout& layout = equations.layout();
   const double length = model.length_scale();
   double speed = std::sqrt(model.gravity.norm() * length);
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     speed = std::max({speed, layout.v(start.Y, i).norm(), layout.omega(start.Y, i).norm() * length});
     for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*model.bodies[i].modal, k);
+      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
       const double rate =
           std::max(std::abs(layout.adot(start.Y, i)(k)), mode.frequency * std::abs(layout.a(start.q, i)(k)));
       speed = std::max(speed, rate * std::sqrt(mode.mass / equations.inertia(i).mass()));
@@ -229,14 +229,14 @@ VecX absolute_tolerances(const Equations& equations, const MotionState& start, T
   VecX scales(layout.n_q() + layout.n_Y() + 1);
   auto q = scales.head(layout.n_q());
   auto Y = scales.segment(layout.n_q(), layout.n_Y());
-  for (int i = 1; i < layout.n_bodies(); ++i) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     layout.r(q, i).setConstant(length);
     layout.p(q, i).setConstant(1.0);
     layout.v(Y, i).setConstant(speed);
     layout.omega(Y, i).setConstant(speed / length);
     energy += equations.inertia(i).mass() * speed * speed;
     for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*model.bodies[i].modal, k);
+      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
       const double modal_speed = speed * std::sqrt(equations.inertia(i).mass() / mode.mass);
       layout.adot(Y, i)(k) = modal_speed;
       layout.a(q, i)(k) = modal_speed / std::max(mode.frequency, speed / length);

@@ -18,9 +18,9 @@ constexpr double kUndecidedAbove = 1e-12;
 /// of both sides (12), coordinate forces (C51).
 class Movement {
  public:
-  Movement(const Equations& equations, int k, const ScaledJacobian& scaled, const MatX& null_space)
-      : n_u_(equations.model().joints[k].type->n_u()) {
-    const Joint& stated = equations.model().joints[k];
+  Movement(const Equations& equations, JointIndex k, const ScaledJacobian& scaled, const MatX& null_space)
+      : n_u_(pick(equations.model().joints, k).type->n_u()) {
+    const Joint& stated = pick(equations.model().joints, k);
     const JointEquations& joint = equations.constraints().joint(k);
     const auto n_own = static_cast<Eigen::Index>(joint.rows.size());
     MatX of_rows(24 + n_u_, n_own);
@@ -130,10 +130,10 @@ RankReport report_rank(const Equations& equations) {
   report.largest_dropped = decision.largest_dropped;
   const auto in_doubt = [](double value) { return value > kUndecidedAbove && value < kUndecidedBelow; };
   report.undecided = in_doubt(decision.smallest_kept) || in_doubt(decision.largest_dropped);
-  report.joints.resize(constraints.n_joints());
-  report.decided.resize(constraints.n_joints());
-  report.unique_coupling.assign(constraints.n_couplings(), true);
-  report.decided_coupling.assign(constraints.n_couplings(), true);
+  report.joints.resize(equations.model().joints.size());
+  report.decided.resize(equations.model().joints.size());
+  report.unique_coupling.assign(equations.model().couplings.size(), true);
+  report.decided_coupling.assign(equations.model().couplings.size(), true);
   const auto count_below = [&](double threshold) {
     return static_cast<Eigen::Index>((decision.near_values.array() <= threshold).count());
   };
@@ -141,15 +141,15 @@ RankReport report_rank(const Equations& equations) {
                              count_below(kRankThreshold * kEitherWay)};
   if (sizes.perhaps == 0) return report;
   const MatX& null_space = decision.near_null_space;
-  for (int k = 0; k < constraints.n_joints(); ++k) {
-    mark_joint(Movement(equations, k, scaled, null_space), sizes, decision.near_values, report.joints[k],
-               report.decided[k]);
+  for (const JointIndex k : constraints.joints()) {
+    mark_joint(Movement(equations, k, scaled, null_space), sizes, decision.near_values, report.joints[k.value],
+               report.decided[k.value]);
   }
-  for (int g = 0; g < constraints.n_couplings(); ++g) {
+  for (const CouplingIndex g : constraints.couplings()) {
     const VecX own = null_space.row(constraints.coupling(g).row.value);
     const UniquenessAnswer force = decide_unique(sizes, own, decision.near_values);
-    report.unique_coupling[g] = force.is_unique;
-    report.decided_coupling[g] = force.stays;
+    report.unique_coupling[g.value] = force.is_unique;
+    report.decided_coupling[g.value] = force.stays;
   }
   return report;
 }

@@ -66,12 +66,13 @@ struct Car {
   [[nodiscard]] double matching_digits() const {
     double largest = 0.0;
     double apart = 0.0;
-    for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      const cartesian::JointEquations& joint = cartesian.constraints().joint(static_cast<int>(k));
+    for (const cartesian::JointIndex k : cartesian::indices_of(model.joints)) {
+      const cartesian::JointEquations& joint = cartesian.constraints().joint(k);
       const VecX lambda = solved->lambda().segment(joint.first_row.value, joint.n_rows);
-      const Vec3 one =
-          cartesian::compute_wrenches(model.joints[k], joint, lambda, nullptr).reaction_on(Side::child).in_global.force;
-      const Vec3 other = reactions->joints[k].reaction_on(Side::child).in_global.force;
+      const Vec3 one = cartesian::compute_wrenches(model.joints[k.value], joint, lambda, nullptr)
+                           .reaction_on(Side::child)
+                           .in_global.force;
+      const Vec3 other = reactions->joints[k.value].reaction_on(Side::child).in_global.force;
       largest = std::max(largest, one.norm());
       apart = std::max(apart, (one - other).norm());
     }

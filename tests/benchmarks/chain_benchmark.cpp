@@ -63,10 +63,10 @@ class CartesianChain {
 
   void evaluate() {
     const cartesian::Solution& solution = dynamics_.solve_at(0.0, q_, Y_, cartesian::Pivots::kept);
-    for (std::size_t k = 0; k < wrenches_.size(); ++k) {
-      const cartesian::JointEquations& joint = equations_.constraints().joint(static_cast<int>(k));
+    for (const cartesian::JointIndex k : cartesian::indices_of(model_.joints)) {
+      const cartesian::JointEquations& joint = equations_.constraints().joint(k);
       const auto lambda = solution.lambda().segment(joint.first_row.value, joint.n_rows);
-      wrenches_[k] = cartesian::compute_wrenches(model_.joints[k], joint, lambda, nullptr);
+      wrenches_[k.value] = cartesian::compute_wrenches(model_.joints[k.value], joint, lambda, nullptr);
     }
   }
   [[nodiscard]] Wrench reaction(int joint) const { return wrenches_[joint].reaction_on(Side::child).in_global; }

@@ -45,7 +45,7 @@ struct Pushed {
     constraints.place(at);
     constraints.move(Y);
     applied.update(constraints, t, at, Y);
-    return applied.actors().front();
+    return applied.actors()[ActorIndex(0)];
   }
 
   VecX forces(const VecX& at) {
@@ -72,7 +72,7 @@ void expect_conservative(Pushed& rig, const std::function<double(const Actor&)>&
   constexpr double kStep = 1e-5;
   const VecX forces = rig.forces(rig.q);
   ASSERT_GT(forces.norm(), 1.0);
-  for (int i = 1; i < rig.layout.n_bodies(); ++i) {
+  for (const BodyIndex i : rig.layout.moving_bodies()) {
     for (int c = 0; c < rig.layout.size_Y(i); ++c) {
       const auto energy_at = [&](double size) {
         VecX moved = rig.q;
@@ -83,7 +83,7 @@ void expect_conservative(Pushed& rig, const std::function<double(const Actor&)>&
       const double slope =
           (8.0 * (energy_at(kStep) - energy_at(-kStep)) - energy_at(2 * kStep) + energy_at(-2 * kStep)) /
           (12.0 * kStep);
-      EXPECT_NEAR(forces(rig.layout.first_Y(i) + c), -slope, 1e-7 * forces.norm()) << "body " << i << ", " << c;
+      EXPECT_NEAR(forces(rig.layout.first_Y(i) + c), -slope, 1e-7 * forces.norm()) << "body " << i.value << ", " << c;
     }
   }
 }
@@ -158,7 +158,7 @@ TEST(AppliedForces, LoadIsSaidInGlobalBodyOrFollowingAxes) {
     const Actor& actor = rig.act(rig.q);
     const Marker& marker = actor.markers[1];
     const Mat3 A = axes == LoadAxes::global ? Mat3(Mat3::Identity())
-                   : axes == LoadAxes::body ? rig.constraints.rotation(1)
+                   : axes == LoadAxes::body ? rig.constraints.rotation(BodyIndex(1))
                                             : marker.A_joint;
     EXPECT_LE((actor.wrenches[1].force - 3.0 * A * force).norm(), 1e-13);  // the law is 10 t, t = 0.3 s
     EXPECT_LE((actor.wrenches[1].torque - 3.0 * A * torque).norm(), 1e-13);
@@ -187,7 +187,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       }
       ASSERT_TRUE(closed);
       equations.update(0.0, q, Y);
-      const RelativeMotion& motion = equations.constraints().joint(0).motion;
+      const RelativeMotion& motion = equations.constraints().joint(JointIndex(0)).motion;
       const joints::Read& read = *read_of(*type, static_cast<int>(word));
       const ConstraintRow row = evaluate_read(read, 0, motion);
       const double rate = row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
@@ -197,7 +197,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       equations.applied().count_turns_from({known});
       equations.update(0.0, q, Y);
       const double tau = -20.0 * (row.value + turns - 0.1) - 3.0 * rate;
-      const Actor& springs = *equations.applied().springs_of(0);
+      const Actor& springs = *equations.applied().springs_of(JointIndex(0));
       EXPECT_NEAR(springs.tau(first_u(*type, static_cast<int>(word))), tau, 1e-11 * std::abs(tau));
       EXPECT_NEAR(equations.applied().power(Y), tau * rate, 1e-10 * (1.0 + std::abs(tau)));
     }
@@ -223,7 +223,7 @@ TEST(AppliedForces, EventsOfSpringsKnowTheSideThatAnArmStandsOn) {
     rig.constraints.count_turns_from({known});
     rig.applied.count_turns_from({known});
     rig.act(rig.q);
-    const Actor& springs = *rig.applied.springs_of(0);
+    const Actor& springs = *rig.applied.springs_of(JointIndex(0));
     EXPECT_EQ(springs.stop_regimes[1].upper, elevation > 1.6 ? StopRegime::full : StopRegime::off);
     EXPECT_GE(rig.applied.event_functions(rig.constraints, 0.3, rig.q, rig.Y).minCoeff(), 0.0);
   }
@@ -239,8 +239,8 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
     Pushed rig(model);
     rig.q.setZero();
     const double half = turned / 2.0 * EIGEN_PI / 180.0;
-    rig.layout.p(rig.q, 1) = Vec4(std::cos(half), 0.0, 0.0, std::sin(half));
-    rig.layout.p(rig.q, 2) = Vec4(1.0, 0.0, 0.0, 0.0);
+    rig.layout.p(rig.q, BodyIndex(1)) = Vec4(std::cos(half), 0.0, 0.0, std::sin(half));
+    rig.layout.p(rig.q, BodyIndex(2)) = Vec4(1.0, 0.0, 0.0, 0.0);
     try {
       rig.act(rig.q);
     } catch (const SolverError& error) {

@@ -25,11 +25,11 @@ TEST(Closing, ClosesEveryTypeToRoundOffAndLeavesTheModesAlone) {
     VecX q = numbers.matrix(equations.layout().n_q(), 1, 0.1);
     VecX Y = numbers.matrix(equations.layout().n_Y(), 1);
     const std::vector<Pose> guesses = guess_poses(model);
-    for (int i = 1; i < 3; ++i) {
-      equations.layout().r(q, i) += guesses[i].r;
+    for (const BodyIndex i : equations.layout().moving_bodies()) {
+      equations.layout().r(q, i) += guesses[i.value].r;
       equations.layout().p(q, i) += Vec4::Unit(0);
     }
-    const VecX a = equations.layout().a(q, 2);
+    const VecX a = equations.layout().a(q, BodyIndex(2));
     const Closing closing = close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y);
     if (!closing.closed) {  // random frames may lead Newton to the wrong branch, which is told
       EXPECT_EQ(closing.joints_left_open, std::vector<std::string>{type->name});
@@ -37,7 +37,7 @@ TEST(Closing, ClosesEveryTypeToRoundOffAndLeavesTheModesAlone) {
     }
     ++closed;
     EXPECT_LT(closing.position_residual, 1e-14);
-    EXPECT_EQ(VecX(equations.layout().a(q, 2)), a);
+    EXPECT_EQ(VecX(equations.layout().a(q, BodyIndex(2))), a);
   }
   EXPECT_GE(closed, 5);
 }

@@ -31,7 +31,7 @@ struct Rig {
   /// Positions after time t with constant v, omega and adot.
   [[nodiscard]] VecX carried(double t) const {
     VecX moved = q;
-    for (int i = 1; i < layout.n_bodies(); ++i) {
+    for (const BodyIndex i : layout.moving_bodies()) {
       const Vec3 omega = layout.omega(Y, i);
       layout.r(moved, i) += t * layout.v(Y, i);
       layout.p(moved, i) =
@@ -85,9 +85,9 @@ TEST(Constraints, JacobianTimesVelocitiesIsTheVelocityResidual) {
     Rig rig(53, *type, 3, 2);
     const VecX velocity = rig.rate(rig.q);
     VecX product = VecX::Zero(rig.constraints.n_rows());
-    const JointEquations& joint = rig.constraints.joint(0);
+    const JointEquations& joint = rig.constraints.joint(JointIndex(0));
     for (const Side side : {Side::parent, Side::child}) {
-      const int body = rig.model.joints[0].on(side).body;
+      const BodyIndex body = body_of(rig.model.joints[0].on(side));
       const auto Y_i = rig.Y.segment(rig.layout.first_Y(body), rig.layout.size_Y(body));
       for (int row = 0; row < joint.n_rows; ++row)
         product(row) += joint.Phi_Y_transposed[index(side)].col(row).dot(Y_i);
@@ -103,7 +103,8 @@ TEST(Constraints, ADriverAddsItsLawToTheRowOfItsCoordinate) {
   EXPECT_EQ(rig.constraints.n_rows(), 6);
   const VecX driven = rig.residual(rig.q);
   const Harmonic turn{0.2, 0.5, 3.0, 0.1};
-  const ConstraintRow angle = evaluate_read(*read_of(*rig.model.joints[0].type, 1), 0, rig.constraints.joint(0).motion);
+  const ConstraintRow angle =
+      evaluate_read(*read_of(*rig.model.joints[0].type, 1), 0, rig.constraints.joint(JointIndex(0)).motion);
   EXPECT_NEAR(std::sin(driven(4)), std::sin(angle.value - evaluate(turn, 0.3).f), 1e-14);
   EXPECT_LE(std::abs(driven(4)), EIGEN_PI);
 }

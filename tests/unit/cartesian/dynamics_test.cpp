@@ -16,7 +16,7 @@ using testing::TwoBodies;
 TEST(Dynamics, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
   TwoBodies rig(101, "universal", 2, 3);
   const Equations& equations = rig.equations;
-  std::vector<MatX> M = make_mass_matrices(equations.layout());
+  ByBody<MatX> M = make_mass_matrices(equations.layout());
   for (const Pivots pivots : {Pivots::fresh, Pivots::kept}) {
     const Solution& solution = rig.dynamics.solve_at(0.0, rig.q, rig.Y, pivots);
     VecX balance = VecX::Zero(rig.Y.size());
@@ -27,11 +27,11 @@ TEST(Dynamics, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
     EXPECT_LT(balance.norm(), 1e-12 * equations.forces().norm());
     VecX gamma(equations.constraints().n_rows());
     equations.constraints().write_gamma(0.0, gamma);
-    const JointEquations& joint = equations.constraints().joint(0);
+    const JointEquations& joint = equations.constraints().joint(JointIndex(0));
     for (int row = 0; row < joint.n_rows; ++row) {
       double acceleration = 0.0;
       for (const Side side : {Side::parent, Side::child}) {
-        const int body = rig.model.joints[0].on(side).body;
+        const BodyIndex body = body_of(rig.model.joints[0].on(side));
         acceleration += joint.Phi_Y_transposed[index(side)].col(row).dot(
             solution.Ydot().segment(equations.layout().first_Y(body), equations.layout().size_Y(body)));
       }

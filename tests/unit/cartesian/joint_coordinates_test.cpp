@@ -17,9 +17,9 @@ double read_hinge(double angle, double known) {
   VecX q = VecX::Zero(layout.n_q());
   const Joint& hinge = model.joints[0];
   const Mat3 A_parent = rotation_about(Vec3(1, 2, -1).normalized(), 0.7);
-  layout.p(q, 1) = euler_parameters_of(A_parent);
-  layout.p(q, 2) = euler_parameters_of(A_parent * hinge.on(Side::parent).C * rotation_about(Axis::z, angle) *
-                                       hinge.on(Side::child).C.transpose());
+  layout.p(q, BodyIndex(1)) = euler_parameters_of(A_parent);
+  layout.p(q, BodyIndex(2)) = euler_parameters_of(A_parent * hinge.on(Side::parent).C * rotation_about(Axis::z, angle) *
+                                                  hinge.on(Side::child).C.transpose());
   constraints.place(q);
   constraints.move(VecX(VecX::Zero(layout.n_Y())));
   std::vector<VecX> coordinates{VecX::Constant(1, known)};

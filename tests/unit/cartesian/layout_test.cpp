@@ -32,13 +32,14 @@ TEST(Layout, ASmallDisplacementTurnsInGlobalAxes) {
   testing::Numbers numbers(83);
   VecX q = numbers.matrix(layout.n_q(), 1);
   layout.normalize(q);
-  const Mat3 before = rotation_of(layout.p(q, 2));
+  const Mat3 before = rotation_of(layout.p(q, BodyIndex(2)));
   VecX step = VecX::Zero(layout.n_Y());
   const Vec3 turn(1e-5, -2e-5, 3e-5);
-  layout.omega(step, 2) = turn;
+  layout.omega(step, BodyIndex(2)) = turn;
   layout.displace(step, q);
-  EXPECT_NEAR(layout.p(q, 2).norm(), 1.0, 1e-15);
-  EXPECT_LT((rotation_of(layout.p(q, 2)) - rotation_about(turn.normalized(), turn.norm()) * before).norm(), 1e-13);
+  EXPECT_NEAR(layout.p(q, BodyIndex(2)).norm(), 1.0, 1e-15);
+  EXPECT_LT((rotation_of(layout.p(q, BodyIndex(2))) - rotation_about(turn.normalized(), turn.norm()) * before).norm(),
+            1e-13);
 }
 
 }  // namespace

@@ -60,12 +60,12 @@ struct WheelRig {
     constraints.place(at);
     constraints.move(Y);
     applied.update(constraints, 0.0, at, Y);
-    return applied.actors().front();
+    return applied.actors()[ActorIndex(0)];
   }
 
   [[nodiscard]] VecX carried(double t) const {
     VecX moved = q;
-    for (int i = 1; i < layout.n_bodies(); ++i) {
+    for (const BodyIndex i : layout.moving_bodies()) {
       const Vec3 omega = layout.omega(Y, i);
       layout.r(moved, i) += t * layout.v(Y, i);
       layout.p(moved, i) =
@@ -118,7 +118,7 @@ TEST(Tires, FrozenRegimesGoOnBeyondTheirEnd) {
   const TireRegime before = rig.act(rig.q).regime;
   EXPECT_GT(rig.applied.event_functions(rig.constraints, 0.0, rig.q, rig.Y).minCoeff(), 0.0);
   VecX lifted = rig.q;
-  rig.layout.r(lifted, 2).z() += 5.0;
+  rig.layout.r(lifted, BodyIndex(2)).z() += 5.0;
   rig.applied.freeze_regimes(true);
   EXPECT_EQ(rig.act(lifted).regime, before);
   EXPECT_GT(rig.act(lifted).wrenches[1].force.norm(), 1.0);
