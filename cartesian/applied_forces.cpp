@@ -79,12 +79,12 @@ ForceInstant AppliedForces::instant_of(const ForceElement& element, const Mat3& 
   return {element.name, t, A_child, shortest_line_, regimes_};
 }
 
-void AppliedForces::update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q,
+void AppliedForces::update(const MovingConstraints& at, double t, const Eigen::Ref<const VecX>& q,
                            const Eigen::Ref<const VecX>& Y) {
   for (const ActorIndex actor : actors_.indices()) update(at, actor, t, q, Y);
 }
 
-void AppliedForces::update(const Constraints& at, ActorIndex of, double t, const Eigen::Ref<const VecX>& q,
+void AppliedForces::update(const MovingConstraints& at, ActorIndex of, double t, const Eigen::Ref<const VecX>& q,
                            const Eigen::Ref<const VecX>& Y) {
   Actor& actor = actors_[of];
   const std::optional<JointIndex> joint = actor.joint();
@@ -128,7 +128,7 @@ void AppliedForces::place_ends(Actor& actor, const RotationOf& rotation_of_body,
   move_relative(actor.parent(), actor.child(), actor.motion);
 }
 
-const VecX& AppliedForces::event_functions(const Constraints& near, double t, const Eigen::Ref<const VecX>& q,
+const VecX& AppliedForces::event_functions(const PlacedConstraints& near, double t, const Eigen::Ref<const VecX>& q,
                                            const Eigen::Ref<const VecX>& Y) {
   double* next = event_values_.data();
   for (Actor& actor : actors_) {

@@ -20,12 +20,12 @@ class AppliedForces {
   /// Both must outlive this object.
   AppliedForces(const Model& model, const Layout& layout);
 
-  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, at which the constraints
-  /// are placed and moved: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
+  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, which are those of the
+  /// constraints `at`: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
   /// element, where its law has no direction (exert).
-  void update(const Constraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
+  void update(const MovingConstraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
   /// The same of one actor.
-  void update(const Constraints& at, ActorIndex actor, double t, const Eigen::Ref<const VecX>& q,
+  void update(const MovingConstraints& at, ActorIndex actor, double t, const Eigen::Ref<const VecX>& q,
               const Eigen::Ref<const VecX>& Y);
 
   /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
@@ -34,7 +34,7 @@ class AppliedForces {
   [[nodiscard]] bool has_regimes() const { return n_event_functions() > 0; }
   /// How far tires and stops are inside their regimes (event_functions_of) at time t, positions q and velocities Y,
   /// wherever the constraints `near` are: they tell the sides that arms stand on. Overwritten by the next call.
-  const VecX& event_functions(const Constraints& near, double t, const Eigen::Ref<const VecX>& q,
+  const VecX& event_functions(const PlacedConstraints& near, double t, const Eigen::Ref<const VecX>& q,
                               const Eigen::Ref<const VecX>& Y);
   [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
   /// The actor whose event function has a given index.

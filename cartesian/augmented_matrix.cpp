@@ -102,7 +102,7 @@ void AugmentedMatrix::fill(const Equations& equations) {
                   values + mass_entries_[i][column]);
     }
   }
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   for (std::size_t b = 0; b < constraints.blocks().size(); ++b) {
     const auto& entries = Phi_Y_entries_[b];
     const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(constraints.blocks()[b]);

@@ -41,7 +41,7 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   const Model& model = equations.model();
   for (const JointIndex k : indices_of(model.joints)) {
     const Joint& stated = pick(model.joints, k);
-    const RelativeMotion& motion = equations.constraints().joint(k).motion;
+    const RelativeMotion& motion = equations.moving_constraints().joint(k).motion;
     for (std::size_t word = 0; word < stated.start.size(); ++word) {
       const WordStart& start = stated.start[word];
       if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
@@ -94,7 +94,7 @@ void each_counting_reading(const Model& model, const Visit& visit) {
 std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
   std::vector<KeptRow> rows;
   each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
-    ConstraintRow row = evaluate_read(read, component, equations.constraints().joint(k).motion);
+    ConstraintRow row = evaluate_read(read, component, equations.moving_constraints().joint(k).motion);
     row.value -= known[k.value](place);
     rows.push_back({k, row, 0.0, std::abs(known[k.value](place))});
   });
@@ -124,7 +124,7 @@ VecX units_of_displacements(const Equations& equations, Modes modes) {
 /// velocities alone are empty, as is their residual.
 SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept,
                               const VecX& units) {
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   const Layout& layout = equations.layout();
   std::vector<Eigen::Triplet<double, SparseIndex>> entries;
   const auto add = [&](int row, BodyIndex body, const auto& gradient) {
@@ -192,7 +192,7 @@ struct ClosingSystem {
 
 ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,  // (C47)
                           const RoundOffShares& shares, std::vector<KeptRow> kept_rows) {
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   const int n_rows = constraints.n_rows();
   ClosingSystem system;
   system.kept = std::move(kept_rows);
@@ -225,7 +225,7 @@ void name_open(const Equations& equations, const std::vector<KeptRow>& kept, con
   const Model& model = equations.model();
   const double large = 0.05 * size_of(residual);
   for (const JointIndex k : indices_of(model.joints)) {
-    const JointEquations& joint = equations.constraints().joint(k);
+    const JointLayout& joint = equations.constraints().joint(k);
     double own = size_of(residual.segment(joint.first_row.value, joint.n_rows));
     for (std::size_t row = 0; row < kept.size(); ++row) {
       if (kept[row].joint != k) continue;
@@ -267,7 +267,7 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
     if (size_of(move) > kLargestTurn) move *= kLargestTurn / size_of(move);
     equations.layout().displace(units.cwiseProduct(move), q);
     equations.update(t, q, Y);
-    equations.constraints().follow_turns();
+    equations.moving_constraints().follow_turns();
     system = system_at();
     if (system.largest_residual() <= best) {
       best = system.largest_residual();
@@ -329,7 +329,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
   close_positions(equations, t, hold, rows, modes, q, Y, closing);
   if (!closing.closed) return closing;
-  if (const std::optional<JointIndex> joint = equations.constraints().first_joint_off_branch()) {
+  if (const std::optional<JointIndex> joint = equations.moving_constraints().first_joint_off_branch()) {
     closing.closed = false;
     closing.is_off_branch = true;
     closing.joints_left_open = {pick(equations.model().joints, *joint).name};
@@ -352,7 +352,7 @@ std::string named_open(const Closing& closing) {
 std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
   std::optional<TurnError> largest;
   each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
-    const double value = evaluate_read(read, component, equations.constraints().joint(k).motion).value;
+    const double value = evaluate_read(read, component, equations.moving_constraints().joint(k).motion).value;
     const double error = std::abs(value - q[k.value](place));
     if (!largest || error > largest->size) largest = TurnError{k, error, value, q[k.value](place)};
   });

@@ -10,6 +10,10 @@
 
 namespace concord::cartesian {
 
+std::unique_ptr<Constraints> Constraints::make(const Model& model, const Layout& layout) {
+  return std::unique_ptr<Constraints>(new MovingConstraints(model, layout));
+}
+
 Constraints::Constraints(const Model& model, const Layout& layout)
     : model_(model), layout_(layout), rotations_(model.bodies.size(), Mat3::Identity()) {
   add_joints();
@@ -76,32 +80,34 @@ void Constraints::place_body(BodyIndex body, const Eigen::Ref<const VecX>& q) {
   rotations_[body] = rotation_of(layout_.p(q, body));
 }
 
-void Constraints::place(const Eigen::Ref<const VecX>& q) {
+PlacedConstraints& Constraints::place(const Eigen::Ref<const VecX>& q) {
   for (const BodyIndex i : layout_.moving_bodies()) place_body(i, q);
   for (const JointIndex k : joints()) place_joint(pick(model_.joints, k), layout_, rotations_, q, joints_[k]);
   for (CouplingEquations& coupling : couplings_) place_coupling(model_, joints_, coupling);
+  return static_cast<PlacedConstraints&>(*this);
 }
 
-void Constraints::move(const Eigen::Ref<const VecX>& Y) {
+MovingConstraints& PlacedConstraints::move(const Eigen::Ref<const VecX>& Y) {
   for (const JointIndex k : joints()) move_joint(pick(model_.joints, k), layout_, rotations_, Y, joints_[k]);
+  return static_cast<MovingConstraints&>(*this);
 }
 
-void Constraints::place_and_move(JointIndex joint, BodyIndex body, const Eigen::Ref<const VecX>& q,
+void MovingConstraints::displace(JointIndex joint, BodyIndex body, const Eigen::Ref<const VecX>& q,
                                  const Eigen::Ref<const VecX>& Y) {
   place_body(body, q);
   place_joint(pick(model_.joints, joint), layout_, rotations_, q, joints_[joint]);
   move_joint(pick(model_.joints, joint), layout_, rotations_, Y, joints_[joint]);
 }
 
-void Constraints::place_and_move(const RowBlock& block, const Eigen::Ref<const VecX>& q,
+void MovingConstraints::displace(const RowBlock& block, const Eigen::Ref<const VecX>& q,
                                  const Eigen::Ref<const VecX>& Y) {
   if (const auto* of = std::get_if<RowBlock::OfJoint>(&block.owner)) {
-    place_and_move(of->joint, block.body, q, Y);
+    displace(of->joint, block.body, q, Y);
     return;
   }
   const auto& of = std::get<RowBlock::OfCoupling>(block.owner);
   for (const CouplingEquations::Term& term : couplings_[of.coupling].terms) {
-    place_and_move(term.joint, block.body, q, Y);
+    displace(term.joint, block.body, q, Y);
   }
 }
 
@@ -122,7 +128,7 @@ void Constraints::count_turns_as(const Constraints& other) {
   }
 }
 
-void Constraints::follow_turns() {
+void PlacedConstraints::follow_turns() {
   for (JointEquations& joint : joints_) {
     for (std::size_t c = 0; c < joint.coupled.size(); ++c) {
       joint.coupled[c].known = coupled_value(joint, joint.n_rows + static_cast<int>(c));
@@ -136,7 +142,7 @@ void Constraints::write_turns(std::vector<VecX>& q) const {
   }
 }
 
-void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
+void PlacedConstraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
   terms.setZero();
   for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
@@ -155,7 +161,7 @@ void Constraints::write_own_terms(double t, Eigen::Ref<VecX> terms) const {
   }
 }
 
-void Constraints::write_reaches(double reach, Eigen::Ref<VecX> reaches) const {
+void PlacedConstraints::write_reaches(double reach, Eigen::Ref<VecX> reaches) const {
   const auto of = [reach](const ConstraintRow& row) { return row.reads_places() ? reach : 1.0; };
   for (const JointEquations& joint : joints_) {
     for (int own = 0; own < joint.n_rows; ++own) reaches(joint.row(own).value) = of(joint.rows[own]);
@@ -169,7 +175,7 @@ void Constraints::write_reaches(double reach, Eigen::Ref<VecX> reaches) const {
   }
 }
 
-Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {
+Eigen::Ref<const MatX> PlacedConstraints::columns(const RowBlock& block) const {
   if (const auto* of = std::get_if<RowBlock::OfJoint>(&block.owner)) {
     return joints_[of->joint].Phi_Y_transposed[index(of->side)].leftCols(block.n_rows);
   }
@@ -177,7 +183,7 @@ Eigen::Ref<const MatX> Constraints::columns(const RowBlock& block) const {
   return couplings_[of.coupling].Phi_Y_transposed[of.share];
 }
 
-void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
+void PlacedConstraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
   for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     const Joint& stated = pick(model_.joints, k);
@@ -193,7 +199,7 @@ void Constraints::write_residual(double t, Eigen::Ref<VecX> residual) const {
   for (const CouplingEquations& coupling : couplings_) residual(coupling.row.value) = residual_of(coupling, joints_);
 }
 
-void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) const {
+void MovingConstraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) const {
   for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     const Joint& stated = pick(model_.joints, k);
@@ -206,7 +212,7 @@ void Constraints::write_velocity_residual(double t, Eigen::Ref<VecX> residual) c
   for (const CouplingEquations& coupling : couplings_) residual(coupling.row.value) = rate_of(coupling, joints_);
 }
 
-double Constraints::row_rate(const RowBlock& block, int own) const {
+double MovingConstraints::row_rate(const RowBlock& block, int own) const {
   if (const auto* of = std::get_if<RowBlock::OfJoint>(&block.owner)) {
     const JointEquations& joint = joints_[of->joint];
     return rate_of(joint.rows[own], joint.motion);
@@ -214,7 +220,7 @@ double Constraints::row_rate(const RowBlock& block, int own) const {
   return rate_of(couplings_[std::get<RowBlock::OfCoupling>(block.owner).coupling], joints_);
 }
 
-void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
+void MovingConstraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
   for (const JointIndex k : joints()) {
     const JointEquations& joint = joints_[k];
     const Joint& stated = pick(model_.joints, k);
@@ -227,7 +233,7 @@ void Constraints::write_gamma(double t, Eigen::Ref<VecX> gamma) const {
   for (const CouplingEquations& coupling : couplings_) gamma(coupling.row.value) = -bias_of(coupling, joints_);
 }
 
-std::optional<JointIndex> Constraints::first_joint_off_branch() const {
+std::optional<JointIndex> PlacedConstraints::first_joint_off_branch() const {
   for (const JointIndex k : joints()) {
     if (!on_branch(*pick(model_.joints, k).type, joints_[k].motion)) return k;
   }

@@ -10,8 +10,8 @@
 /// Couplings: each is one row, the weighted sum of the rows of the joint coordinates that it relates.
 namespace concord::cartesian {
 
-/// One coupling at the current state.
-struct CouplingEquations {
+/// Where a coupling's row stands and what it relates.
+struct CouplingLayout {
   struct Term {
     JointIndex joint;
     int row;  // among the joint's rows
@@ -20,7 +20,11 @@ struct CouplingEquations {
   RowIndex row;
   double offset = 0.0;
   std::vector<Term> terms;
-  std::vector<BodyIndex> bodies;       // moving ones, each once
+  std::vector<BodyIndex> bodies;  // moving ones, each once
+};
+
+/// The row at the current state.
+struct CouplingEquations : CouplingLayout {
   std::vector<MatX> Phi_Y_transposed;  // by body: one column
 };
 

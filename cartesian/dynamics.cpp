@@ -30,8 +30,9 @@ void Dynamics::use_rows(const std::vector<bool>& active) {
 
 void Dynamics::add_Phi_Y_transposed_times(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> sum) const {
   const Layout& layout = equations_.layout();
-  for (const RowBlock& block : equations().constraints().blocks()) {
-    const Eigen::Ref<const MatX> Phi_Y_transposed = equations().constraints().columns(block);
+  const MovingConstraints& constraints = equations_.moving_constraints();
+  for (const RowBlock& block : constraints.blocks()) {
+    const Eigen::Ref<const MatX> Phi_Y_transposed = constraints.columns(block);
     for (int own = 0; own < block.n_rows; ++own) {
       if (!is_active(block.row(own))) continue;
       sum.segment(layout.first_Y(block.body), layout.size_Y(block.body)) +=
@@ -67,7 +68,7 @@ bool Dynamics::factor_and_solve(Pivots pivots) {
 }
 
 const Solution& Dynamics::solve(Pivots pivots) {
-  equations().constraints().write_gamma(equations_.time(), gamma_);
+  equations_.moving_constraints().write_gamma(equations_.time(), gamma_);
   matrix_.fill(equations_);
   if (!factor_and_solve(pivots)) {
     throw SingularPose(fmt::format(

@@ -25,23 +25,23 @@ Equations::Equations(const Model& model)
       driven_rate_(rate_of_drivers(model)),
       layout_(model),
       inertias_(make_inertias(model)),
-      constraints_(model, layout_),
+      constraints_(Constraints::make(model, layout_)),
       applied_(model, layout_),
       units_(machine_units(model, layout_)),
       Y_(VecX::Zero(layout_.n_Y())),
       forces_(VecX::Zero(layout_.n_Y())),
-      residual_(VecX::Zero(constraints_.n_rows())),
-      velocity_residual_(VecX::Zero(constraints_.n_rows())),
-      row_sizes_(VecX::Zero(constraints_.n_rows())) {}
+      residual_(VecX::Zero(constraints_->n_rows())),
+      velocity_residual_(VecX::Zero(constraints_->n_rows())),
+      row_sizes_(VecX::Zero(constraints_->n_rows())) {}
 
 void Equations::count_turns_from(const std::vector<VecX>& q) {
   applied_.count_turns_from(q);
-  constraints_.count_turns_from(q);
+  constraints_->count_turns_from(q);
 }
 
 void Equations::count_turns_and_hold_regimes_as(const Equations& other) {
   applied_.count_turns_and_hold_regimes_as(other.applied_);
-  constraints_.count_turns_as(other.constraints_);
+  constraints_->count_turns_as(*other.constraints_);
 }
 
 void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
@@ -55,17 +55,16 @@ void Equations::update(double t, const Eigen::Ref<const VecX>& q, const Eigen::R
 void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y) {
   t_ = t;
   Y_ = Y;
-  constraints_.place(q);
-  constraints_.move(Y);
-  constraints_.write_residual(t, residual_);
-  constraints_.write_velocity_residual(t, velocity_residual_);
+  moving_ = &constraints_->place(q).move(Y);
+  moving_->write_residual(t, residual_);
+  moving_->write_velocity_residual(t, velocity_residual_);
   has_row_sizes_ = false;
   for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
   for (const BodyIndex i : layout_.moving_bodies()) {
-    inertias_[i].write_forces(constraints_.rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
+    inertias_[i].write_forces(moving_->rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
                               layout_.adot(Y, i), forces_.segment(layout_.first_Y(i), layout_.size_Y(i)));
   }
-  applied_.update(constraints_, t, q, Y);
+  applied_.update(*moving_, t, q, Y);
   applied_.add_to(forces_);
 }
 
@@ -75,19 +74,19 @@ double Equations::size_of(JointIndex joint, int own) const {
   for (const Side side : {Side::parent, Side::child}) {
     const BodyIndex body = body_of(pick(model_.joints, joint).on(side));
     if (is_ground(body)) continue;
-    const auto over_Y = constraints_.joint(joint).Phi_Y_transposed[index(side)].col(own);
+    const auto over_Y = moving_->joint(joint).Phi_Y_transposed[index(side)].col(own);
     squared += over_Y.cwiseProduct(units_.segment(layout_.first_Y(body), over_Y.size())).squaredNorm();
   }
   return std::sqrt(squared);
 }
 
 void Equations::measure_rows() const {  // (C45)
-  for (const JointIndex k : constraints_.joints()) {
-    const JointEquations& joint = constraints_.joint(k);
+  for (const JointIndex k : constraints_->joints()) {
+    const JointLayout& joint = constraints_->joint(k);
     for (int own = 0; own < joint.n_rows; ++own) row_sizes_(joint.row(own).value) = size_of(k, own);
   }
-  for (const CouplingIndex g : constraints_.couplings()) {
-    const CouplingEquations& coupling = constraints_.coupling(g);
+  for (const CouplingIndex g : constraints_->couplings()) {
+    const CouplingLayout& coupling = constraints_->coupling(g);
     double sum = 0.0;
     for (const CouplingEquations::Term& term : coupling.terms)
       sum += std::abs(term.factor) * size_of(term.joint, term.row);
@@ -97,13 +96,13 @@ void Equations::measure_rows() const {  // (C45)
 }
 
 void Equations::write_mass_matrices(ByBody<MatX>& M) const {
-  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].write_mass_matrix(constraints_.rotation(i), M[i]);
+  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].write_mass_matrix(moving_->rotation(i), M[i]);
 }
 
 double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {
   double sum = applied_.power(Y_);
-  for (const JointIndex k : constraints_.joints()) {
-    const JointEquations& joint = constraints_.joint(k);
+  for (const JointIndex k : constraints_->joints()) {
+    const JointLayout& joint = constraints_->joint(k);
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
       const Driver& driver = pick(model_.joints, k).drivers[own - joint.first_driver];
       sum -= lambda(joint.row(own).value) * evaluate(driver.law, t_).fdot;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "cartesian/applied_forces.h"
@@ -22,8 +23,8 @@ class Equations {
 
   [[nodiscard]] const Model& model() const { return model_; }
   [[nodiscard]] const Layout& layout() const { return layout_; }
-  [[nodiscard]] const Constraints& constraints() const { return constraints_; }
-  [[nodiscard]] Constraints& constraints() { return constraints_; }
+  /// What holds of the constraints in every state.
+  [[nodiscard]] const Constraints& constraints() const { return *constraints_; }
   [[nodiscard]] const AppliedForces& applied() const { return applied_; }
   [[nodiscard]] AppliedForces& applied() { return applied_; }
   [[nodiscard]] const BodyInertia& inertia(BodyIndex body) const { return inertias_[body]; }
@@ -43,7 +44,9 @@ class Equations {
   /// Everything that follows from positions and velocities; t in s.
   void update(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
 
-  // At the last update:
+  // At the last update, which there must have been:
+  [[nodiscard]] const MovingConstraints& moving_constraints() const { return *moving_; }
+  [[nodiscard]] MovingConstraints& moving_constraints() { return *moving_; }
   [[nodiscard]] double time() const { return t_; }
   [[nodiscard]] const VecX& Y() const { return Y_; }
   /// Phi and Phi_Y Y + Phi_t, all rows.
@@ -73,10 +76,11 @@ class Equations {
   double driven_rate_;
   Layout layout_;
   ByBody<BodyInertia> inertias_;
-  Constraints constraints_;
+  std::unique_ptr<Constraints> constraints_;
   AppliedForces applied_;
   VecX units_;
 
+  MovingConstraints* moving_ = nullptr;
   double t_ = 0.0;
   VecX Y_;
   VecX forces_;

@@ -9,14 +9,14 @@ State reported_state(const Equations& equations, const VecX& q, const VecX& Y, c
   State state = equations.layout().pack(equations.time(), q, Y);
   state.q = known;
   state.u = zero_speeds(equations.model());
-  read_joint_coordinates(equations.model(), equations.constraints(), state.q, state.u);
+  read_joint_coordinates(equations.model(), equations.moving_constraints(), state.q, state.u);
   return state;
 }
 
 Evaluation reported_evaluation(const Equations& equations, const Solution& solution) {
   const Model& model = equations.model();
   const Layout& layout = equations.layout();
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   Evaluation result;
   result.bodies.resize(layout.n_bodies());
   for (const BodyIndex i : layout.moving_bodies()) {

@@ -55,7 +55,7 @@ void IdaJacobian::differentiate_rates(const VecX& q, const Eigen::Ref<const VecX
 void IdaJacobian::differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y,
                                       MatX& rates) {
   constexpr double kStep = 1e-6;  // of the machine's units
-  Constraints& constraints = own_.constraints();
+  MovingConstraints& constraints = own_.moving_constraints();
   const auto units = own_.units().segment(layout_.first_Y(block.body), layout_.size_Y(block.body));
   displaced_q_ = q;
   for (int c = 0; c < layout_.size_Y(block.body); ++c) {
@@ -63,14 +63,14 @@ void IdaJacobian::differentiate_rates(const RowBlock& block, const VecX& q, cons
     const double step = kStep * units(c);
     for (const double sign : {1.0, -1.0}) {
       layout_.displace_along(block.body, c, sign * step, displaced_q_);
-      constraints.place_and_move(block, displaced_q_, Y);
+      constraints.displace(block, displaced_q_, Y);
       for (int row = 0; row < rates.rows(); ++row) {
         rates(row, c) += sign * constraints.row_rate(block, row) / (2.0 * step);
       }
       layout_.copy_body(block.body, q, displaced_q_);
     }
   }
-  constraints.place_and_move(block, q, Y);
+  constraints.displace(block, q, Y);
 }
 
 /// How the forces of each actor change with positions and velocities of the bodies that it pushes on, by central
@@ -93,11 +93,11 @@ void IdaJacobian::differentiate_forces(ActorIndex of, Side moved, double t, doub
   const auto units = own_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
   const auto put = [&](const VecX& at, const VecX& speeds) {
     if (const std::optional<JointIndex> joint = actor.joint()) {
-      own_.constraints().place_and_move(*joint, body, at, speeds);
+      own_.moving_constraints().displace(*joint, body, at, speeds);
     } else {
-      own_.constraints().place_body(body, at);
+      own_.moving_constraints().displace(body, at);
     }
-    own_.applied().update(own_.constraints(), of, t, at, speeds);
+    own_.applied().update(own_.moving_constraints(), of, t, at, speeds);
   };
   const auto add = [&](std::array<MatX, 2>& slope, int c, double over) {
     for (const Side pushed : {Side::parent, Side::child}) {
@@ -192,7 +192,7 @@ void IdaJacobian::each_body_entry(BodyIndex i, double c, const Q& q, const V& Y,
 template <class Q, class Visit>
 void IdaJacobian::each_row_entry(const RowBlock& block, const MatX& rates, const Q& q,
                                  const Visit& visit) const {  // (C57)
-  const Eigen::Ref<const MatX> Phi_Y_transposed = own_.constraints().columns(block);
+  const Eigen::Ref<const MatX> Phi_Y_transposed = own_.moving_constraints().columns(block);
   const BodyIndex body = block.body;
   const int at_q = layout_.first_q(body);
   const int at_Y = places_.first_Y + layout_.first_Y(body);

@@ -31,7 +31,7 @@ void choose_turns(const Model& model, const Coupling& coupling, std::vector<VecX
 
 }  // namespace
 
-void read_joint_coordinates(const Model& model, const Constraints& constraints, std::vector<VecX>& q,
+void read_joint_coordinates(const Model& model, const MovingConstraints& constraints, std::vector<VecX>& q,
                             std::vector<VecX>& u) {
   for (const JointIndex k : indices_of(model.joints)) {
     const joints::JointType& type = *pick(model.joints, k).type;

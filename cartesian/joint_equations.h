@@ -35,14 +35,9 @@ struct CoupledShare {
   double factor = 0.0;
 };
 
-/// Rows: first what the type forbids, then what it forbids of speeds alone, then the joint's drivers in the order of
-/// the model. Behind them, no constraints of their own, the coordinates that couplings relate.
-struct JointEquations {
-  std::array<Marker, 2> markers;
-  RelativeMotion motion;
-  Vec3 gap = Vec3::Zero();          // r_Pi - r_Pj, global
-  Vec3 linear_bias = Vec3::Zero();  // a_rel at Ydot = 0, parent's joint frame
-  Vec3 angular_bias = Vec3::Zero();
+/// Where a joint's rows stand: first what the type forbids, then what it forbids of speeds alone, then the joint's
+/// drivers in the order of the model. Behind them, no constraints of their own, the coordinates that couplings relate.
+struct JointLayout {
   RowIndex first_row;
   int n_forbids = 0;
   int first_driver = 0;  // n_forbids and the rows of forbidden speeds
@@ -51,15 +46,25 @@ struct JointEquations {
   std::vector<bool> driver_turns;  // by driver: it moves an angle known but for full turns
   std::vector<CoupledCoordinate> coupled;
   std::vector<CoupledShare> shares;
+
+  /// Of a row among the joint's.
+  [[nodiscard]] bool is_driver(int own) const { return own >= first_driver; }
+  [[nodiscard]] RowIndex row(int own) const { return first_row + own; }
+};
+
+/// The rows at the current state.
+struct JointEquations : JointLayout {
+  std::array<Marker, 2> markers;
+  RelativeMotion motion;
+  Vec3 gap = Vec3::Zero();          // r_Pi - r_Pj, global
+  Vec3 linear_bias = Vec3::Zero();  // a_rel at Ydot = 0, parent's joint frame
+  Vec3 angular_bias = Vec3::Zero();
   std::vector<ConstraintRow> rows;  // n_rows and one for each coupled coordinate
   /// Column k: transposed Jacobian of row k over Y of the side's body, (6 + m) numbers: the generalized force of the
   /// row taken as a wrench at the side's point.
   std::array<MatX, 2> Phi_Y_transposed;
 
   [[nodiscard]] const Marker& marker(Side side) const { return markers[index(side)]; }
-  /// Of a row among the joint's.
-  [[nodiscard]] bool is_driver(int own) const { return own >= first_driver; }
-  [[nodiscard]] RowIndex row(int own) const { return first_row + own; }
   /// What gradient . a_rel + bias of a row is without the accelerations Ydot.
   [[nodiscard]] double bias_of(const ConstraintRow& row) const {
     return row.over_d.dot(linear_bias) + row.over_rho.dot(angular_bias) + row.bias;

@@ -19,14 +19,14 @@ constexpr double kProjectionLimit = 1e-9;
 }  // namespace
 
 Projection::Projection(const Equations& equations)
-    : constraints_(equations.model(), equations.layout()),
+    : constraints_(Constraints::make(equations.model(), equations.layout())),
       stiffening_(equations.model().bodies.size()),
-      shares_(constraints_),
-      residual_(VecX::Zero(constraints_.n_rows())),
-      unknowns_(VecX::Zero(equations.layout().n_Y() + constraints_.n_rows())),
+      shares_(*constraints_),
+      residual_(VecX::Zero(constraints_->n_rows())),
+      unknowns_(VecX::Zero(equations.layout().n_Y() + constraints_->n_rows())),
       step_(VecX::Zero(equations.layout().n_Y())) {
   for (const BodyIndex i : equations.layout().moving_bodies()) stiffening_[i] = stiffening_of(equations.inertia(i));
-  if (constraints_.has_nonholonomic_rows() || equations.model().is_flexible()) {
+  if (constraints_->has_nonholonomic_rows() || equations.model().is_flexible()) {
     position_matrix_ = std::make_unique<AugmentedMatrix>(equations);
   }
 }
@@ -35,8 +35,8 @@ void Projection::use_rows(const std::vector<bool>& active) {
   active_ = active;
   if (!position_matrix_) return;
   std::vector<bool> of_positions = active;
-  for (const RowIndex row : constraints_.rows()) {
-    of_positions[row.value] = active[row.value] && constraints_.holds_positions(row);
+  for (const RowIndex row : constraints_->rows()) {
+    of_positions[row.value] = active[row.value] && constraints_->holds_positions(row);
   }
   position_matrix_->use_rows(of_positions);
   has_new_rows_ = true;
@@ -45,10 +45,10 @@ void Projection::use_rows(const std::vector<bool>& active) {
 const RoundOffShares& Projection::project(const Equations& equations, AugmentedMatrix& matrix, double t,
                                           Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   equations.layout().normalize(q);
-  if (constraints_.n_rows() == 0) return shares_;
-  constraints_.count_turns_as(equations.constraints());
-  project_positions(equations, matrix, t, q);
-  project_velocities(equations, matrix, t, Y);
+  if (constraints_->n_rows() == 0) return shares_;
+  constraints_->count_turns_as(equations.constraints());
+  PlacedConstraints& placed = project_positions(equations, matrix, t, q);
+  project_velocities(placed, equations, matrix, t, Y);
   return shares_;
 }
 
@@ -70,40 +70,42 @@ void Projection::factor_position_matrix(const Equations& equations, const Augmen
 
 void Projection::solve_constraint_step(AugmentedMatrix& matrix) {  // (C48)
   unknowns_.setZero();
-  for (const RowIndex row : constraints_.rows()) {
+  for (const RowIndex row : constraints_->rows()) {
     unknowns_(matrix.index_of(row)) = active_[row.value] ? -residual_(row.value) : 0.0;
   }
   matrix.lu().solve(unknowns_);
   step_ = unknowns_.head(step_.size());
 }
 
-void Projection::project_positions(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> q) {
+PlacedConstraints& Projection::project_positions(const Equations& equations, AugmentedMatrix& matrix, double t,
+                                                 Eigen::Ref<VecX> q) {
   if (position_matrix_) factor_position_matrix(equations, matrix);
   AugmentedMatrix& of_positions = position_matrix_ ? *position_matrix_ : matrix;
   measure_round_off(equations, t, q, shares_);
+  PlacedConstraints* placed = nullptr;
   double size = HUGE_VAL;
   for (int step = 0; step < kMostProjections; ++step) {
-    constraints_.place(q);
-    constraints_.write_residual(t, residual_);
+    placed = &constraints_->place(q);
+    placed->write_residual(t, residual_);
     const double last = size;
     size = largest_residual(equations, residual_, shares_);
-    if (size <= kProjected || (size < kProjectionLimit && size > 0.5 * last)) return;
+    if (size <= kProjected || (size < kProjectionLimit && size > 0.5 * last)) return *placed;
     solve_constraint_step(of_positions);
     equations.layout().displace(step_, q);
   }
-  if (size <= kProjectionLimit) return;
+  if (size <= kProjectionLimit) return *placed;
   throw SolverError(
       fmt::format("cartesian: at t = {:.6g} s {} will not close: residual {:.3g} (of the machine's length, or rad), "
                   "allowed {:.3g}; it was closed at the start: tighten the tolerance",
                   t, name_of_largest(equations, residual_), size, kProjectionLimit));
 }
 
-void Projection::project_velocities(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> Y) {
+void Projection::project_velocities(PlacedConstraints& placed, const Equations& equations, AugmentedMatrix& matrix,
+                                    double t, Eigen::Ref<VecX> Y) {
   const double speed = largest_rate(equations, t, Y);
   double size = HUGE_VAL;
   for (int step = 0; step < kMostProjections; ++step) {
-    constraints_.move(Y);
-    constraints_.write_velocity_residual(t, residual_);
+    placed.move(Y).write_velocity_residual(t, residual_);
     const double last = size;
     size = largest_velocity_residual(equations, residual_);
     if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;

@@ -27,11 +27,13 @@ class Projection {
 
  private:
   void factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix);
-  void project_positions(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> q);
-  void project_velocities(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> Y);
+  PlacedConstraints& project_positions(const Equations& equations, AugmentedMatrix& matrix, double t,
+                                       Eigen::Ref<VecX> q);
+  void project_velocities(PlacedConstraints& placed, const Equations& equations, AugmentedMatrix& matrix, double t,
+                          Eigen::Ref<VecX> Y);
   void solve_constraint_step(AugmentedMatrix& matrix);
 
-  Constraints constraints_;
+  std::unique_ptr<Constraints> constraints_;
   ByBody<double> stiffening_;  // [s^2]: what stiffness counts for beside inertia in steps of positions
   /// The matrix that steps of positions are taken with: no rows that hold for velocities alone, and modes held by their
   /// stiffness, so that they take no round-off of the joints. nullptr: it is the matrix itself.

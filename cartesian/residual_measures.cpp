@@ -12,7 +12,7 @@ double divisor(const VecX& row_sizes, RowIndex row) { return row_sizes(row.value
 
 double farthest(const Equations& equations, const Eigen::Ref<const VecX>& q) {
   const Layout& layout = equations.layout();
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   double reach = 1.0;
   for (const BodyIndex i : layout.moving_bodies()) {
     reach = std::max(reach, layout.r(q, i).lpNorm<Eigen::Infinity>() / equations.length());
@@ -29,7 +29,7 @@ double farthest(const Equations& equations, const Eigen::Ref<const VecX>& q) {
 }  // namespace
 
 void measure_round_off(const Equations& equations, double t, const Eigen::Ref<const VecX>& q, RoundOffShares& shares) {
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   const VecX& sizes = equations.row_sizes();
   shares.reach = farthest(equations, q);
   constraints.write_own_terms(t, shares.terms);
@@ -98,7 +98,7 @@ double largest_rate(const Equations& equations, double t, const Eigen::Ref<const
   double largest = kAtRest * std::max(natural_rate(equations), equations.driven_rate());
   for (Eigen::Index c = 0; c < Y.size(); ++c) largest = std::max(largest, std::abs(Y(c)) / equations.units()(c));
   for (const JointIndex k : constraints.joints()) {
-    const JointEquations& joint = constraints.joint(k);
+    const JointLayout& joint = constraints.joint(k);
     for (int own = joint.first_driver; own < joint.n_rows; ++own) {
       const double size = equations.row_sizes()(joint.row(own).value);
       const Driver& driver = pick(equations.model().joints, k).drivers[own - joint.first_driver];

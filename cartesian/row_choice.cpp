@@ -19,7 +19,7 @@ const std::vector<bool>* rows_that_go_first(const Constraints& constraints, std:
 }  // namespace
 
 ScaledJacobian scaled_jacobian(const Equations& equations) {
-  const Constraints& constraints = equations.constraints();
+  const MovingConstraints& constraints = equations.moving_constraints();
   const Layout& layout = equations.layout();
   const VecX& units = equations.units();
   ScaledJacobian scaled;

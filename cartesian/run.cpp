@@ -134,7 +134,7 @@ class Run {
   /// Follows the turn angles step by step, so that none passes half a turn unseen.
   void count_turns() {
     equations_.update(reached_, motion_.q, motion_.Y);
-    read_joint_coordinates(equations_.model(), equations_.constraints(), turns_, speeds_);
+    read_joint_coordinates(equations_.model(), equations_.moving_constraints(), turns_, speeds_);
     equations_.count_turns_from(turns_);
   }
 

@@ -97,7 +97,7 @@ double distance_from(const Equations& equations, const std::vector<VecX>& known)
   const Model& model = equations.model();
   std::vector<VecX> q = known;
   std::vector<VecX> u = zero_speeds(model);
-  read_joint_coordinates(model, equations.constraints(), q, u);
+  read_joint_coordinates(model, equations.moving_constraints(), q, u);
   double sum = 0.0;
   for (const JointIndex k : indices_of(model.joints)) {
     const Joint& joint = pick(model.joints, k);
@@ -123,7 +123,7 @@ std::vector<VecX> guessed_coordinates(Equations& equations, const VecX& q, const
   std::vector<VecX> guessed = stated;
   std::vector<VecX> speeds = zero_speeds(model);
   equations.update(0.0, q, Y);
-  read_joint_coordinates(model, equations.constraints(), guessed, speeds);
+  read_joint_coordinates(model, equations.moving_constraints(), guessed, speeds);
   for (const JointIndex k : indices_of(model.joints)) {
     const Joint& joint = pick(model.joints, k);
     for (std::size_t word = 0; word < joint.start.size(); ++word) {

@@ -74,7 +74,7 @@ void Stepper::close_motion(double t) {
 
 /// How far tires and stops are inside their regimes: all, and the smallest.
 const VecX& Stepper::event_functions(double t, const MotionState& motion) {
-  return equations_.applied().event_functions(equations_.constraints(), t, motion.q, motion.Y);
+  return equations_.applied().event_functions(equations_.moving_constraints(), t, motion.q, motion.Y);
 }
 
 double Stepper::event_function(double t, const MotionState& motion) {

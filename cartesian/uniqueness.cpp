@@ -21,7 +21,7 @@ class Movement {
   Movement(const Equations& equations, JointIndex k, const ScaledJacobian& scaled, const MatX& null_space)
       : n_u_(pick(equations.model().joints, k).type->n_u()) {
     const Joint& stated = pick(equations.model().joints, k);
-    const JointEquations& joint = equations.constraints().joint(k);
+    const JointEquations& joint = equations.moving_constraints().joint(k);
     const auto n_own = static_cast<Eigen::Index>(joint.rows.size());
     MatX of_rows(24 + n_u_, n_own);
     for (Eigen::Index row = 0; row < n_own; ++row) {

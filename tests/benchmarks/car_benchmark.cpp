@@ -67,7 +67,7 @@ struct Car {
     double largest = 0.0;
     double apart = 0.0;
     for (const cartesian::JointIndex k : cartesian::indices_of(model.joints)) {
-      const cartesian::JointEquations& joint = cartesian.constraints().joint(k);
+      const cartesian::JointEquations& joint = cartesian.moving_constraints().joint(k);
       const VecX lambda = solved->lambda().segment(joint.first_row.value, joint.n_rows);
       const Vec3 one = cartesian::compute_wrenches(model.joints[k.value], joint, lambda, nullptr)
                            .reaction_on(Side::child)

@@ -64,7 +64,7 @@ class CartesianChain {
   void evaluate() {
     const cartesian::Solution& solution = dynamics_.solve_at(0.0, q_, Y_, cartesian::Pivots::kept);
     for (const cartesian::JointIndex k : cartesian::indices_of(model_.joints)) {
-      const cartesian::JointEquations& joint = equations_.constraints().joint(k);
+      const cartesian::JointEquations& joint = equations_.moving_constraints().joint(k);
       const auto lambda = solution.lambda().segment(joint.first_row.value, joint.n_rows);
       wrenches_[k.value] = cartesian::compute_wrenches(model_.joints[k.value], joint, lambda, nullptr);
     }

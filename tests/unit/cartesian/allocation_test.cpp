@@ -59,7 +59,7 @@ TEST(Allocation, AnEvaluationAProjectionAndALookForEventsAllocateNothing) {
   EXPECT_EQ(n_allocations - before, 0) << "an evaluation";
   (void)equations.power_of(solution.lambda());
   EXPECT_EQ(n_allocations - before, 0) << "the power";
-  (void)equations.applied().event_functions(equations.constraints(), 0.0, q, Y);
+  (void)equations.applied().event_functions(equations.moving_constraints(), 0.0, q, Y);
   EXPECT_EQ(n_allocations - before, 0) << "a look for events";
   dynamics.project(solution, 0.0, scratch, speeds);
   EXPECT_EQ(n_allocations - before, 0) << "a projection";

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <memory>
 
 #include "cartesian/closing.h"
 #include "cartesian/equations.h"
@@ -28,13 +29,13 @@ ForceLaw spring_and_damper(double stiffness, double damping, double free) {
 struct Pushed {
   Model model;
   Layout layout;
-  Constraints constraints;
+  std::unique_ptr<Constraints> constraints;
   AppliedForces applied;
   VecX q;
   VecX Y;
 
   explicit Pushed(Model stated)
-      : model(std::move(stated)), layout(model), constraints(model, layout), applied(model, layout) {
+      : model(std::move(stated)), layout(model), constraints(Constraints::make(model, layout)), applied(model, layout) {
     Numbers numbers(4242);
     q = numbers.matrix(layout.n_q(), 1, 0.3);
     layout.normalize(q);
@@ -42,9 +43,7 @@ struct Pushed {
   }
 
   const Actor& act(const VecX& at, double t = 0.3) {
-    constraints.place(at);
-    constraints.move(Y);
-    applied.update(constraints, t, at, Y);
+    applied.update(constraints->place(at).move(Y), t, at, Y);
     return applied.actors()[ActorIndex(0)];
   }
 
@@ -158,7 +157,7 @@ TEST(AppliedForces, LoadIsSaidInGlobalBodyOrFollowingAxes) {
     const Actor& actor = rig.act(rig.q);
     const Marker& marker = actor.markers[1];
     const Mat3 A = axes == LoadAxes::global ? Mat3(Mat3::Identity())
-                   : axes == LoadAxes::body ? rig.constraints.rotation(BodyIndex(1))
+                   : axes == LoadAxes::body ? rig.constraints->place(rig.q).rotation(BodyIndex(1))
                                             : marker.A_joint;
     EXPECT_LE((actor.wrenches[1].force - 3.0 * A * force).norm(), 1e-13);  // the law is 10 t, t = 0.3 s
     EXPECT_LE((actor.wrenches[1].torque - 3.0 * A * torque).norm(), 1e-13);
@@ -187,7 +186,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       }
       ASSERT_TRUE(closed);
       equations.update(0.0, q, Y);
-      const RelativeMotion& motion = equations.constraints().joint(JointIndex(0)).motion;
+      const RelativeMotion& motion = equations.moving_constraints().joint(JointIndex(0)).motion;
       const joints::Read& read = *read_of(*type, static_cast<int>(word));
       const ConstraintRow row = evaluate_read(read, 0, motion);
       const double rate = row.over_d.dot(motion.ddot) + row.over_rho.dot(motion.omega);
@@ -220,12 +219,12 @@ TEST(AppliedForces, EventsOfSpringsKnowTheSideThatAnArmStandsOn) {
     VecX known = VecX::Zero(6);
     known(1) = elevation;
     known(2) = 1.0;
-    rig.constraints.count_turns_from({known});
+    rig.constraints->count_turns_from({known});
     rig.applied.count_turns_from({known});
     rig.act(rig.q);
     const Actor& springs = *rig.applied.springs_of(JointIndex(0));
     EXPECT_EQ(springs.stop_regimes[1].upper, elevation > 1.6 ? StopRegime::full : StopRegime::off);
-    EXPECT_GE(rig.applied.event_functions(rig.constraints, 0.3, rig.q, rig.Y).minCoeff(), 0.0);
+    EXPECT_GE(rig.applied.event_functions(rig.constraints->place(rig.q), 0.3, rig.q, rig.Y).minCoeff(), 0.0);
   }
 }
 

@@ -26,8 +26,8 @@ TEST(Dynamics, AccelerationsAndMultipliersSatisfyTheAugmentedEquations) {
     balance -= equations.forces();
     EXPECT_LT(balance.norm(), 1e-12 * equations.forces().norm());
     VecX gamma(equations.constraints().n_rows());
-    equations.constraints().write_gamma(0.0, gamma);
-    const JointEquations& joint = equations.constraints().joint(JointIndex(0));
+    equations.moving_constraints().write_gamma(0.0, gamma);
+    const JointEquations& joint = equations.moving_constraints().joint(JointIndex(0));
     for (int row = 0; row < joint.n_rows; ++row) {
       double acceleration = 0.0;
       for (const Side side : {Side::parent, Side::child}) {

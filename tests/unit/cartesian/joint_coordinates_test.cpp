@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "cartesian/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
@@ -13,18 +15,17 @@ namespace {
 double read_hinge(double angle, double known) {
   Model model = testing::make_pair(91, *joints::find("revolute"), 0, 0);
   const Layout layout(model);
-  Constraints constraints(model, layout);
+  const std::unique_ptr<Constraints> constraints = Constraints::make(model, layout);
   VecX q = VecX::Zero(layout.n_q());
   const Joint& hinge = model.joints[0];
   const Mat3 A_parent = rotation_about(Vec3(1, 2, -1).normalized(), 0.7);
   layout.p(q, BodyIndex(1)) = euler_parameters_of(A_parent);
   layout.p(q, BodyIndex(2)) = euler_parameters_of(A_parent * hinge.on(Side::parent).C * rotation_about(Axis::z, angle) *
                                                   hinge.on(Side::child).C.transpose());
-  constraints.place(q);
-  constraints.move(VecX(VecX::Zero(layout.n_Y())));
+  const MovingConstraints& resting = constraints->place(q).move(VecX(VecX::Zero(layout.n_Y())));
   std::vector<VecX> coordinates{VecX::Constant(1, known)};
   std::vector<VecX> speeds = zero_speeds(model);
-  read_joint_coordinates(model, constraints, coordinates, speeds);
+  read_joint_coordinates(model, resting, coordinates, speeds);
   return coordinates[0](0);
 }
 

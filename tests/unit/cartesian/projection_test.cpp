@@ -35,14 +35,14 @@ TEST(Projection, LeavesTheEquationsWhereTheyAre) {
   rig.q += numbers.matrix(static_cast<int>(rig.q.size()), 1, 1e-5);
   const Solution& nearby = rig.dynamics.solve_at(0.0, rig.q, rig.Y, Pivots::fresh);
   const VecX residual = rig.equations.residual();
-  const Vec3 gap = rig.equations.constraints().joint(JointIndex(0)).gap;
+  const Vec3 gap = rig.equations.moving_constraints().joint(JointIndex(0)).gap;
   VecX gamma(residual.size());
-  rig.equations.constraints().write_gamma(0.0, gamma);
+  rig.equations.moving_constraints().write_gamma(0.0, gamma);
   rig.dynamics.project(nearby, 0.0, rig.q, rig.Y);
   VecX gamma_after(residual.size());
-  rig.equations.constraints().write_gamma(0.0, gamma_after);
+  rig.equations.moving_constraints().write_gamma(0.0, gamma_after);
   EXPECT_EQ(rig.equations.residual(), residual);
-  EXPECT_EQ(rig.equations.constraints().joint(JointIndex(0)).gap, gap);
+  EXPECT_EQ(rig.equations.moving_constraints().joint(JointIndex(0)).gap, gap);
   EXPECT_EQ(gamma_after, gamma);
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "common/joints/catalogue.h"
 #include "machines.h"
 
@@ -14,18 +16,19 @@ using testing::Numbers;
 struct SplitRig {
   Model model;
   Layout layout;
-  Constraints constraints;
+  std::unique_ptr<Constraints> constraints;
+  const PlacedConstraints* placed;
   VecX lambda;
 
   SplitRig(unsigned seed, const joints::JointType& type, std::vector<Driver> drivers = {})
       : model(with_drivers(testing::make_pair(seed, type, 2, 3), std::move(drivers))),
         layout(model),
-        constraints(model, layout) {
+        constraints(Constraints::make(model, layout)) {
     Numbers numbers(seed + 7);
     VecX q = numbers.matrix(layout.n_q(), 1, 0.4);
     layout.normalize(q);
-    constraints.place(q);
-    lambda = numbers.matrix(constraints.n_rows(), 1, 10.0);
+    placed = &constraints->place(q);
+    lambda = numbers.matrix(constraints->n_rows(), 1, 10.0);
   }
 
   static Model with_drivers(Model model, std::vector<Driver> drivers) {
@@ -33,7 +36,7 @@ struct SplitRig {
     return model;
   }
   [[nodiscard]] JointWrenches wrenches() const {
-    return compute_wrenches(model.joints[0], constraints.joint(JointIndex(0)), lambda, nullptr);
+    return compute_wrenches(model.joints[0], placed->joint(JointIndex(0)), lambda, nullptr);
   }
 };
 
@@ -44,7 +47,7 @@ TEST(Reactions, BothSidesBalanceThoughComputedFromTheirOwnColumns) {
     const JointWrenches wrenches = rig.wrenches();
     const Wrench& child = wrenches.total_on(Side::child).in_global;
     const Wrench& parent = wrenches.total_on(Side::parent).in_global;
-    const Vec3& gap = rig.constraints.joint(JointIndex(0)).gap;
+    const Vec3& gap = rig.placed->joint(JointIndex(0)).gap;
     EXPECT_LT((parent.force + child.force).norm(), 1e-13 * (1 + child.force.norm()));
     EXPECT_LT((parent.torque + child.torque + gap.cross(child.force)).norm(), 1e-12 * (1 + child.torque.norm()));
   }
@@ -55,7 +58,7 @@ TEST(Reactions, ModalRowsAreTheWorkOfTheWrench) {
   const SplitRig rig(113, *joints::find("weld"));
   const JointWrenches wrenches = rig.wrenches();
   for (const Side side : {Side::parent, Side::child}) {
-    const JointEquations& joint = rig.constraints.joint(JointIndex(0));
+    const JointEquations& joint = rig.placed->joint(JointIndex(0));
     const Marker& marker = joint.marker(side);
     const VecX rows = -(joint.Phi_Y_transposed[index(side)].leftCols(joint.n_rows) * rig.lambda);
     const Wrench& wrench = wrenches.total_on(side).in_global;
@@ -68,7 +71,7 @@ TEST(Reactions, ADriversCoordinateWrenchIsNoPartOfTheReaction) {
   const SplitRig rig(117, *joints::find("cylindrical"), {{1, ConstantSpeed{0.0, 2.0}}, {0, ConstantSpeed{0.1, 0.3}}});
   const JointWrenches wrenches = rig.wrenches();
   EXPECT_EQ(wrenches.tau, VecX(Eigen::Vector2d(-rig.lambda(5), -rig.lambda(4))));
-  const Mat3& A_joint = rig.constraints.joint(JointIndex(0)).marker(Side::parent).A_joint;
+  const Mat3& A_joint = rig.placed->joint(JointIndex(0)).marker(Side::parent).A_joint;
   const Vec3 z = A_joint.col(2);
   const Wrench& total = wrenches.total_on(Side::child).in_global;
   const Wrench& reaction = wrenches.reaction_on(Side::child).in_global;
