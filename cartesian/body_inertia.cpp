@@ -9,8 +9,6 @@ BodyInertia::BodyInertia(const Body& body) : n_modes_(body.n_modes()) {
     // I = tr(P) 1 - P for the second moments P about the centre of mass, so P = tr(I)/2 1 - I.
     sum_s0_s0_ = 0.5 * body.inertia_L.trace() * Mat3::Identity() - body.inertia_L +
                  body.mass * body.center_of_mass_L * body.center_of_mass_L.transpose();
-    sum_s_ = sum_s0_;
-    sum_s_s_ = sum_s0_s0_;
     return;
   }
   const MatX& G = body.modal->G;
@@ -32,10 +30,13 @@ BodyInertia::BodyInertia(const Body& body) : n_modes_(body.n_modes()) {
   }
   stiffness_ = body.modal->stiffness;
   damping_ = body.modal->damping;
-  sum_s_psi_.setZero(3, 3 * m);
-  sum_sdot_psi_.setZero(3, 3 * m);
-  const VecX undeformed = VecX::Zero(m);
-  update(undeformed, undeformed);
 }
+
+DeformedInertia::DeformedInertia(const BodyInertia& body)
+    : body_(body),
+      sum_s_(body.sum_s0_),
+      sum_s_s_(body.sum_s0_s0_),
+      sum_s_psi_(body.sum_s0_psi_),
+      sum_sdot_psi_(Mat3X::Zero(3, 3 * body.n_modes())) {}
 
 }  // namespace concord::cartesian

@@ -17,6 +17,12 @@ ByBody<BodyInertia> make_inertias(const Model& model) {
   return inertias;
 }
 
+ByBody<DeformedInertia> make_deformed(const ByBody<BodyInertia>& inertias) {
+  ByBody<DeformedInertia> deformed;
+  for (const BodyInertia& body : inertias) deformed.add(DeformedInertia(body));
+  return deformed;
+}
+
 }  // namespace
 
 Equations::Equations(const Model& model)
@@ -25,6 +31,7 @@ Equations::Equations(const Model& model)
       driven_rate_(rate_of_drivers(model)),
       layout_(model),
       inertias_(make_inertias(model)),
+      deformed_(make_deformed(inertias_)),
       constraints_(Constraints::make(model, layout_)),
       applied_(model, layout_),
       units_(machine_units(model, layout_)),
@@ -59,9 +66,9 @@ void Equations::update_at(double t, const Eigen::Ref<const VecX>& q, const Eigen
   moving_->write_residual(t, residual_);
   moving_->write_velocity_residual(t, velocity_residual_);
   has_row_sizes_ = false;
-  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].update(layout_.a(q, i), layout_.adot(Y, i));
+  for (const BodyIndex i : layout_.moving_bodies()) deformed_[i].update(layout_.a(q, i), layout_.adot(Y, i));
   for (const BodyIndex i : layout_.moving_bodies()) {
-    inertias_[i].write_forces(moving_->rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
+    deformed_[i].write_forces(moving_->rotation(i), layout_.omega(Y, i), model_.gravity, layout_.a(q, i),
                               layout_.adot(Y, i), forces_.segment(layout_.first_Y(i), layout_.size_Y(i)));
   }
   applied_.update(*moving_, t, q, Y);
@@ -96,7 +103,7 @@ void Equations::measure_rows() const {  // (C45)
 }
 
 void Equations::write_mass_matrices(ByBody<MatX>& M) const {
-  for (const BodyIndex i : layout_.moving_bodies()) inertias_[i].write_mass_matrix(moving_->rotation(i), M[i]);
+  for (const BodyIndex i : layout_.moving_bodies()) deformed_[i].write_mass_matrix(moving_->rotation(i), M[i]);
 }
 
 double Equations::power_of(const Eigen::Ref<const VecX>& lambda) const {

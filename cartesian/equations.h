@@ -76,6 +76,7 @@ class Equations {
   double driven_rate_;
   Layout layout_;
   ByBody<BodyInertia> inertias_;
+  ByBody<DeformedInertia> deformed_;
   std::unique_ptr<Constraints> constraints_;
   AppliedForces applied_;
   VecX units_;

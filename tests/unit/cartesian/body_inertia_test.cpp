@@ -46,7 +46,8 @@ void expect_direct_sum(const Body& body, const std::vector<MassPoint>& points, c
   }
   if (m > 0) force.tail(m) -= body.modal->stiffness * motion.a + body.modal->damping * motion.adot;
 
-  BodyInertia inertia(body);
+  const BodyInertia constant(body);
+  DeformedInertia inertia(constant);
   inertia.update(motion.a, motion.adot);
   MatX computed_M = MatX::Zero(6 + m, 6 + m);
   VecX computed_force = VecX::Zero(6 + m);
@@ -62,6 +63,25 @@ TEST(BodyInertia, FlexibleEqualsTheDirectSumOverMassPoints) {
     const Body body = testing::make_body(numbers, "flexible", m);
     expect_direct_sum(body, body.modal->mass_points, generic_motion(numbers, m));
   }
+}
+
+TEST(BodyInertia, IsThatOfTheUndeformedBodyUntilItIsUpdated) {
+  Numbers numbers(30);
+  const Body body = testing::make_body(numbers, "flexible", 3);
+  const BodyMotion motion = generic_motion(numbers, 3);
+  const BodyInertia constant(body);
+  const auto mass_matrix = [&](const DeformedInertia& inertia) {
+    MatX M(9, 9);
+    inertia.write_mass_matrix(motion.A, M);
+    return M;
+  };
+  DeformedInertia inertia(constant);
+  const MatX of_new = mass_matrix(inertia);
+  inertia.update(motion.a, motion.adot);
+  EXPECT_GT((mass_matrix(inertia) - of_new).norm(), 1e-3);
+  const VecX none = VecX::Zero(3);
+  inertia.update(none, none);
+  EXPECT_EQ(mass_matrix(inertia), of_new);
 }
 
 TEST(BodyInertia, RigidEqualsSixMassPoints) {
