@@ -55,6 +55,85 @@ start.turn_z = {{ guess = "80 deg" }}
                      "crank_rocker.toml");
 }
 
+/// A hub on a sprung hinge, of the given part of its rim's inertia, and a rim that turns freely about the same axis.
+Model freewheel(double part, const std::string& frame) {
+  return parse_model(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "hub"
+mass = 0.03
+inertia = [{least}, {middle}, {hub}]
+[[body]]
+name = "rim"
+mass = 2.2
+inertia = [0.08, 0.09, 0.16]
+[[joint]]
+name = "bearing"
+type = "revolute"
+parent = {{ body = "ground", {frame} }}
+child = {{ body = "hub", {frame} }}
+start.turn_z = {{ keep = 0.1, keep_speed = 35 }}
+spring.turn_z = {{ stiffness = 4, damping = 0.003 }}
+[[joint]]
+name = "freewheel"
+type = "revolute"
+parent = {{ body = "hub", point = [0, 0, 0.03], {frame} }}
+child = {{ body = "rim", {frame} }}
+start.turn_z = {{ keep = 0, keep_speed = -35 }}
+[run]
+until = 0.01
+)toml",
+                                 fmt::arg("least", 0.1 * part), fmt::arg("middle", 0.12 * part),
+                                 fmt::arg("hub", 0.16 * part), fmt::arg("frame", frame)),
+                     "freewheel.toml");
+}
+
+/// A carriage of 4 g on a spring that carries a slide of 15 kg along the same line.
+Model slide_on_light_carriage() {
+  return parse_model(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "carriage"
+mass = 0.004
+inertia = [1e-6, 1e-6, 1e-6]
+[[body]]
+name = "slide"
+mass = 15
+inertia = [0.1, 0.2, 0.15]
+[[joint]]
+name = "rail"
+type = "translational"
+both = { y = [0, 1, 0], z = [1, 0, 0] }
+parent = "ground"
+child = "carriage"
+start.slide_z = { keep = 0.02, keep_speed = 0 }
+spring.slide_z = { stiffness = 4000 }
+[[joint]]
+name = "guide"
+type = "translational"
+both = { y = [0, 1, 0], z = [1, 0, 0] }
+parent = "carriage"
+child = "slide"
+start.slide_z = { keep = 0, keep_speed = 0.4 }
+[run]
+until = 0.02
+)toml",
+                     "slide_on_light_carriage.toml");
+}
+
+// Detects an articulated inertia that is the difference of two heavy ones.
+TEST_CASE("A light hub knows its motion though a heavy rim turns freely on it", "[light]") {
+  const double part = GENERATE(3e-5, 2e-7);
+  const std::string frame = GENERATE("x = [1, 0, 0], z = [0, 0, 1]", "x = [0.3, 0.8, -0.2], z = [0.4, -0.1, 0.2]");
+  const Model model = freewheel(part, frame);
+  expect_to_agree(model, in_short(model, 1.0));
+}
+
+TEST_CASE("A light carriage knows its motion though a heavy slide moves freely along it", "[light]") {
+  const Model model = slide_on_light_carriage();
+  expect_to_agree(model, in_short(model, 1.0));
+}
+
 TEST_CASE("A link a hundred million times lighter than its neighbours costs no steps", "[light]") {
   for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
     const Model heavy = crank_rocker(1.0);
