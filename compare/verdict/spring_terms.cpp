@@ -32,7 +32,12 @@ SpringTerms terms_of(const Bushing& bushing, const State& state) {
 }  // namespace
 
 SpringTerms spring_terms(const ForceElement& element, const State& state) {
-  return std::visit(Overloaded{[](const Load&) { return SpringTerms{}; }, [](const Tire&) { return SpringTerms{}; },
+  return std::visit(Overloaded{[](const Load&) { return SpringTerms{}; },
+                               [](const Tire& tire) {
+                                 // The deflection is the radius less the height of the wheel's centre.
+                                 const double force = tire.stiffness * 2.0 * tire.radius;
+                                 return SpringTerms{force, force * tire.radius};
+                               },
                                [&](const LineSpring& spring) {
                                  return SpringTerms{terms_of(spring.law, distance_of(spring.ends, state)), 0.0};
                                },

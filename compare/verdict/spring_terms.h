@@ -12,7 +12,7 @@ struct SpringTerms {
   double torque = 0.0;  // N m
 };
 
-/// Of a force element in a state; zero for loads and tires.
+/// Of a force element in a state; zero for loads.
 SpringTerms spring_terms(const ForceElement& element, const State& state);
 
 /// Of the springs on a joint's coordinates q.

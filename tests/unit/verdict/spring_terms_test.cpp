@@ -43,6 +43,19 @@ preload = [0.0, 0.0, 0.0, 0.0, 0.0, 9.0]
 name = "load"
 body = "block"
 force = [1, 2, 3]
+[[road]]
+name = "road"
+profile = "flat"
+[[tire]]
+name = "tire"
+road = "road"
+body = "block"
+radius = 0.3
+stiffness = 200.0
+slip_stiffness = 1.0
+cornering_stiffness = 1.0
+friction = 0.8
+speed_scale = 0.1
 )";
 
 class SpringTermsTest : public ::testing::Test {
@@ -76,6 +89,11 @@ TEST_F(SpringTermsTest, ABushingAddsUpItsMotionsAndItsPreload) {
 TEST_F(SpringTermsTest, ALoadHasNone) {
   EXPECT_EQ(of_element(3).force, 0.0);
   EXPECT_EQ(of_element(3).torque, 0.0);
+}
+
+TEST_F(SpringTermsTest, ATireAddsUpItsRadiusAndItsHeight) {
+  EXPECT_DOUBLE_EQ(of_element(4).force, 200.0 * 0.6);
+  EXPECT_DOUBLE_EQ(of_element(4).torque, 200.0 * 0.6 * 0.3);
 }
 
 TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
