@@ -164,20 +164,22 @@ TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
   EXPECT_FALSE(has_judged(verdict_));
 }
 
-TEST_F(RefinementTest, ForcesOnSpeedsDoNotStandForReactionsThatAreNotResolved) {
-  make_rows(layout_, verdict_);
-  std::vector<Measured> measured(layout_.quantities().size());
+TEST(Refinement, ForcesOnSpeedsDoNotStandForReactionsThatAreNotResolved) {
+  const Model sprung = sprung_pendulum_model();
+  const QuantityLayout layout(sprung);
+  Verdict verdict;
+  make_rows(layout, verdict);
+  std::vector<Measured> measured(layout.quantities().size());
   for (std::size_t k = 0; k < measured.size(); ++k) {
     measured[k].scale = 2.0;
     measured[k].digits = measured[k].unexplained_digits = 15.0;
-    const bool is_reaction = layout_.quantities()[k].kind == Kind::reaction;
-    (is_reaction ? measured[k].too_coarse : measured[k].samples) = 4;
+    (layout.quantities()[k].kind == Kind::driver ? measured[k].samples : measured[k].too_coarse) = 4;
   }
-  record(layout_, measured, Rung::same_state, verdict_);
-  judge(verdict_);
-  EXPECT_FALSE(has_judged(verdict_));
-  for (QuantityRow& row : verdict_.rows) row.unique = false;  // what nobody can judge may be left out
-  EXPECT_TRUE(has_judged(verdict_));
+  record(layout, measured, Rung::same_state, verdict);
+  judge(verdict);
+  EXPECT_FALSE(has_judged(verdict));
+  for (QuantityRow& row : verdict.rows) row.unique = false;  // what nobody can judge may be left out
+  EXPECT_TRUE(has_judged(verdict));
 }
 
 TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {
