@@ -90,12 +90,12 @@ void SameState::note_refusals(const std::vector<RefusedState>& refused) {
                    elsewhere.size())});
 }
 
-/// Whether a state's owner finds another rank there than in general, or one that hangs by a singular value which may be
+/// Whether a state's owner finds a lower rank there than in general, or one that hangs by a singular value which may be
 /// round-off.
 bool SameState::is_at_singular_pose(const OwnedState& state, int general) const {
   try {
     const RankReport report = solvers_[index(state.owner)]->rank(state.state);
-    return report.rank != general || report.undecided;
+    return report.rank < general || report.undecided;
   } catch (const SolverError&) {
     return false;
   }
