@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "relative/joint_factors.h"
@@ -10,9 +11,9 @@ namespace concord::relative {
 
 namespace {
 
-/// Whether no pivot of the factor of D is round-off.
-bool has_pivots(const Eigen::LLT<MatX>& llt, const MatX& D) {
-  return (llt.matrixLLT().diagonal().array().square() > kRoundOffOfPivot * D.diagonal().array()).all();
+/// The least pivot of the factor of D, in parts of the terms that it is made of.
+double least_pivot_of(const Eigen::LLT<MatX>& llt, const MatX& D) {
+  return (llt.matrixLLT().diagonal().array().square() / D.diagonal().array()).minCoeff();
 }
 
 }  // namespace
@@ -85,6 +86,7 @@ void ArticulatedInertias::gather_columns(LinkIndex l, const VecX& udot) {  // (R
 
 void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied,
                                   const VecX& udot) {
+  least_pivot_ = 1.0;
   load_bodies(inertias);
   subtract_applied(applied);
   for (const LinkIndex l : downward<LinkIndex>(links_.size())) {
@@ -142,7 +144,10 @@ void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
   f.uhat.head(n_free) += link.tau.head(n_free);
   f.uhat.tail(m) -= f.bias_force_a;
   f.uhat.tail(m).noalias() -= f.inertia_ra.transpose() * link.c;
-  if (f.llt.compute(f.D).info() != Eigen::Success || !has_pivots(f.llt, f.D)) throw_indefinite(l);
+  if (f.llt.compute(f.D).info() != Eigen::Success) throw_indefinite(l);
+  const double pivot = least_pivot_of(f.llt, f.D);
+  if (!(pivot > kRoundOffOfPivot)) throw_indefinite(l);
+  least_pivot_ = std::min(least_pivot_, pivot);
   f.llt.matrixL().solveInPlace(f.uhat);
   f.Kt = f.U.transpose();
   f.llt.matrixL().solveInPlace(f.Kt);

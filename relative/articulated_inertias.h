@@ -61,6 +61,10 @@ class ArticulatedInertias {
   /// accelerations in udot. Throws SolverError if the inertia of a link is not positive definite.
   void compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied, const VecX& udot);
 
+  /// The least pivot of the flexible links' factors, in parts of the terms that it is made of; 1 without such links. As
+  /// many digits are lost in their factors.
+  [[nodiscard]] double least_pivot() const { return least_pivot_; }
+
   [[nodiscard]] int n_links() const { return static_cast<int>(links_.size()); }
   [[nodiscard]] const ArticulatedBody& link(LinkIndex l) const { return links_[l]; }
   /// nullptr if the link's body is rigid.
@@ -98,6 +102,7 @@ class ArticulatedInertias {
   [[noreturn, gnu::noinline]] void throw_indefinite(LinkIndex l) const;
 
   const Kinematics* kinematics_;
+  double least_pivot_ = 1.0;
   std::vector<ArticulatedBody> links_;
   std::vector<std::optional<int>> flexible_of_link_;  // index in flexible_; none: rigid
   std::vector<FlexibleArticulatedBody> flexible_;

@@ -4,6 +4,13 @@
 
 namespace concord::relative {
 
+namespace {
+
+/// Below this least pivot of a flexible link, accelerations hold noise that integrators meet.
+constexpr double kNoisy = 1e-6;
+
+}  // namespace
+
 Equations::Equations(const Model& model)
     : model_(&model),
       kinematics_(model),
@@ -14,6 +21,7 @@ Equations::Equations(const Model& model)
       accelerations_(kinematics_, tree_),
       loops_(kinematics_, closure_, tree_),
       reactions_(kinematics_, closure_),
+      refinement_(kinematics_, closure_, tree_),
       prescribed_udot_(VecX::Zero(kinematics_.topology().n_u)),
       motion_(kinematics_.topology()),
       evaluated_(accelerations_, loops_.solution(), applied_, inertias_) {
@@ -73,8 +81,26 @@ const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const
   tree_.compute(inertias_, applied_, prescribed_udot_);
   accelerations_.solve(tree_, prescribed_udot_);
   loops_.close(tree_, accelerations_);
+  if (tree_.least_pivot() < kNoisy) refine_accelerations();
   evaluated_.motion_ = motion_.number_;
   return evaluated_;
+}
+
+const Evaluated& Equations::compute_refined_accelerations(double t, const VecX& q, const VecX& u) {
+  compute_accelerations(t, q, u);
+  const double pivot = tree_.least_pivot();
+  if (pivot >= kNoisy && pivot < 1.0) refine_accelerations();
+  return evaluated_;
+}
+
+void Equations::refine_accelerations() {
+  constexpr int kRounds = 2;
+  const VecX& lambda = loops_.solution().lambda;
+  for (int round = 0; round < kRounds; ++round) {
+    reactions_.compute(inertias_, accelerations_, applied_, lambda);
+    refinement_.refine(tree_, reactions_, applied_, lambda, accelerations_);
+    loops_.close_again(tree_, accelerations_);
+  }
 }
 
 const AppliedForces& Equations::update_forces(double t, const VecX& q, const VecX& u) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/results.h"
+#include "relative/acceleration_refinement.h"
 #include "relative/applied_forces.h"
 #include "relative/articulated_inertias.h"
 #include "relative/body_inertia.h"
@@ -56,6 +57,9 @@ class Equations {
   /// element is not defined in it.
   const Evaluated& compute_accelerations(double t, const VecX& q, const VecX& u);
 
+  /// The same, refined wherever a link is flexible: for single states, whose every digit counts.
+  const Evaluated& compute_refined_accelerations(double t, const VecX& q, const VecX& u);
+
   /// move, and applied forces: what the tires of a state do, without its accelerations.
   const AppliedForces& update_forces(double t, const VecX& q, const VecX& u);
 
@@ -92,6 +96,7 @@ class Equations {
   };
 
   void update_inertias();
+  void refine_accelerations();
   void require_current(const Evaluated& evaluated) const;
 
   const Model* model_;
@@ -103,6 +108,7 @@ class Equations {
   TreeAccelerations accelerations_;
   Loops loops_;
   Reactions reactions_;
+  AccelerationRefinement refinement_;
   std::vector<Prescription> drivers_;
   std::vector<BodyInertia> inertias_;  // by link
   VecX prescribed_udot_;               // zero where no driver acts

@@ -58,6 +58,10 @@ class Loops {
     keeps_rows_ = true;
     has_kept_ = false;
   }
+  /// Takes round-off out of the closure once more, after the accelerations have been refined.
+  void close_again(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {
+    if (rank_ > 0) refine(tree, accelerations);
+  }
   /// Rows are chosen in each pose again.
   void free_rows() { keeps_rows_ = false; }
 

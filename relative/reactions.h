@@ -37,6 +37,11 @@ class Reactions {
   const JointReactions& compute(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations,
                                 const AppliedForces& applied, const VecX& lambda);
 
+  /// What the accelerations of the last compute() leave on a link, outboard links among it: six rigid rows about the
+  /// body's origin, all that its joint passes, and the modal rows, which vanish but for round-off (R58).
+  [[nodiscard]] const Vec6& rho(LinkIndex l) const { return loads_[l].rho; }
+  [[nodiscard]] const VecX& rho_a(LinkIndex l) const { return loads_[l].rho_a; }
+
   /// Wrenches that hold each other in balance without load, M, S, U, Q = 0: those of the multipliers alone.
   const JointReactions& compute_self_stress(const VecX& lambda);
 

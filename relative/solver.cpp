@@ -94,7 +94,7 @@ class RelativeSolver final : public Solver {
  private:
   const Evaluated& compute_accelerations(const Coordinates& coordinates) {
     try {
-      return equations_.compute_accelerations(coordinates.t, coordinates.q, coordinates.u);
+      return equations_.compute_refined_accelerations(coordinates.t, coordinates.q, coordinates.u);
     } catch (const SingularPose&) {
       assembly_.closure_rank().throw_singular(coordinates, "");
     }

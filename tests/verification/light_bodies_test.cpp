@@ -121,6 +121,52 @@ until = 0.02
                      "slide_on_light_carriage.toml");
 }
 
+/// A hollow rod that bends, on a hinge, with a block of the given mass on a hinge at its end.
+Model block_on_rod(double mass) {
+  return parse_model(fmt::format(R"toml(format = 1
+gravity = [1.5, -9.2, 2.1]
+[[body]]
+name = "rod"
+[body.beam]
+length = 0.23
+section = {{ diameter = 0.004, inner_diameter = 0.002 }}
+youngs_modulus = 2.0e11
+poissons_ratio = 0.3
+density = 7800
+support = "cantilever"
+modes = {{ bending_xy = [1, 2], bending_xz = [1, 2], torsion = [1] }}
+elements = 8
+[[body]]
+name = "block"
+mass = {}
+center_of_mass = [0.03, 0.01, -0.02]
+inertia = [{}, {}, {}]
+[[joint]]
+name = "root"
+type = "revolute"
+parent = "ground"
+child = {{ body = "rod", node = "first" }}
+start.turn_z = {{ keep = 0.3, keep_speed = 1.1 }}
+[[joint]]
+name = "tip"
+type = "revolute"
+parent = {{ body = "rod", node = "last" }}
+child = "block"
+start.turn_z = {{ keep = -0.2, keep_speed = 0.7 }}
+[run]
+until = 0.002
+)toml",
+                                 mass, 0.002 * mass, 0.003 * mass, 0.0035 * mass),
+                     "block_on_rod.toml");
+}
+
+// Detects the modes' own inertia lost in that of what they carry.
+TEST_CASE("A thin rod knows how it bends though it carries a heavy block", "[light]") {
+  const double mass = GENERATE(1.3, 90.0);
+  const Model model = block_on_rod(mass);
+  expect_to_agree(model, in_short(model, 1.0));
+}
+
 // Detects an articulated inertia that is the difference of two heavy ones.
 TEST_CASE("A light hub knows its motion though a heavy rim turns freely on it", "[light]") {
   const double part = GENERATE(3e-5, 2e-7);
