@@ -183,7 +183,9 @@ struct ClosingSystem {
   VecX residual;
   VecX terms;  // how often a residual holds its round-off
 
-  [[nodiscard]] VecX shortest_step() const { return solve_shortest(jacobian, -residual); }  // (C47)
+  [[nodiscard]] VecX shortest_step(std::optional<int> rank = {}) const {  // (C47)
+    return solve_shortest(jacobian, -residual, rank);
+  }
   [[nodiscard]] double largest_residual() const {
     return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
   }
@@ -247,7 +249,7 @@ bool goes_on(double size, double last, double closed) {
 /// Newton's method on positions; the best q that it meets stays.
 template <class Rows>
 void close_positions(Equations& equations, double t, Hold hold, const Rows& rows, Modes modes, VecX& q, const VecX& Y,
-                     Closing& closing) {
+                     Closing& closing, std::optional<int> rank = {}) {
   constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
   const VecX units = units_of_displacements(equations, modes);
   RoundOffShares shares(equations.constraints());
@@ -262,7 +264,7 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
   double last = HUGE_VAL;
   for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
     last = system.largest_residual();
-    VecX move = system.shortest_step();
+    VecX move = system.shortest_step(rank);
     if (!move.allFinite()) break;
     if (size_of(move) > kLargestTurn) move *= kLargestTurn / size_of(move);
     equations.layout().displace(units.cwiseProduct(move), q);
@@ -323,11 +325,12 @@ bool modes_are_restricted(const Equations& equations) {
   return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
 }
 
-Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y) {
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y,
+                      std::optional<int> rank) {
   Closing closing;
   equations.layout().normalize(q);
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
-  close_positions(equations, t, hold, rows, modes, q, Y, closing);
+  close_positions(equations, t, hold, rows, modes, q, Y, closing, rank);
   if (!closing.closed) return closing;
   if (const std::optional<JointIndex> joint = equations.moving_constraints().first_joint_off_branch()) {
     closing.closed = false;

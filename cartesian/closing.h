@@ -52,8 +52,10 @@ bool modes_are_restricted(const Equations& equations);
 /// Moves q and Y by the shortest steps until all constraints hold as far as round-off lets, at time t: at most 1e-13 in
 /// the machine's units, of the distance from the origin beyond one length, of the largest speed. Rows that hold for
 /// velocities alone restrict no position. Turns of coupled coordinates are counted on the way, from those that
-/// `equations` count from.
-Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y);
+/// `equations` count from. `rank`: of the constraints in closed poses; those of a linkage that moves though it is
+/// overconstrained have more beside them, and steps along its motion that go with it are not taken.
+Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y,
+                      std::optional<int> rank = {});
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints
 /// leave free. Rows that hold for velocities alone leave more freedom to coordinates than to speeds.

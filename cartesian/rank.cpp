@@ -101,9 +101,29 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
   return decision;
 }
 
-VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side) {
-  constexpr double kDependent = 1e-8;  // rows that depend on others to this are left out of a Newton step
-  constexpr int kPlaceOfRank = 4;      // in SuiteSparseQR's statistics
+namespace {
+
+constexpr double kDependent = 1e-8;  // rows that depend on others to this are left out of a Newton step
+
+/// The shortest x with which a matrix of so many pivots, what is beyond them left out, comes closest to the right side.
+VecX solve_truncated(const MatX& matrix, const VecX& right_side, Eigen::Index most_rank) {
+  Eigen::ColPivHouseholderQR<MatX> rows(matrix.transpose());
+  rows.setThreshold(kDependent);
+  const Eigen::Index rank = std::min(rows.rank(), most_rank);
+  if (rank == 0) return VecX::Zero(matrix.cols());
+  const MatX pivots = rows.matrixR().topRows(rank).triangularView<Eigen::Upper>();
+  VecX x = VecX::Zero(matrix.cols());
+  x.head(rank) = least_squares(pivots.transpose(), rows.colsPermutation().transpose() * right_side);
+  return rows.householderQ() * x;
+}
+
+}  // namespace
+
+VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank) {
+  if (most_rank && *most_rank < matrix.rows() && matrix.rows() <= kShortestDenseRows) {
+    return solve_truncated(MatX(matrix), right_side, *most_rank);
+  }
+  constexpr int kPlaceOfRank = 4;  // in SuiteSparseQR's statistics
   cholmod_common common;
   cholmod_l_start(&common);
   SparseMatrix copy = matrix;

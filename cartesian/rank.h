@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cartesian/row_selection.h"
@@ -34,7 +35,9 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
 
 /// Shortest x with matrix x = right side, dependent rows left out: by SuiteSparseQR; where rows are dependent, it gives
 /// a solution but not the shortest, so up to 500 rows a complete orthogonal decomposition does. Rows should be of about
-/// unit size.
-VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side);
+/// unit size. `most_rank`: that of the matrix where the right side vanishes. Up to 500 rows, what it has beyond as many
+/// pivots is left out, and the rows are obeyed by least squares: it comes from the right side and would ask for steps
+/// as large as this is small.
+VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank = {});
 
 }  // namespace concord::cartesian

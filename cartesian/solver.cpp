@@ -40,22 +40,11 @@ class CartesianSolver : public Solver {
   [[nodiscard]] bool has_searched_for_its_start() const override { return prepared_ && prepared_->start.searched; }
 
   std::optional<State> close(const State& guess) override {
-    const Modes modes = prepared().machine.closing_modes;
-    equations_.layout().unpack(guess, q_, Y_);
-    equations_.count_turns_from(guess.q);
-    try {
-      equations_.update(guess.t, q_, Y_);
-      if (is_turned_beyond(equations_, kQuarterTurn, guess.q)) {
-        seek_turns(equations_, guess.t, modes, guess.q, q_, Y_);
-      }
-      if (!close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_).closed) return std::nullopt;
-      if (is_turned_beyond(equations_, kHalfTurn, guess.q)) return std::nullopt;
-    } catch (const SolverError&) {
-      return std::nullopt;  // a deformation out of range on the way
+    const MachineRank& machine = prepared().machine;
+    if (machine.generic < equations_.constraints().n_rows()) {
+      if (auto closed = close_near(guess, machine.generic)) return closed;
     }
-    std::vector<VecX> turns = guess.q;
-    equations_.constraints().write_turns(turns);
-    return reported_state(equations_, q_, Y_, turns);
+    return close_near(guess, {});
   }
 
   Evaluation evaluate(const State& state) override {
@@ -101,6 +90,25 @@ class CartesianSolver : public Solver {
       prepared_ = Prepared{std::move(start), machine};
     }
     return *prepared_;
+  }
+
+  std::optional<State> close_near(const State& guess, std::optional<int> rank) {
+    const Modes modes = prepared().machine.closing_modes;
+    equations_.layout().unpack(guess, q_, Y_);
+    equations_.count_turns_from(guess.q);
+    try {
+      equations_.update(guess.t, q_, Y_);
+      if (is_turned_beyond(equations_, kQuarterTurn, guess.q)) {
+        seek_turns(equations_, guess.t, modes, guess.q, q_, Y_);
+      }
+      if (!close_machine(equations_, guess.t, Hold::constraints, modes, q_, Y_, rank).closed) return std::nullopt;
+      if (is_turned_beyond(equations_, kHalfTurn, guess.q)) return std::nullopt;
+    } catch (const SolverError&) {
+      return std::nullopt;  // a deformation out of range on the way
+    }
+    std::vector<VecX> turns = guess.q;
+    equations_.constraints().write_turns(turns);
+    return reported_state(equations_, q_, Y_, turns);
   }
 
   void update(const State& state) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "relative/closing.h"
 
@@ -21,8 +22,20 @@ bool Assembly::close(Coordinates& coordinates) {
   if (equations.model().is_flexible()) decide_rank(coordinates);
   equations.prescribe(coordinates.t, coordinates.q, coordinates.u);
   const Modes modes = closure_rank_.closing_modes();
-  return close_positions(scaled_, coordinates, equations.driven(), modes) &&
-         close_velocities(scaled_, coordinates, equations.driven(), modes);
+  if (!close_at_rank(coordinates, modes) && !close_positions(scaled_, coordinates, equations.driven(), modes)) {
+    return false;
+  }
+  return close_velocities(scaled_, coordinates, equations.driven(), modes);
+}
+
+/// Positions of a machine whose rows are dependent, with as many as are independent in closed poses; false, and
+/// nothing moved, where that does not close it.
+bool Assembly::close_at_rank(Coordinates& coordinates, Modes modes) const {
+  if (!closure_rank_.is_decided() || closure_rank_.rank() == scaled_.closure().n_rows()) return false;
+  Coordinates closed = coordinates;
+  if (!close_positions(scaled_, closed, scaled_.equations().driven(), modes, closure_rank_.rank())) return false;
+  coordinates = std::move(closed);
+  return true;
 }
 
 /// From the start, so that it does not depend on the states that came before; if the machine has none, from here.

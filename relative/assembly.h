@@ -44,6 +44,8 @@ class Assembly {
   [[nodiscard]] double misfit(const Coordinates& coordinates);
 
  private:
+  [[nodiscard]] bool close_at_rank(Coordinates& coordinates, Modes modes) const;
+
   ScaledClosure scaled_;
   Start start_;
   Projection projection_;

@@ -15,9 +15,9 @@ constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half 
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
 /// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
-/// values below the damping hardly used (R65).
+/// values below the damping hardly used, and those beyond `rank` not (R65).
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
-                   const VecX& misfit, double damping) {
+                   const VecX& misfit, double damping, std::optional<int> rank = {}) {
   const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
   VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
   if (Phi.size() == 0) return step;
@@ -25,7 +25,8 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
   const VecX& sigma = svd.singularValues();
   VecX filter = VecX::Zero(sigma.size());
-  for (Eigen::Index i = 0; i < sigma.size(); ++i) {
+  const Eigen::Index used = std::min<Eigen::Index>(sigma.size(), rank.value_or(static_cast<int>(sigma.size())));
+  for (Eigen::Index i = 0; i < used; ++i) {
     if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
       filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
   }
@@ -51,13 +52,13 @@ double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Clo
 }
 
 bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,
-                     Modes modes) {
+                     Modes modes, std::optional<int> rank) {
   Closure closure(scaled.equations().kinematics(), prescribed);
   if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
   double residual = measure(scaled, coordinates, closure);
   for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
-    VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), std::min(1e-3, residual));
+    VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), std::min(1e-3, residual), rank);
     step *= std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
     step = step.cwiseProduct(scaled.scales().speeds().head(step.size()));
     bool improved = false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "relative/scaled_closure.h"
@@ -14,9 +15,10 @@ double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& c
 double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure);
 
 /// Newton's method with damping and halved steps, until round-off stops it. Prescribed coordinates stay. False if the
-/// loops do not close.
+/// loops do not close. `rank`: of the rows in closed poses; beside these an overconstrained mechanism that moves has
+/// more, which come from the misfit and ask for steps along its motion: as many singular values are used.
 [[nodiscard]] bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates,
-                                   const PrescribedMask& prescribed, Modes modes);
+                                   const PrescribedMask& prescribed, Modes modes, std::optional<int> rank = {});
 /// The smallest change of the speeds that are not prescribed with which the closed machine keeps its constraints. False
 /// if there is none.
 [[nodiscard]] bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates,
