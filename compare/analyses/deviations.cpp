@@ -1,9 +1,8 @@
-#include "compare/analyses/deviations.h"
-
 #include <algorithm>
 
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
+#include "compare/analyses/deviations.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/audit/joint_kinematics.h"
 
@@ -80,7 +79,7 @@ void Deviations::find_weights() {
   }
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     if (model_.bodies[i].n_modes() == 0) continue;
-    for (const double deflection : largest_deflections(model_.bodies[i])) weights.push_back(deflection / length);
+    for (const double size : modal_sizes(model_, i)) weights.push_back(size);
   }
   weights_ = Eigen::Map<const VecX>(weights.data(), static_cast<Eigen::Index>(weights.size()));
 }

@@ -40,8 +40,8 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     if (model.bodies[i].n_modes() == 0) continue;
-    const VecX deflections = largest_deflections(model.bodies[i]) / model.length_scale();
-    largest.rest = std::max(largest.rest, deflections.cwiseProduct(moving.bodies[i].adot).lpNorm<Eigen::Infinity>());
+    largest.rest =
+        std::max(largest.rest, modal_sizes(model, i).cwiseProduct(moving.bodies[i].adot).lpNorm<Eigen::Infinity>());
   }
   return largest;
 }

@@ -9,8 +9,8 @@
 /// What joints do between two states, and along a direction of motion.
 namespace concord::compare::analyses {
 
-/// The largest changes of coordinates in a step: of a joint's angles [rad]; of its slides and of modes [of the
-/// machine's length].
+/// The largest changes of coordinates in a step: of a joint's angles [rad]; of its slides [of the machine's length] and
+/// of modes [modal_sizes()].
 struct JointStep {
   double turn = 0.0;
   double rest = 0.0;

@@ -36,7 +36,7 @@ VecX row_weights(const Model& model, double length) {
   VecX weights = VecX::Ones(rows);
   for_each_body(model, [&](std::size_t i, Eigen::Index row) {
     weights.segment<3>(row).setConstant(1.0 / length);
-    weights.segment(row + 6, model.bodies[i].n_modes()) = largest_deflections(model.bodies[i]) / length;
+    weights.segment(row + 6, model.bodies[i].n_modes()) = modal_sizes(model, i);
   });
   return weights;
 }
@@ -89,6 +89,19 @@ VecX largest_deflections(const Body& body) {
     }
   }
   return (largest.array() > 0.0).select(largest, 1.0);
+}
+
+VecX modal_sizes(const Model& model, std::size_t body) {
+  VecX sizes = largest_deflections(model.bodies[body]) / model.length_scale();
+  const auto add = [&](const Attachment* end) {
+    if (end == nullptr || static_cast<std::size_t>(end->body) != body || end->Psi_r_L.cols() != sizes.size()) return;
+    sizes = sizes.cwiseMax(VecX(end->Psi_r_L.colwise().norm().transpose()));
+  };
+  for (const Side side : {Side::parent, Side::child}) {
+    for (const Joint& joint : model.joints) add(&joint.on(side));
+    for (const ForceElement& element : model.elements) add(end_of(element, side));
+  }
+  return sizes;
 }
 
 Chart::Chart(const Model& model, Solver& solver, const State& origin)

@@ -11,9 +11,8 @@ namespace concord::compare {
 
 /// As many coordinates delta as the machine has degrees of freedom: delta = V^T xi, where xi stacks for each body how
 /// far its origin has moved [of the machine's length], the rotation vector from its orientation at the origin of the
-/// chart [rad], and the change of its modal coordinates [largest deflection of a mass point, of the machine's length];
-/// the columns of V are orthonormal and span the velocities that the solver's constraints permit at the origin. Model
-/// and solver must outlive it.
+/// chart [rad], and the change of its modal coordinates [modal_sizes()]; the columns of V are orthonormal and span the
+/// velocities that the solver's constraints permit at the origin. Model and solver must outlive it.
 ///
 /// It ends where the number of permitted directions changes. If a neighbour has fewer of them, the origin is a singular
 /// pose: then at() and exactly_at() throw SingularPose with both numbers and the motion that is lost. A neighbour that
@@ -87,6 +86,10 @@ class Chart {
 /// What a unit of each modal coordinate of a body deflects a mass point by at most [m]; 1 for a mode that deflects
 /// none.
 VecX largest_deflections(const Body& body);
+
+/// How far a unit of each modal coordinate of a body moves it at most: a mass point, of the machine's length, or a
+/// frame to which a joint or a force element is attached, in rad, as torsion does that hardly moves a point.
+VecX modal_sizes(const Model& model, std::size_t body);
 
 /// Accelerations of bodies 1, 2, ... in the chart's scaled rows [1/s2].
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);

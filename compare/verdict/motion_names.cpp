@@ -45,12 +45,12 @@ std::vector<Part> body_parts(const Model& model, const State& state, double leng
   std::vector<Part> parts;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
-    const VecX deflections = largest_deflections(model.bodies[i]);
+    const VecX sizes = modal_sizes(model, i);
     parts.push_back({fmt::format("motion of body {}", model.bodies[i].name), body.v.norm() / length});
     parts.push_back({fmt::format("rotation of body {}", model.bodies[i].name), body.omega.norm()});
     for (Eigen::Index mode = 0; mode < body.adot.size(); ++mode) {
       parts.push_back({fmt::format("mode {} of body {}", mode + 1, model.bodies[i].name),
-                       body.adot(mode) * deflections(mode) / length});
+                       body.adot(mode) * sizes(mode)});
     }
   }
   return parts;
