@@ -1,9 +1,11 @@
+#include "compare/analyses/deviations.h"
+
 #include <algorithm>
 
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
-#include "compare/analyses/deviations.h"
 #include "compare/analyses/kinematics.h"
+#include "compare/analyses/stiffness.h"
 #include "compare/audit/joint_kinematics.h"
 
 namespace concord::compare::analyses {
@@ -184,10 +186,12 @@ std::optional<VecX> Deviations::accelerations_at(const VecX& delta, const VecX& 
   const auto state = chart_.at(
       delta, [&](const State& s) { return VecX(inverse_ * speeds(s)); }, wanted);
   if (!state) return std::nullopt;
+  const auto evaluation = evaluation_unless_refused(solver_, *state);
+  if (!evaluation) return std::nullopt;
   const VecX rate = speeds(*state) - speeds_ + drift;  // in axes that turn
   const VecX carried = turned_by_axes(moved);
-  const VecX in_side_axes = speed_rates(*state, solver_.evaluate(*state)) - speed_rates_ +
-                            turned_with(rate + carried, speeds_) + turned_with(moved, speed_rates_);
+  const VecX in_side_axes = speed_rates(*state, *evaluation) - speed_rates_ + turned_with(rate + carried, speeds_) +
+                            turned_with(moved, speed_rates_);
   return VecX(inverse_ * (in_side_axes - turned_by_axes(2.0 * rate + carried)));
 }
 

@@ -46,7 +46,11 @@ namespace {
 class PseudoTransientContinuation {
  public:
   PseudoTransientContinuation(const Model& model, Solver& solver)
-      : model_(model), solver_(solver), start_(solver.assemble()), state_(start_) {}
+      : model_(model),
+        solver_(solver),
+        start_(solver.assemble()),
+        state_(start_),
+        evaluation_(solver.evaluate(state_)) {}
 
   Equilibrium run() {
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
@@ -61,7 +65,6 @@ class PseudoTransientContinuation {
 
   /// One step; true if the state is at rest already.
   bool advance(int iteration) {
-    evaluation_ = solver_.evaluate(state_);
     Chart chart(model_, solver_, state_);
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
@@ -165,7 +168,8 @@ class PseudoTransientContinuation {
   [[nodiscard]] std::optional<VecX> at_rest(const Chart& chart, const VecX& delta) const {
     const auto state = chart.place_at(delta);
     if (!state) return std::nullopt;
-    return chart.accelerations(*state, solver_.evaluate(*state));
+    const auto evaluation = evaluation_unless_refused(solver_, *state);
+    return evaluation ? std::optional(chart.accelerations(*state, *evaluation)) : std::nullopt;
   }
 
   /// Of the equilibria that directions without stiffness lead to, the one nearest to the start is meant: a step towards
@@ -261,18 +265,33 @@ class PseudoTransientContinuation {
     shorten(chart, step);
     if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
     constexpr int kTries = 20;
+    std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      if (auto moved = chart.exactly_at(step)) {
-        state_ = std::move(*moved);
-        reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
-        return;
-      }
+      if (!arrive(chart.exactly_at(step), refusal_there)) continue;
+      reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
+      return;
+    }
+    if (!refusal_there.empty()) {
+      throw SolverError(fmt::format("{}: on the way to the equilibrium: {}", name(), refusal_there));
     }
     for (int attempt = 0; attempt <= kTries; ++attempt, step *= 2.0) {
       if (const std::string refusal = chart.refusal_at(step); !refusal.empty()) throw SolverError(refusal);
     }
     throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
                                   describe_motion(model_, state_, chart.velocities(step / step.norm()))));
+  }
+
+  /// Goes there, unless the machine cannot be closed or evaluated there: a shorter step may do.
+  bool arrive(std::optional<State> moved, std::string& refusal) {
+    if (!moved) return false;
+    try {
+      evaluation_ = solver_.evaluate(*moved);
+    } catch (const SolverError& error) {
+      refusal = error.what();
+      return false;
+    }
+    state_ = std::move(*moved);
+    return true;
   }
 
   void name_free_directions(const Chart& chart, const StiffnessSplit& split) {
