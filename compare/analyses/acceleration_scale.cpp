@@ -8,6 +8,7 @@
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
+#include "compare/verdict/spring_terms.h"
 
 namespace concord::compare::analyses {
 
@@ -53,6 +54,23 @@ std::vector<double> forces_on_bodies(const Model& model, const State& state, con
     for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
   }
   return forces;
+}
+
+/// Sums over each body of what its springs add up on the way to their forces [N]; torques as in forces_on_bodies().
+std::vector<double> spring_terms_on_bodies(const Model& model, const State& state) {
+  std::vector<double> sums(model.bodies.size(), 0.0);
+  const auto add = [&](int body, const SpringTerms& terms) {
+    sums[body] += std::max(terms.force, terms.torque / model.length_scale());
+  };
+  for (const Side side : {Side::parent, Side::child}) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      add(model.joints[k].on(side).body, spring_terms(model.joints[k], state.q[k]));
+    }
+    for (const ForceElement& element : model.elements) {
+      if (const Attachment* end = end_of(element, side)) add(end->body, spring_terms(element, state));
+    }
+  }
+  return sums;
 }
 
 /// Twice the kinetic energy of the chart's origin as a quadratic form of the rates of its coordinates [kg m2].
@@ -114,20 +132,26 @@ double reference_acceleration(const Model& model, const State& state, const Eval
   return largest / model.length_scale();
 }
 
-double reference_acceleration(const Model& model, const Chart& chart, const State& state,
-                              const Evaluation& evaluation) {
-  const double alone = reference_acceleration(model, state, evaluation);
+AccelerationScale acceleration_scale(const Model& model, const Chart& chart, const State& state,
+                                     const Evaluation& evaluation) {
+  AccelerationScale scale{reference_acceleration(model, state, evaluation), 0.0};
   const double of_gravity = model.gravity.norm() / model.length_scale();
-  if (chart.n() == 0 || alone <= of_gravity) return alone;
-  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
+  const std::vector<double> terms = spring_terms_on_bodies(model, state);
+  const bool has_terms = std::any_of(terms.begin(), terms.end(), [](double size) { return size > 0.0; });
+  if (chart.n() == 0 || (scale.reference <= of_gravity && !has_terms)) return scale;
   const std::vector<double> responses = responses_to_forces(model, chart);
-  double largest = of_gravity;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const double mass = mass_of(model.bodies[i]);
-    if (mass > 0.0)
-      largest = std::max(largest, forces[i] * std::min(responses[i], 1.0 / (mass * model.length_scale())));
-  }
-  return largest;
+  const auto caused = [&](const std::vector<double>& forces) {
+    double largest = 0.0;
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const double mass = mass_of(model.bodies[i]);
+      if (mass > 0.0)
+        largest = std::max(largest, forces[i] * std::min(responses[i], 1.0 / (mass * model.length_scale())));
+    }
+    return largest;
+  };
+  scale.reference = std::max(of_gravity, caused(forces_on_bodies(model, state, evaluation)));
+  scale.terms = caused(terms);
+  return scale;
 }
 
 }  // namespace concord::compare::analyses

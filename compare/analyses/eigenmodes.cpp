@@ -212,7 +212,7 @@ int FoundModes::count_free() const {
 }
 
 FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors) {
-  const StiffnessSplit split(search.chart, {matrices.A, errors.A}, search.reference, VecX::Zero(search.chart.n()),
+  const StiffnessSplit split(search.chart, {matrices.A, errors.A}, search.scale, VecX::Zero(search.chart.n()),
                              search.strictness);
   const Motions motions(split);
   FoundModes found;

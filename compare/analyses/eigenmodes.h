@@ -18,7 +18,7 @@ struct MotionMatrices {
 /// What the search for modes of a machine takes as given, whatever the errors of its matrices are.
 struct ModeSearch {
   const Chart& chart;
-  double reference = 0.0;  // accelerations that forces cause [1/s2]
+  AccelerationScale scale;
   /// Nothing is damped: eigenvalues are the roots of those of A alone.
   bool is_undamped = false;
   double frequency = 1.0;   // the unit of rates [1/s]

@@ -58,16 +58,20 @@ double Mode::damping_ratio() const { return is_free ? 0.0 : 0.0 - eigenvalue.rea
 namespace {
 
 /// Accelerations that velocities and forces cause [1/s2].
-double size_of_accelerations(const Model& model, Solver& solver, const Chart& chart, double speed) {
+AccelerationScale scale_of_accelerations(const Model& model, Solver& solver, const Chart& chart, double speed) {
   const State& state = chart.origin();
-  return std::max(reference_acceleration(model, chart, state, solver.evaluate(state)), speed * speed);
+  AccelerationScale scale = acceleration_scale(model, chart, state, solver.evaluate(state));
+  scale.reference = std::max(scale.reference, speed * speed);
+  return scale;
 }
 
 /// The rate at which derivatives with respect to rates are taken: the machine's largest, else that of its motions in
-/// which modes follow statically, else that of its modes. If it has none, no force depends on a time of its own, and
-/// any will do.
-double typical_rate(double reference, const StiffnessSplit& split, const MatX& A) {
-  for (const double square : {std::max(reference, split.largest()), A.norm()}) {
+/// which modes follow statically, else that of its springs and of its modes. If it has none, no force depends on a time
+/// of its own, and any will do.
+double typical_rate(const AccelerationScale& scale, const StiffnessSplit& split, const MatX& A) {
+  const double reference = scale.reference > scale.unresolved() ? scale.reference : 0.0;
+  const double stiffest = split.largest() > split.least() ? split.largest() : 0.0;
+  for (const double square : {std::max(reference, stiffest), scale.terms, A.norm()}) {
     if (square > 0.0) return std::sqrt(square);
   }
   return 1.0;
@@ -116,13 +120,14 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   const Chart& chart = deviations.chart();
   if (chart.n() == 0) return result;
   const VecX none = VecX::Zero(chart.n());
-  const double reference = size_of_accelerations(model, solver, chart, deviations.speed());
+  const AccelerationScale scale = scale_of_accelerations(model, solver, chart, deviations.speed());
   result.directions = deviations.directions();
   result.rate = deviations.speed();
-  if (reference > 0.0) result.unsteadiness = deviations.accelerations().norm() / reference;
+  const double acceleration = deviations.accelerations().norm();
+  if (acceleration > scale.unresolved()) result.unsteadiness = acceleration / scale.resolved_reference();
   const auto held = [&](const VecX& delta) { return deviations.accelerations_at(delta, none); };
-  const Stiffness stiffness = stiffness_matrix(chart, solver, held, reference);
-  if (const std::string kink = kink_at_origin(chart, held, stiffness.J, reference); !kink.empty()) {
+  const Stiffness stiffness = stiffness_matrix(chart, solver, held, scale);
+  if (const std::string kink = kink_at_origin(chart, held, stiffness.J, scale); !kink.empty()) {
     throw SolverError(fmt::format(
         "{}: at t = {:.6g} s there is no linearization: a force has a kink in this very state, as a tire has "
         "that just touches its road, so that {} meets another stiffness in one sense than in the other; "
@@ -130,12 +135,12 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
         solver.name(), state.t, kink));
   }
   result.A = stiffness.J;
-  const StiffnessSplit split(chart, stiffness, reference, none);
-  const double rate = typical_rate(reference, split, result.A);
+  const StiffnessSplit split(chart, stiffness, scale, none);
+  const double rate = typical_rate(scale, split, result.A);
   const double frequency = std::max(std::sqrt(result.A.norm()), rate);
   Damping damping = damping_matrix(deviations, solver, rate);
   result.B = damping.B;
-  const ModeSearch search{chart, reference, result.B.norm() <= kNoDamping * frequency, frequency};
+  const ModeSearch search{chart, scale, result.B.norm() <= kNoDamping * frequency, frequency};
   const MotionMatrices matrices{result.A, result.B};
   const MotionMatrices errors{stiffness.error, std::move(damping.error)};
   FoundModes found = find_modes(search, matrices, errors);

@@ -69,30 +69,32 @@ class PseudoTransientContinuation {
     if (chart.n() == 0) return true;
     const VecX f = chart.accelerations(state_, evaluation_);
     last_force_ = chart.velocities(f);
-    const double reference = least_reference(reference_acceleration(model_, chart, state_, evaluation_));
-    reference_ = reference;
+    scale_ = acceleration_scale(model_, chart, state_, evaluation_);
+    scale_.reference = least_reference(scale_.resolved_reference());
+    const double reference = scale_.reference;
+    const double negligible = std::max(kNegligibleForce * reference, scale_.unresolved());
     const int rigid = chart.n() - chart.n_modal();
     is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
     refuse_singular(chart);
-    const Stiffness stiffness = stiffness_here(chart, reference);
-    const StiffnessSplit split(chart, stiffness, reference, f);
+    const Stiffness stiffness = stiffness_here(chart);
+    const StiffnessSplit split(chart, stiffness, scale_, f);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
     const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
-    const bool is_met = unmet.norm() <= kNegligibleForce * reference;
+    const bool is_met = unmet.norm() <= negligible;
     if (is_met && is_done(newton.norm())) {
       if (step_back(chart, split.free_directions())) return false;
-      if (iteration > 1) kink_ = kink_here(chart, stiffness.J, reference);
+      if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
       return true;
     }
-    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
+    const VecX pull = growth.without_negligible(f, std::max(negligible, kNegligibleForce * f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth, falls);
-    refuse_if_pushed(chart, stiffness.J, unmet, reference);
+    refuse_if_pushed(chart, stiffness.J, unmet, negligible);
     last_step_ = newton.norm();
     move(chart,
          by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions()));
@@ -106,14 +108,14 @@ class PseudoTransientContinuation {
   }
 
   /// In steps so short that it hardly changes, the stiffness of a machine with many coordinates is found once.
-  [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double reference) {
+  [[nodiscard]] Stiffness stiffness_here(const Chart& chart) {
     if (!is_cautious_ && last_move_ < kNearRest && last_basis_.cols() == chart.n()) {
       const MatX turn = chart.basis().transpose() * last_basis_;
       const MatX size = turn.cwiseAbs();
       last_stiffness_ = {turn * last_stiffness_.J * turn.transpose(), size * last_stiffness_.error * size.transpose()};
     } else {
       last_stiffness_ = stiffness_matrix(
-          chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+          chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, scale_);
     }
     last_basis_ = chart.basis();
     return last_stiffness_;
@@ -196,7 +198,7 @@ class PseudoTransientContinuation {
 
   /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
   [[nodiscard]] double longest_time() {
-    if (is_cautious_) return kLongestTime / reference_;
+    if (is_cautious_) return kLongestTime / scale_.reference;
     const double slow = slow_acceleration(model_, state_, evaluation_);
     if (!first_slow_) first_slow_ = slow;
     return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
@@ -218,19 +220,19 @@ class PseudoTransientContinuation {
     return solve_square(system, f);
   }
 
-  [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J, double reference) const {
+  [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J) const {
     return kink_at_origin(
-        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, J, reference);
+        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, J, scale_);
   }
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
-  void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double reference) {
-    if (time_ < longest_time() || unmet.norm() <= kNegligibleForce * reference) {
+  void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double negligible) {
+    if (time_ < longest_time() || unmet.norm() <= negligible) {
       pushed_ = 0;
       return;
     }
     if (++pushed_ < kPushes) return;
-    if (const std::string kink = kink_here(chart, J, reference); !kink.empty()) {
+    if (const std::string kink = kink_here(chart, J); !kink.empty()) {
       throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
     }
     const VecX pushed = chart.velocities(unmet);
@@ -330,7 +332,7 @@ class PseudoTransientContinuation {
   Stiffness last_stiffness_;
   MatX last_basis_;  // of the chart in which it is, or none
   std::optional<double> first_reference_;
-  double reference_ = 0.0;  // at the state
+  AccelerationScale scale_;  // at the state
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;

@@ -15,7 +15,8 @@ namespace concord::compare::analyses {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kDifferenceStep = 0.02;  // of the machine's length, rad
+constexpr double kDifferenceStep = 0.02;               // of the machine's length, rad
+constexpr double kFinestStep = kDifferenceStep / 4.0;  // of the three from which derivatives are extrapolated
 constexpr double kLeastDifferenceStep = 1e-6;
 constexpr double kRoughStep = 1e-5;
 constexpr double kTimesReference = 10.0;
@@ -38,31 +39,34 @@ constexpr double kNearRest = 1e-9;  // of what forces cause
 
 using AlongLine = std::function<std::optional<VecX>(double)>;
 
-/// So far that stiff directions change the accelerations by ten times `reference`, soft ones as far as is good.
-double difference_step(const AlongLine& function, double reference) {
+/// So far that stiff directions change the accelerations by ten times the reference, soft ones as far as is good; where
+/// forces are round-off of what springs add up, they say nothing.
+double difference_step(const AlongLine& function, const AccelerationScale& scale) {
   const auto plus = function(kLeastDifferenceStep);
   const auto minus = function(-kLeastDifferenceStep);
-  if (!plus || !minus || reference == 0.0) return kDifferenceStep;
+  const double reference = scale.reference;
+  if (!plus || !minus || reference <= scale.unresolved()) return kDifferenceStep;
   const double slope = (*plus - *minus).norm() / (2.0 * kLeastDifferenceStep);
   if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
   return std::max(4.0 * kLeastDifferenceStep, kTimesReference * reference / slope);
 }
 
 std::optional<Derivative> derivative_along(const AccelerationsAt& accelerations, const VecX& direction,
-                                           double reference) {
+                                           const AccelerationScale& scale) {
   const AlongLine along = [&](double step) { return accelerations(step * direction); };
-  return derivative_at_zero(along, difference_step(along, reference), kLeastDifferenceStep, reference);
+  return derivative_at_zero(along, difference_step(along, scale), kLeastDifferenceStep, scale.resolved_reference());
 }
 
 /// Differences soft directions along themselves where an error covers more than the last eight digits of them.
-void refine_soft_directions(const AccelerationsAt& accelerations, double reference, Stiffness& stiffness) {
+void refine_soft_directions(const AccelerationsAt& accelerations, const AccelerationScale& scale,
+                            Stiffness& stiffness) {
   constexpr double kResolved = 1e-8;
   const Eigen::JacobiSVD<MatX> svd(stiffness.J, Eigen::ComputeFullU | Eigen::ComputeFullV);
   for (Eigen::Index k = 1; k < stiffness.J.cols(); ++k) {
     const VecX direction = svd.matrixV().col(k);
     const VecX error = stiffness.error * direction;
-    if (error.norm() <= kResolved * std::max(svd.singularValues()(k), kResolved * reference)) continue;
-    const auto again = derivative_along(accelerations, direction, reference);
+    if (error.norm() <= kResolved * std::max(svd.singularValues()(k), kResolved * scale.resolved_reference())) continue;
+    const auto again = derivative_along(accelerations, direction, scale);
     if (!again || again->error.norm() >= error.norm()) continue;
     stiffness.J += (again->value - stiffness.J * direction) * direction.transpose();
     stiffness.error += (again->error - error) * direction.transpose();
@@ -99,10 +103,10 @@ std::optional<Evaluation> evaluation_unless_refused(Solver& solver, const State&
 }
 
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
-                           double reference) {
+                           const AccelerationScale& scale) {
   Stiffness stiffness{MatX(chart.n(), chart.n()), MatX(chart.n(), chart.n())};
   for (int k = 0; k < chart.n(); ++k) {
-    const auto column = derivative_along(accelerations, VecX::Unit(chart.n(), k), reference);
+    const auto column = derivative_along(accelerations, VecX::Unit(chart.n(), k), scale);
     if (!column) {
       const std::string refusal = nearest_refusal(chart, VecX::Unit(chart.n(), k));
       if (!refusal.empty()) throw SolverError(refusal);
@@ -114,7 +118,7 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
     stiffness.J.col(k) = column->value;
     stiffness.error.col(k) = column->error;
   }
-  refine_soft_directions(accelerations, reference, stiffness);
+  refine_soft_directions(accelerations, scale, stiffness);
   return stiffness;
 }
 
@@ -130,10 +134,12 @@ std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const Acc
   return J;
 }
 
-std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference) {
+std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J,
+                           const AccelerationScale& scale) {
   constexpr double kJump = 1e-3;      // of a column of J
   constexpr double kRoundOff = 1e-7;  // of what forces cause, over the step
   constexpr double kStays = 1.5;      // what is smooth grows with the step, round-off falls
+  const double round_off = std::max(kRoundOff * scale.reference, kClearly * scale.unresolved() / kLeastDifferenceStep);
   const auto here = accelerations(VecX::Zero(chart.n()));
   if (!here) return "";
   const auto bend = [&](int k, double step) -> double {
@@ -145,7 +151,7 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
   double largest = 0.0;
   for (int k = 0; k < chart.n(); ++k) {
     const double coarse = bend(k, kLeastDifferenceStep);
-    if (coarse <= std::max({kJump * J.col(k).norm(), kRoundOff * reference, largest})) continue;
+    if (coarse <= std::max({kJump * J.col(k).norm(), round_off, largest})) continue;
     const double wider[] = {bend(k, 4.0 * kLeastDifferenceStep), bend(k, 16.0 * kLeastDifferenceStep)};
     const auto [least, most] = std::minmax({coarse, wider[0], wider[1]});
     if (most > kStays * least) continue;
@@ -163,8 +169,8 @@ std::string rests_at_kink(const std::string& motion) {
       motion);
 }
 
-StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,
-                               double strictness)
+StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale,
+                               const VecX& f, double strictness)
     : clearly_(kClearly * strictness) {
   const MatX& J = stiffness.J;
   const Eigen::Index n = J.cols();
@@ -182,10 +188,11 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, d
   motions.bottomRows(n - m).setIdentity();
   if (m > 0) motions.topRows(m) = -least_squares(R11_, R12_);
   const MatX round_off = 4.0 * kEpsilon * (beyond_.cwiseAbs().transpose() * J.cwiseAbs() * motions.cwiseAbs());
-  const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * reference);
-  const MatX of_reference = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * reference);
+  const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * scale.reference);
+  const double least = std::max(kRoundOffOfReference * scale.reference, scale.unresolved() / kFinestStep);
+  const MatX of_scale = MatX::Identity(n - m, n - m) * least;
   split(beyond_.transpose() * J.rightCols(n - m), beyond_.transpose() * stiffness.error * motions,
-        round_off + feigned + of_reference);
+        round_off + feigned + of_scale);
   const MatX directions = free_;
   free_ = motions * directions;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/solver.h"
+#include "compare/analyses/acceleration_scale.h"
 #include "compare/verdict/chart.h"
 
 /// Derivatives of a machine's accelerations, -M^-1 K of its linearization, from a solver's accelerations alone, and how
@@ -25,23 +26,24 @@ struct Stiffness {
   MatX error;
 };
 
-/// By differences over as much as changes the accelerations by ten times `reference`. A stiff direction allows short
+/// By differences over as much as changes the accelerations by ten times the reference. A stiff direction allows short
 /// steps only, and the round-off of its accelerations covers soft directions that share an axis of the chart with it:
 /// those are then differenced again along themselves. Throws SingularPose, as found by `solver`, if there are no closed
 /// states along an axis.
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
-                           double reference);
+                           const AccelerationScale& scale);
 
 /// The same by one difference for each axis from the accelerations f of the origin: good to about four digits, without
-/// errors. Nothing where the stiffness is so large that round-off would be more than that, or where closed states are
-/// missing.
+/// errors. Nothing where the stiffness is so large that round-off would be more than
+/// that, or where closed states are missing.
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
                                     double reference);
 
 /// A force with a kink in the chart's origin itself, such as that of a tire that just touches its road, has no
 /// derivative there: differences to both sides take the mean of two. The motion that meets it most, in words; empty
 /// without one.
-std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J, double reference);
+std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J,
+                           const AccelerationScale& scale);
 
 /// What to say of an equilibrium with a kink along such a motion, where it cannot be told.
 std::string rests_at_kink(const std::string& motion);
@@ -49,12 +51,12 @@ std::string rests_at_kink(const std::string& motion);
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
  public:
-  /// `reference`: accelerations that the machine's forces cause [1/s2]; `f`: accelerations in the chart's origin, whose
-  /// turning with the bodies feigns stiffness [1/s2]. There is no stiffness in a direction that does not exceed what
-  /// differences resolve in it: the errors measured in it and in softer ones, the round-off of the entries of J from
-  /// which it comes, and round-off of `reference`; `strictness` times what is otherwise enough, where one asks whether
-  /// the decision hangs by it.
-  StiffnessSplit(const Chart& chart, const Stiffness& stiffness, double reference, const VecX& f,
+  /// `scale`: accelerations that the machine's forces and the terms of its springs cause; `f`: accelerations in the
+  /// chart's origin, whose turning with the bodies feigns stiffness [1/s2]. There is no stiffness in a direction that
+  /// does not exceed what differences resolve in it: the errors measured in it and in softer ones, the round-off of the
+  /// entries of J from which it comes, and round-off of `scale`, over a step for what springs add up; `strictness`
+  /// times what is otherwise enough, where one asks whether the decision hangs by it.
+  StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale, const VecX& f,
                  double strictness = 1.0);
 
   /// The step of least norm in rigid motions with J step = -f as far as there is stiffness.
