@@ -56,18 +56,20 @@ void prepare_outputs(const AnalysisCommand& command) {
   if (!command.json.empty()) std::filesystem::remove(command.json);
 }
 
-/// Runs of both solvers, and of a linearization the modes of each.
+/// Runs of both solvers, of the machine that made them, and of a linearization the modes of each.
 void write_results(const std::filesystem::path& folder, const Model& model, const AnalysisVerdict& result) {
   make_folder(folder);
   std::vector<NamedRun> runs;
   for (std::size_t who = 0; who < 2; ++who) {
     const std::string& solver = result.wrenches.solvers[who].name;
-    if (const auto& run = result.wrenches.trajectories[who]) runs.push_back({solver, &*run});
+    const auto& unique = result.wrenches.unique;
+    if (const auto& run = result.wrenches.trajectories[who])
+      runs.push_back({solver, &*run, unique ? &*unique : nullptr});
     if (const auto& found = result.linearizations[who]) {
       write_file(folder / fmt::format("{}.{}.modes.csv", model.name, solver), format_modes_csv(model, *found));
     }
   }
-  if (!runs.empty()) write_runs(folder, model, runs);
+  if (!runs.empty()) write_runs(folder, result.driven ? *result.driven : model, runs);
 }
 
 }  // namespace

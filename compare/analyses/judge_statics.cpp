@@ -143,11 +143,10 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
         std::all_of(result.numbers.begin(), result.numbers.end(), [](const NumberRow& row) { return row.agrees(); });
     if (!agrees && !one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
   }
-  if (!model.joints.empty() && !has_judged(result.wrenches)) {
-    result.wrenches.failures.emplace_back(result.wrenches.rows.empty()
-                                              ? "no joint can carry a reaction, so that none was judged"
-                                              : "no reaction was judged: none is unique, or none is resolved");
+  if (!model.joints.empty() && result.wrenches.rows.empty() && !has_judged(result.wrenches)) {
+    result.wrenches.failures.emplace_back("no joint can carry a reaction, so that none was judged");
   }
+  require_judged(result);
   conclude(result);
   return result;
 }

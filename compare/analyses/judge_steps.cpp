@@ -75,6 +75,7 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const Series series = align(layout, trajectories, samples);
   judge.find_differences_on(series, judge.measure_rung(series, own.budget(), Rung::same_run), Rung::same_run);
   verdict.motion = compare_motions(model, trajectories);
+  verdict.unique = own.mask;
 
   for (const Who who : kBothSolvers) judge.judge_audit(who, audit(model, found[index(who)]));
   judge.judge_rows();
@@ -103,6 +104,12 @@ void note_numbers(AnalysisVerdict& result) {
 }
 
 }  // namespace
+
+void require_judged(AnalysisVerdict& result) {
+  const ComponentCount count = count_components(result.wrenches);
+  if (count.total == 0 || count.judged > 0 || has_judged_sums(result.wrenches)) return;
+  result.wrenches.failures.emplace_back("no reaction was judged: none is unique, or none is resolved");
+}
 
 void conclude(AnalysisVerdict& result) {
   note_numbers(result);

@@ -32,6 +32,9 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
 /// A number that both solvers give, with its digits on a scale of its own.
 NumberRow number(std::string name, std::string unit, double one, double other, double scale, double need);
 
+/// No verdict where joints carry reactions, of which none is unique and resolved.
+void require_judged(AnalysisVerdict& result);
+
 /// The outcome, from the wrenches and the numbers.
 void conclude(AnalysisVerdict& result);
 

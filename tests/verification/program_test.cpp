@@ -359,6 +359,20 @@ TEST_CASE("run and info do what they say", "[program]") {
   CHECK(contains(info.out, "joint A on crank: F_z T_x T_y"));
 }
 
+TEST_CASE("What analyses write marks what of it is not unique", "[program]") {
+  const Desk desk;
+  const std::string command = GENERATE("statics", "linearize", "inverse");
+  const Told told = desk.run(command + " " + model("slider_crank_redundant") + " --out results");
+  INFO(command << told.out << told.err);
+  CHECK(told.code == 0);
+  for (const char* solver : {"cartesian", "relative"}) {
+    const std::string name = std::string("slider_crank_redundant.") + solver + ".reactions.csv";
+    const std::string text = read(desk.work() / "results" / name);
+    CHECK(contains(text, "# not unique in 1 of 1 samples: "));
+    CHECK(contains(text.substr(0, text.find('\n')), "A.child.F_z"));
+  }
+}
+
 TEST_CASE("Places that are no regular file are refused before any work and stay what they are", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
