@@ -12,8 +12,10 @@
 #include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/growth.h"
 #include "compare/analyses/joint_changes.h"
+#include "compare/analyses/other_rests.h"
 #include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
+#include "compare/verdict/draws.h"
 #include "compare/verdict/motion_names.h"
 
 namespace concord::compare::analyses {
@@ -21,7 +23,6 @@ namespace concord::compare::analyses {
 namespace {
 
 constexpr int kMostIterations = 300;
-constexpr double kLongestStep = 0.3;       // of the machine's length, rad
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
 constexpr double kSmallStep = 1e-9;        // Newton's method may end
 constexpr double kRoundOffStep = 1e-14;    // and does end
@@ -45,12 +46,15 @@ namespace {
 /// Pseudo-transient continuation of one machine to its equilibrium.
 class PseudoTransientContinuation {
  public:
-  PseudoTransientContinuation(const Model& model, Solver& solver)
+  PseudoTransientContinuation(const Model& model, Solver& solver, const Search& search)
       : model_(model),
         solver_(solver),
+        search_(search),
         start_(solver.assemble()),
-        state_(start_),
-        evaluation_(solver.evaluate(state_)) {}
+        state_(displaced(start_)),
+        evaluation_(solver.evaluate(state_)),
+        last_move_(search.longest_step),
+        longest_slide_(search.longest_step) {}
 
   Equilibrium run() {
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
@@ -62,6 +66,15 @@ class PseudoTransientContinuation {
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
+
+  [[nodiscard]] State displaced(const State& start) {
+    if (search_.displacement == 0.0) return start;
+    Chart chart(model_, solver_, start);
+    Draws draws(search_.seed);
+    VecX delta(chart.n());
+    for (double& one : delta) one = search_.displacement * draws.next();
+    return chart.place_at(delta).value_or(start);
+  }
 
   /// One step; true if the state is at rest already.
   bool advance(int iteration) {
@@ -141,7 +154,7 @@ class PseudoTransientContinuation {
   /// A step with rough derivatives, where these can be had.
   bool flow_roughly(Chart& chart, const VecX& f, double reference) {
     const auto J = rough_stiffness(
-        chart, f, [&](const VecX& delta) { return at_rest(chart, delta); }, reference);
+        chart, f, [&](const VecX& delta) { return at_rest(chart, delta); }, reference, search_.rough_differences);
     last_basis_.resize(0, 0);
     if (!J) return false;
     const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
@@ -204,10 +217,10 @@ class PseudoTransientContinuation {
     return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
   }
 
-  /// Pseudo time steps grow tenfold. Cautious ones stay short enough not to jump to a place from which the machine
-  /// falls.
+  /// Pseudo time steps grow, tenfold as a rule. Cautious ones stay short enough not to jump to a place from which the
+  /// machine falls.
   void lengthen(const VecX& f, const Growth& growth, bool falls) {
-    time_ = time_ == 0.0 ? kLongestStep / (3.0 * f.norm()) : 10.0 * time_;
+    time_ = time_ == 0.0 ? search_.longest_step / (3.0 * f.norm()) : search_.lengthening * time_;
     time_ = std::min(time_, longest_time());
     if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
   }
@@ -246,16 +259,16 @@ class PseudoTransientContinuation {
   /// are cut short in the same direction.
   void shorten(const Chart& chart, VecX& step) {
     const JointStep joints = joint_step(model_, chart, step);
-    last_move_ = std::min(joints.largest(), kLongestStep);
+    last_move_ = std::min(joints.largest(), search_.longest_step);
     const bool slides = joints.rest > joints.turn;
     const double size = is_cautious_ ? step.norm() : joints.largest();
-    const double of_turns = (slides ? joints.turn : size) / kLongestStep;
+    const double of_turns = (slides ? joints.turn : size) / search_.longest_step;
     const double of_slides = slides ? size / longest_slide_ : 0.0;
     const VecX velocities = chart.velocities(step).normalized();
     const double along = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
     last_velocities_ = velocities;
     if (along < 0.0) {
-      longest_slide_ = std::max(kLongestStep, 0.25 * longest_slide_);
+      longest_slide_ = std::max(search_.longest_step, 0.25 * longest_slide_);
     } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
       longest_slide_ *= 2.0;
     }
@@ -324,6 +337,7 @@ class PseudoTransientContinuation {
 
   const Model& model_;
   Solver& solver_;
+  Search search_;
   State start_;
   State state_;
   Evaluation evaluation_;
@@ -336,8 +350,8 @@ class PseudoTransientContinuation {
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
-  double last_move_ = kLongestStep;
-  double longest_slide_ = kLongestStep;
+  double last_move_;
+  double longest_slide_;
   VecX last_velocities_;
   /// Longer steps would hardly end in a closed state.
   double reach_ = std::numeric_limits<double>::infinity();
@@ -351,8 +365,14 @@ class PseudoTransientContinuation {
 
 }  // namespace
 
+Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search) {
+  return PseudoTransientContinuation(model, solver, search).run();
+}
+
 Equilibrium find_equilibrium(const Model& model, Solver& solver) {
-  return PseudoTransientContinuation(model, solver).run();
+  Equilibrium found = search_equilibrium(model, solver, {});
+  refuse_other_rest(model, solver, found);
+  return found;
 }
 
 }  // namespace concord::compare::analyses

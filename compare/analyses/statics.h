@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/analyses/stiffness.h"
 
 /// Static equilibrium, from a solver's accelerations alone.
 namespace concord::compare::analyses {
@@ -38,6 +40,19 @@ struct Equilibrium {
 /// modes are eliminated first. Where stiffness is missing (see StiffnessSplit), the step of least norm leaves the
 /// direction alone. `model` must be held_at_start() and `solver` made for it. Throws
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
+/// Where constraints hold for velocities alone, another search must end in the same place.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
+
+/// How a search goes: no rest that the statement determines hangs by it.
+struct Search {
+  double longest_step = 0.3;  // of the machine's length, rad
+  double lengthening = 10.0;  // of pseudo time steps
+  /// How far from the model's start it begins at most, along every coordinate of the chart there; drawn from `seed`.
+  double displacement = 0.0;
+  std::uint64_t seed = 0;
+  Sense rough_differences = Sense::forward;
+};
+/// One such search.
+Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search);
 
 }  // namespace concord::compare::analyses

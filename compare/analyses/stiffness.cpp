@@ -123,12 +123,13 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
 }
 
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
-                                    double reference) {
+                                    double reference, Sense sense) {
+  const double step = sense == Sense::forward ? kRoughStep : -kRoughStep;
   MatX J(chart.n(), chart.n());
   for (int k = 0; k < chart.n(); ++k) {
-    const auto plus = accelerations(kRoughStep * VecX::Unit(chart.n(), k));
-    if (!plus) return std::nullopt;
-    J.col(k) = (*plus - f) / kRoughStep;
+    const auto beside = accelerations(step * VecX::Unit(chart.n(), k));
+    if (!beside) return std::nullopt;
+    J.col(k) = (*beside - f) / step;
     if (!(J.col(k).norm() * kRoughStep <= kTimesReference * reference)) return std::nullopt;
   }
   return J;

@@ -33,11 +33,12 @@ struct Stiffness {
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
                            const AccelerationScale& scale);
 
-/// The same by one difference for each axis from the accelerations f of the origin: good to about four digits, without
-/// errors. Nothing where the stiffness is so large that round-off would be more than
+/// The same by one difference for each axis, to one side or to the other, from the accelerations f of the origin: good
+/// to about four digits, without errors. Nothing where the stiffness is so large that round-off would be more than
 /// that, or where closed states are missing.
+enum class Sense { forward, backward };
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
-                                    double reference);
+                                    double reference, Sense sense);
 
 /// A force with a kink in the chart's origin itself, such as that of a tire that just touches its road, has no
 /// derivative there: differences to both sides take the mean of two. The motion that meets it most, in words; empty

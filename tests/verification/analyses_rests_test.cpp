@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "common/error.h"
+#include "compare/analyses/judge.h"
+#include "compare/analyses/report.h"
+#include "compare/analyses/statics.h"
+#include "compare/verdict/chart.h"
+
+/// Rests that statics once did not find, or that it found though the statement does not determine them.
+namespace concord::verification {
+namespace {
+
+using compare::Chart;
+using compare::Outcome;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
+using compare::analyses::judge_linearization;
+using compare::analyses::judge_statics;
+
+const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
+
+double value_of(const AnalysisVerdict& found, const std::string& name) {
+  const auto row =
+      std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });
+  REQUIRE(row != found.numbers.end());
+  return row->values[0];
+}
+
+/// A mode that turns frames and hardly moves a point must be stepped by its turn.
+TEST_CASE("A thin cantilever with a torsion mode bends and twists under small loads", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "blade"
+[body.beam]
+length = 2.1
+elements = 12
+section = { width_y = 0.008, width_z = 0.015 }
+youngs_modulus = 6.9e10
+poissons_ratio = 0.33
+density = 2700
+support = "craig_bampton"
+modes = { bending_xy = [1] }
+static_modes = { torsion = [1] }
+[[joint]]
+name = "root"
+type = "weld"
+parent = { body = "ground", point = [0.2, -0.1, 0.3], axis = [1, 2, -1], angle = 0.7 }
+child = { body = "blade", node = "first" }
+[[load]]
+name = "tip"
+body = "blade"
+node = "last"
+force = [0.1, 0.4, -0.3]
+torque = [0.02, 0, 0]
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, true);
+  INFO(format_analysis(model, modes, true));
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+}
+
+/// Springs at their free lengths exert nothing, but what they add up is not known better than to round-off.
+TEST_CASE("What a relaxed radial spring does not resist is free, not unstable by round-off", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "wheel"
+mass = 0.8
+inertia = [0.7, 0.7, 0.7]
+[[joint]]
+name = "pin"
+type = "revolute"
+parent = "ground"
+child = "wheel"
+start.turn_z = { keep = 0, keep_speed = 0 }
+[[line_spring]]
+name = "spoke"
+parent = { body = "ground", point = [3.25, 0, 0] }
+child = { body = "wheel", point = [0.75, 0, 0] }
+stiffness = 310
+free = 2.5
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(value_of(rest, "directions without stiffness") == 1.0);
+  CHECK(value_of(rest, "unstable directions") == 0.0);
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, modes, true));
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+  for (const auto& found : modes.linearizations) {
+    CHECK(std::all_of(found->modes.begin(), found->modes.end(), [](const auto& mode) { return mode.is_free; }));
+  }
+}
+
+TEST_CASE("A body between six relaxed springs through its centre turns freely", "[analyses][quick]") {
+  std::string text = R"toml(format = 1
+[[body]]
+name = "knot"
+mass = 0.8
+inertia = [0.7, 0.7, 0.7]
+[[joint]]
+name = "flight"
+type = "free"
+parent = "ground"
+child = "knot"
+start.slide_x = { keep = 0, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = 0, keep_speed = 0 }
+start.ball = { keep = { axis = [0, 0, 1], angle = 0 }, keep_speed = [0, 0, 0] }
+)toml";
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 along = sign * Vec3::Unit(axis);
+      const Vec3 from = 2.0 * along;
+      const Vec3 to = 0.5 * along;
+      text += fmt::format(
+          "[[line_spring]]\nname = \"s{}{}\"\nstiffness = 230\nfree = 1.5\n"
+          "parent = {{ body = \"ground\", point = [{}, {}, {}] }}\n"
+          "child = {{ body = \"knot\", point = [{}, {}, {}] }}\n",
+          axis, sign > 0.0 ? "+" : "-", from.x(), from.y(), from.z(), to.x(), to.y(), to.z());
+    }
+  }
+  const Model model = parse(text);
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "directions without stiffness") == 3.0);
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, modes, true));
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+}
+
+/// Opposite links equal, a / sin(alpha) = b / sin(beta).
+Model bennett_linkage() {
+  return parse(R"toml(format = 1
+gravity = [2, -8, 4]
+[parameters]
+a = 0.41
+al = "35 deg"
+be = "62 deg"
+b = "a*sin(be)/sin(al)"
+[[body]]
+name = "first"
+mass = 1.3
+center_of_mass = ["a/2", 0.01, 0]
+inertia = [2e-3, 9e-3, 8e-3]
+[[body]]
+name = "coupler"
+mass = 0.8
+center_of_mass = ["b/2", 0.02, 0]
+inertia = [1e-3, 1e-2, 1.05e-2]
+[[body]]
+name = "last"
+mass = 1
+center_of_mass = ["a/2", 0, 0.01]
+inertia = [1e-3, 8e-3, 7e-3]
+[[joint]]
+name = "J1"
+type = "revolute"
+parent = "ground"
+child = "first"
+start.turn_z = { keep = "50 deg", keep_speed = 0 }
+[[joint]]
+name = "J2"
+type = "revolute"
+parent = { body = "first", point = ["a", 0, 0], axis = [1, 0, 0], angle = "al" }
+child = "coupler"
+start.turn_z = { guess = "110 deg" }
+[[joint]]
+name = "J3"
+type = "revolute"
+parent = { body = "coupler", point = ["b", 0, 0], axis = [1, 0, 0], angle = "be" }
+child = "last"
+start.turn_z = { guess = "-50 deg" }
+[[joint]]
+name = "J4"
+type = "revolute"
+parent = { body = "last", point = ["a", 0, 0], axis = [1, 0, 0], angle = "al" }
+child = { body = "ground", sequence = "xyz", angles = ["-be", 0, 0], point = ["-b", 0, 0] }
+)toml");
+}
+
+/// Off its closed poses such a linkage has a row more, which asks for steps along its motion.
+TEST_CASE("Closing near a guess does not slide along the motion of an overconstrained linkage", "[closure][quick]") {
+  const Model model = bennett_linkage();
+  for (const auto& solver : both_solvers(model)) {
+    INFO(solver->name());
+    Chart chart(model, *solver, solver->assemble());
+    REQUIRE(chart.n() == 1);
+    for (const double delta : {0.2, -0.2, 0.02}) CHECK(chart.exactly_at(VecX::Constant(1, delta)));
+  }
+}
+
+TEST_CASE("An overconstrained linkage comes to rest, though nothing of its reactions is unique", "[analyses]") {
+  const AnalysisVerdict rest = judge_statics(bennett_linkage(), kMakers);
+  CHECK(rest.wrenches.findings.empty());
+  REQUIRE(rest.wrenches.failures.size() == 1);
+  CHECK_THAT(rest.wrenches.failures.front(), Catch::Contains("no reaction was judged"));
+  CHECK(std::all_of(rest.numbers.begin(), rest.numbers.end(), [](const auto& row) { return row.agrees(); }));
+}
+
+/// What its edge permits does not span the places that it can reach: where it rests depends on how it goes there.
+TEST_CASE("Where a skate comes to rest is not determined", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [1.3, 0.4, -9.81]
+[[body]]
+name = "skate"
+mass = 2.2
+inertia = [0.1, 0.2, 0.15]
+center_of_mass = [0.06, 0.01, 0.1]
+[[joint]]
+name = "edge"
+type = "knife_edge"
+parent = "ground"
+child = "skate"
+start.slide_x = { keep = 0.1, keep_speed = 0 }
+start.slide_y = { keep = 0 }
+start.turn_z = { keep = 0.6, keep_speed = 0 }
+[[line_spring]]
+name = "tether"
+parent = { body = "ground", point = [-0.8, 0.7, 0.1] }
+child = { body = "skate", point = [0.15, 0, 0.1] }
+stiffness = 130
+free = 0.4
+)toml");
+  CHECK_THROWS_WITH(judge_statics(model, kMakers),
+                    Catch::Contains("the equilibrium is not determined: edge restricts velocities alone"));
+}
+
+}  // namespace
+}  // namespace concord::verification
