@@ -97,13 +97,13 @@ MatX inertia_of(const Model& model, const Chart& chart) {
 }
 
 /// What a unit of force on each body, at its origin or as a torque at the machine's length, causes in the chart's
-/// coordinates at most [1/(kg m)].
-std::vector<double> responses_to_forces(const Model& model, const Chart& chart) {
+/// coordinates at most, one by one [1/(kg m)].
+std::vector<VecX> responses_to_forces(const Model& model, const Chart& chart) {
   const MatX causes = smallest_least_squares(inertia_of(model, chart), chart.basis().transpose());
-  std::vector<double> responses(model.bodies.size(), 0.0);
+  std::vector<VecX> responses(model.bodies.size(), VecX::Zero(chart.n()));
   Eigen::Index column = 0;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    responses[i] = model.length_scale() * causes.middleCols(column, 6).norm();
+    responses[i] = model.length_scale() * causes.middleCols(column, 6).rowwise().norm();
     column += 6 + chart.origin().bodies[i].a.size();
   }
   return responses;
@@ -139,18 +139,25 @@ AccelerationScale acceleration_scale(const Model& model, const Chart& chart, con
   const std::vector<double> terms = spring_terms_on_bodies(model, state);
   const bool has_terms = std::any_of(terms.begin(), terms.end(), [](double size) { return size > 0.0; });
   if (chart.n() == 0 || (scale.reference <= of_gravity && !has_terms)) return scale;
-  const std::vector<double> responses = responses_to_forces(model, chart);
+  std::vector<VecX> responses = responses_to_forces(model, chart);
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const double alone = 1.0 / (mass_of(model.bodies[i]) * model.length_scale());
+    const double size = responses[i].norm();
+    if (size > alone) responses[i] *= alone / size;
+  }
   const auto caused = [&](const std::vector<double>& forces) {
     double largest = 0.0;
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const double mass = mass_of(model.bodies[i]);
-      if (mass > 0.0)
-        largest = std::max(largest, forces[i] * std::min(responses[i], 1.0 / (mass * model.length_scale())));
+      if (mass_of(model.bodies[i]) > 0.0) largest = std::max(largest, forces[i] * responses[i].norm());
     }
     return largest;
   };
   scale.reference = std::max(of_gravity, caused(forces_on_bodies(model, state, evaluation)));
   scale.terms = caused(terms);
+  scale.terms_in_coordinates = VecX::Zero(chart.n());
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (mass_of(model.bodies[i]) > 0.0) scale.terms_in_coordinates += terms[i] * responses[i];
+  }
   return scale;
 }
 

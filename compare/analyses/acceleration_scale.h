@@ -20,9 +20,15 @@ struct AccelerationScale {
   /// What the terms of springs would cause, which cancel where a machine rests at the free lengths of its springs
   /// [1/s2].
   double terms = 0.0;
+  /// The same in each coordinate of the chart: a spring says nothing of motions that it does not see.
+  VecX terms_in_coordinates = {};
 
   /// What double precision leaves open of an acceleration, however small the forces are.
   [[nodiscard]] double unresolved() const { return 2.0 * std::numeric_limits<double>::epsilon() * terms; }
+  [[nodiscard]] double unresolved_along(const VecX& direction) const {
+    if (terms_in_coordinates.size() == 0) return 0.0;
+    return 2.0 * std::numeric_limits<double>::epsilon() * direction.cwiseAbs().dot(terms_in_coordinates);
+  }
   [[nodiscard]] double resolved_reference() const { return std::max(reference, unresolved()); }
 };
 

@@ -189,7 +189,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   measure_in_steady_axes(held, solvers, states, result);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
   ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
-  require_judged(result);
+  require_unique(result);
   conclude(result);
   return result;
 }

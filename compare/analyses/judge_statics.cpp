@@ -131,6 +131,7 @@ void refuse_if_round_off_decides(const Model& model, const Solvers& solvers, con
     if (!one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
   }
   for (const Who who : kBothSolvers) {
+    refuse_other_rest(model, *solvers[index(who)], found[index(who)]);
     const std::string other = other_rest_of_like_search(model, *solvers[index(who)], found[index(who)]);
     if (!other.empty()) throw SolverError("statics: " + other);
   }

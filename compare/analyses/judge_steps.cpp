@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -109,6 +110,16 @@ void require_judged(AnalysisVerdict& result) {
   const ComponentCount count = count_components(result.wrenches);
   if (count.total == 0 || count.judged > 0 || has_judged_sums(result.wrenches)) return;
   result.wrenches.failures.emplace_back("no reaction was judged: none is unique, or none is resolved");
+}
+
+void require_unique(AnalysisVerdict& result) {
+  const auto is_unique = [](const QuantityRow& row) {
+    return row.unique && (row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element);
+  };
+  const Verdict& verdict = result.wrenches;
+  if (std::any_of(verdict.rows.begin(), verdict.rows.end(), is_unique)) return;
+  if (std::any_of(verdict.others.begin(), verdict.others.end(), is_unique)) return;
+  require_judged(result);
 }
 
 void conclude(AnalysisVerdict& result) {

@@ -35,6 +35,10 @@ NumberRow number(std::string name, std::string unit, double one, double other, d
 /// No verdict where joints carry reactions, of which none is unique and resolved.
 void require_judged(AnalysisVerdict& result);
 
+/// No verdict where joints carry reactions, of which none is unique. Those that are, but carry too little to be
+/// resolved, are no hindrance where others than wrenches are asked for.
+void require_unique(AnalysisVerdict& result);
+
 /// The outcome, from the wrenches and the numbers.
 void conclude(AnalysisVerdict& result);
 

@@ -12,7 +12,6 @@
 #include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/growth.h"
 #include "compare/analyses/joint_changes.h"
-#include "compare/analyses/other_rests.h"
 #include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
@@ -85,7 +84,7 @@ class PseudoTransientContinuation {
     scale_ = acceleration_scale(model_, chart, state_, evaluation_);
     scale_.reference = least_reference(scale_.resolved_reference());
     const double reference = scale_.reference;
-    const double negligible = std::max(kNegligibleForce * reference, scale_.unresolved());
+    const double negligible = kNegligibleForce * reference;
     const int rigid = chart.n() - chart.n_modal();
     is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
@@ -97,13 +96,13 @@ class PseudoTransientContinuation {
     const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
-    const bool is_met = unmet.norm() <= negligible;
+    const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
     if (is_met && is_done(newton.norm())) {
       if (step_back(chart, split.free_directions())) return false;
       if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
       return true;
     }
-    const VecX pull = growth.without_negligible(f, std::max(negligible, kNegligibleForce * f.norm()));
+    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth, falls);
@@ -113,6 +112,8 @@ class PseudoTransientContinuation {
          by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions()));
     return false;
   }
+
+  [[nodiscard]] bool is_unresolved(const VecX& f) const { return f.norm() <= scale_.unresolved_along(f.normalized()); }
 
   /// Without gravity forces vanish on the way to a rest: what counts then is what they were at the start.
   [[nodiscard]] double least_reference(double reference) {
@@ -240,7 +241,7 @@ class PseudoTransientContinuation {
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
   void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double negligible) {
-    if (time_ < longest_time() || unmet.norm() <= negligible) {
+    if (time_ < longest_time() || unmet.norm() <= negligible || is_unresolved(unmet)) {
       pushed_ = 0;
       return;
     }
@@ -287,7 +288,7 @@ class PseudoTransientContinuation {
       return;
     }
     if (!refusal_there.empty()) {
-      throw SolverError(fmt::format("{}: on the way to the equilibrium: {}", name(), refusal_there));
+      throw SolverError(refusal_there + ", on the way to the equilibrium");
     }
     for (int attempt = 0; attempt <= kTries; ++attempt, step *= 2.0) {
       if (const std::string refusal = chart.refusal_at(step); !refusal.empty()) throw SolverError(refusal);
@@ -369,10 +370,6 @@ Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search&
   return PseudoTransientContinuation(model, solver, search).run();
 }
 
-Equilibrium find_equilibrium(const Model& model, Solver& solver) {
-  Equilibrium found = search_equilibrium(model, solver, {});
-  refuse_other_rest(model, solver, found);
-  return found;
-}
+Equilibrium find_equilibrium(const Model& model, Solver& solver) { return search_equilibrium(model, solver, {}); }
 
 }  // namespace concord::compare::analyses

@@ -40,7 +40,6 @@ struct Equilibrium {
 /// modes are eliminated first. Where stiffness is missing (see StiffnessSplit), the step of least norm leaves the
 /// direction alone. `model` must be held_at_start() and `solver` made for it. Throws
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
-/// Where constraints hold for velocities alone, another search must end in the same place.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
 
 /// How a search goes: no rest that the statement determines hangs by it.

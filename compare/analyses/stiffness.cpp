@@ -190,8 +190,10 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, c
   if (m > 0) motions.topRows(m) = -least_squares(R11_, R12_);
   const MatX round_off = 4.0 * kEpsilon * (beyond_.cwiseAbs().transpose() * J.cwiseAbs() * motions.cwiseAbs());
   const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * scale.reference);
-  const double least = std::max(kRoundOffOfReference * scale.reference, scale.unresolved() / kFinestStep);
-  const MatX of_scale = MatX::Identity(n - m, n - m) * least;
+  MatX of_scale = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * scale.reference);
+  for (Eigen::Index row = 0; row < n - m; ++row) {
+    of_scale.row(row).array() += scale.unresolved_along(beyond_.col(row)) / kFinestStep;
+  }
   split(beyond_.transpose() * J.rightCols(n - m), beyond_.transpose() * stiffness.error * motions,
         round_off + feigned + of_scale);
   const MatX directions = free_;

@@ -241,7 +241,7 @@ State Chart::moved_by(const VecX& delta) const {
 
 std::string Chart::refusal_at(const VecX& delta) const {
   try {
-    (void)solver_.evaluate(at_rest(moved_by(delta)));
+    (void)solver_.evaluate(place_at(delta).value_or(at_rest(moved_by(delta))));
     return "";
   } catch (const SolverError& error) {
     return error.what();

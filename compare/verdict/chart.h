@@ -60,7 +60,7 @@ class Chart {
 
   /// The coordinates that change so, as far as the chart permits the velocities.
   [[nodiscard]] VecX coordinates_of(const VecX& velocities) const;
-  /// Why the solver refuses the state where the coordinates are delta, before it is closed; empty if it does not.
+  /// Why the solver refuses the state where the coordinates are delta, closed if it can be; empty if it does not.
   [[nodiscard]] std::string refusal_at(const VecX& delta) const;
   /// velocities(delta) in the words of describe_motion().
   [[nodiscard]] std::string describe(const VecX& delta) const;
