@@ -49,8 +49,8 @@ std::vector<Part> body_parts(const Model& model, const State& state, double leng
     parts.push_back({fmt::format("motion of body {}", model.bodies[i].name), body.v.norm() / length});
     parts.push_back({fmt::format("rotation of body {}", model.bodies[i].name), body.omega.norm()});
     for (Eigen::Index mode = 0; mode < body.adot.size(); ++mode) {
-      parts.push_back({fmt::format("mode {} of body {}", mode + 1, model.bodies[i].name),
-                       body.adot(mode) * sizes(mode)});
+      parts.push_back(
+          {fmt::format("mode {} of body {}", mode + 1, model.bodies[i].name), body.adot(mode) * sizes(mode)});
     }
   }
   return parts;
