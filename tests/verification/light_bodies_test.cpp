@@ -164,7 +164,10 @@ until = 0.002
 TEST_CASE("A thin rod knows how it bends though it carries a heavy block", "[light]") {
   const double mass = GENERATE(1.3, 90.0);
   const Model model = block_on_rod(mass);
-  expect_to_agree(model, in_short(model, 1.0));
+  const compare::Verdict verdict = judged(model, in_short(model, 1.0));
+  INFO(compare::format_verdict(model, verdict, false));
+  CHECK(verdict.outcome == compare::Outcome::agree);
+  CHECK(verdict.same_state.digits.value_or(0.0) > 12.0);  // 11.7 and 10.4 without refinement
 }
 
 // Detects an articulated inertia that is the difference of two heavy ones.
