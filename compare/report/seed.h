@@ -17,7 +17,8 @@ inline std::string why_no_seed(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, seed);
   if (read.ec == std::errc() && read.ptr == end) return {};
-  return fmt::format("a seed is a whole number from 0 to {}, found {}", std::numeric_limits<std::uint64_t>::max(), text);
+  return fmt::format("a seed is a whole number from 0 to {}, found {}", std::numeric_limits<std::uint64_t>::max(),
+                     text);
 }
 
 }  // namespace concord::compare
