@@ -115,7 +115,7 @@ std::optional<MotionWithoutInertia> Equations::find_motion_without_inertia(doubl
   try {
     tree_.compute(inertias_, applied_, prescribed_udot_);
   } catch (const SolverError&) {
-    const auto found = relative::find_motion_without_inertia(tree_);
+    auto found = relative::find_motion_without_inertia(tree_);
     if (!found) throw;
     return found;
   }

@@ -84,7 +84,7 @@ const CLI::Validator kNumber(
 CLI::Validator number_in(double least, double most) {
   return CLI::Validator(
       [=](std::string& text) {
-        const std::string complaint = kNumber(text);
+        std::string complaint = kNumber(text);
         if (!complaint.empty()) return complaint;
         const double value = std::stod(text);
         return value >= least && value <= most ? std::string()
@@ -95,7 +95,7 @@ CLI::Validator number_in(double least, double most) {
 
 const CLI::Validator kPositive(
     [](std::string& text) {
-      const std::string complaint = kNumber(text);
+      std::string complaint = kNumber(text);
       if (!complaint.empty()) return complaint;
       return std::stod(text) > 0.0 ? std::string() : fmt::format("{} is not above zero", text);
     },
