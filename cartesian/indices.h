@@ -19,7 +19,7 @@ struct IndexOf {
   constexpr IndexOf() = default;
   constexpr explicit IndexOf(int place) : value(place) {}
 
-  friend constexpr auto operator<=>(IndexOf, IndexOf) = default;
+  friend constexpr auto operator<=>(IndexOf, IndexOf) = default;  // NOLINT(modernize-use-nullptr): the compiler's own
 };
 
 using BodyIndex = IndexOf<Body>;                 // in Model::bodies, of which the first is ground
