@@ -35,7 +35,7 @@ SpringTerms spring_terms(const ForceElement& element, const State& state) {
   return std::visit(Overloaded{[](const Load&) { return SpringTerms{}; },
                                [](const Tire& tire) {
                                  // The deflection is the radius less the height of the wheel's centre.
-                                 const double force = tire.stiffness * 2.0 * tire.radius;
+                                 const double force = tire.stiffness * tire.radius;
                                  return SpringTerms{force, force * tire.radius};
                                },
                                [&](const LineSpring& spring) {

@@ -222,11 +222,10 @@ class TermSizes {
     return size;
   }
 
-  /// A solver may add up moments about the points of joints, of those too that pass nothing.
   [[nodiscard]] double of_acceleration(int body, int component) const {
     const BodyLoad& load = loads_.of(body);
     if (component < 3) return load.mass > 0.0 ? load.force / load.mass : 0.0;
-    if (component < 6) return load.least_inertia > 0.0 ? of_sum(body, true) / load.least_inertia : 0.0;
+    if (component < 6) return load.least_inertia > 0.0 ? load.torque / load.least_inertia : 0.0;
     const double mass = load.modal_mass(component - 6);
     return mass > 0.0 ? load.modal(component - 6) / mass : 0.0;
   }

@@ -91,9 +91,9 @@ TEST_F(SpringTermsTest, ALoadHasNone) {
   EXPECT_EQ(of_element(3).torque, 0.0);
 }
 
-TEST_F(SpringTermsTest, ATireAddsUpItsRadiusAndItsHeight) {
-  EXPECT_DOUBLE_EQ(of_element(4).force, 200.0 * 0.6);
-  EXPECT_DOUBLE_EQ(of_element(4).torque, 200.0 * 0.6 * 0.3);
+TEST_F(SpringTermsTest, ATireTakesItsHeightFromItsRadius) {
+  EXPECT_DOUBLE_EQ(of_element(4).force, 200.0 * 0.3);
+  EXPECT_DOUBLE_EQ(of_element(4).torque, 200.0 * 0.3 * 0.3);
 }
 
 TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
