@@ -5,8 +5,8 @@
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
 #include "compare/analyses/kinematics.h"
-#include "compare/analyses/stiffness.h"
 #include "compare/audit/joint_kinematics.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {
 

@@ -16,6 +16,7 @@
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
 #include "compare/verdict/motion_names.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {
 

@@ -94,14 +94,6 @@ MatX feigned_stiffness(const Chart& chart, const MatX& rows, const MatX& columns
 
 }  // namespace
 
-std::optional<Evaluation> evaluation_unless_refused(Solver& solver, const State& state) {
-  try {
-    return solver.evaluate(state);
-  } catch (const SolverError&) {
-    return std::nullopt;
-  }
-}
-
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
                            const AccelerationScale& scale) {
   Stiffness stiffness{MatX(chart.n(), chart.n()), MatX(chart.n(), chart.n())};

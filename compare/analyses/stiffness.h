@@ -15,10 +15,6 @@ namespace concord::compare::analyses {
 /// Accelerations in the chart's coordinates where these are delta [1/s2]; nothing if there is no closed state there.
 using AccelerationsAt = std::function<std::optional<VecX>(const VecX& delta)>;
 
-/// What a solver finds in a state; nothing if it refuses the state, as where a spring's ends meet or a frame has turned
-/// by half a turn: who can go elsewhere, does.
-std::optional<Evaluation> evaluation_unless_refused(Solver& solver, const State& state);
-
 /// J = -M^-1 K: derivatives of accelerations with respect to the chart's coordinates [1/s2], and what each may be wrong
 /// by, as measured where they were taken. An eigenvalue of J with a positive real part is an unstable motion.
 struct Stiffness {

@@ -154,14 +154,15 @@ SharedStates share(const std::array<Solver*, 2>& solvers, const std::vector<Owne
   return shared;
 }
 
-bool accepts(Solver& solver, const State& state) {
+std::optional<Evaluation> evaluation_unless_refused(Solver& solver, const State& state) {
   try {
-    solver.evaluate(state);
-    return true;
+    return solver.evaluate(state);
   } catch (const SolverError&) {
-    return false;
+    return std::nullopt;
   }
 }
+
+bool accepts(Solver& solver, const State& state) { return evaluation_unless_refused(solver, state).has_value(); }
 
 namespace {
 

@@ -54,6 +54,10 @@ class StatePerturbation {
   std::vector<VecX> modal_rate_;
 };
 
+/// What a solver finds in a state; nothing if it refuses the state, as where a spring's ends meet or a frame has turned
+/// by half a turn: who can go elsewhere, does.
+std::optional<Evaluation> evaluation_unless_refused(Solver& solver, const State& state);
+
 /// Whether the solver's own evaluation accepts a state: it may be open to its equations, or lie on another branch.
 bool accepts(Solver& solver, const State& state);
 
