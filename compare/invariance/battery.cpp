@@ -140,8 +140,9 @@ class BatteryRun {
         compare_starts(who, moved);
         const Answers answers = ask(who, variant, moved);
         if (answers.states.empty()) continue;
+        const Mask unique = unique_in_states(answers.reports);
         judge(who, variant, answers,
-              measure_own_resolution(layout_, moved, who, answers.states, unique_rows(answers.reports), options_.seed));
+              measure_own_resolution(layout_, moved, who, answers.states, unique, options_.seed));
       } catch (const UnsuitableCut& error) {
         leave_out(who, variant, error);
       } catch (const InputError& error) {
@@ -199,13 +200,10 @@ class BatteryRun {
   }
 
   /// Where a description says that a quantity is unique: rows of the layout, columns of its states.
-  [[nodiscard]] Mask unique_rows(const std::vector<RankReport>& reports) const {
+  [[nodiscard]] Mask unique_in_states(const std::vector<RankReport>& reports) const {
     Mask unique(static_cast<Eigen::Index>(layout_.quantities().size()), static_cast<Eigen::Index>(reports.size()));
-    for (std::size_t k = 0; k < reports.size(); ++k) {
-      const std::vector<Uniqueness> flags = uniqueness_of(layout_, reports[k]);
-      for (std::size_t row = 0; row < flags.size(); ++row)
-        unique(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = flags[row] == Uniqueness::unique;
-    }
+    for (Eigen::Index k = 0; k < unique.cols(); ++k)
+      unique.col(k) = unique_rows(layout_, reports[static_cast<std::size_t>(k)]);
     return unique;
   }
 

@@ -98,6 +98,15 @@ std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankRe
   return all;
 }
 
+Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, const RankReport& report) {
+  Eigen::Array<bool, Eigen::Dynamic, 1> unique(static_cast<Eigen::Index>(layout.quantities().size()));
+  for (Eigen::Index row = 0; row < unique.size(); ++row) {
+    const Quantity& quantity = layout.quantities()[static_cast<std::size_t>(row)];
+    unique(row) = uniqueness_of(layout.model(), report, quantity) == Uniqueness::unique;
+  }
+  return unique;
+}
+
 RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
                          std::string& why) {
   RankReports reports;
@@ -143,14 +152,8 @@ Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {
   Mask mask = Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                              static_cast<Eigen::Index>(reports.size()), true);
   for (std::size_t state = 0; state < reports.size(); ++state) {
-    for (const RankReport& report : reports[state]) {
-      const std::vector<Uniqueness> flags = uniqueness_of(layout, report);
-      for (std::size_t row = 0; row < flags.size(); ++row) {
-        if (flags[row] != Uniqueness::unique) {
-          mask(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(state)) = false;
-        }
-      }
-    }
+    auto judged = mask.col(static_cast<Eigen::Index>(state));
+    for (const RankReport& report : reports[state]) judged = judged && unique_rows(layout, report);
   }
   return mask;
 }

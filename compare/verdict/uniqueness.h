@@ -18,6 +18,9 @@ enum class Uniqueness { unique, undecided, not_unique };
 /// components of its force, or of its torque, are; accelerations, force elements and sums on bodies always are.
 std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report);
 
+/// Which of them are unique, and not undecided.
+Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, const RankReport& report);
+
 /// The reports of both solvers in the same states.
 using RankReports = std::vector<std::array<RankReport, 2>>;
 
