@@ -62,12 +62,14 @@ std::vector<double> spring_terms_on_bodies(const Model& model, const State& stat
   const auto add = [&](int body, const SpringTerms& terms) {
     sums[body] += std::max(terms.force, terms.torque / model.length_scale());
   };
-  for (const Side side : {Side::parent, Side::child}) {
-    for (std::size_t k = 0; k < model.joints.size(); ++k) {
-      add(model.joints[k].on(side).body, spring_terms(model.joints[k], state.q[k]));
-    }
-    for (const ForceElement& element : model.elements) {
-      if (const Attachment* end = end_of(element, side)) add(end->body, spring_terms(element, state));
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const SpringTerms terms = spring_terms(model.joints[k], state.q[k]);
+    for (const Attachment& side : model.joints[k].sides) add(side.body, terms);
+  }
+  for (const ForceElement& element : model.elements) {
+    const SpringTerms terms = spring_terms(element, state);
+    for (const Side side : kSides) {
+      if (const Attachment* end = end_of(element, side)) add(end->body, terms);
     }
   }
   return sums;

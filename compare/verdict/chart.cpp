@@ -97,7 +97,7 @@ VecX modal_sizes(const Model& model, std::size_t body) {
     if (end == nullptr || static_cast<std::size_t>(end->body) != body || end->Psi_r_L.cols() != sizes.size()) return;
     sizes = sizes.cwiseMax(VecX(end->Psi_r_L.colwise().norm().transpose()));
   };
-  for (const Side side : {Side::parent, Side::child}) {
+  for (const Side side : kSides) {
     for (const Joint& joint : model.joints) add(&joint.on(side));
     for (const ForceElement& element : model.elements) add(end_of(element, side));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/overloaded.h"
 #include "compare/audit/joint_motion.h"
@@ -50,10 +51,12 @@ SpringTerms spring_terms(const ForceElement& element, const State& state) {
 
 SpringTerms spring_terms(const Joint& joint, const VecX& q) {
   SpringTerms terms;
+  if (joint.springs.empty()) return terms;
+  const std::vector<bool> turning = turning_speeds(*joint.type);
   for (const JointSpring& spring : joint.springs) {
     const int k = first_q(*joint.type, spring.word) + spring.component;
     const int speed = first_u(*joint.type, spring.word) + spring.component;
-    double& size = turning_speeds(*joint.type)[static_cast<std::size_t>(speed)] ? terms.torque : terms.force;
+    double& size = turning[static_cast<std::size_t>(speed)] ? terms.torque : terms.force;
     size = std::max(size, terms_of(spring.law, k < q.size() ? q(k) : 0.0));
   }
   return terms;

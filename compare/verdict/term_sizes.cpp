@@ -34,6 +34,7 @@ class Loads {
   }
 
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
+  [[nodiscard]] const SpringTerms& of_element(int element) const { return elements_[element]; }
 
  private:
   void add_inertia(int i) {
@@ -118,9 +119,9 @@ class Loads {
       for (const Attachment& side : model_.joints[k].sides) take_terms(side, terms);
     }
     for (const ForceElement& element : model_.elements) {
-      const SpringTerms terms = spring_terms(element, shared_.state);
+      elements_.push_back(spring_terms(element, shared_.state));
       for (const Side side : kSides) {
-        if (const Attachment* end = end_of(element, side)) take_terms(*end, terms);
+        if (const Attachment* end = end_of(element, side)) take_terms(*end, elements_.back());
       }
     }
   }
@@ -128,6 +129,7 @@ class Loads {
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
+  std::vector<SpringTerms> elements_;
 };
 
 /// The size of the terms of each quantity, from the loads on the bodies.
@@ -213,7 +215,7 @@ class TermSizes {
   [[nodiscard]] double of_element(int k, bool is_torque) const {
     const ForceElement& element = model_.elements[k];
     const double lever = reach(end_of(element, Side::parent), end_of(element, Side::child));
-    const SpringTerms terms = spring_terms(element, shared_.state);
+    const SpringTerms& terms = loads_.of_element(k);
     double size = is_torque ? std::max(terms.torque, terms.force * lever) : terms.force;
     for (const SideWrench& side : shared_.evaluations[0].elements[k].on) {
       const double force = side.in_C.force.norm();
