@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "compare/report/seed.h"
+#include "compare/report/whole_number.h"
 
 namespace concord::compare::fuzz {
 
@@ -11,8 +11,8 @@ CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
   fuzz->add_option("--count", command.count, "How many machines; default: 1000, or as many as the minutes allow")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}));
   fuzz->add_option("--minutes", command.minutes, "Stop after so many minutes")->check(CLI::Range(1e-3, 1e5));
-  fuzz->add_option("--seed", command.seed, "Seed of the machines; default: 1")->check(why_no_seed);
-  fuzz->add_option("--first", command.first, "Number of the first machine; default: 0")->check(why_no_seed);
+  fuzz->add_option("--seed", command.seed, "Seed of the machines; default: 1")->check(why_no_whole_number);
+  fuzz->add_option("--first", command.first, "Number of the first machine; default: 0")->check(why_no_whole_number);
   fuzz->add_option("--jobs", command.jobs, "Worker processes; default: one for each processor")
       ->check(CLI::Range(1, 1024));
   fuzz->add_option("--keep", command.keep, "Folder for the failing machines, reduced");

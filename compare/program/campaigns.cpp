@@ -14,7 +14,7 @@
 #include "compare/page/command.h"
 #include "compare/program/frame.h"
 #include "compare/report/origin.h"
-#include "compare/report/seed.h"
+#include "compare/report/whole_number.h"
 #include "relative/solver.h"
 
 /// The command line of `concord-campaigns`, which `concord` becomes where one of its commands is asked for.
@@ -34,7 +34,8 @@ CLI::App* add_joint(CLI::App& program, CommandLine& line) {
   CLI::App* command = program.add_subcommand("joint");
   command->add_option("NAME", line.joint.names, "Joint types of the catalogue");
   command->add_flag("--all", line.joint.all, "Every type of the catalogue");
-  command->add_option("--seed", line.joint.seed, "Seed of the poses; default: 19971025")->check(compare::why_no_seed);
+  command->add_option("--seed", line.joint.seed, "Seed of the poses; default: 19971025")
+      ->check(compare::why_no_whole_number);
   command->add_option("--poses", line.joint.poses, "How many poses; default: 20")->check(CLI::Range(1, 10000));
   command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
       ->check(CLI::Range(0, 1000000));
@@ -49,7 +50,7 @@ CLI::App* add_invariance(CLI::App& program, CommandLine& line) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember(compare::invariance::move_names()));
   command->add_option("--seed", line.invariance.options.seed, "Seed of the moves and of the states; default: 19971025")
-      ->check(compare::why_no_seed);
+      ->check(compare::why_no_whole_number);
   command->add_option("--json", line.invariance.json, "File for the results as JSON");
   return command;
 }

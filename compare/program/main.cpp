@@ -13,7 +13,7 @@
 #include "compare/program/commands.h"
 #include "compare/program/frame.h"
 #include "compare/report/origin.h"
-#include "compare/report/seed.h"
+#include "compare/report/whole_number.h"
 #ifdef CONCORD_HAS_SIMBODY
 #include "compare/oracle/simbody_oracle.h"
 #endif
@@ -137,7 +137,7 @@ CLI::App* add_compare(CLI::App& program, CommandLine& line) {
   command
       ->add_option("--seed", line.compare.options.seed,
                    "Seed of the random states that both solvers are asked about; default: 19971025")
-      ->check(compare::why_no_seed);
+      ->check(compare::why_no_whole_number);
   command->add_flag("--all", line.compare.all_rows, "Print every component, not only the worst of each joint and side");
   command->add_flag("--orders", line.compare.options.orders,
                     "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");

@@ -7,17 +7,17 @@
 #include <limits>
 #include <string>
 
-/// Seeds on a command line.
+/// Seeds and numbers of machines on a command line.
 namespace concord::compare {
 
 /// Nothing if `text` is a whole number from 0 to 2^64 - 1, else what is wrong with it. The library that reads the
 /// command line takes -1 for the largest number, and what is too large, too.
-inline std::string why_no_seed(const std::string& text) {
-  std::uint64_t seed = 0;
+inline std::string why_no_whole_number(const std::string& text) {
+  std::uint64_t number = 0;
   const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, seed);
+  const auto read = std::from_chars(text.data(), end, number);
   if (read.ec == std::errc() && read.ptr == end) return {};
-  return fmt::format("a seed is a whole number from 0 to {}, found {}", std::numeric_limits<std::uint64_t>::max(),
+  return fmt::format("must be a whole number from 0 to {}, found '{}'", std::numeric_limits<std::uint64_t>::max(),
                      text);
 }
 

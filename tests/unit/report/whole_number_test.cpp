@@ -1,0 +1,16 @@
+#include "compare/report/whole_number.h"
+
+#include <gtest/gtest.h>
+
+namespace concord::compare {
+namespace {
+
+TEST(WholeNumberTest, TakesWhatFitsAndNothingElse) {
+  for (const char* good : {"0", "7", "18446744073709551615"}) EXPECT_EQ(why_no_whole_number(good), "") << good;
+  for (const char* bad : {"-1", "18446744073709551616", "1.5", "3x", "", " 3"}) {
+    EXPECT_NE(why_no_whole_number(bad), "") << bad;
+  }
+}
+
+}  // namespace
+}  // namespace concord::compare
