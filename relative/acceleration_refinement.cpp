@@ -1,7 +1,5 @@
 #include "relative/acceleration_refinement.h"
 
-#include "relative/wrenches.h"
-
 namespace concord::relative {
 
 AccelerationRefinement::AccelerationRefinement(const Kinematics& kinematics, const Closure& closure,
@@ -52,10 +50,7 @@ void AccelerationRefinement::refine(const ArticulatedInertias& tree, const React
       accelerations.add_force(l, link.response.col(0));
     }
     const std::optional<LinkIndex> inward = topology.inward_link(l);
-    if (!inward) continue;
-    const LinkBlocks& blocks = kinematics_->blocks(l);
-    links_[*inward].z_r.col(0) += shift_wrench(link.z_r.col(0), blocks.rho);
-    links_[*inward].z_a.noalias() += blocks.Xa.transpose().lazyProduct(link.z_r);
+    if (inward) tree.add_passed_force(l, link.z_r, links_[*inward].z_r, links_[*inward].z_a);
   }
   accelerations.solve_again(tree);
 }

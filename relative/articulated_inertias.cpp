@@ -231,6 +231,12 @@ void ArticulatedInertias::propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& r
   }
 }
 
+void ArticulatedInertias::add_passed_force(LinkIndex link, const Mat6X& z_r, Mat6X& zj_r, MatX& zj_a) const {
+  const LinkBlocks& blocks = kinematics_->blocks(link);
+  for (Eigen::Index c = 0; c < z_r.cols(); ++c) zj_r.col(c) += shift_wrench(z_r.col(c), blocks.rho);
+  zj_a.noalias() += blocks.Xa.transpose().lazyProduct(z_r);
+}
+
 void ArticulatedInertias::throw_indefinite(LinkIndex l) const {
   const Link& link = kinematics_->topology().links[l];
   throw SolverError(

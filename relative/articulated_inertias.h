@@ -83,6 +83,10 @@ class ArticulatedInertias {
   /// driven speed has no effect.
   void add_coordinate_forces(LinkIndex link, const Eigen::Ref<const MatX>& forces, Eigen::Ref<MatX> on_unknowns) const;
 
+  /// Adds to generalized forces on a link's reference body (zj_r: 6 x c, zj_a: its modes x c) what the link passes on,
+  /// z_r after propagate_force() (R36).
+  void add_passed_force(LinkIndex link, const Mat6X& z_r, Mat6X& zj_r, MatX& zj_a) const;
+
   /// Takes a generalized force (z_r: 6 x c on the rigid rows, z_a: m x c on the modal ones) on the body of a link, and
   /// in response forces on its unknowns (n x c): makes of response their part along the unknowns, L^-1
   /// (response + H^T z), and leaves in z_r what is passed to the reference body.

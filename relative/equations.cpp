@@ -74,6 +74,14 @@ void Equations::update_inertias() {
 }
 
 const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const VecX& u) {
+  return compute(t, q, u, kNoisy);
+}
+
+const Evaluated& Equations::compute_refined_accelerations(double t, const VecX& q, const VecX& u) {
+  return compute(t, q, u, 1.0);
+}
+
+const Evaluated& Equations::compute(double t, const VecX& q, const VecX& u, double refined_below) {
   move(t, q, u);
   for (const Prescription& driver : drivers_) prescribed_udot_(driver.u) = evaluate(*driver.law, t).fddot;
   update_inertias();
@@ -81,15 +89,8 @@ const Evaluated& Equations::compute_accelerations(double t, const VecX& q, const
   tree_.compute(inertias_, applied_, prescribed_udot_);
   accelerations_.solve(tree_, prescribed_udot_);
   loops_.close(tree_, accelerations_);
-  if (tree_.least_pivot() < kNoisy) refine_accelerations();
+  if (tree_.least_pivot() < refined_below) refine_accelerations();
   evaluated_.motion_ = motion_.number_;
-  return evaluated_;
-}
-
-const Evaluated& Equations::compute_refined_accelerations(double t, const VecX& q, const VecX& u) {
-  compute_accelerations(t, q, u);
-  const double pivot = tree_.least_pivot();
-  if (pivot >= kNoisy && pivot < 1.0) refine_accelerations();
   return evaluated_;
 }
 

@@ -96,6 +96,8 @@ class Equations {
   };
 
   void update_inertias();
+  /// Accelerations, refined where the least pivot of a flexible link is below `refined_below`.
+  const Evaluated& compute(double t, const VecX& q, const VecX& u, double refined_below);
   void refine_accelerations();
   void require_current(const Evaluated& evaluated) const;
 

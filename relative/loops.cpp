@@ -180,11 +180,8 @@ void Loops::compute_unit_responses(const ArticulatedInertias& tree, LoopPath& pa
   for (PathLink& path_link : path.links) {
     tree.propagate_force(path_link.link, path_link.z_r, path_link.z_a, path_link.unit_response);
     if (!path_link.next) continue;
-    const LinkBlocks& blocks = kinematics_->blocks(path_link.link);
     PathLink& next = path.links[*path_link.next];
-    for (Eigen::Index c = 0; c < path_link.z_r.cols(); ++c)
-      next.z_r.col(c) += shift_wrench(path_link.z_r.col(c), blocks.rho);
-    next.z_a.noalias() += blocks.Xa.transpose().lazyProduct(path_link.z_r);
+    tree.add_passed_force(path_link.link, path_link.z_r, next.z_r, next.z_a);
   }
 }
 
