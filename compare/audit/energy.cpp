@@ -66,6 +66,8 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
   if (trajectory.samples.empty()) return report;
   const Energies start = energies_of(model, trajectory.samples.front().state);
   const double length = model.length_scale();
+  // Each step rounds the state once more: a body that hardly moves may stay where it is while its forces do work.
+  const double times_rounded = 1.0 + trajectory.statistics.steps;
   // What comes and goes between two samples leaves its errors behind, too.
   report.scale = trajectory.statistics.largest_work;
   double lowest = start.potential;
@@ -78,7 +80,7 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
                              kSmallestScale * length * largest_force_on_children(sample.evaluation)});
     const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
     // High above the ground, or at rest, the sums lose more digits than the energy that moves has.
-    const double round_off = kEnergyRoundOff * (now.terms + start.terms);
+    const double round_off = kEnergyRoundOff * times_rounded * (now.terms + start.terms);
     double error = std::abs(gained - sample.work) - round_off;
     if (error < 0.0) error = 0.0;
     if (!std::isnan(report.error) && !(error <= report.error)) {
