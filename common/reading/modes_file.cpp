@@ -204,15 +204,22 @@ std::optional<VecX> read_damping_ratios(const TableReader& document, int m) {
   return std::nullopt;
 }
 
+/// Whether no mode is a combination of the others, whatever the lengths to which they are scaled.
+bool are_independent(const MatX& modal_mass) {
+  constexpr double kIndependent = 1e-12;
+  const VecX sizes = modal_mass.diagonal().cwiseMax(0.0).cwiseSqrt();
+  if (!(sizes.minCoeff() > 0.0)) return false;
+  const VecX scales = sizes.cwiseInverse();
+  return symmetric_eigenvalues(scales.asDiagonal() * modal_mass * scales.asDiagonal()).minCoeff() > kIndependent;
+}
+
 /// Frequencies from stiffness and modal mass, and the damping: given, by ratios of the undamped modes in order of
 /// frequency (D = M Phi diag(2 zeta omega) Phi^T M), or none.
 void add_frequencies_and_damping(const TableReader& document, ModalData& data) {
   const int m = data.n_modes();
   data.damping = MatX::Zero(m, m);
   const MatX mass = modal_mass(data.G, m);
-  const VecX modal_masses = symmetric_eigenvalues(mass);
-  constexpr double kIndependent = 1e-12;
-  if (modal_masses.minCoeff() <= kIndependent * modal_masses.maxCoeff()) {
+  if (!are_independent(mass)) {
     document.complain("the modes are not independent: their modal mass is singular");
     return;
   }

@@ -106,6 +106,25 @@ TEST(ModesFile, FindsTheFrequenciesOfTheModes) {
   EXPECT_LT((back.frequencies - expected).cwiseQuotient(expected).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+/// A program may scale its modes to their largest displacement, or leave them as they come.
+TEST(ModesFile, TakesModesOfAnyLength) {
+  const ModalData beam = generic_beam();
+  ModalData scaled = beam;
+  const int m = beam.n_modes();
+  const VecX lengths = VecX::NullaryExpr(m, [](Eigen::Index k) { return k % 2 == 0 ? 2e6 : 3e-4; });
+  scaled.stiffness = lengths.asDiagonal() * beam.stiffness * lengths.asDiagonal();
+  scaled.damping = lengths.asDiagonal() * beam.damping * lengths.asDiagonal();
+  for (MassPoint& point : scaled.mass_points) point.Psi_t_L = (point.Psi_t_L * lengths.asDiagonal()).eval();
+  for (ModalNode& node : scaled.nodes) {
+    node.Psi_t_L = (node.Psi_t_L * lengths.asDiagonal()).eval();
+    node.Psi_r_L = (node.Psi_r_L * lengths.asDiagonal()).eval();
+  }
+  const ModalData read = parse_modes(format_modes(scaled, InertiaForm::mass_points), "m.toml");
+  const ModalData plain = parse_modes(format_modes(beam, InertiaForm::mass_points), "m.toml");
+  ASSERT_EQ(read.frequencies.size(), plain.frequencies.size());
+  EXPECT_LT((read.frequencies - plain.frequencies).cwiseQuotient(plain.frequencies).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(ModesFile, TakesIntegralsInsteadOfMassPoints) {
   const ModalData beam = generic_beam();
   const ModalData back = parse_modes(format_modes(beam, InertiaForm::integrals), "m.toml");
