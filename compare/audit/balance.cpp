@@ -105,11 +105,21 @@ class JointPower {
   }
 
   /// How far the laws exert other forces here than there.
-  [[nodiscard]] VecX change_of_laws(const JointPower& there) const {
-    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), (tau_by_laws_ - there.tau_by_laws_).cwiseAbs());
+  [[nodiscard]] VecX change_of_laws(const JointPower& there) const { return change_of_laws(there.tau_by_laws_); }
+
+  /// How far the laws exert other forces where the last digits of the coordinates, coarse after many turns, are others.
+  [[nodiscard]] VecX change_with_last_digits(const Joint& joint, const std::vector<LawOfForce>& springs,
+                                             double t) const {
+    JointMotion moved = motion_;
+    moved.q *= 1.0 + 4.0 * std::numeric_limits<double>::epsilon();
+    return change_of_laws(tau_by_laws(joint, springs, moved, t) + coupled_);
   }
 
  private:
+  [[nodiscard]] VecX change_of_laws(const VecX& there) const {
+    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), (tau_by_laws_ - there).cwiseAbs());
+  }
+
   static Vec6 in_parent_frame(const std::array<PlacedFrame, 2>& frames, const Wrench& wrench) {
     const Mat3 to_parent = frames[index(Side::parent)].A_joint.transpose();
     return Wrench{to_parent * wrench.force, to_parent * wrench.torque}.vector();
@@ -262,6 +272,7 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
   const JointPower power = power_in(frames);
   VecX roundoff = VecX::Zero(joint.type->n_u());
   if (!joint.springs.empty()) {
+    roundoff = power.change_with_last_digits(joint, joint_springs_[index_of_joint], state.t);
     for (const State& moved : *moved_) roundoff = roundoff.cwiseMax(power.change_of_laws(power_in(frames_in(moved))));
   }
   VecX residuals(joint_rows(*joint.type));
