@@ -33,14 +33,18 @@ double* write_event_functions(const ForceLaw& law, const Actor& actor, double x,
 
 void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor) {  // (S33)
   const Vec3 line = actor.child().point - actor.parent().point;
+  const Vec3 velocity = actor.child().velocity - actor.parent().velocity;
   const double length = line.norm();
+  Vec3 along = line / length;
   if (!(length > at.shortest_line)) {
-    throw SolverError(
-        fmt::format("cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there",
-                    at.t, at.name));
+    if (line_of(spring, at.name, actor, at.t).is_reversed_with_a_jump) {
+      throw SolverError(
+          fmt::format("cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there",
+                      at.t, at.name));
+    }
+    along = velocity.stableNormalized();  // in which they part; zero at rest, where nothing acts then
   }
-  const Vec3 along = line / length;
-  const double rate = along.dot(actor.child().velocity - actor.parent().velocity);
+  const double rate = along.dot(velocity);
   const double tension = resistance(spring.law, at, length, rate, actor) + evaluate_actuator(spring.law, at.t);
   actor.on_child() = {-tension * along, Vec3::Zero()};
   actor.on_parent() = {tension * along, Vec3::Zero()};

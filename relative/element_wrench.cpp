@@ -56,14 +56,19 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
   const Vec3 line = child.r - parent.r;
+  const Vec3 v = child.v - parent.v;
   const double x = line.norm();
-  if (!(x > kNoLength * length)) {
+  Vec3 n = Vec3::Zero();
+  if (x > kNoLength * length) {
+    n = line / x;
+  } else if (const double speed = v.norm(); jump_where_ends_pass(spring, t, speed) != 0.0) {
     throw SolverError(
         fmt::format("relative: force element '{}': its ends are {:.1e} m apart, so that its force has no "
                     "direction: move an end",
                     name, x));
+  } else if (speed > 0.0) {
+    n = v / speed;  // the direction in which they part; without a jump, the limit of the force from either side
   }
-  const Vec3 n = line / x;
   const double f = law_in_regime.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << -f * n, Vec3::Zero();

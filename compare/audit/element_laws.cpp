@@ -63,8 +63,10 @@ ElementLaw::BothSides ElementLaw::exerted(const LineSpring& spring, const State&
   const auto frames = place_ends(spring.ends, state);
   const Vec3 line = frames[kChild].r_P - frames[kParent].r_P;
   const double length = line.norm();
-  const Vec3 along = line / length;
-  const double rate = along.dot(frames[kChild].v_P - frames[kParent].v_P);
+  const Vec3 parting = frames[kChild].v_P - frames[kParent].v_P;
+  // In one point, the ends are about to part along their velocity, if they move at all.
+  const Vec3 along = length > 0.0 ? Vec3(line / length) : parting.stableNormalized();
+  const double rate = along.dot(parting);
   const Vec3 pull = tension(length, rate, state.t) * along;
   return {Wrench{pull, Vec3::Zero()}, Wrench{-pull, Vec3::Zero()}};
 }

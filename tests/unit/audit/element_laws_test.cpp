@@ -114,6 +114,22 @@ TEST(ElementLaws, ALineSpringPullsByItsTensionAndItsPowerIsThatOfTheLength) {
   EXPECT_LT(wrenches[1].force.dot(from_parent), 0.0) << "tension pulls the child towards the parent";
 }
 
+TEST(ElementLaws, ALineSpringWhoseEndsMeetActsAlongTheirVelocity) {
+  Model model;
+  model.bodies.resize(2);
+  State state;
+  state.bodies.resize(2);
+  state.bodies[1].v = Vec3(0.3, -0.4, 1.2);
+  LineSpring spring;
+  spring.ends[1].body = 1;
+  spring.law.stiffness = 30.0;
+  spring.law.damping = 2.0;
+  const auto force = [&] { return wrenches_by_laws({"strut", spring, {}}, state)[1].force; };
+  EXPECT_LT((force() + 2.0 * state.bodies[1].v).norm(), 1e-15);
+  state.bodies[1].v.setZero();
+  EXPECT_EQ(force().norm(), 0.0);
+}
+
 TEST(ElementLaws, ATurnSpringsPowerIsThatOfItsAngleThoughTheAxesDoNotCoincide) {
   const LawBench bench;
   TurnSpring spring{bench.ends, {}};

@@ -247,11 +247,13 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refusal({"strut", LineSpring{{on_ground, at_origin}, {}}, {}}),
+  ForceLaw pushing;
+  pushing.preload = 3.0;
+  EXPECT_EQ(refusal({"strut", LineSpring{{on_ground, at_origin}, pushing}, {}}),
             "cartesian: at t = 0.3 s the ends of line spring 'strut' meet: its force has no direction there");
   Attachment beside_origin = at_origin;
   beside_origin.point_L.x() = 1e-10 * model.length_scale();
-  EXPECT_EQ(refusal({"short", LineSpring{{on_ground, beside_origin}, {}}, {}}),
+  EXPECT_EQ(refusal({"short", LineSpring{{on_ground, beside_origin}, pushing}, {}}),
             "cartesian: at t = 0.3 s the ends of line spring 'short' meet: its force has no direction there");
   EXPECT_EQ(
       refusal({"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}}),
@@ -262,7 +264,7 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
   turned = 173.0;
   beside_origin.point_L.x() = 1e-8 * model.length_scale();
   for (const ForceElement& sound :
-       {ForceElement{"short", LineSpring{{on_ground, beside_origin}, {}}, {}},
+       {ForceElement{"short", LineSpring{{on_ground, beside_origin}, pushing}, {}},
         ForceElement{"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}},
         ForceElement{"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}}) {
     EXPECT_EQ(refusal(sound), "nothing");
