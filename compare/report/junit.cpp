@@ -122,9 +122,9 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
                                 fmt::format("{} (need {:g})", solver.audit_worst, solver.audit_need)));
     }
     if (!solver.energy_error) continue;
-    const double allowed = kEnergyPerTolerance * verdict.run.rtol;
-    tests.push_back(yes_or_no(fmt::format("energy of {}", solver.name), *solver.energy_error <= allowed,
-                              fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, allowed)));
+    tests.push_back(
+        yes_or_no(fmt::format("energy of {}", solver.name), *solver.energy_error <= solver.energy_allowed,
+                  fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, solver.energy_allowed)));
   }
   add_other_differences(verdict, tests);
   add_attribution(verdict, tests);

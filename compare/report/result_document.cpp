@@ -198,28 +198,29 @@ std::string format_result(const Model& model, const Verdict& verdict) {
   ResultJson solvers = ResultJson::array();
   for (const SolverSummary& solver : verdict.solvers) solvers.push_back(result_solver(solver));
   const ComponentCount count = count_components(verdict);
-  ResultJson said{{"kind", "concord result"},
-                  {"format", kResultFormat},
-                  {"program", "concord " CONCORD_VERSION},
-                  {"model", verdict.name},
-                  {"outcome", to_string(verdict.outcome)},
-                  {"judged", count.judged},
-                  {"total", count.total},
-                  {"bodies", verdict.bodies},
-                  {"joints", verdict.joints},
-                  {"loops", verdict.loops},
-                  {"modes", verdict.modes},
-                  {"run",
-                   {{"until", verdict.run.until},
-                    {"rtol", verdict.run.rtol},
-                    {"energy_allowed", kEnergyPerTolerance * verdict.run.rtol}}},
-                  {"rungs", result_rungs(verdict)},
-                  {"solvers", std::move(solvers)},
-                  {"findings", std::move(findings)},
-                  {"notes", verdict.notes},
-                  {"failures", verdict.failures},
-                  {"rows", result_rows(model, verdict)},
-                  {"machine", machine_json(model)}};
+  ResultJson said{
+      {"kind", "concord result"},
+      {"format", kResultFormat},
+      {"program", "concord " CONCORD_VERSION},
+      {"model", verdict.name},
+      {"outcome", to_string(verdict.outcome)},
+      {"judged", count.judged},
+      {"total", count.total},
+      {"bodies", verdict.bodies},
+      {"joints", verdict.joints},
+      {"loops", verdict.loops},
+      {"modes", verdict.modes},
+      {"run",
+       {{"until", verdict.run.until},
+        {"rtol", verdict.run.rtol},
+        {"energy_allowed", std::max(verdict.solvers[0].energy_allowed, verdict.solvers[1].energy_allowed)}}},
+      {"rungs", result_rungs(verdict)},
+      {"solvers", std::move(solvers)},
+      {"findings", std::move(findings)},
+      {"notes", verdict.notes},
+      {"failures", verdict.failures},
+      {"rows", result_rows(model, verdict)},
+      {"machine", machine_json(model)}};
   add_explanations(said, model, verdict);
   return said.dump(-1, ' ', false, ResultJson::error_handler_t::replace) + '\n';
 }

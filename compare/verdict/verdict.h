@@ -90,6 +90,7 @@ struct SolverSummary {
   std::string audit_worst;
   double audit_need = kAudit;
   std::optional<double> energy_error;
+  double energy_allowed = 0.0;  // by the tolerance that was asked for, though a repeat may be tighter
 };
 
 /// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its

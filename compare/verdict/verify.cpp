@@ -257,11 +257,11 @@ class Verification {
 
   void judge_energy(SolverSummary& summary, const EnergyReport& found) {
     summary.energy_error = found.relative();
-    const double allowed = kEnergyPerTolerance * asked_rtol_;
-    if (found.relative() <= allowed) return;
+    summary.energy_allowed = kEnergyPerTolerance * asked_rtol_;
+    if (found.relative() <= summary.energy_allowed) return;
     verdict_.findings.push_back(
         {fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}", summary.name,
-                     found.relative(), found.t, allowed),
+                     found.relative(), found.t, summary.energy_allowed),
          fmt::format("same run: allowed is {:g} times the relative tolerance", kEnergyPerTolerance)});
   }
 

@@ -70,6 +70,16 @@ TEST_F(JunitTest, NoVerdictIsAnError) {
   EXPECT_THAT(format(), HasSubstr("<error message=\"same run: relative: step size too small at t = 0.1 s\"/>"));
 }
 
+/// Runs that are repeated with a tighter tolerance may lose as much energy as the one that was asked for.
+TEST_F(JunitTest, EnergyIsJudgedByTheToleranceThatWasAskedFor) {
+  verdict_ = verify(model_, cartesian_, relative_, {});
+  verdict_.run.rtol = 1e-13;
+  verdict_.solvers[0].energy_error = 1e-8;
+  EXPECT_EQ(count(format_junit({{"pendulum", &model_, &verdict_, ""}}), "<failure"), 0);
+  verdict_.solvers[0].energy_error = 1e-7;
+  EXPECT_EQ(count(format_junit({{"pendulum", &model_, &verdict_, ""}}), "<failure"), 1);
+}
+
 TEST_F(JunitTest, ADifferenceThatNoRowTellsIsToldAllTheSame) {
   verdict_ = verify(model_, cartesian_, relative_, {});
   verdict_.outcome = Outcome::differ;
