@@ -3,6 +3,7 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace concord {
@@ -44,18 +45,23 @@ TimeFunctionValue evaluate_one(const SmoothStep& law, double t) {  // (S27)
 
 TimeFunctionValue evaluate_one(const SplineTable& law, double t) { return law.evaluate(t); }
 
+/// Short pieces between long ones are what the sums of widths hold in their last digits: those of a double are too few.
+using Extended = long double;
+using ExtendedVector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
+
 /// Second derivatives at the knots of the not-a-knot cubic spline: continuity of the slope at the inner knots, and of
-/// the third derivative at the second and the last but one (S28).
-std::vector<double> spline_curvatures(const std::vector<double>& t, const std::vector<double>& f) {
+/// the third derivative at the second and the last but one (S28). Not a number where they are not resolved.
+ExtendedVector spline_curvatures(const std::vector<double>& t, const std::vector<double>& f) {
   const auto n = static_cast<Eigen::Index>(t.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  VecX right = VecX::Zero(n);
-  const auto width = [&](Eigen::Index k) { return t[k + 1] - t[k]; };
+  std::vector<Eigen::Triplet<Extended>> entries;
+  ExtendedVector right = ExtendedVector::Zero(n);
+  const auto width = [&](Eigen::Index k) { return static_cast<Extended>(t[k + 1]) - t[k]; };
   for (Eigen::Index k = 1; k + 1 < n; ++k) {
-    entries.emplace_back(k, k - 1, width(k - 1) / 6.0);
-    entries.emplace_back(k, k, (width(k - 1) + width(k)) / 3.0);
-    entries.emplace_back(k, k + 1, width(k) / 6.0);
-    right(k) = (f[k + 1] - f[k]) / width(k) - (f[k] - f[k - 1]) / width(k - 1);
+    entries.emplace_back(k, k - 1, width(k - 1) / 6);
+    entries.emplace_back(k, k, (width(k - 1) + width(k)) / 3);
+    entries.emplace_back(k, k + 1, width(k) / 6);
+    right(k) =
+        (static_cast<Extended>(f[k + 1]) - f[k]) / width(k) - (static_cast<Extended>(f[k]) - f[k - 1]) / width(k - 1);
   }
   const auto same_third_derivative = [&](Eigen::Index row, Eigen::Index k) {
     // Times both widths: all rows are lengths then, so that the choice of pivots does not depend on the unit.
@@ -65,17 +71,40 @@ std::vector<double> spline_curvatures(const std::vector<double>& t, const std::v
   };
   same_third_derivative(0, 1);
   same_third_derivative(n - 1, n - 2);
-  Eigen::SparseMatrix<double> equations(n, n);
+  Eigen::SparseMatrix<Extended> equations(n, n);
   equations.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(equations);
-  const VecX solution = factors.solve(right);
-  return {solution.begin(), solution.end()};
+  const Eigen::SparseLU<Eigen::SparseMatrix<Extended>> factors(equations);
+  if (factors.info() != Eigen::Success) {
+    return ExtendedVector::Constant(n, std::numeric_limits<Extended>::quiet_NaN());
+  }
+  return factors.solve(right);
+}
+
+/// Slopes at the knots, each from the shorter piece beside it.
+std::vector<double> spline_slopes(const std::vector<double>& t, const std::vector<double>& f,
+                                  const ExtendedVector& curvatures) {
+  const std::size_t n = t.size();
+  std::vector<double> slopes(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const bool is_before = k + 1 == n || (k > 0 && t[k] - t[k - 1] < t[k + 1] - t[k]);
+    const std::size_t other = is_before ? k - 1 : k + 1;
+    const Extended way = static_cast<Extended>(t[other]) - t[k];
+    const auto knot = static_cast<Eigen::Index>(k);
+    const auto next = static_cast<Eigen::Index>(other);
+    slopes[k] = static_cast<double>((static_cast<Extended>(f[other]) - f[k]) / way -
+                                    way / 6 * (2 * curvatures(knot) + curvatures(next)));
+  }
+  return slopes;
 }
 
 }  // namespace
 
 SplineTable::SplineTable(std::vector<double> times, std::vector<double> values)
-    : times_(std::move(times)), values_(std::move(values)), curvatures_(spline_curvatures(times_, values_)) {}
+    : times_(std::move(times)), values_(std::move(values)) {
+  const ExtendedVector curvatures = spline_curvatures(times_, values_);
+  slopes_ = spline_slopes(times_, values_, curvatures);
+  for (const Extended curvature : curvatures) curvatures_.push_back(static_cast<double>(curvature));
+}
 
 TimeFunctionValue SplineTable::evaluate(double t) const { return evaluate(piece_at(t), t); }
 
@@ -84,19 +113,16 @@ int SplineTable::piece_at(double t) const {
   return static_cast<int>(above - times_.begin()) - 1;
 }
 
+/// By powers of the way from the nearer knot, so that a long piece is exact beside a short one.
 TimeFunctionValue SplineTable::evaluate(int piece, double t) const {
   const auto k = static_cast<std::size_t>(piece);
-  const double width = times_[k + 1] - times_[k];
-  const double right = (t - times_[k]) / width;
-  const double left = 1.0 - right;
-  const double m0 = curvatures_[k];
-  const double m1 = curvatures_[k + 1];
-  const double w2 = width * width / 6.0;
-  return {left * values_[k] + right * values_[k + 1] +
-              w2 * ((left * left * left - left) * m0 + (right * right * right - right) * m1),
-          (values_[k + 1] - values_[k]) / width +
-              width / 6.0 * ((1.0 - 3.0 * left * left) * m0 + (3.0 * right * right - 1.0) * m1),
-          left * m0 + right * m1};
+  const std::size_t nearer = t - times_[k] <= times_[k + 1] - t ? k : k + 1;
+  const double s = t - times_[nearer];
+  const double third = (curvatures_[k + 1] - curvatures_[k]) / (times_[k + 1] - times_[k]);
+  const double m = curvatures_[nearer];
+  const double slope = slopes_[nearer];
+  return {values_[nearer] + s * (slope + s * (m / 2.0 + s * third / 6.0)), slope + s * (m + s * third / 2.0),
+          m + s * third};
 }
 
 TimeFunctionValue evaluate(const TimeFunction& function, double t) {

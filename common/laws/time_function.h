@@ -60,6 +60,7 @@ class SplineTable {
  private:
   std::vector<double> times_;
   std::vector<double> values_;
+  std::vector<double> slopes_;
   std::vector<double> curvatures_;
 };
 

@@ -133,6 +133,7 @@ std::optional<TimeFunction> read_law_or_number(const TableReader& table, std::st
 std::optional<Points> read_points(const TableReader& table, std::string_view x_key, std::string_view y_key,
                                   std::string_view unit) {
   constexpr std::size_t kFewest = 4;
+  constexpr double kUnevenest = 1e9;
   if (!table.require({x_key, y_key})) return std::nullopt;
   auto x = table.numbers(x_key);
   auto y = table.numbers(y_key);
@@ -150,6 +151,18 @@ std::optional<Points> read_points(const TableReader& table, std::string_view x_k
   if (falls != x->end()) {
     table.complain(
         x_key, fmt::format("'{0}' must rise, but after {1}{3} comes {2}{3}", x_key, *falls, *std::next(falls), unit));
+    return std::nullopt;
+  }
+  double shortest = x->back() - x->front();
+  double longest = 0.0;
+  for (std::size_t k = 0; k + 1 < x->size(); ++k) {
+    shortest = std::min(shortest, (*x)[k + 1] - (*x)[k]);
+    longest = std::max(longest, (*x)[k + 1] - (*x)[k]);
+  }
+  if (longest > kUnevenest * shortest) {
+    table.complain(x_key, fmt::format("'{0}' lie {1:.3g}{3} apart in one place and {2:.3g}{3} in another: a cubic "
+                                      "spline resolves distances that differ by a factor of {4:g} at most",
+                                      x_key, longest, shortest, unit, kUnevenest));
     return std::nullopt;
   }
   return Points{std::move(*x), std::move(*y)};

@@ -8,32 +8,36 @@ namespace concord::compare {
 namespace {
 
 /// Slopes at the points of a not-a-knot spline: the second derivative is continuous at the inner points, the third at
-/// the second and the last but one. Tridiagonal, solved from the first row to the last and back.
+/// the second and the last but one. Tridiagonal, solved from the first row to the last and back, with digits to spare
+/// for a short piece between long ones.
 std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y) {
+  using Real = long double;
   const std::size_t n = x.size();
-  const auto width = [&](std::size_t k) { return x[k + 1] - x[k]; };
-  const auto chord = [&](std::size_t k) { return (y[k + 1] - y[k]) / width(k); };
+  const auto width = [&](std::size_t k) { return Real(x[k + 1]) - x[k]; };
+  const auto chord = [&](std::size_t k) { return (Real(y[k + 1]) - y[k]) / width(k); };
   // The right side of an end's row, from the widths and chords of its own piece and of the next one.
-  const auto end_right = [](double near, double far, double near_chord, double far_chord) {
-    return ((3.0 * near + 2.0 * far) * far * near_chord + near * near * far_chord) / (near + far);
+  const auto end_right = [](Real near, Real far, Real near_chord, Real far_chord) {
+    return ((3 * near + 2 * far) * far * near_chord + near * near * far_chord) / (near + far);
   };
-  std::vector<double> above(n);  // what is left of the next slope in each row once its own factor is one
-  std::vector<double> slopes(n);
+  std::vector<Real> above(n);  // what is left of the next slope in each row once its own factor is one
+  std::vector<Real> slopes(n);
   above[0] = (width(0) + width(1)) / width(1);
   slopes[0] = end_right(width(0), width(1), chord(0), chord(1)) / width(1);
   for (std::size_t k = 1; k + 1 < n; ++k) {
-    const double before = width(k - 1);
-    const double after = width(k);
-    const double own = 2.0 * (before + after) - after * above[k - 1];
+    const Real before = width(k - 1);
+    const Real after = width(k);
+    const Real own = 2 * (before + after) - after * above[k - 1];
     above[k] = before / own;
-    slopes[k] = (3.0 * (after * chord(k - 1) + before * chord(k)) - after * slopes[k - 1]) / own;
+    slopes[k] = (3 * (after * chord(k - 1) + before * chord(k)) - after * slopes[k - 1]) / own;
   }
-  const double near = width(n - 2);
-  const double far = width(n - 3);
+  const Real near = width(n - 2);
+  const Real far = width(n - 3);
   slopes[n - 1] = (end_right(near, far, chord(n - 2), chord(n - 3)) - (near + far) * slopes[n - 2]) /
                   (far - (near + far) * above[n - 2]);
   for (std::size_t k = n - 1; k-- > 0;) slopes[k] -= above[k] * slopes[k + 1];
-  return slopes;
+  std::vector<double> rounded(n);
+  std::transform(slopes.begin(), slopes.end(), rounded.begin(), [](Real slope) { return static_cast<double>(slope); });
+  return rounded;
 }
 
 }  // namespace
@@ -47,16 +51,19 @@ Moving sine(const Moving& angle) {
 Spline::Spline(const std::vector<double>& x, const std::vector<double>& y)
     : x_(x), y_(y), slopes_(spline_slopes(x, y)) {}
 
-/// Of the piece between two points, by how far x is along it: the polynomial with the two values and the two slopes.
+/// Of the piece between two points, by how far x is from the nearer one: the polynomial with the two values and slopes.
 Moving Spline::at(const Moving& x) const {
   const auto inner_points_below = std::upper_bound(x_.begin() + 1, x_.end() - 1, x.value) - (x_.begin() + 1);
   const auto k = static_cast<std::size_t>(inner_points_below);
   const double width = x_[k + 1] - x_[k];
   const double chord = (y_[k + 1] - y_[k]) / width;
-  const double bend = (3.0 * chord - 2.0 * slopes_[k] - slopes_[k + 1]) / width;
   const double twist = (slopes_[k] + slopes_[k + 1] - 2.0 * chord) / (width * width);
-  const Moving along = -x_[k] + x;
-  return y_[k] + along * (slopes_[k] + along * (bend + twist * along));
+  const auto from = [&](std::size_t near, std::size_t far, double forward) {
+    const double bend = forward * (3.0 * chord - 2.0 * slopes_[near] - slopes_[far]) / width;
+    const Moving along = -x_[near] + x;
+    return y_[near] + along * (slopes_[near] + along * (bend + twist * along));
+  };
+  return x.value - x_[k] <= x_[k + 1] - x.value ? from(k, k + 1, 1.0) : from(k + 1, k, -1.0);
 }
 
 LawOfTime::LawOfTime(const TimeFunction& stated) : stated_(&stated) {

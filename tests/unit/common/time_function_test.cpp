@@ -85,6 +85,33 @@ TEST(TimeFunction, ASplineInOtherUnitsIsTheSameToTheLastDigit) {
   }
 }
 
+/// "Then it stays": a last point far away. The cubic is that of long doubles to the last digits where it is short.
+TEST(TimeFunction, ALongPieceOfASplineIsExactBesideTheShortOnes) {
+  const SplineTable held({0.0, 0.1, 0.2, 0.3, 1e6}, {0.0, 0.4, 0.5, 0.5, 0.5});
+  const double step = 1e-4;
+  for (const double t : {0.3, 0.35, 0.5}) {
+    const TimeFunctionValue now = held.evaluate(t);
+    const TimeFunctionValue next = held.evaluate(t + step);
+    const double third = (next.fddot - now.fddot) / step;
+    EXPECT_NEAR(next.f, now.f + step * (now.fdot + step * (now.fddot / 2 + step * third / 6)), 1e-15) << t;
+    EXPECT_NEAR(next.fdot, now.fdot + step * (now.fddot + step * third / 2), 1e-14) << t;
+  }
+  EXPECT_EQ(held.evaluate(0.3).f, 0.5);
+  EXPECT_EQ(held.evaluate(1e6).f, 0.5);
+}
+
+/// Dead band between long ramps: points of a cubic x^3 + x lie on it whatever their distances.
+TEST(TimeFunction, AShortPieceBetweenLongOnesIsResolved) {
+  const auto f = [](double x) { return x * x * x + x; };
+  for (const double far : {1e2, 1e4, 1e8}) {
+    const std::vector<double> x{-far, -0.1, 0.1, far};
+    const SplineTable table(x, {f(x[0]), f(x[1]), f(x[2]), f(x[3])});
+    EXPECT_NEAR(table.evaluate(0.05).f, f(0.05), 1e-16 * far * far) << far;
+  }
+  const SplineTable line({-1e8, -0.1, 0.1, 1e8}, {-1e8, 0.0, 0.0, 1e8});
+  EXPECT_NEAR(line.evaluate(0.05).f, 0.0, 1e-12);
+}
+
 TEST(TimeFunction, SplineGoesThroughItsTableWithContinuousCurvature) {
   const SplineTable table = table_of([](double t) { return std::sin(3.0 * t); });
   for (const double t : kTimes) EXPECT_NEAR(table.evaluate(t).f, std::sin(3.0 * t), 1e-15);
