@@ -11,24 +11,32 @@ namespace concord::compare {
 
 namespace {
 
-/// Where a table leaves the forces of two neighbouring points farthest.
+/// A cubic spline of the model, and what of it counts.
+struct SplineOfModel {
+  const SplineTable& points;
+  double last;  // beyond it nothing asks for the spline
+  double seen;  // of the range of its values: a smaller overshoot is what a cubic is expected to have
+};
+
+/// Where a spline leaves the values of two neighbouring points farthest.
 struct Overshoot {
   double size = 0.0;
   double x = 0.0;
-  double force = 0.0;
+  double value = 0.0;
   std::size_t after = 0;  // the point before it
 };
 
-Overshoot largest_overshoot(const ForceTable& table) {
+Overshoot largest_overshoot(const SplineOfModel& spline) {
   constexpr int kLooks = 32;
-  const std::vector<double>& x = table.points().times();
-  const std::vector<double>& force = table.points().values();
+  const std::vector<double>& x = spline.points.times();
+  const std::vector<double>& values = spline.points.values();
   Overshoot largest;
-  for (std::size_t k = 0; k + 1 < x.size(); ++k) {
-    const auto [low, high] = std::minmax(force[k], force[k + 1]);
-    for (int look = 1; look < kLooks; ++look) {
-      const double at = x[k] + (x[k + 1] - x[k]) * look / kLooks;
-      const double value = table.evaluate(at);
+  for (std::size_t k = 0; k + 1 < x.size() && x[k] < spline.last; ++k) {
+    const auto [low, high] = std::minmax(values[k], values[k + 1]);
+    const double width = std::min(x[k + 1], spline.last) - x[k];
+    for (int look = 1; look <= kLooks; ++look) {
+      const double at = x[k] + width * look / kLooks;
+      const double value = spline.points.evaluate(static_cast<int>(k), at).f;
       const double size = std::max(low - value, value - high);
       if (size > largest.size) largest = {size, at, value, k};
     }
@@ -36,39 +44,62 @@ Overshoot largest_overshoot(const ForceTable& table) {
   return largest;
 }
 
-void note_on(const std::optional<ForceTable>& table, const char* key, const std::string& owner,
-             std::vector<std::string>& notes) {
-  constexpr double kSeen = 0.05;  // of the table's range
-  if (!table) return;
-  const std::vector<double>& x = table->points().times();
-  const std::vector<double>& force = table->points().values();
-  const auto [low, high] = std::minmax_element(force.begin(), force.end());
-  const Overshoot found = largest_overshoot(*table);
-  if (!(found.size > kSeen * (*high - *low))) return;
+/// `what`: "spring_table of joint 'A'".
+void note_on(const SplineOfModel& spline, const std::string& what, std::vector<std::string>& notes) {
+  const std::vector<double>& x = spline.points.times();
+  const std::vector<double>& values = spline.points.values();
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const Overshoot found = largest_overshoot(spline);
+  if (!(found.size > spline.seen * (*high - *low))) return;
   notes.push_back(fmt::format(
-      "the {} of {} leaves its points: the cubic through them reaches {:.4g} at {:.4g}, between {:.4g} at {:.4g} and "
-      "{:.4g} at {:.4g}: give more points where it bends",
-      key, owner, found.force, found.x, force[found.after], x[found.after], force[found.after + 1],
-      x[found.after + 1]));
+      "the {} leaves its points: the cubic through them reaches {:.4g} at {:.4g}, between {:.4g} at {:.4g} and {:.4g} "
+      "at {:.4g}: give more points where it bends",
+      what, found.value, found.x, values[found.after], x[found.after], values[found.after + 1], x[found.after + 1]));
 }
 
-void notes_on_law(const ForceLaw& law, const std::string& owner, std::vector<std::string>& notes) {
-  note_on(law.spring_table, "spring_table", owner, notes);
-  note_on(law.damper_table, "damper_table", owner, notes);
+void note_on(const std::optional<ForceTable>& table, const std::string& what, std::vector<std::string>& notes) {
+  constexpr double kSeen = 0.05;
+  if (table) note_on(SplineOfModel{table->points(), table->points().times().back(), kSeen}, what, notes);
+}
+
+/// A motion or a road swings beyond its points by a part of its range, as it should.
+constexpr double kSeenOfMotion = 0.5;
+
+void note_on(const TimeFunction& law, double until, const std::string& what, std::vector<std::string>& notes) {
+  const auto* table = std::get_if<SplineTable>(&law);
+  if (table != nullptr)
+    note_on(SplineOfModel{*table, std::min(until, table->times().back()), kSeenOfMotion}, what, notes);
+}
+
+void notes_on_law(const ForceLaw& law, double until, const std::string& owner, std::vector<std::string>& notes) {
+  note_on(law.spring_table, "spring_table of " + owner, notes);
+  note_on(law.damper_table, "damper_table of " + owner, notes);
+  if (law.actuator) note_on(*law.actuator, until, "actuator of " + owner, notes);
 }
 
 }  // namespace
 
 std::vector<std::string> notes_on_tables(const Model& model) {
   std::vector<std::string> notes;
+  const double until = model.run.until;
   for (const Joint& joint : model.joints) {
-    for (const JointSpring& spring : joint.springs)
-      notes_on_law(spring.law, fmt::format("joint '{}'", joint.name), notes);
+    const std::string owner = fmt::format("joint '{}'", joint.name);
+    for (const JointSpring& spring : joint.springs) notes_on_law(spring.law, until, owner, notes);
+    for (const Driver& driver : joint.drivers) note_on(driver.law, until, "driver of " + owner, notes);
   }
   for (const ForceElement& element : model.elements) {
     const std::string owner = fmt::format("force element '{}'", element.name);
-    if (const auto* line = std::get_if<LineSpring>(&element.what)) notes_on_law(line->law, owner, notes);
-    if (const auto* turn = std::get_if<TurnSpring>(&element.what)) notes_on_law(turn->law, owner, notes);
+    std::visit(Overloaded{[&](const LineSpring& line) { notes_on_law(line.law, until, owner, notes); },
+                          [&](const TurnSpring& turn) { notes_on_law(turn.law, until, owner, notes); },
+                          [&](const Load& load) { note_on(load.law, until, "law of " + owner, notes); },
+                          [&](const Tire& tire) {
+                            const auto* road = std::get_if<RoadTable>(&tire.road->profile);
+                            if (road == nullptr) return;
+                            note_on(SplineOfModel{road->spline, road->last, kSeenOfMotion},
+                                    fmt::format("road '{}' of {}", tire.road->name, owner), notes);
+                          },
+                          [](const auto& /*other*/) {}},
+               element.what);
   }
   return notes;
 }

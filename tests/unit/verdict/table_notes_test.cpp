@@ -30,6 +30,37 @@ TEST(TableNotes, AForceElementIsNamedToo) {
   EXPECT_TRUE(notes[0].starts_with("the spring_table of force element 'strut' leaves its points")) << notes[0];
 }
 
+/// A pulse between far points, as one who thinks of straight lines writes it.
+TEST(TableNotes, LawsOfTimeAndRoadsAreLookedAt) {
+  const SplineTable pulse({0.0, 0.5, 0.51, 0.52, 1.0}, {0.0, 0.0, 1.0, 0.0, 0.0});
+  Model model = sprung_pendulum_model();
+  model.run.until = 1.0;
+  std::get<LineSpring>(model.elements[0].what).law.actuator = pulse;
+  model.elements.push_back({"push", Load{}, {}});
+  std::get<Load>(model.elements.back().what).law = pulse;
+  Tire tire;
+  tire.road = std::make_shared<const Road>(Road{"bump", RoadTable{pulse, 0.0, 1.0}});
+  model.elements.push_back({"wheel", tire, {}});
+  Driver driver;
+  driver.law = pulse;
+  model.joints[0].drivers = {driver};
+  const std::vector<std::string> notes = notes_on_tables(model);
+  ASSERT_EQ(notes.size(), 4U);
+  EXPECT_TRUE(notes[0].starts_with("the driver of joint 'A' leaves its points")) << notes[0];
+  EXPECT_TRUE(notes[1].starts_with("the actuator of force element 'strut' leaves its points")) << notes[1];
+  EXPECT_TRUE(notes[2].starts_with("the law of force element 'push' leaves its points")) << notes[2];
+  EXPECT_TRUE(notes[3].starts_with("the road 'bump' of force element 'wheel' leaves its points")) << notes[3];
+}
+
+TEST(TableNotes, AMotionSwingsBeyondItsPointsAndNothingCountsAfterTheRun) {
+  Model model = pendulum_model();
+  model.run.until = 0.5;
+  Driver driver;
+  driver.law = SplineTable({0.0, 0.1, 0.2, 0.3, 1e4}, {0.0, 0.4, 0.5, 0.5, 0.5});
+  model.joints[0].drivers = {driver};
+  EXPECT_TRUE(notes_on_tables(model).empty());
+}
+
 TEST(TableNotes, ATableThatStaysBetweenItsPointsIsNoNews) {
   Model model = pendulum_model();
   JointSpring spring;
