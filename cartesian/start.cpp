@@ -63,6 +63,21 @@ const char* hint_at_singular_start(const Model& model) {
                      : "";
 }
 
+/// A ball keeps three coordinates or none: of a rod between two balls nothing can keep how far it has turned about
+/// itself.
+const char* hint_at_rod_between_balls(const Model& model, const KeptCount& kept) {
+  int balls = 0;
+  for (const Joint& joint : model.joints) {
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      const bool is_kept = joint.start[word].role_q == StartRole::keep;
+      balls += joints::is_orientation(joint.type->permits[word]) && !is_kept ? 1 : 0;
+    }
+  }
+  return kept.coordinates < kept.coordinate_freedom && balls > 1
+             ? "; a rod between two balls turns freely about itself: let one of the two joints be universal"
+             : "";
+}
+
 void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing& closing) {
   // Off the constraints redundant rows look independent: count only where the machine closed.
   if (!closing.closed) return;
@@ -70,11 +85,11 @@ void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing
   const std::string found = fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has",
                                         kept.coordinates, kept.speeds);
   if (kept.coordinate_freedom == kept.speed_freedom) {
-    throw InputError(
-        {model.file, 0, 0},
-        fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
-                    "{} of each{}",
-                    found, kept.coordinate_freedom, kept.coordinate_freedom, hint_at_singular_start(model)));
+    throw InputError({model.file, 0, 0},
+                     fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
+                                 "{} of each{}{}",
+                                 found, kept.coordinate_freedom, kept.coordinate_freedom,
+                                 hint_at_rod_between_balls(model, kept), hint_at_singular_start(model)));
   }
   throw InputError({model.file, 0, 0},
                    fmt::format("{} {} independent coordinates and {} independent speeds (its rigid degrees of freedom, "

@@ -142,6 +142,22 @@ std::string Start::couplings_of_kept(const PrescribedMask& prescribed) const {
   return text;
 }
 
+/// What cannot be kept: a ball is kept as a whole, but a rod that ends in two of them has one idle turn.
+const char* Start::idle_turn(const PrescribedMask& prescribed) const {
+  const Model& model = scaled_->equations().model();
+  int unkept = 0;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const joints::JointType& type = *model.joints[k].type;
+    const int first = scaled_->equations().topology().joints[k].first_u;
+    for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {
+      if (joints::is_orientation(type.permits[word]) && prescribed[first + first_u(type, word)] == 0) ++unkept;
+    }
+  }
+  return unkept < 2 ? ""
+                    : "; a rod with a ball at either end spins about its axis as it likes: a universal joint for "
+                      "one of the balls holds it";
+}
+
 /// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.
 void Start::require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed,
                                    ClosureRows rows) const {
@@ -154,9 +170,10 @@ void Start::require_number_of_kept(const Coordinates& coordinates, const Prescri
   throw InputError(
       where_kept(prescribed),
       fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
-                  "{} are ({}){}{}",
+                  "{} are ({}){}{}{}",
                   degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(prescribed),
-                  couplings_of_kept(prescribed), scaled_->equations().has_drivers() ? kMayBeSingular : ""));
+                  couplings_of_kept(prescribed), n_kept < freedom ? idle_turn(prescribed) : "",
+                  scaled_->equations().has_drivers() ? kMayBeSingular : ""));
 }
 
 void Start::require_independent(const Coordinates& coordinates, const PrescribedMask& prescribed,

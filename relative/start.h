@@ -25,6 +25,7 @@ class Start {
   [[nodiscard]] PrescribedMask kept(StartRole WordStart::*role) const;
   void add_turns_of_couplings(Coordinates& coordinates, const PrescribedMask& prescribed) const;
   void require_independent(const Coordinates& coordinates, const PrescribedMask& prescribed, ClosureRows rows) const;
+  [[nodiscard]] const char* idle_turn(const PrescribedMask& prescribed) const;
   void require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed, ClosureRows rows) const;
   [[noreturn]] void throw_not_closing(const PrescribedMask& prescribed) const;
   void choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/joints/catalogue.h"
+#include "common/reading/model_file.h"
 #include "linkage.h"
 #include "machines.h"
 
@@ -76,6 +77,32 @@ TEST(CartesianSolver, RefusesTooFewKeptCoordinates) {
   EXPECT_EQ(message_of<InputError>([&] { (void)make_solver(model)->assemble(); }),
             "pendulum.toml: error: the start keeps 1 joint coordinates and 0 joint speeds, but the machine has 1 "
             "independent ones (its rigid degrees of freedom, drivers off): keep exactly 1 of each");
+}
+
+/// Both solvers say how a rod between two balls can be stated.
+TEST(CartesianSolver, SaysWhatCannotBeKept) {
+  const Model model = parse_model(R"(format = 1
+[[body]]
+name = "rod"
+mass = 1.2
+center_of_mass = [0.2, 0, 0]
+inertia = [0.01, 0.02, 0.02]
+[[joint]]
+name = "near"
+type = "spherical"
+parent = "ground"
+child = "rod"
+[[joint]]
+name = "far"
+type = "spherical"
+parent = { body = "ground", point = [0.4, 0, 0] }
+child = { body = "rod", point = [0.4, 0, 0] }
+)",
+                                  "rod.toml");
+  EXPECT_NE(message_of<InputError>([&] {
+              (void)make_solver(model)->assemble();
+            }).find("a rod between two balls turns freely about itself: let one of the two joints be universal"),
+            std::string::npos);
 }
 
 TEST(CartesianSolver, NamesTheJointsOfAContradiction) {
