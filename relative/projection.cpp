@@ -57,7 +57,7 @@ VecX Projection::step_against(const VecX& misfit) const {
 /// Newton's method to round-off; Phi_u is kept while each step takes away nine tenths of the residual.
 void Projection::project_positions(Coordinates& coordinates) {
   const Closure& closure = scaled_->closure();
-  const double allowed = kClosedPart * std::max(1.0, scaled_->size_of_q(coordinates.q));
+  const double allowed = kClosedPart * scaled_->size_of_places(coordinates.q);
   double residual = scaled_->position_residual();
   if (residual <= kRoundOffOfPosition * std::max(1.0, scaled_->size_of_q(coordinates.q))) return;
   bool is_fresh = true;

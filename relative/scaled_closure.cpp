@@ -72,6 +72,15 @@ double ScaledClosure::velocity_residual() const {
 double ScaledClosure::size_of_q(const VecX& q) const { return largest_entry(q.cwiseQuotient(coordinate_units_)); }
 double ScaledClosure::size_of_u(const VecX& u) const { return largest_entry(u.cwiseQuotient(scales_.speeds())); }
 
+double ScaledClosure::size_of_places(const VecX& q) const {
+  constexpr double kRoundOff = 0.01;  // some four units of it, as a part of kClosedPart
+  double farthest = 0.0;
+  for (std::size_t i = 1; i < equations_->model().bodies.size(); ++i) {
+    farthest = std::max(farthest, largest_entry(equations_->kinematics().body(BodyIndex(i)).r));
+  }
+  return std::max({1.0, size_of_q(q), kRoundOff * farthest / scales_.length()});
+}
+
 MatX ScaledClosure::rows(const Closure& measured, const std::vector<int>& columns) const {
   const MatX all = scales_.scaled(measured.Phi_u(), measured);
   MatX selected(all.rows(), columns.size());

@@ -23,9 +23,17 @@ double total_mass(const Model& model) {
   return mass;
 }
 
-/// Largest force of a load or of a spring that is stretched by the length [N]; torques over the length.
+/// Largest force of a load or of a spring that is stretched by the length or a radian [N]; torques over the length.
 double largest_force(const Model& model, double length) {
   double largest = 0.0;
+  for (const Joint& joint : model.joints) {
+    const Mobilizer mobilizer(*joint.type);
+    for (const JointSpring& spring : joint.springs) {
+      const bool slides = mobilizer.kind(first_u(*joint.type, spring.word) + spring.component).is_length;
+      const double stretched = std::abs(spring.law.stiffness) * (slides ? length : 1.0);
+      largest = std::max(largest, std::max(stretched, std::abs(spring.law.preload)) / (slides ? 1.0 : length));
+    }
+  }
   for (const ForceElement& element : model.elements) {
     std::visit(
         Overloaded{
@@ -36,6 +44,10 @@ double largest_force(const Model& model, double length) {
               largest = std::max({largest, std::abs(spring.law.stiffness) * length, std::abs(spring.law.preload)});
             },
             [&](const TurnSpring& spring) { largest = std::max(largest, std::abs(spring.law.stiffness) / length); },
+            [&](const Bushing& bushing) {
+              largest = std::max(largest, bushing.stiffness.topLeftCorner<3, 3>().diagonal().maxCoeff() * length);
+              largest = std::max(largest, bushing.stiffness.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length);
+            },
             [&](const auto&) {}},
         element.what);
   }
