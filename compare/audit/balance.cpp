@@ -75,6 +75,7 @@ class JointPower {
         tau_(wrenches.tau),
         coupled_(coupled),
         tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
+        of_springs_(sizes_of_springs(joint, springs, motion_, t)),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
   /// S^T [F; T] of the reaction, along the speeds that are possible.
@@ -98,10 +99,9 @@ class JointPower {
     return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - tau_by_laws_);
   }
 
-  /// Sizes of what springs and actuators, and couplings, exert on each speed, though they may cancel.
+  /// Sizes of what springs and actuators, couplings and all of them exert on each speed, though they may cancel.
   [[nodiscard]] VecX sizes_of_laws() const {
-    const VecX by_laws = tau_by_laws_.array().isNaN().select(tau_, tau_by_laws_);
-    return coupled_.cwiseAbs().cwiseMax((by_laws - coupled_).cwiseAbs());
+    return coupled_.cwiseAbs().cwiseMax(of_springs_).cwiseMax(tau_.cwiseAbs());
   }
 
   /// How far the laws exert other forces here than there.
@@ -132,6 +132,7 @@ class JointPower {
   const VecX& tau_;
   const VecX& coupled_;
   VecX tau_by_laws_;
+  VecX of_springs_;
   Mat6X directions_;
 };
 

@@ -176,6 +176,17 @@ VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, con
   return tau;
 }
 
+VecX sizes_of_springs(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
+  VecX sizes = VecX::Zero(joint.type->n_u());
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const JointSpring& spring = joint.springs[k];
+    const int q = first_q(*joint.type, spring.word) + spring.component;
+    const int u = first_u(*joint.type, spring.word) + spring.component;
+    sizes(u) += std::abs(springs[k].actuator(t)) + std::abs(springs[k].resistance(motion.q(q), motion.u(u)));
+  }
+  return sizes;
+}
+
 VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces) {
   const joints::JointType& type = *model.joints[k].type;
   VecX tau = VecX::Zero(type.n_u());

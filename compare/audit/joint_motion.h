@@ -44,6 +44,10 @@ std::vector<LawOfForce> laws_of_springs(const Joint& joint);
 /// Joint::springs, in their order.
 VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
 
+/// Sizes of what springs and dampers, and actuators, of a joint exert on each speed [n_u numbers], though a driver may
+/// hold them.
+VecX sizes_of_springs(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t);
+
 /// tau that the couplings of a model exert on the speeds of joint k, given their forces (one for each coupling).
 VecX coupled_tau(const Model& model, int k, const std::vector<double>& forces);
 
