@@ -80,16 +80,23 @@ class Scales {
     }
   }
 
-  /// Weight and inertia of the bodies: what joints would pass on if they passed anything.
+  /// Weight and inertia of the bodies: what joints would pass on if they passed anything. A balanced rotor counts as if
+  /// its mass went round at the machine's length: that none of it does is known to round-off.
   [[nodiscard]] BlockScale loads() const {
     const Model& model = layout_.model();
     BlockScale largest;
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
-      const double acceleration = peak(series_, layout_.first_row(Kind::acceleration, i), 3) + model.gravity.norm();
+      const int row = layout_.first_row(Kind::acceleration, i);
+      const double acceleration = std::max(peak(series_, row, 3), acceleration_by_turning(i)) + model.gravity.norm();
       const double force = mass_of(model.bodies[i]) * acceleration;
       enlarge(largest, {force, force * length_});
     }
     return largest;
+  }
+
+  [[nodiscard]] double acceleration_by_turning(int body) const {
+    const double spin = series_.spin[body];
+    return std::max(peak(series_, layout_.first_row(Kind::acceleration, body) + 3, 3), spin * spin) * length_;
   }
 
   void collect_wrenches() {
@@ -114,10 +121,31 @@ class Scales {
       enlarge(wrench_floor_, scale);
     }
     enlarge(wrench_floor_, loads());
+    on_speeds_ = forces_on_speeds();
+    for (const BlockScale& scale : on_speeds_) enlarge(wrench_floor_, scale);
     wrench_floor_.linear_source = wrench_floor_.angular_source = ScaleSource::floor;
     hold_idle_joints_against_the_machine(wrench_floor_);
+    for (std::size_t k = 0; k < on_speeds_.size(); ++k) {
+      BlockScale passed = totals_[2 * k + index(Side::child)];
+      enlarge(passed, on_speeds_[k]);
+      on_speeds_[k] = passed;
+    }
     collect_couplings();
     wrench_floor_ = {kScaleFloor * wrench_floor_.linear, kScaleFloor * wrench_floor_.angular};
+  }
+
+  /// Peaks of what springs and drivers exert in each joint: one that balances its own springs, as an edge does, passes
+  /// nothing of them on.
+  [[nodiscard]] std::vector<BlockScale> forces_on_speeds() const {
+    std::vector<BlockScale> scales(layout_.model().joints.size());
+    for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
+      const Quantity& quantity = layout_.quantities()[row];
+      if (quantity.kind != Kind::driver) continue;
+      const double largest = peak(series_, static_cast<int>(row), 1);
+      const bool is_torque = unit_of(layout_.model(), quantity) == "N m";
+      enlarge(scales[quantity.owner], is_torque ? BlockScale{0.0, largest} : BlockScale{largest, 0.0});
+    }
+    return scales;
   }
 
   /// The force that would explain all that passes through the joints of a coupling.
@@ -161,9 +189,8 @@ class Scales {
     modal_.resize(model.bodies.size());
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const int row = layout_.first_row(Kind::acceleration, i);
-      const double spin = series_.spin[i];
       const double own = peak(series_, row, 3);
-      const double by_turning = std::max(peak(series_, row + 3, 3), spin * spin) * length_;
+      const double by_turning = acceleration_by_turning(i);
       const double gravity = model.gravity.norm();
       const double linear = std::max({own, by_turning, gravity});
       const ScaleSource source = linear == own          ? ScaleSource::own_peak
@@ -188,8 +215,9 @@ class Scales {
         return elements_[quantity.owner];
       case Kind::coupling:
         return couplings_[quantity.owner];
-      case Kind::total:
       case Kind::driver:
+        return on_speeds_[quantity.owner];
+      case Kind::total:
         return totals_[block];
       default:
         return reactions_[block];
@@ -201,6 +229,7 @@ class Scales {
   double length_;
   std::vector<BlockScale> reactions_;  // joint-major, parent then child
   std::vector<BlockScale> totals_;
+  std::vector<BlockScale> on_speeds_;  // of joints, by the larger of the total and of what springs and drivers exert
   std::vector<BlockScale> elements_;
   std::vector<BlockScale> couplings_;
   std::vector<BlockScale> on_body_;

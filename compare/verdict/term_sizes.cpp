@@ -160,11 +160,14 @@ class TermSizes {
   }
 
   /// How far apart two ends stand, at least the machine's length [m]: a force on one is a torque about the other. A
-  /// load has one end.
+  /// load has one end. Far from the origin levers are differences of places, which are rounded as the distance is.
   [[nodiscard]] double reach(const Attachment* one, const Attachment* other) const {
+    constexpr double kRounding = 0.125;
     if (one == nullptr || other == nullptr) return length_;
     const auto& bodies = shared_.state.bodies;
-    return std::max(length_, (place(*one, bodies[one->body]).r_P - place(*other, bodies[other->body]).r_P).norm());
+    const Vec3 from = place(*one, bodies[one->body]).r_P;
+    const Vec3 to = place(*other, bodies[other->body]).r_P;
+    return std::max({length_, (from - to).norm(), kRounding * from.norm()});
   }
 
   /// What a joint passes is the rest of the loads on its bodies, and of what couplings bring from other joints.
@@ -224,10 +227,36 @@ class TermSizes {
     return size;
   }
 
-  [[nodiscard]] double of_acceleration(int body, int component) const {
+  [[nodiscard]] double by_loads(int body, bool angular) const {
     const BodyLoad& load = loads_.of(body);
-    if (component < 3) return load.mass > 0.0 ? load.force / load.mass : 0.0;
-    if (component < 6) return load.least_inertia > 0.0 ? load.torque / load.least_inertia : 0.0;
+    const double inertia = angular ? load.least_inertia : load.mass;
+    return inertia > 0.0 ? (angular ? load.torque : load.force) / inertia : 0.0;
+  }
+
+  /// A coupling passes the accelerations of its other coordinates on, by the ratio of their factors.
+  [[nodiscard]] double through_couplings(int body, bool angular) const {
+    double largest = 0.0;
+    for (const Coupling& coupling : model_.couplings) {
+      for (const CouplingTerm& own : coupling.terms) {
+        const auto& sides = model_.joints[own.joint].sides;
+        if (turns(own) != angular || (sides[0].body != body && sides[1].body != body)) continue;
+        for (const CouplingTerm& other : coupling.terms) {
+          if (&other == &own) continue;
+          for (const Attachment& side : model_.joints[other.joint].sides) {
+            largest = std::max(largest, std::abs(other.factor / own.factor) * by_loads(side.body, turns(other)));
+          }
+        }
+      }
+    }
+    return largest;
+  }
+
+  [[nodiscard]] double of_acceleration(int body, int component) const {
+    if (component < 6) {
+      const bool angular = component >= 3;
+      return std::max(by_loads(body, angular), through_couplings(body, angular));
+    }
+    const BodyLoad& load = loads_.of(body);
     const double mass = load.modal_mass(component - 6);
     return mass > 0.0 ? load.modal(component - 6) / mass : 0.0;
   }

@@ -55,6 +55,25 @@ TEST_CASE("Each solver says the same of a machine at rest, however it is describ
   expect_invariance(machine_of("resting", "train"));
 }
 
+// Detects a floor that knows only what joints pass on: of a balanced rotor in space that is nothing, to round-off.
+TEST_CASE("Each solver says the same of a balanced rotor in space, however it is described", "[invariance]") {
+  expect_invariance(parse_model(R"(format = 1
+[[body]]
+name = "rotor"
+mass = 1.3
+inertia = [0.011, 0.012, 0.014]
+[[joint]]
+name = "bearing"
+type = "revolute"
+parent = "ground"
+child = "rotor"
+drive.turn_z = { law = "harmonic", amplitude = 0.5, frequency = 11 }
+[run]
+until = 0.2
+)",
+                                "rotor.toml"));
+}
+
 TEST_CASE("Each solver says the same of textbook machines, however they are described", "[invariance][nightly]") {
   for (const std::string& name : machines_of("textbook")) {
     DYNAMIC_SECTION(name) { expect_invariance(machine_of("textbook", name)); }
