@@ -16,6 +16,25 @@ int count_speeds(const Model& model) {
   return n;
 }
 
+/// How many times a joint's turn runs faster than the slowest turn that a coupling ties to it, at least 1: the motor of
+/// a gear goes round many times while nothing else of the machine has turned far.
+double gear_ratio(const Model& model, int joint, Eigen::Index speed) {
+  double ratio = 1.0;
+  for (const Coupling& coupling : model.couplings) {
+    double own = 0.0;
+    double largest = 0.0;
+    for (const CouplingTerm& term : coupling.terms) {
+      const joints::JointType& type = *model.joints[term.joint].type;
+      const int of_term = first_u(type, term.word) + term.component;
+      if (!turning_speeds(type)[static_cast<std::size_t>(of_term)]) continue;
+      largest = std::max(largest, std::abs(term.factor));
+      if (term.joint == joint && of_term == speed) own = std::abs(term.factor);
+    }
+    if (own > 0.0) ratio = std::max(ratio, largest / own);
+  }
+  return ratio;
+}
+
 }  // namespace
 
 JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
@@ -32,7 +51,8 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
     const std::vector<bool> turns = turning_speeds(*model.joints[k].type);
     for (Eigen::Index c = 0; c < u.size(); ++c) {
       if (turns[static_cast<std::size_t>(c)]) {
-        largest.turn = std::max(largest.turn, std::abs(u(c)));
+        largest.fastest_turn = std::max(largest.fastest_turn, std::abs(u(c)));
+        largest.turn = std::max(largest.turn, std::abs(u(c)) / gear_ratio(model, static_cast<int>(k), c));
       } else {
         largest.rest = std::max(largest.rest, std::abs(u(c)) / model.length_scale());
       }

@@ -9,13 +9,17 @@
 /// What joints do between two states, and along a direction of motion.
 namespace concord::compare::analyses {
 
-/// The largest changes of coordinates in a step: of a joint's angles [rad]; of its slides [of the machine's length] and
+/// The largest changes of coordinates in a step: of a joint's angles [rad], those of fast shafts by the ratio of their
+/// gears; of its slides [of the machine's length] and
 /// of modes [modal_sizes()].
 struct JointStep {
   double turn = 0.0;
   double rest = 0.0;
+  double fastest_turn = 0.0;  // gears not counted
 
   [[nodiscard]] double largest() const { return std::max(turn, rest); }
+  /// What gears make of the largest change, at most 1.
+  [[nodiscard]] double part_of_gears() const { return fastest_turn > largest() ? largest() / fastest_turn : 1.0; }
 };
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
 

@@ -17,6 +17,8 @@ namespace concord::compare::analyses {
 
 namespace {
 
+double square(double x) { return x * x; }
+
 /// Accelerations of all bodies by the actuated machine, and the loads on them, against those of the driven one.
 double round_trip_digits(const Model& model, const State& state, const Evaluation& there, const Evaluation& back) {
   const QuantityLayout layout(model);
@@ -24,7 +26,11 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
   const std::vector<Measured> measured = measure(layout, series);
   const VecX asked = scaled_accelerations(model, there);
   const VecX reached = scaled_accelerations(model, back);
-  const double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, state, there));
+  // Where nothing is asked and nothing acts, what turns has at least the centripetal acceleration of its speed.
+  double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, state, there));
+  for (const BodyState& body : state.bodies) {
+    scale = std::max({scale, body.omega.squaredNorm(), body.v.squaredNorm() / square(model.length_scale())});
+  }
   double mass = 0.0;
   for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
   double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);

@@ -7,6 +7,7 @@
 
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/linearize.h"
+#include "compare/analyses/other_rests.h"
 #include "compare/audit/digits.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
@@ -165,6 +166,30 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
   result.linearizations[0] = std::move(turning);
 }
 
+/// The equilibria that each solver finds, which must be the same rest.
+std::array<Trajectory, 2> rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result) {
+  const std::array<Equilibrium, 2> found{find_equilibrium(model, *solvers[0]), find_equilibrium(model, *solvers[1])};
+  std::array<Trajectory, 2> states;
+  for (const Who who : kBothSolvers) {
+    const Equilibrium& one = found[index(who)];
+    result.text += equilibrium_text(one, solvers[index(who)]->name());
+    states[index(who)] = one_sample(one.state, one.evaluation);
+  }
+  if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
+    refuse_undetermined_rest(model, {solvers[0].get(), solvers[1].get()}, found);
+  }
+  return states;
+}
+
+std::array<Trajectory, 2> starts(const Solvers& solvers) {
+  std::array<Trajectory, 2> states;
+  for (const Who who : kBothSolvers) {
+    const State start = solvers[index(who)]->assemble();
+    states[index(who)] = one_sample(start, solvers[index(who)]->evaluate(start));
+  }
+  return states;
+}
+
 }  // namespace
 
 AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium) {
@@ -172,18 +197,9 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   AnalysisVerdict result;
   result.analysis = "linearize";
   const Solvers solvers = make_solvers(held, makers, result);
-  std::array<Trajectory, 2> states;
+  const std::array<Trajectory, 2> states = at_equilibrium ? rests(held, solvers, result) : starts(solvers);
   for (const Who who : kBothSolvers) {
-    Solver& solver = *solvers[index(who)];
-    if (at_equilibrium) {
-      const Equilibrium found = find_equilibrium(held, solver);
-      result.text += equilibrium_text(found, solver.name());
-      states[index(who)] = one_sample(found.state, found.evaluation);
-    } else {
-      const State start = solver.assemble();
-      states[index(who)] = one_sample(start, solver.evaluate(start));
-    }
-    result.linearizations[index(who)] = linearize(held, solver, states[index(who)].samples[0].state);
+    result.linearizations[index(who)] = linearize(held, *solvers[index(who)], states[index(who)].samples[0].state);
   }
   judge_wrenches(held, solvers, states, at_equilibrium, result);
   measure_in_steady_axes(held, solvers, states, result);

@@ -6,7 +6,6 @@
 #include "compare/analyses/joint_changes.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/other_rests.h"
-#include "compare/analyses/stiffness.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/report/text_table.h"
@@ -122,21 +121,6 @@ void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict&
   result.numbers.push_back(number("unstable directions", "", found[0].unstable, found[1].unstable, 1.0, kMostDigits));
 }
 
-/// Where numbers differ: a rest at a kink, or one of several of which round-off chooses, as each solver finds alone.
-void refuse_if_round_off_decides(const Model& model, const Solvers& solvers, const std::array<Equilibrium, 2>& found,
-                                 const AnalysisVerdict& result) {
-  const auto agrees = [](const NumberRow& row) { return row.agrees(); };
-  if (std::all_of(result.numbers.begin(), result.numbers.end(), agrees)) return;
-  for (const Equilibrium& one : found) {
-    if (!one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
-  }
-  for (const Who who : kBothSolvers) {
-    refuse_other_rest(model, *solvers[index(who)], found[index(who)]);
-    const std::string other = other_rest_of_like_search(model, *solvers[index(who)], found[index(who)]);
-    if (!other.empty()) throw SolverError("statics: " + other);
-  }
-}
-
 }  // namespace
 
 AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
@@ -154,7 +138,10 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   compare_stiffness(found, result);
   result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);
   result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
-  refuse_if_round_off_decides(held, solvers, found, result);
+  const auto agrees = [](const NumberRow& row) { return row.agrees(); };
+  if (!std::all_of(result.numbers.begin(), result.numbers.end(), agrees)) {
+    refuse_undetermined_rest(held, {solvers[0].get(), solvers[1].get()}, found);
+  }
   if (!model.joints.empty() && result.wrenches.rows.empty() && !has_judged(result.wrenches)) {
     result.wrenches.failures.emplace_back("no joint can carry a reaction, so that none was judged");
   }
@@ -173,6 +160,7 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
                                          one_sample(found[1].state, found[1].evaluation)};
   const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
   if (agreement.digits < own_need(model)) {
+    refuse_undetermined_rest(held, {solvers[0].get(), solvers[1].get()}, found);
     throw SolverError(
         fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
                     "`concord statics`",

@@ -47,6 +47,17 @@ void make_rows_of(const QuantityLayout& layout, bool at_rest, AnalysisVerdict& r
   }
 }
 
+/// A wrench that vanishes where each solver rests follows from the places that they found, to as many digits: it is
+/// held against the machine's largest.
+void hold_vanishing_against_machine(std::vector<Measured>& own) {
+  for (Measured& one : own) {
+    if (one.source != ScaleSource::floor) continue;
+    one.scale = one.machine;
+    one.digits = matching_digits(one.difference, one.scale);
+    one.unexplained_digits = matching_digits(one.unexplained, one.scale);
+  }
+}
+
 AuditReport audit(const Model& model, const Trajectory& found) {
   Auditor auditor(model);
   for (const Sample& sample : found.samples) auditor.add(sample.state, sample.evaluation);
@@ -74,7 +85,10 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const auto samples = static_cast<int>(found[0].samples.size());
   const WeighedRun own = weigh_run(same_state.weighed(), samples);
   const Series series = align(layout, trajectories, samples);
-  judge.find_differences_on(series, judge.measure_rung(series, own.budget(), Rung::same_run), Rung::same_run);
+  std::vector<Measured> measured = measure(layout, series, own.budget());
+  hold_vanishing_against_machine(measured);
+  record(layout, measured, Rung::same_run, verdict);
+  judge.find_differences_on(series, measured, Rung::same_run);
   verdict.motion = compare_motions(model, trajectories);
   verdict.unique = own.mask;
 

@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "compare/analyses/joint_changes.h"
+#include "compare/analyses/stiffness.h"
 
 namespace concord::compare::analyses {
 
@@ -56,6 +57,18 @@ std::string other_rest_of_like_search(const Model& model, Solver& solver, const 
         solver.name(), words, apart);
   }
   return "";
+}
+
+void refuse_undetermined_rest(const Model& model, const std::array<Solver*, 2>& solvers,
+                              const std::array<Equilibrium, 2>& found) {
+  for (const Equilibrium& one : found) {
+    if (!one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
+  }
+  for (std::size_t who = 0; who < solvers.size(); ++who) {
+    refuse_other_rest(model, *solvers[who], found[who]);
+    const std::string other = other_rest_of_like_search(model, *solvers[who], found[who]);
+    if (!other.empty()) throw SolverError("statics: " + other);
+  }
 }
 
 }  // namespace concord::compare::analyses

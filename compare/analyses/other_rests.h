@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "common/solver.h"
@@ -16,5 +17,10 @@ void refuse_other_rest(const Model& model, Solver& solver, const Equilibrium& fo
 /// Whether searches that differ no more than starts do by round-off, or rough derivatives by their errors, or that go
 /// in shorter steps, end in another rest than this one, as where a machine comes by a saddle: in words, else empty.
 std::string other_rest_of_like_search(const Model& model, Solver& solver, const Equilibrium& found);
+
+/// Where two solvers found different rests: throws SolverError if that is a rest at a kink, or one of several of which
+/// the way or round-off chooses, as each solver finds alone.
+void refuse_undetermined_rest(const Model& model, const std::array<Solver*, 2>& solvers,
+                              const std::array<Equilibrium, 2>& found);
 
 }  // namespace concord::compare::analyses

@@ -263,7 +263,7 @@ class PseudoTransientContinuation {
     const JointStep joints = joint_step(model_, chart, step);
     last_move_ = std::min(joints.largest(), search_.longest_step);
     const bool slides = joints.rest > joints.turn;
-    const double size = is_cautious_ ? step.norm() : joints.largest();
+    const double size = is_cautious_ ? step.norm() * joints.part_of_gears() : joints.largest();
     const double of_turns = (slides ? joints.turn : size) / search_.longest_step;
     const double of_slides = slides ? size / longest_slide_ : 0.0;
     const VecX velocities = chart.velocities(step).normalized();
