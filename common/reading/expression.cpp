@@ -30,6 +30,10 @@ bool continues_name(const std::string& expression, std::size_t k) {
   return first < k && std::isdigit(static_cast<unsigned char>(expression[first])) == 0;
 }
 
+bool ends_with_word(const std::string& text, const std::string& word) {
+  return text.ends_with(word) && !continues_name(text, text.size() - word.size());
+}
+
 /// Writes the product that "20 deg" means: a `*` before every word `deg` that follows a value.
 std::string with_products_before_deg(const std::string& expression) {
   static const std::string kUnit = "deg";
@@ -39,8 +43,9 @@ std::string with_products_before_deg(const std::string& expression) {
     const bool ends = k + kUnit.size() >= expression.size() || !is_word_character(expression[k + kUnit.size()]);
     if (starts && ends && !continues_name(expression, k)) {
       const auto last = result.find_last_not_of(' ');
-      const bool follows_value =
-          last != std::string::npos && (is_word_character(result[last]) || result[last] == '.' || result[last] == ')');
+      const bool follows_value = last != std::string::npos &&
+                                 (is_word_character(result[last]) || result[last] == '.' || result[last] == ')') &&
+                                 !ends_with_word(result.substr(0, last + 1), kUnit);
       if (follows_value) result += '*';
     }
     result += expression[k];

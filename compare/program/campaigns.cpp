@@ -106,6 +106,7 @@ int run_program(int argc, char** argv) {
   try {
     compare::require_known_command(program, argc, argv);
     program.parse(nights.take_slurm_words(argc, argv), argv);
+    compare::require_values(program);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }

@@ -71,4 +71,14 @@ void require_known_command(const CLI::App& program, int argc, char** argv) {
   throw CLI::ValidationError(fmt::format("no command '{}': {}", argv[1], suggestion(argv[1], names, "commands")));
 }
 
+void require_values(const CLI::App& program) {
+  for (const CLI::App* command : program.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& value : option->results()) {
+        if (value.empty()) throw CLI::ValidationError(option->get_name(), "expected a value, found an empty one");
+      }
+    }
+  }
+}
+
 }  // namespace concord::compare

@@ -43,4 +43,8 @@ int become_campaigns(char** argv);
 /// Throws CLI::ValidationError for a first word that is no command, naming a near one.
 void require_known_command(const CLI::App& program, int argc, char** argv);
 
+/// Throws CLI::ValidationError if an option was given without anything in it, as by an empty variable of a script;
+/// after the command line has been parsed.
+void require_values(const CLI::App& program);
+
 }  // namespace concord::compare

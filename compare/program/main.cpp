@@ -255,6 +255,7 @@ int run_program(int argc, char** argv) {
   try {
     compare::require_known_command(program, argc, argv);
     program.parse(argc, argv);
+    compare::require_values(program);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }

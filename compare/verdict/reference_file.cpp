@@ -67,6 +67,8 @@ struct StatedError {
   std::string unit;
 };
 
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it
+
 class ReferenceReader {
  public:
   ReferenceReader(const std::filesystem::path& file, const Model& model) : file_(file), known_(known_columns(model)) {
@@ -78,6 +80,7 @@ class ReferenceReader {
     std::string text;
     while (std::getline(stream, text)) {
       ++line_;
+      if (line_ == 1 && text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
       text = trimmed(text);
       if (text.empty()) continue;
       if (text.front() == '#') {
@@ -118,7 +121,14 @@ class ReferenceReader {
   void read_header(const std::vector<std::string>& names) {
     has_header_ = true;
     if (names.front() != "t [s]") refuse(fmt::format("the first column is '{}', expected 't [s]'", names.front()));
-    for (std::size_t k = 1; k < names.size(); ++k) reference_.columns.push_back(column_named(names[k]));
+    for (std::size_t k = 1; k < names.size(); ++k) {
+      reference_.columns.push_back(column_named(names[k]));
+      const std::string& name = reference_.columns.back().column.name;
+      const auto is_it = [&](const ReferenceColumn& column) { return column.column.name == name; };
+      if (std::count_if(reference_.columns.begin(), reference_.columns.end(), is_it) > 1) {
+        refuse(fmt::format("column '{}' stands there twice", name));
+      }
+    }
     if (reference_.columns.empty()) refuse("the header names no component beside the time");
   }
 

@@ -259,8 +259,8 @@ TEST_CASE("A command line that cannot be is exit 2", "[program]") {
         "compare pendulum.toml --until nan --out r", "run pendulum.toml --solver cartesian --until nan --out r",
         "run pendulum.toml --solver relative --until inf", "compare pendulum.toml --rtol nan --json v.json",
         "run pendulum.toml --solver third", "run pendulum.toml --solver relative --integrator euler",
-        "compare pendulum.toml --cartesian-integrator euler",
-        "compare pendulum.toml --json pendulum.toml/below.json"}) {
+        "compare pendulum.toml --cartesian-integrator euler", "compare pendulum.toml --json pendulum.toml/below.json",
+        "compare pendulum.toml --json ''", "info ''", "run pendulum.toml --solver relative --out ''"}) {
     const Told told = desk.run(arguments);
     INFO(arguments << '\n' << told.out << told.err);
     CHECK(told.code == 2);

@@ -54,6 +54,10 @@ TEST_F(ReferenceTest, ReadsColumnsAndTheirStatedErrors) {
   EXPECT_EQ(reference.columns[0].values, (std::vector<double>{1.5, 1.25}));
 }
 
+TEST_F(ReferenceTest, ASpreadsheetsMarkIsNoPartOfTheFirstColumn) {
+  EXPECT_EQ(read("\xEF\xBB\xBFt [s],A.child.T_y [N m]\n# error = 0.5 %\n0,1.5\n").columns.size(), 1U);
+}
+
 TEST_F(ReferenceTest, SaysWhereAndWhy) {
   EXPECT_EQ(
       complaint("# error = 1 %\nt [s],B.child.F_x [N]\n0,1\n"),
@@ -65,6 +69,8 @@ TEST_F(ReferenceTest, SaysWhereAndWhy) {
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,none\n"), HasSubstr(":3:1: error: reference: 'none'"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,1\n0,1\n"), HasSubstr("times must rise"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,1,2\n"), HasSubstr("3 numbers, the header has 2"));
+  EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N],A.child.F_x [N]\n0,1,2\n"),
+              HasSubstr("column 'A.child.F_x' stands there twice"));
   EXPECT_THAT(complaint("# error = 1 N\nt [s],A.child.F_x [N]\n0,1\n"), HasSubstr("must be in %"));
   EXPECT_THAT(complaint("# error A.child.F_x = 1 N m\nt [s],A.child.F_x [N]\n0,1\n"),
               HasSubstr("the error of 'A.child.F_x' is in N m, the column in N"));
