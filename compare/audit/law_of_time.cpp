@@ -7,11 +7,12 @@ namespace concord::compare {
 
 namespace {
 
+using Real = long double;
+
 /// Slopes at the points of a not-a-knot spline: the second derivative is continuous at the inner points, the third at
 /// the second and the last but one. Tridiagonal, solved from the first row to the last and back, with digits to spare
 /// for a short piece between long ones.
-std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y) {
-  using Real = long double;
+std::vector<Real> spline_slopes(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t n = x.size();
   const auto width = [&](std::size_t k) { return Real(x[k + 1]) - x[k]; };
   const auto chord = [&](std::size_t k) { return (Real(y[k + 1]) - y[k]) / width(k); };
@@ -35,9 +36,7 @@ std::vector<double> spline_slopes(const std::vector<double>& x, const std::vecto
   slopes[n - 1] = (end_right(near, far, chord(n - 2), chord(n - 3)) - (near + far) * slopes[n - 2]) /
                   (far - (near + far) * above[n - 2]);
   for (std::size_t k = n - 1; k-- > 0;) slopes[k] -= above[k] * slopes[k + 1];
-  std::vector<double> rounded(n);
-  std::transform(slopes.begin(), slopes.end(), rounded.begin(), [](Real slope) { return static_cast<double>(slope); });
-  return rounded;
+  return slopes;
 }
 
 }  // namespace
@@ -48,22 +47,30 @@ Moving sine(const Moving& angle) {
   return {s, c * angle.rate, c * angle.rate_of_rate - s * angle.rate * angle.rate};
 }
 
-Spline::Spline(const std::vector<double>& x, const std::vector<double>& y)
-    : x_(x), y_(y), slopes_(spline_slopes(x, y)) {}
+Spline::Spline(const std::vector<double>& x, const std::vector<double>& y) : x_(x), y_(y) {
+  const std::vector<Real> slopes = spline_slopes(x, y);
+  for (std::size_t k = 0; k + 1 < x.size(); ++k) {
+    const Real width = Real(x[k + 1]) - x[k];
+    const Real chord = (Real(y[k + 1]) - y[k]) / width;
+    const Real twist = (slopes[k] + slopes[k + 1] - 2 * chord) / (width * width);
+    const auto powers_from = [&](std::size_t near, std::size_t far, int forward) {
+      const Real bend = forward * (3 * chord - 2 * slopes[near] - slopes[far]) / width;
+      return Powers{static_cast<double>(slopes[near]), static_cast<double>(bend), static_cast<double>(twist)};
+    };
+    pieces_.push_back({powers_from(k, k + 1, 1), powers_from(k + 1, k, -1)});
+  }
+}
 
-/// Of the piece between two points, by how far x is from the nearer one: the polynomial with the two values and slopes.
+/// Of the piece between two points, by how far x is from the nearer one: the polynomial with the two values
+/// and slopes.
 Moving Spline::at(const Moving& x) const {
   const auto inner_points_below = std::upper_bound(x_.begin() + 1, x_.end() - 1, x.value) - (x_.begin() + 1);
   const auto k = static_cast<std::size_t>(inner_points_below);
-  const double width = x_[k + 1] - x_[k];
-  const double chord = (y_[k + 1] - y_[k]) / width;
-  const double twist = (slopes_[k] + slopes_[k + 1] - 2.0 * chord) / (width * width);
-  const auto from = [&](std::size_t near, std::size_t far, double forward) {
-    const double bend = forward * (3.0 * chord - 2.0 * slopes_[near] - slopes_[far]) / width;
-    const Moving along = -x_[near] + x;
-    return y_[near] + along * (slopes_[near] + along * (bend + twist * along));
-  };
-  return x.value - x_[k] <= x_[k + 1] - x.value ? from(k, k + 1, 1.0) : from(k + 1, k, -1.0);
+  const bool from_left = x.value - x_[k] <= x_[k + 1] - x.value;
+  const Powers& powers = pieces_[k][from_left ? 0 : 1];
+  const std::size_t near = from_left ? k : k + 1;
+  const Moving along = -x_[near] + x;
+  return y_[near] + along * (powers.slope + along * (powers.bend + powers.twist * along));
 }
 
 LawOfTime::LawOfTime(const TimeFunction& stated) : stated_(&stated) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -51,7 +52,13 @@ class Spline {
  private:
   std::vector<double> x_;
   std::vector<double> y_;
-  std::vector<double> slopes_;
+  /// Factors of the first three powers of the way from the point at one end of a piece.
+  struct Powers {
+    double slope;
+    double bend;
+    double twist;
+  };
+  std::vector<std::array<Powers, 2>> pieces_;  // from the left end, from the right one
 };
 
 /// A law of time. The statement must outlive it.
