@@ -12,15 +12,23 @@ namespace concord::compare {
 namespace {
 
 constexpr double kEnergyRoundOff = 1e-15;  // of the terms of an energy
+constexpr double kHalfAUnit = 1.2e-16;     // of a number: what a step may lose of it
 constexpr double kSmallestScale = 1e-6;    // of what the largest force would do
 
 struct Energies {
   double kinetic = 0.0;
   double potential = 0.0;
   double terms = 0.0;  // the sizes of all that is added up
+  double still = 0.0;  // of these, the weights of bodies that hardly move in a step
 };
 
-Energies energies_of(const Model& model, const State& state) {
+/// Whether a step leaves most of a place as it was, to its last digits: what rounds it then goes one way.
+bool hardly_moves(const BodyState& body, double step) {
+  constexpr double kFewUnits = 1e-14;
+  return body.v.norm() * step <= kFewUnits * body.r.norm();
+}
+
+Energies energies_of(const Model& model, const State& state, double step = 0.0) {
   Energies energies;
   std::vector<MassPoint> of_rigid;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
@@ -33,6 +41,7 @@ Energies energies_of(const Model& model, const State& state) {
       const double weight = point.mass * model.gravity.dot(body.r + s);
       energies.potential -= weight;
       energies.terms += std::abs(weight);
+      if (hardly_moves(body, step)) energies.still += std::abs(weight);
     }
     if (!model.bodies[i].modal) continue;
     const double bending = 0.5 * body.a.dot(model.bodies[i].modal->stiffness * body.a);
@@ -41,17 +50,6 @@ Energies energies_of(const Model& model, const State& state) {
   }
   energies.terms += energies.kinetic;
   return energies;
-}
-
-double largest_force_on_children(const Evaluation& evaluation) {
-  double largest = 0.0;
-  for (const JointWrenches& joint : evaluation.joints) {
-    largest = std::max(largest, joint.total_on(Side::child).in_C.force.norm());
-  }
-  for (const ElementWrenches& element : evaluation.elements) {
-    largest = std::max(largest, element.on_side(Side::child).in_C.force.norm());
-  }
-  return largest;
 }
 
 }  // namespace
@@ -66,21 +64,25 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
   if (trajectory.samples.empty()) return report;
   const Energies start = energies_of(model, trajectory.samples.front().state);
   const double length = model.length_scale();
-  // Each step rounds the state once more: a body that hardly moves may stay where it is while its forces do work.
-  const double times_rounded = 1.0 + trajectory.statistics.steps;
+  const double steps = std::max(1.0, static_cast<double>(trajectory.statistics.steps));
+  const double until = trajectory.samples.back().state.t - trajectory.samples.front().state.t;
   // What comes and goes between two samples leaves its errors behind, too.
   report.scale = trajectory.statistics.largest_work;
   double lowest = start.potential;
   double highest = start.potential;
   for (const Sample& sample : trajectory.samples) {
-    const Energies now = energies_of(model, sample.state);
+    const Energies now = energies_of(model, sample.state, until / steps);
     lowest = std::min(lowest, now.potential);
     highest = std::max(highest, now.potential);
     report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
-                             kSmallestScale * length * largest_force_on_children(sample.evaluation)});
+                             kSmallestScale * length * largest_force_in(model, sample.evaluation)});
     const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
-    // High above the ground, or at rest, the sums lose more digits than the energy that moves has.
-    const double round_off = kEnergyRoundOff * times_rounded * (now.terms + start.terms);
+    // High above the ground, or at rest, the sums lose more digits than the energy that moves has. Each step rounds the
+    // state once more: a body that hardly moves may stay where it is while its forces work, time and again.
+    const double steps_so_far =
+        until > 0.0 ? steps * (sample.state.t - trajectory.samples.front().state.t) / until : 0.0;
+    const double round_off = kEnergyRoundOff * (now.terms + start.terms) +
+                             kHalfAUnit * (std::sqrt(steps_so_far) * now.terms + steps_so_far * now.still);
     double error = std::abs(gained - sample.work) - round_off;
     if (error < 0.0) error = 0.0;
     if (!std::isnan(report.error) && !(error <= report.error)) {

@@ -110,4 +110,21 @@ Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int
   return balance;
 }
 
+double largest_force_in(const Model& model, const Evaluation& evaluation) {
+  const double length = model.length_scale();
+  double largest = 0.0;
+  for (std::size_t k = 0; k < evaluation.joints.size(); ++k) {
+    const JointWrenches& joint = evaluation.joints[k];
+    largest = std::max(largest, joint.total_on(Side::child).in_global.force.norm());
+    const std::vector<bool> turns = turning_speeds(*model.joints[k].type);
+    for (Eigen::Index c = 0; c < joint.tau.size(); ++c) {
+      largest = std::max(largest, std::abs(joint.tau(c)) / (turns[static_cast<std::size_t>(c)] ? length : 1.0));
+    }
+  }
+  for (const ElementWrenches& element : evaluation.elements) {
+    largest = std::max(largest, element.on_side(Side::child).in_global.force.norm());
+  }
+  return largest;
+}
+
 }  // namespace concord::compare

@@ -27,4 +27,8 @@ struct Balance {
 Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                    const Evaluation& evaluation);
 
+/// Largest force of joints and elements, and of springs and drivers on joint speeds, torques of these at the machine's
+/// length [N]: a joint that balances its own springs passes nothing on.
+double largest_force_in(const Model& model, const Evaluation& evaluation);
+
 }  // namespace concord::compare

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/audit/free_body.h"
 #include "compare/audit/stated_derivatives.h"
 
 namespace concord::compare {
@@ -19,23 +20,6 @@ double mass_in(const Body& body) {
   double sum = 0.0;
   for (const MassPoint& point : body.modal->mass_points) sum += point.mass;
   return sum;
-}
-
-/// Of joints, elements and what acts on joint speeds, torques at the machine's length [N].
-double largest_force_in(const Model& model, const Evaluation& evaluation, double length) {
-  double largest = 0.0;
-  for (std::size_t k = 0; k < evaluation.joints.size(); ++k) {
-    const JointWrenches& joint = evaluation.joints[k];
-    largest = std::max(largest, joint.total_on(Side::child).in_global.force.norm());
-    const std::vector<bool> turns = turning_speeds(*model.joints[k].type);
-    for (Eigen::Index c = 0; c < joint.tau.size(); ++c) {
-      largest = std::max(largest, std::abs(joint.tau(c)) / (turns[static_cast<std::size_t>(c)] ? length : 1.0));
-    }
-  }
-  for (const ElementWrenches& element : evaluation.elements) {
-    largest = std::max(largest, element.on_side(Side::child).in_global.force.norm());
-  }
-  return largest;
 }
 
 /// What of a residual its own uncertainty does not explain.
@@ -107,8 +91,7 @@ void MotionAudit::add(const State& state, const Evaluation& evaluation) {
 MotionAudit::LeastScales MotionAudit::least_scales(const State& state, const Evaluation& evaluation) const {
   constexpr double kPartOfFastest = 1e-6;
   LeastScales least;
-  least.of_forces =
-      std::max(model_.gravity.norm(), mass_ > 0.0 ? largest_force_in(model_, evaluation, length_) / mass_ : 0.0);
+  least.of_forces = std::max(model_.gravity.norm(), mass_ > 0.0 ? largest_force_in(model_, evaluation) / mass_ : 0.0);
   for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     const double turn = state.bodies[i].omega.norm();
     const BodyAcceleration& rates = evaluation.bodies[i];

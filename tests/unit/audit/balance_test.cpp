@@ -540,6 +540,32 @@ TEST(AuditEnergy, AFallFromFarUpIsKeptAsFarAsItsHeightResolves) {
   EXPECT_GT(audit_energy(model, trajectory).relative(), 1e-3);
 }
 
+/// A body that stands 3 m above the origin: what it may lose by round-off, and what is more than that.
+TEST(AuditEnergy, AStandingBodyMayLoseARoundingInEachStep) {
+  Model model;
+  model.gravity = {0.0, 0.0, -9.81};
+  model.bodies.resize(2);
+  model.bodies[1].mass = 1.3;
+  model.bodies[1].inertia_L = Mat3::Identity();
+  Trajectory trajectory;
+  trajectory.statistics.steps = 400;
+  for (const double t : {0.0, 0.5, 1.0}) {
+    Sample sample;
+    sample.state.t = t;
+    sample.state.bodies.resize(2);
+    sample.state.bodies[1].r = Vec3(0.0, 0.0, 3.0);
+    trajectory.samples.push_back(std::move(sample));
+  }
+  const double terms = 1.3 * 9.81 * 3.0;
+  trajectory.samples.back().work = 400.0 * 1e-16 * terms;
+  EXPECT_EQ(audit_energy(model, trajectory).error, 0.0);
+  trajectory.samples.back().work = 400.0 * 4e-16 * terms;
+  EXPECT_GT(audit_energy(model, trajectory).error, 0.0);
+  trajectory.samples.back().work = 400.0 * 1e-16 * terms;
+  for (Sample& sample : trajectory.samples) sample.state.bodies[1].v.z() = 0.1;
+  EXPECT_GT(audit_energy(model, trajectory).error, 0.0) << "what moves is rounded either way";
+}
+
 TEST(AuditEnergy, SeesEnergyThatNobodyGave) {
   const FreeTop top;
   Trajectory trajectory = top.run();
