@@ -37,12 +37,14 @@ void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor) {  //
   const double length = line.norm();
   Vec3 along = line / length;
   if (!(length > at.shortest_line)) {
+    constexpr double kRoundOff = 1e-5;  // of the shortest line: less of it has no direction at all
     if (line_of(spring, at.name, actor, at.t).is_reversed_with_a_jump) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there",
                       at.t, at.name));
     }
-    along = velocity.stableNormalized();  // in which they part; zero at rest, where nothing acts then
+    // In one point, they part along their velocity; at rest there, nothing acts.
+    if (!(length > kRoundOff * at.shortest_line)) along = velocity.stableNormalized();
   }
   const double rate = along.dot(velocity);
   const double tension = resistance(spring.law, at, length, rate, actor) + evaluate_actuator(spring.law, at.t);

@@ -15,6 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLargestAngle = 175.0 * kDegree;
 constexpr double kNoLength = 1e-9;     // of the machine's length: the direction is round-off to seven digits
+constexpr double kOnePoint = 1e-14;    // the same: there is no direction
 constexpr double kNoDirection = 1e-6;  // of a unit axis seen along another
 
 Vec6 rotated(const Mat3& A, const Vec6& w) {
@@ -56,18 +57,19 @@ Vec6 wrench_of(const Load& load, double t, const Mat3& body_A, const JointPoint&
 Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, const JointPoint& child, double length,
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
   const Vec3 line = child.r - parent.r;
-  const Vec3 v = child.v - parent.v;
   const double x = line.norm();
-  Vec3 n = Vec3::Zero();
-  if (x > kNoLength * length) {
-    n = line / x;
-  } else if (const double speed = v.norm(); jump_where_ends_pass(spring, t, speed) != 0.0) {
+  const double speed = (child.v - parent.v).norm();
+  if (!(x > kNoLength * length) && jump_where_ends_pass(spring, t, speed) != 0.0) {
     throw SolverError(
         fmt::format("relative: force element '{}': its ends are {:.1e} m apart, so that its force has no "
                     "direction: move an end",
                     name, x));
+  }
+  Vec3 n = Vec3::Zero();
+  if (x > kOnePoint * length) {
+    n = line / x;
   } else if (speed > 0.0) {
-    n = v / speed;  // the direction in which they part; without a jump, the limit of the force from either side
+    n = (child.v - parent.v) / speed;  // in which they part: the limit of a force without a jump from either side
   }
   const double f = law_in_regime.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
