@@ -66,14 +66,16 @@ const char* hint_at_singular_start(const Model& model) {
 /// A ball keeps three coordinates or none: of a rod between two balls nothing can keep how far it has turned about
 /// itself.
 const char* hint_at_rod_between_balls(const Model& model, const KeptCount& kept) {
-  int balls = 0;
+  std::vector<int> balls(model.bodies.size(), 0);
   for (const Joint& joint : model.joints) {
-    for (std::size_t word = 0; word < joint.start.size(); ++word) {
-      const bool is_kept = joint.start[word].role_q == StartRole::keep;
-      balls += joints::is_orientation(joint.type->permits[word]) && !is_kept ? 1 : 0;
+    const bool is_ball = joint.type->permits.size() == 1 && joints::is_orientation(joint.type->permits.front());
+    if (!is_ball || joint.start.front().role_q == StartRole::keep) continue;
+    for (const Attachment& side : joint.sides) {
+      if (side.body != kGround) ++balls[side.body];
     }
   }
-  return kept.coordinates < kept.coordinate_freedom && balls > 1
+  const bool has_rod = std::any_of(balls.begin(), balls.end(), [](int count) { return count > 1; });
+  return kept.coordinates < kept.coordinate_freedom && has_rod
              ? "; a rod between two balls turns freely about itself: let one of the two joints be universal"
              : "";
 }

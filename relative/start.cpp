@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -145,17 +146,20 @@ std::string Start::couplings_of_kept(const PrescribedMask& prescribed) const {
 /// What cannot be kept: a ball is kept as a whole, but a rod that ends in two of them has one idle turn.
 const char* Start::idle_turn(const PrescribedMask& prescribed) const {
   const Model& model = scaled_->equations().model();
-  int unkept = 0;
+  std::map<int, int> unkept_at;  // balls of a body
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const joints::JointType& type = *model.joints[k].type;
+    const Joint& joint = model.joints[k];
+    const Mobilizer mobilizer(*joint.type);
+    const bool turns_as_a_ball = mobilizer.n_u() == 3 && joints::is_orientation(joint.type->permits[0]);
     const int first = scaled_->equations().topology().joints[k].first_u;
-    for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {
-      if (joints::is_orientation(type.permits[word]) && prescribed[first + first_u(type, word)] == 0) ++unkept;
-    }
+    if (!turns_as_a_ball || prescribed[first] != 0) continue;
+    for (const Side side : {Side::parent, Side::child}) ++unkept_at[joint.on(side).body];
   }
-  return unkept < 2 ? ""
-                    : "; a rod with a ball at either end spins about its axis as it likes: a universal joint for "
-                      "one of the balls holds it";
+  unkept_at.erase(kGround);
+  const bool is_idle = std::any_of(unkept_at.begin(), unkept_at.end(), [](const auto& one) { return one.second > 1; });
+  return !is_idle ? ""
+                  : "; a rod with a ball at either end spins about its axis as it likes: a universal joint for "
+                    "one of the balls holds it";
 }
 
 /// As many kept values as degrees of freedom, modes and drivers not counted. `coordinates` are closed.

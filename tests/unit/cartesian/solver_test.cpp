@@ -79,7 +79,6 @@ TEST(CartesianSolver, RefusesTooFewKeptCoordinates) {
             "independent ones (its rigid degrees of freedom, drivers off): keep exactly 1 of each");
 }
 
-/// Both solvers say how a rod between two balls can be stated.
 TEST(CartesianSolver, SaysWhatCannotBeKept) {
   const Model model = parse_model(R"(format = 1
 [[body]]
