@@ -312,7 +312,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                solver->name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
-    std::vector<std::string> notes = notes_on_tables(model);
+    std::vector<std::string> notes = notes_on_tables(model, run.until);
     notes.insert(notes.end(), {note, made_by.note});
     for (const std::string& one : notes) {
       if (!one.empty()) console.out << fmt::format("note: {}\n", one);

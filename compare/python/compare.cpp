@@ -93,7 +93,7 @@ std::shared_ptr<Run> run_model(const Model& model, const std::string& name, cons
   RunCheck check = check_run(layout, *solver, found->trajectory, run);
   found->check = format_run_check(layout, name, check);
   if (!check.holds()) throw SolverError(found->check);
-  std::vector<std::string> notes = notes_on_tables(*started);
+  std::vector<std::string> notes = notes_on_tables(*started, run.until);
   notes.insert(notes.end(), {note, made_by.note});
   for (const std::string& one : notes) {
     if (!one.empty()) found->check += fmt::format("note: {}\n", one);

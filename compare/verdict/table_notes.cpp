@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <variant>
 
 #include "common/laws/force_elements.h"
@@ -79,9 +80,9 @@ void notes_on_law(const ForceLaw& law, double until, const std::string& owner, s
 
 }  // namespace
 
-std::vector<std::string> notes_on_tables(const Model& model) {
+std::vector<std::string> notes_on_tables(const Model& model, double until) {
   std::vector<std::string> notes;
-  const double until = model.run.until;
+  std::set<const Road*> looked_at;
   for (const Joint& joint : model.joints) {
     const std::string owner = fmt::format("joint '{}'", joint.name);
     for (const JointSpring& spring : joint.springs) notes_on_law(spring.law, until, owner, notes);
@@ -94,7 +95,7 @@ std::vector<std::string> notes_on_tables(const Model& model) {
                           [&](const Load& load) { note_on(load.law, until, "law of " + owner, notes); },
                           [&](const Tire& tire) {
                             const auto* road = std::get_if<RoadTable>(&tire.road->profile);
-                            if (road == nullptr) return;
+                            if (road == nullptr || !looked_at.insert(tire.road.get()).second) return;
                             note_on(SplineOfModel{road->spline, road->last, kSeenOfMotion},
                                     fmt::format("road '{}' of {}", tire.road->name, owner), notes);
                           },

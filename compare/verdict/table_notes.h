@@ -8,8 +8,8 @@
 namespace concord::compare {
 
 /// A sentence for each table whose cubic leaves, between two points, the range of their values by more than a twentieth
-/// of the table's range (of force over a stretch or a rate) or by half of it (of time up to the end of the run, and
-/// roads): the law is what the model says, but seldom what was meant.
-std::vector<std::string> notes_on_tables(const Model& model);
+/// of the table's range (of force over a stretch or a rate) or by half of it (of time, up to `until` [s], and roads):
+/// the law is what the model says, but seldom what was meant.
+std::vector<std::string> notes_on_tables(const Model& model, double until);
 
 }  // namespace concord::compare

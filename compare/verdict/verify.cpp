@@ -123,7 +123,7 @@ class Verification {
       summary.cut_joints = solver.cut_joints();
     }
     runs_.allow_switching({options_.integrators[0].empty(), options_.integrators[1].empty()});
-    for (std::string& note : notes_on_tables(model_)) verdict_.notes.push_back(std::move(note));
+    for (std::string& note : notes_on_tables(model_, verdict_.run.until)) verdict_.notes.push_back(std::move(note));
   }
 
   bool assemble() {

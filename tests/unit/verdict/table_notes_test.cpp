@@ -14,7 +14,7 @@ TEST(TableNotes, ACubicThatLeavesItsPointsIsTold) {
   JointSpring spring;
   spring.law.damper_table = ForceTable(kX, {-7.0, -7.0, 0.0, 0.0, 7.0, 7.0});
   model.joints[0].springs = {spring};
-  const std::vector<std::string> notes = notes_on_tables(model);
+  const std::vector<std::string> notes = notes_on_tables(model, model.run.until);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_TRUE(notes[0].starts_with("the damper_table of joint 'A' leaves its points: the cubic through them reaches "))
       << notes[0];
@@ -25,7 +25,7 @@ TEST(TableNotes, ACubicThatLeavesItsPointsIsTold) {
 TEST(TableNotes, AForceElementIsNamedToo) {
   Model model = sprung_pendulum_model();
   std::get<LineSpring>(model.elements[0].what).law.spring_table = ForceTable(kX, {-7.0, -7.0, 0.0, 0.0, 7.0, 7.0});
-  const std::vector<std::string> notes = notes_on_tables(model);
+  const std::vector<std::string> notes = notes_on_tables(model, model.run.until);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_TRUE(notes[0].starts_with("the spring_table of force element 'strut' leaves its points")) << notes[0];
 }
@@ -44,7 +44,7 @@ TEST(TableNotes, LawsOfTimeAndRoadsAreLookedAt) {
   Driver driver;
   driver.law = pulse;
   model.joints[0].drivers = {driver};
-  const std::vector<std::string> notes = notes_on_tables(model);
+  const std::vector<std::string> notes = notes_on_tables(model, model.run.until);
   ASSERT_EQ(notes.size(), 4U);
   EXPECT_TRUE(notes[0].starts_with("the driver of joint 'A' leaves its points")) << notes[0];
   EXPECT_TRUE(notes[1].starts_with("the actuator of force element 'strut' leaves its points")) << notes[1];
@@ -58,7 +58,7 @@ TEST(TableNotes, AMotionSwingsBeyondItsPointsAndNothingCountsAfterTheRun) {
   Driver driver;
   driver.law = SplineTable({0.0, 0.1, 0.2, 0.3, 1e4}, {0.0, 0.4, 0.5, 0.5, 0.5});
   model.joints[0].drivers = {driver};
-  EXPECT_TRUE(notes_on_tables(model).empty());
+  EXPECT_TRUE(notes_on_tables(model, model.run.until).empty());
 }
 
 TEST(TableNotes, ATableThatStaysBetweenItsPointsIsNoNews) {
@@ -66,7 +66,7 @@ TEST(TableNotes, ATableThatStaysBetweenItsPointsIsNoNews) {
   JointSpring spring;
   spring.law.spring_table = ForceTable({-2.0, -1.0, 0.1, 1.0, 2.0}, {-5.0, -2.0, 0.2, 2.1, 5.5});
   model.joints[0].springs = {spring};
-  EXPECT_TRUE(notes_on_tables(model).empty());
+  EXPECT_TRUE(notes_on_tables(model, model.run.until).empty());
 }
 
 }  // namespace
