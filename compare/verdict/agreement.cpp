@@ -30,6 +30,13 @@ struct BlockScale {
 
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
+/// Radius of gyration about the body's origin [m].
+double radius_of(const Body& body) {
+  if (body.modal) return std::sqrt(body.modal->G.block<3, 3>(1, 1).trace() / body.modal->G(0, 0));
+  if (!(body.mass > 0.0)) return 0.0;
+  return std::sqrt(0.5 * body.inertia_L.trace() / body.mass + body.center_of_mass_L.squaredNorm());
+}
+
 double total_mass(const Model& model) {
   double mass = 0.0;
   for (const Body& body : model.bodies) mass += mass_of(body);
@@ -81,22 +88,24 @@ class Scales {
   }
 
   /// Weight and inertia of the bodies: what joints would pass on if they passed anything. A balanced rotor counts as if
-  /// its mass went round at the machine's length: that none of it does is known to round-off.
+  /// its mass went round at its radius of gyration: that none of it does is known to round-off.
   [[nodiscard]] BlockScale loads() const {
     const Model& model = layout_.model();
     BlockScale largest;
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const int row = layout_.first_row(Kind::acceleration, i);
-      const double acceleration = std::max(peak(series_, row, 3), acceleration_by_turning(i)) + model.gravity.norm();
+      const double acceleration =
+          std::max(peak(series_, row, 3), turning_of(i) * radius_of(model.bodies[i])) + model.gravity.norm();
       const double force = mass_of(model.bodies[i]) * acceleration;
       enlarge(largest, {force, force * length_});
     }
     return largest;
   }
 
-  [[nodiscard]] double acceleration_by_turning(int body) const {
+  /// Largest angular acceleration, or angular velocity squared [1/s2].
+  [[nodiscard]] double turning_of(int body) const {
     const double spin = series_.spin[body];
-    return std::max(peak(series_, layout_.first_row(Kind::acceleration, body) + 3, 3), spin * spin) * length_;
+    return std::max(peak(series_, layout_.first_row(Kind::acceleration, body) + 3, 3), spin * spin);
   }
 
   void collect_wrenches() {
@@ -190,7 +199,7 @@ class Scales {
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const int row = layout_.first_row(Kind::acceleration, i);
       const double own = peak(series_, row, 3);
-      const double by_turning = acceleration_by_turning(i);
+      const double by_turning = turning_of(i) * length_;
       const double gravity = model.gravity.norm();
       const double linear = std::max({own, by_turning, gravity});
       const ScaleSource source = linear == own          ? ScaleSource::own_peak

@@ -68,11 +68,11 @@ struct Measured {
 
 /// One entry for each row of the series. Scale of a force: the joint's peak |F| over the series, the larger of both
 /// solvers'; of a torque: max(peak |T|, peak |F| l), l the machine's length; both floored by kScaleFloor of the
-/// machine's largest wrench or load m (|g| + max(|vdot|, |omegadot| l, |omega|^2 l)). A force on a joint speed takes
-/// the scale of its joint's total wrench, or its own peak if larger, that of a coupling the largest of its joints'
-/// divided by their factors; a force element's wrench its own; a body's sum that of the largest wrench in it; an
-/// acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l, g), g because the forces on a body at rest are those
-/// that keep it from falling; angular the same over l; modal accelerations the body's largest.
+/// machine's largest wrench or load m (|g| + max(|vdot|, |omegadot| k, |omega|^2 k)), k its radius of gyration. A force
+/// on a joint speed takes the scale of its joint's total wrench, or its own peak if larger, that of a coupling the
+/// largest of its joints' divided by their factors; a force element's wrench its own; a body's sum that of the largest
+/// wrench in it; an acceleration the body's max(|vdot|, |omegadot| l, |omega|^2 l, g), g because the forces on a body
+/// at rest are those that keep it from falling; angular the same over l; modal accelerations the body's largest.
 std::vector<Measured> measure(const QuantityLayout& layout, const Series& series, const Budget& budget = {});
 
 }  // namespace concord::compare

@@ -162,7 +162,7 @@ class TermSizes {
   /// How far apart two ends stand, at least the machine's length [m]: a force on one is a torque about the other. A
   /// load has one end. Far from the origin levers are differences of places, which are rounded as the distance is.
   [[nodiscard]] double reach(const Attachment* one, const Attachment* other) const {
-    constexpr double kRounding = 0.125;
+    constexpr double kRounding = 0.125;  // places round by half a unit at most, and several lever arms seldom add up
     if (one == nullptr || other == nullptr) return length_;
     const auto& bodies = shared_.state.bodies;
     const Vec3 from = place(*one, bodies[one->body]).r_P;
