@@ -16,23 +16,57 @@ int count_speeds(const Model& model) {
   return n;
 }
 
-/// How many times a joint's turn runs faster than the slowest turn that a coupling ties to it, at least 1: the motor of
-/// a gear goes round many times while nothing else of the machine has turned far.
-double gear_ratio(const Model& model, int joint, Eigen::Index speed) {
-  double ratio = 1.0;
+/// A turn of a joint that gears tie to others.
+struct Shaft {
+  int joint;
+  int speed;
+  double rate = 1.0;  // of the shaft beside which its train was found
+  int train = 0;
+};
+
+/// All turns that gears of two tie to each other; trains of gears are followed. A differential leaves its shafts free.
+std::vector<Shaft> geared_shafts(const Model& model) {
+  std::vector<Shaft> shafts;
+  const auto shaft_of = [&](const CouplingTerm& term) {
+    const int speed = first_u(*model.joints[term.joint].type, term.word) + term.component;
+    const auto is_it = [&](const Shaft& shaft) { return shaft.joint == term.joint && shaft.speed == speed; };
+    const auto found = std::find_if(shafts.begin(), shafts.end(), is_it);
+    if (found != shafts.end()) return static_cast<std::size_t>(found - shafts.begin());
+    shafts.push_back({term.joint, speed, 1.0, static_cast<int>(shafts.size())});
+    return shafts.size() - 1;
+  };
+  const auto turns = [&](const CouplingTerm& term) {
+    const joints::JointType& type = *model.joints[term.joint].type;
+    return turning_speeds(type)[static_cast<std::size_t>(first_u(type, term.word) + term.component)];
+  };
   for (const Coupling& coupling : model.couplings) {
-    double own = 0.0;
-    double largest = 0.0;
-    for (const CouplingTerm& term : coupling.terms) {
-      const joints::JointType& type = *model.joints[term.joint].type;
-      const int of_term = first_u(type, term.word) + term.component;
-      if (!turning_speeds(type)[static_cast<std::size_t>(of_term)]) continue;
-      largest = std::max(largest, std::abs(term.factor));
-      if (term.joint == joint && of_term == speed) own = std::abs(term.factor);
+    if (coupling.terms.size() != 2 || !turns(coupling.terms[0]) || !turns(coupling.terms[1])) continue;
+    const std::size_t first = shaft_of(coupling.terms[0]);
+    const std::size_t second = shaft_of(coupling.terms[1]);
+    const double rate = shafts[first].rate * std::abs(coupling.terms[0].factor / coupling.terms[1].factor);
+    const double change = rate / shafts[second].rate;
+    const int joined = shafts[second].train;
+    for (Shaft& shaft : shafts) {
+      if (shaft.train != joined || joined == shafts[first].train) continue;
+      shaft.rate *= change;
+      shaft.train = shafts[first].train;
     }
-    if (own > 0.0) ratio = std::max(ratio, largest / own);
   }
-  return ratio;
+  return shafts;
+}
+
+/// How many times a joint's turn runs faster than the slowest one of its train, at least 1: the motor of a gear goes
+/// round many times while nothing else of the machine has turned far.
+double gear_ratio(const std::vector<Shaft>& shafts, std::size_t joint, Eigen::Index speed) {
+  for (const Shaft& one : shafts) {
+    if (one.joint != static_cast<int>(joint) || one.speed != speed) continue;
+    double slowest = one.rate;
+    for (const Shaft& other : shafts) {
+      if (other.train == one.train) slowest = std::min(slowest, other.rate);
+    }
+    return one.rate / slowest;
+  }
+  return 1.0;
 }
 
 }  // namespace
@@ -45,6 +79,7 @@ JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
 
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   const State moving = chart.origin_moving(step);
+  const std::vector<Shaft> shafts = geared_shafts(model);
   JointStep largest;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const VecX u = motion_of(model, k, moving).u;
@@ -52,7 +87,7 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
     for (Eigen::Index c = 0; c < u.size(); ++c) {
       if (turns[static_cast<std::size_t>(c)]) {
         largest.fastest_turn = std::max(largest.fastest_turn, std::abs(u(c)));
-        largest.turn = std::max(largest.turn, std::abs(u(c)) / gear_ratio(model, static_cast<int>(k), c));
+        largest.turn = std::max(largest.turn, std::abs(u(c)) / gear_ratio(shafts, k, c));
       } else {
         largest.rest = std::max(largest.rest, std::abs(u(c)) / model.length_scale());
       }

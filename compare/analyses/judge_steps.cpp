@@ -49,9 +49,10 @@ void make_rows_of(const QuantityLayout& layout, bool at_rest, AnalysisVerdict& r
 
 /// A wrench that vanishes where each solver rests follows from the places that they found, to as many digits: it is
 /// held against the machine's largest.
-void hold_vanishing_against_machine(std::vector<Measured>& own) {
-  for (Measured& one : own) {
-    if (one.source != ScaleSource::floor) continue;
+void hold_vanishing_against_machine(const QuantityLayout& layout, std::vector<Measured>& own) {
+  for (std::size_t row = 0; row < own.size(); ++row) {
+    Measured& one = own[row];
+    if (one.source != ScaleSource::floor || layout.quantities()[row].kind == Kind::acceleration) continue;
     one.scale = one.machine;
     one.digits = matching_digits(one.difference, one.scale);
     one.unexplained_digits = matching_digits(one.unexplained, one.scale);
@@ -86,7 +87,7 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const WeighedRun own = weigh_run(same_state.weighed(), samples);
   const Series series = align(layout, trajectories, samples);
   std::vector<Measured> measured = measure(layout, series, own.budget());
-  hold_vanishing_against_machine(measured);
+  if (at_rest) hold_vanishing_against_machine(layout, measured);
   record(layout, measured, Rung::same_run, verdict);
   judge.find_differences_on(series, measured, Rung::same_run);
   verdict.motion = compare_motions(model, trajectories);
