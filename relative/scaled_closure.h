@@ -58,7 +58,8 @@ class ScaledClosure {
   /// Largest coordinate and speed.
   [[nodiscard]] double size_of_q(const VecX& q) const;
   [[nodiscard]] double size_of_u(const VecX& u) const;
-  /// Largest of 1, the largest coordinate, and what round-off of places makes of kClosedPart far from the origin.
+  /// Largest of 1, the largest coordinate, and what round-off of the places where the machine stands makes of
+  /// kClosedPart far from the origin.
   [[nodiscard]] double size_of_places(const VecX& q) const;
 
   /// Phi_u over the given columns, rows and columns in the units of the machine (R63): of the equations' closure, or of

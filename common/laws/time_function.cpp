@@ -45,7 +45,7 @@ TimeFunctionValue evaluate_one(const SmoothStep& law, double t) {  // (S27)
 
 TimeFunctionValue evaluate_one(const SplineTable& law, double t) { return law.evaluate(t); }
 
-/// Short pieces between long ones are what the sums of widths hold in their last digits: those of a double are too few.
+/// A short piece between long ones is determined by small differences of the widths' sums, which double rounds away.
 using Extended = long double;
 using ExtendedVector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "closed_forms.h"
+#include "compare/analyses/judge.h"
 #include "judged_machines.h"
 
 /// Machines without gravity that come to rest: what is left of their speeds is round-off, and no speed of theirs says
@@ -161,6 +162,36 @@ TEST_CASE("A machine that stands in equilibrium high above the origin keeps its 
   expect_to_agree(model, options);
 }
 
+// Detects an energy that is held against what joints pass on, which is nothing where they balance their own springs.
+TEST_CASE("A skate that rests between its own springs keeps its energy") {
+  const Model model = parse(R"(format = 1
+[[body]]
+name = "skate"
+mass = 1.1
+center_of_mass = [0.05, 0, 0]
+inertia = [0.011, 0.012, 0.013]
+[[joint]]
+name = "edge"
+type = "knife_edge"
+parent = "ground"
+child = "skate"
+start.slide_x = { keep = 0.3, keep_speed = 0 }
+start.slide_y = { keep = 0.2 }
+start.turn_z = { keep = 0.7, keep_speed = 0 }
+spring.slide_x = { stiffness = 43 }
+spring.slide_y = { stiffness = 31 }
+spring.turn_z = { stiffness = 0.6 }
+[run]
+until = 0.5
+start = "equilibrium"
+)");
+  compare::VerifyOptions options;
+  options.states = 40;
+  std::string note;
+  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  expect_to_agree(compare::analyses::as_it_starts(model, makers, note), options);
+}
+
 // Detects a spring that is refused where its ends meet though its force vanishes there.
 TEST_CASE("A spring of no free length acts where its ends meet at the start") {
   const std::string thrown = R"(format = 1
@@ -200,6 +231,34 @@ until = 0.3
       CHECK((force + 3.0 * speed * C.col(0)).norm() < 1e-12);
     }
   }
+}
+
+// Detects solvers and audit that take a short line for none in different places: ends 3e-11 m apart pass each other.
+TEST_CASE("A damper whose ends nearly meet acts along the line between them") {
+  const Model model = parse(R"(format = 1
+[[body]]
+name = "ball"
+mass = 1.3
+inertia = [0.01, 0.012, 0.013]
+[[joint]]
+name = "rail"
+type = "translational"
+parent = { body = "ground", axis = [1, 2, 0.5], angle = 0.7 }
+child = "ball"
+start.slide_z = { keep = 0.0, keep_speed = 0.3 }
+[[line_spring]]
+name = "cord"
+parent = { body = "ground", axis = [1, 2, 0.5], angle = 0.7, point = [3e-11, 0, 0] }
+child = "ball"
+stiffness = 210.0
+damping = 3.0
+free = 0.0
+[run]
+until = 0.1
+)");
+  compare::VerifyOptions options;
+  options.states = 40;
+  expect_to_agree(model, options);
 }
 
 // Detects speeds that are compared with a largest speed that is round-off itself.

@@ -30,9 +30,7 @@ TEST(Expression, ReadsDegreesWithAndWithoutAProductSign) {
   EXPECT_DOUBLE_EQ(none.evaluate("3. deg"), 3.0 * kDegree);
 }
 
-TEST(Expression, RefusesAUnitOfAUnit) {
-  EXPECT_NE(expression_complaint("20 deg deg"), "none");
-}
+TEST(Expression, RefusesAUnitOfAUnit) { EXPECT_NE(expression_complaint("20 deg deg"), "none"); }
 
 TEST(Expression, KnowsFunctionsAndPi) {
   const Parameters none;
