@@ -74,6 +74,7 @@ void require_known_command(const CLI::App& program, int argc, char** argv) {
 void require_values(const CLI::App& program) {
   for (const CLI::App* command : program.get_subcommands()) {
     for (const CLI::Option* option : command->get_options()) {
+      if (option->get_expected_min() == 0) continue;  // a flag
       for (const std::string& value : option->results()) {
         if (value.empty()) throw CLI::ValidationError(option->get_name(), "expected a value, found an empty one");
       }
