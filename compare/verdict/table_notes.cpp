@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/laws/force_elements.h"
+#include "common/overloaded.h"
 
 namespace concord::compare {
 
