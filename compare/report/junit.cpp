@@ -123,8 +123,8 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
     }
     if (!solver.energy_error) continue;
     tests.push_back(
-        yes_or_no(fmt::format("energy of {}", solver.name), *solver.energy_error <= solver.energy_allowed,
-                  fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, solver.energy_allowed)));
+        yes_or_no(fmt::format("energy of {}", solver.name), *solver.energy_error <= verdict.energy_allowed,
+                  fmt::format("relative error {:.2e}, allowed {:.1e}", *solver.energy_error, verdict.energy_allowed)));
   }
   add_other_differences(verdict, tests);
   add_attribution(verdict, tests);

@@ -280,7 +280,7 @@ std::string rung_text(const char* name, const RungSummary& rung) {
 
 bool keeps_energy(const Verdict& verdict) {
   return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
-    return solver.energy_error && *solver.energy_error <= solver.energy_allowed;
+    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
   });
 }
 

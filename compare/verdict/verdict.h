@@ -90,7 +90,6 @@ struct SolverSummary {
   std::string audit_worst;
   double audit_need = kAudit;
   std::optional<double> energy_error;
-  double energy_allowed = 0.0;  // by the tolerance that was asked for, though a repeat may be tighter
 };
 
 /// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
@@ -163,6 +162,7 @@ struct Verdict {
   std::uint64_t seed = kSeed;  // of the random states
   Needs need;
   std::array<SolverSummary, 2> solvers;
+  double energy_allowed = 0.0;  // of their energy_error, by the tolerance that was asked for: a repeat may be tighter
 
   std::vector<QuantityRow> rows;  // reaction components that the joints can carry
   std::vector<QuantityRow>

@@ -114,7 +114,7 @@ class Verification {
     verdict_.run = run_options(model_, options_);
     verdict_.seed = options_.seed;
     asked_samples_ = verdict_.run.samples;
-    asked_rtol_ = verdict_.run.rtol;
+    verdict_.energy_allowed = kEnergyPerTolerance * verdict_.run.rtol;
     verdict_.run.samples = run_rows(asked_samples_, trajectory_states());
     for (const Who who : kBothSolvers) {
       SolverSummary& summary = verdict_.solvers[index(who)];
@@ -257,11 +257,10 @@ class Verification {
 
   void judge_energy(SolverSummary& summary, const EnergyReport& found) {
     summary.energy_error = found.relative();
-    summary.energy_allowed = kEnergyPerTolerance * asked_rtol_;
-    if (found.relative() <= summary.energy_allowed) return;
+    if (found.relative() <= verdict_.energy_allowed) return;
     verdict_.findings.push_back(
         {fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}", summary.name,
-                     found.relative(), found.t, summary.energy_allowed),
+                     found.relative(), found.t, verdict_.energy_allowed),
          fmt::format("same run: allowed is {:g} times the relative tolerance", kEnergyPerTolerance)});
   }
 
@@ -378,7 +377,6 @@ class Verification {
   std::array<Auditor, 2> auditors_;
   std::array<Redraw, 2> redraws_;
   int asked_samples_ = 0;
-  double asked_rtol_ = 0.0;
   std::array<State, 2> starts_;
 };
 
