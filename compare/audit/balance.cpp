@@ -75,7 +75,6 @@ class JointPower {
         tau_(wrenches.tau),
         coupled_(coupled),
         tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
-        of_springs_(sizes_of_springs(joint, springs, motion_, t)),
         directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
 
   /// S^T [F; T] of the reaction, along the speeds that are possible.
@@ -100,8 +99,8 @@ class JointPower {
   }
 
   /// Sizes of what springs and actuators, couplings and all of them exert on each speed, though they may cancel.
-  [[nodiscard]] VecX sizes_of_laws() const {
-    return coupled_.cwiseAbs().cwiseMax(of_springs_).cwiseMax(tau_.cwiseAbs());
+  [[nodiscard]] VecX sizes_of_laws(const Joint& joint, const std::vector<LawOfForce>& springs, double t) const {
+    return coupled_.cwiseAbs().cwiseMax(sizes_of_springs(joint, springs, motion_, t)).cwiseMax(tau_.cwiseAbs());
   }
 
   /// How far the laws exert other forces here than there.
@@ -132,7 +131,6 @@ class JointPower {
   const VecX& tau_;
   const VecX& coupled_;
   VecX tau_by_laws_;
-  VecX of_springs_;
   Mat6X directions_;
 };
 
@@ -260,6 +258,7 @@ OutOfBalance Auditor::out_of_balance(int body, const State& state, const Evaluat
 void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Evaluation& evaluation) {
   const JointWrenches& wrenches = evaluation.joints[index_of_joint];
   const Joint& joint = model_.joints[index_of_joint];
+  const std::vector<LawOfForce>& springs = joint_springs_[index_of_joint];
   const auto frames_in = [&](const State& where) {
     return std::array<PlacedFrame, 2>{place(joint.sides[0], where.bodies[joint.sides[0].body]),
                                       place(joint.sides[1], where.bodies[joint.sides[1].body])};
@@ -268,12 +267,12 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
   const VecX hint = index_of_joint < state.q.size() ? state.q[index_of_joint] : VecX();
   const VecX coupled = coupled_tau(model_, static_cast<int>(index_of_joint), evaluation.couplings);
   const auto power_in = [&](const std::array<PlacedFrame, 2>& placed) {
-    return JointPower(joint, joint_springs_[index_of_joint], placed, wrenches, coupled, hint, state.t);
+    return JointPower(joint, springs, placed, wrenches, coupled, hint, state.t);
   };
   const JointPower power = power_in(frames);
   VecX roundoff = VecX::Zero(joint.type->n_u());
   if (!joint.springs.empty()) {
-    roundoff = power.change_with_last_digits(joint, joint_springs_[index_of_joint], state.t);
+    roundoff = power.change_with_last_digits(joint, springs, state.t);
     for (const State& moved : *moved_) roundoff = roundoff.cwiseMax(power.change_of_laws(power_in(frames_in(moved))));
   }
   VecX residuals(joint_rows(*joint.type));
@@ -283,7 +282,7 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
       power.outside_coordinates(length_), beyond_roundoff(power.beyond_law(), roundoff);
   double force = std::max(largest_force(wrenches.total), largest_force(wrenches.reaction));
   double torque = std::max(largest_torque(wrenches.total), largest_torque(wrenches.reaction));
-  const VecX of_laws = power.sizes_of_laws();
+  const VecX of_laws = power.sizes_of_laws(joint, springs, state.t);
   const std::vector<bool> turns = turning_speeds(*joint.type);
   for (Eigen::Index c = 0; c < of_laws.size(); ++c) {
     double& size = turns[static_cast<std::size_t>(c)] ? torque : force;

@@ -127,6 +127,18 @@ MatX nearest_speeds(const joints::JointType& type, const Mat6X& S, const Mat6X& 
   return units.asDiagonal() * least_squares(by_unit, wanted);
 }
 
+/// Calls `use` with the speed, the actuator's force and the resistance of each spring.
+template <class Use>
+void for_each_spring(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t,
+                     const Use& use) {
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const JointSpring& spring = joint.springs[k];
+    const int q = first_q(*joint.type, spring.word) + spring.component;
+    const int u = first_u(*joint.type, spring.word) + spring.component;
+    use(u, springs[k].actuator(t), springs[k].resistance(motion.q(q), motion.u(u)));
+  }
+}
+
 }  // namespace
 
 MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
@@ -164,12 +176,8 @@ std::vector<LawOfForce> laws_of_springs(const Joint& joint) {
 
 VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
-  for (std::size_t k = 0; k < springs.size(); ++k) {
-    const JointSpring& spring = joint.springs[k];
-    const int q = first_q(*joint.type, spring.word) + spring.component;
-    const int u = first_u(*joint.type, spring.word) + spring.component;
-    tau(u) += springs[k].actuator(t) - springs[k].resistance(motion.q(q), motion.u(u));
-  }
+  for_each_spring(joint, springs, motion, t,
+                  [&](int u, double actuator, double resistance) { tau(u) += actuator - resistance; });
   for (const Driver& driver : joint.drivers) {
     tau(first_u(*joint.type, driver.word) + driver.component) = std::numeric_limits<double>::quiet_NaN();
   }
@@ -178,12 +186,9 @@ VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, con
 
 VecX sizes_of_springs(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX sizes = VecX::Zero(joint.type->n_u());
-  for (std::size_t k = 0; k < springs.size(); ++k) {
-    const JointSpring& spring = joint.springs[k];
-    const int q = first_q(*joint.type, spring.word) + spring.component;
-    const int u = first_u(*joint.type, spring.word) + spring.component;
-    sizes(u) += std::abs(springs[k].actuator(t)) + std::abs(springs[k].resistance(motion.q(q), motion.u(u)));
-  }
+  for_each_spring(joint, springs, motion, t, [&](int u, double actuator, double resistance) {
+    sizes(u) += std::abs(actuator) + std::abs(resistance);
+  });
   return sizes;
 }
 
