@@ -31,6 +31,21 @@ Vec6 rotated(const Mat3& A, const Vec6& w) {
                   name, angle / kDegree, advice));
 }
 
+/// Of a line that is next to nothing: its own as long as it has one; in one point, that in which the ends part, the
+/// limit of a force without a jump from either side; zero at rest there. Throws SolverError if the force jumps.
+Vec3 direction_of_short(const Vec3& line, double length, const JointPoint& parent, const JointPoint& child,
+                        const LineSpring& spring, double t, const std::string& name) {
+  const double x = line.norm();
+  const Vec3 parting = child.v - parent.v;
+  if (jump_where_ends_pass(spring, t, parting.norm()) != 0.0) {
+    throw SolverError(
+        fmt::format("relative: force element '{}': its ends are {:.1e} m apart, so that its force has no "
+                    "direction: move an end",
+                    name, x));
+  }
+  return x > kOnePoint * length ? Vec3(line / x) : parting.stableNormalized();
+}
+
 }  // namespace
 
 double LawInRegime::resist(double at_x, double at_xdot, bool keeps) {
@@ -58,19 +73,8 @@ Vec6 wrench_of(const LineSpring& spring, double t, const JointPoint& parent, con
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
   const Vec3 line = child.r - parent.r;
   const double x = line.norm();
-  const double speed = (child.v - parent.v).norm();
-  if (!(x > kNoLength * length) && jump_where_ends_pass(spring, t, speed) != 0.0) {
-    throw SolverError(
-        fmt::format("relative: force element '{}': its ends are {:.1e} m apart, so that its force has no "
-                    "direction: move an end",
-                    name, x));
-  }
-  Vec3 n = Vec3::Zero();
-  if (x > kOnePoint * length) {
-    n = line / x;
-  } else if (speed > 0.0) {
-    n = (child.v - parent.v) / speed;  // in which they part: the limit of a force without a jump from either side
-  }
+  const Vec3 n =
+      x > kNoLength * length ? Vec3(line / x) : direction_of_short(line, length, parent, child, spring, t, name);
   const double f = law_in_regime.resist(x, n.dot(child.v - parent.v), keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
   w << -f * n, Vec3::Zero();
