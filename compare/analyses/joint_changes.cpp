@@ -5,6 +5,7 @@
 
 #include "common/rotation.h"
 #include "compare/audit/places.h"
+#include "compare/verdict/observe.h"
 
 namespace concord::compare::analyses {
 
@@ -28,7 +29,7 @@ struct Shaft {
 std::vector<Shaft> geared_shafts(const Model& model) {
   std::vector<Shaft> shafts;
   const auto shaft_of = [&](const CouplingTerm& term) {
-    const int speed = first_u(*model.joints[term.joint].type, term.word) + term.component;
+    const int speed = speed_of(model, term);
     const auto is_it = [&](const Shaft& shaft) { return shaft.joint == term.joint && shaft.speed == speed; };
     const auto found = std::find_if(shafts.begin(), shafts.end(), is_it);
     if (found != shafts.end()) return static_cast<std::size_t>(found - shafts.begin());
@@ -36,8 +37,7 @@ std::vector<Shaft> geared_shafts(const Model& model) {
     return shafts.size() - 1;
   };
   const auto turns = [&](const CouplingTerm& term) {
-    const joints::JointType& type = *model.joints[term.joint].type;
-    return turning_speeds(type)[static_cast<std::size_t>(first_u(type, term.word) + term.component)];
+    return turning_speeds(*model.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model, term))];
   };
   for (const Coupling& coupling : model.couplings) {
     if (coupling.terms.size() != 2 || !turns(coupling.terms[0]) || !turns(coupling.terms[1])) continue;

@@ -168,15 +168,12 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
 
 /// The equilibria that each solver finds, which must be the same rest.
 std::array<Trajectory, 2> rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result) {
-  const std::array<Equilibrium, 2> found{find_equilibrium(model, *solvers[0]), find_equilibrium(model, *solvers[1])};
-  std::array<Trajectory, 2> states;
+  auto [found, states] = find_rests(model, solvers);
   for (const Who who : kBothSolvers) {
-    const Equilibrium& one = found[index(who)];
-    result.text += equilibrium_text(one, solvers[index(who)]->name());
-    states[index(who)] = one_sample(one.state, one.evaluation);
+    result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
   if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
-    refuse_undetermined_rest(model, {solvers[0].get(), solvers[1].get()}, found);
+    refuse_undetermined_rest(model, solvers, found);
   }
   return states;
 }

@@ -128,10 +128,8 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   AnalysisVerdict result;
   result.analysis = "statics";
   const Solvers solvers = make_solvers(held, makers, result);
-  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
-  judge_wrenches(held, solvers,
-                 {one_sample(found[0].state, found[0].evaluation), one_sample(found[1].state, found[1].evaluation)},
-                 true, result);
+  const auto [found, states] = find_rests(held, solvers);
+  judge_wrenches(held, solvers, states, true, result);
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
@@ -140,7 +138,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
   const auto agrees = [](const NumberRow& row) { return row.agrees(); };
   if (!std::all_of(result.numbers.begin(), result.numbers.end(), agrees)) {
-    refuse_undetermined_rest(held, {solvers[0].get(), solvers[1].get()}, found);
+    refuse_undetermined_rest(held, solvers, found);
   }
   if (!model.joints.empty() && result.wrenches.rows.empty() && !has_judged(result.wrenches)) {
     result.wrenches.failures.emplace_back("no joint can carry a reaction, so that none was judged");
@@ -155,12 +153,10 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   Model held = held_at_start(model);
   std::string branch;
   const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
-  const std::array<Equilibrium, 2> found{find_equilibrium(held, *solvers[0]), find_equilibrium(held, *solvers[1])};
-  const std::array<Trajectory, 2> states{one_sample(found[0].state, found[0].evaluation),
-                                         one_sample(found[1].state, found[1].evaluation)};
+  const auto [found, states] = find_rests(held, solvers);
   const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
   if (agreement.digits < own_need(model)) {
-    refuse_undetermined_rest(held, {solvers[0].get(), solvers[1].get()}, found);
+    refuse_undetermined_rest(held, solvers, found);
     throw SolverError(
         fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
                     "`concord statics`",

@@ -21,6 +21,13 @@ Solvers make_solvers(Model& model, const SolverMakers& makers, AnalysisVerdict& 
 /// A trajectory of one state.
 Trajectory one_sample(const State& state, const Evaluation& evaluation);
 
+/// The equilibria that both solvers find, and each as a trajectory of one state.
+struct Rests {
+  std::array<Equilibrium, 2> found;
+  std::array<Trajectory, 2> states;
+};
+Rests find_rests(const Model& model, const Solvers& solvers);
+
 /// Digits that what each solver finds for itself needs: kOwnRigid or kOwnFlexible.
 double own_need(const Model& model);
 

@@ -59,8 +59,7 @@ std::string other_rest_of_like_search(const Model& model, Solver& solver, const 
   return "";
 }
 
-void refuse_undetermined_rest(const Model& model, const std::array<Solver*, 2>& solvers,
-                              const std::array<Equilibrium, 2>& found) {
+void refuse_undetermined_rest(const Model& model, const Solvers& solvers, const std::array<Equilibrium, 2>& found) {
   for (const Equilibrium& one : found) {
     if (!one.kink.empty()) throw SolverError("statics: " + rests_at_kink(one.kink));
   }

@@ -5,6 +5,7 @@
 
 #include "common/solver.h"
 #include "compare/analyses/statics.h"
+#include "compare/verdict/branch.h"
 
 /// Whether a rest that a search found is the one that the statement determines: each solver asks itself.
 namespace concord::compare::analyses {
@@ -20,7 +21,6 @@ std::string other_rest_of_like_search(const Model& model, Solver& solver, const 
 
 /// Where two solvers found different rests: throws SolverError if that is a rest at a kink, or one of several of which
 /// the way or round-off chooses, as each solver finds alone.
-void refuse_undetermined_rest(const Model& model, const std::array<Solver*, 2>& solvers,
-                              const std::array<Equilibrium, 2>& found);
+void refuse_undetermined_rest(const Model& model, const Solvers& solvers, const std::array<Equilibrium, 2>& found);
 
 }  // namespace concord::compare::analyses
