@@ -20,8 +20,6 @@ using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 using compare::analyses::linearize;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 TEST_CASE("A rhombus folded flat is refused as a singular pose, not answered and not a crash", "[analyses][quick]") {
   // Hinges at 0 and 0.31 on ground and arms of 0.27 along the same line: it may unfold in two ways.
   const Model model = held_at_start(parse(R"toml(format = 1

@@ -26,7 +26,6 @@ using compare::analyses::judge_statics;
 using compare::analyses::prescribed_coordinates;
 using compare::analyses::run_kinematics;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
 const Mat3 kTurnedWorld = rotation_about(Vec3(Vec3(2.0, 1.0, -0.6).normalized()), 1.1);
 
 /// Two rods in a plane whose hinges' axes are y, mass off the lines between hinges, frames tilted; in no special pose.

@@ -18,8 +18,6 @@ using compare::analyses::judge_inverse;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 /// A body of 2 kg on a vertical slide with these lines for its joint.
 Model body_on_slide(const std::string& joint, double inertia) {
   return parse(R"toml(format = 1

@@ -21,8 +21,6 @@ using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 using compare::analyses::refuse_other_rest;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 double value_of(const AnalysisVerdict& found, const std::string& name) {
   const auto row =
       std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });

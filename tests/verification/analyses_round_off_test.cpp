@@ -16,8 +16,6 @@ using compare::analyses::format_analysis;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 TEST_CASE("Two beams on a ball, on which nothing acts, have eighteen free modes", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
 [[body]]

@@ -16,8 +16,6 @@ using compare::analyses::judge_inverse;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 void check_agrees(const Model& model, const AnalysisVerdict& result) {
   INFO(format_analysis(model, result, true));
   CHECK(result.wrenches.outcome == compare::Outcome::agree);

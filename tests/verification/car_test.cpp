@@ -8,8 +8,6 @@
 namespace concord::verification {
 namespace {
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
-
 /// A model of data/models that starts where both solvers find its equilibrium.
 Model settled(const std::string& name) {
   std::string note;

@@ -15,6 +15,7 @@
 #include "common/reading/model_file.h"
 #include "common/rotation.h"
 #include "compare/audit/digits.h"
+#include "compare/verdict/solver_makers.h"
 #include "relative/solver.h"
 
 /// Tools of the closed-form cases: both solvers in turn, exact functions, agreement in digits. No mechanics of a
@@ -26,6 +27,8 @@ inline Model read(const std::string& name) {
 }
 
 inline Model parse(const std::string& text) { return parse_model(text, "closed_form.toml"); }
+
+inline const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
 
 /// Both solvers of a model, which must outlive them.
 inline std::vector<std::unique_ptr<Solver>> both_solvers(const Model& model) {

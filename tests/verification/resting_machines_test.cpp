@@ -188,8 +188,7 @@ start = "equilibrium"
   compare::VerifyOptions options;
   options.states = 40;
   std::string note;
-  const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
-  expect_to_agree(compare::analyses::as_it_starts(model, makers, note), options);
+  expect_to_agree(compare::analyses::as_it_starts(model, kMakers, note), options);
 }
 
 // Detects a spring that is refused where its ends meet though its force vanishes there.

@@ -14,7 +14,6 @@ using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_linearization;
 
-const compare::SolverMakers kMakers{cartesian::make_solver, relative::make_solver};
 const Mat3 kTurnedWorld = rotation_about(Vec3(Vec3(2.0, 1.0, -0.6).normalized()), 1.1);
 
 /// Frequencies [rad/s] of the motions that oscillate, lowest first, by both solvers, which must agree.

@@ -520,20 +520,30 @@ TEST(AuditEnergy, OfAFreeTopIsKept) {
   EXPECT_GT(report.scale, 1.0);
 }
 
-TEST(AuditEnergy, AFallFromFarUpIsKeptAsFarAsItsHeightResolves) {
+Model body_in_gravity() {
   Model model;
   model.gravity = {0.0, 0.0, -9.81};
   model.bodies.resize(2);
   model.bodies[1].mass = 1.3;
   model.bodies[1].inertia_L = Mat3::Identity();
+  return model;
+}
+
+/// That body at time t, at a height and a speed upwards.
+Sample at_height(double t, double height, double speed) {
+  Sample sample;
+  sample.state.t = t;
+  sample.state.bodies.resize(2);
+  sample.state.bodies[1].r.z() = height;
+  sample.state.bodies[1].v.z() = speed;
+  return sample;
+}
+
+TEST(AuditEnergy, AFallFromFarUpIsKeptAsFarAsItsHeightResolves) {
+  const Model model = body_in_gravity();
   Trajectory trajectory;
   for (const double t : {0.0, 1e-3, 2e-3}) {
-    Sample sample;
-    sample.state.t = t;
-    sample.state.bodies.resize(2);
-    sample.state.bodies[1].r = Vec3(0.0, 0.0, 1.7e6 - 0.5 * 9.81 * t * t);
-    sample.state.bodies[1].v = Vec3(0.0, 0.0, -9.81 * t);
-    trajectory.samples.push_back(std::move(sample));
+    trajectory.samples.push_back(at_height(t, 1.7e6 - 0.5 * 9.81 * t * t, -9.81 * t));
   }
   EXPECT_LT(audit_energy(model, trajectory).relative(), 1e-8);
   trajectory.samples.back().state.bodies[1].v.z() *= 1.01;
@@ -542,19 +552,11 @@ TEST(AuditEnergy, AFallFromFarUpIsKeptAsFarAsItsHeightResolves) {
 
 /// A body that stands 3 m above the origin: what it may lose by round-off, and what is more than that.
 TEST(AuditEnergy, AStandingBodyMayLoseARoundingInEachStep) {
-  Model model;
-  model.gravity = {0.0, 0.0, -9.81};
-  model.bodies.resize(2);
-  model.bodies[1].mass = 1.3;
-  model.bodies[1].inertia_L = Mat3::Identity();
+  const Model model = body_in_gravity();
   Trajectory trajectory;
   trajectory.statistics.steps = 400;
   for (const double t : {0.0, 0.5, 1.0}) {
-    Sample sample;
-    sample.state.t = t;
-    sample.state.bodies.resize(2);
-    sample.state.bodies[1].r = Vec3(0.0, 0.0, 3.0);
-    trajectory.samples.push_back(std::move(sample));
+    trajectory.samples.push_back(at_height(t, 3.0, 0.0));
   }
   const double terms = 1.3 * 9.81 * 3.0;
   trajectory.samples.back().work = 400.0 * 1e-16 * terms;
