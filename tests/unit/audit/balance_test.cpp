@@ -204,7 +204,7 @@ struct Bench {
     const Body& inertia = model.bodies[body];
     if (inertia.modal) return inertia.modal->mass_points;
     const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia.inertia_L);
-    const Vec3 I = principal.eigenvalues();
+    const Vec3& I = principal.eigenvalues();
     const Vec3 squares = (0.5 * I.sum() - I.array()) / inertia.mass;
     std::vector<MassPoint> points;
     for (int corner = 0; corner < 8; ++corner) {
