@@ -98,8 +98,8 @@ Chain make_chain(int n) {
     chain.speeds(k) = numbers.next();
     chain.state.bodies.push_back(
         move_child(chain.model.joints.back(), chain.state.bodies.back(), chain.angles(k), chain.speeds(k)));
-    chain.state.q.push_back(chain.angles.segment<1>(k));
-    chain.state.u.push_back(chain.speeds.segment<1>(k));
+    chain.state.q.emplace_back(chain.angles.segment<1>(k));
+    chain.state.u.emplace_back(chain.speeds.segment<1>(k));
   }
   return chain;
 }

@@ -86,7 +86,7 @@ TEST(JointCheck, RefutesAnAngleOfASlideAndLooksNoFurther) {
   EXPECT_EQ(failures(sheet_of(type)), "rows and speeds are six together\n");
   type.forbids = {NoGapAlong{Axis::x}, NoGapAlong{Axis::y}, SameDirection{Axis::z}};
   EXPECT_EQ(failures(sheet_of(type)), "every coordinate has its reading\n");
-  type.reads.push_back(SlideAlong{Axis::z});
+  type.reads.emplace_back(SlideAlong{Axis::z});
   EXPECT_EQ(failures(sheet_of(type)), "words stand in an order that has a meaning\n");
 }
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -192,9 +194,9 @@ TEST_CASE("Each solver builds and passes its tests with the other one absent", "
     fs::copy(kSource / "CMakeLists.txt", copy / "CMakeLists.txt");
     const std::string target = std::string("unit_") + kept;
     const std::string build = "'" + (copy / "build").string() + "'";
-    output_of("cmake -G Ninja -S '" + copy.string() + "' -B " + build + " > /dev/null");
-    output_of("ninja -C " + build + " " + target + " > /dev/null");
-    const std::string told = output_of(build + "/tests/" + target + " | tail -n 5");
+    output_of(fmt::format("cmake -G Ninja -S '{}' -B {} > /dev/null", copy.string(), build));
+    output_of(fmt::format("ninja -C {} {} > /dev/null", build, target));
+    const std::string told = output_of(fmt::format("{}/tests/{} | tail -n 5", build, target));
     CHECK(told.find("PASSED") != std::string::npos);
     fs::remove_all(copy);
   }

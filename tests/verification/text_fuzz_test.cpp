@@ -365,7 +365,7 @@ std::string try_input(const Seed& input, const Model& sound, const fs::path& scr
 
 /// Keeps a text that fails.
 fs::path keep(const Seed& input, std::uint64_t seed, long number) {
-  const fs::path path = fs::temp_directory_path() / fmt::format("concord_text_fuzz_{}_{}.txt", seed, number);
+  fs::path path = fs::temp_directory_path() / fmt::format("concord_text_fuzz_{}_{}.txt", seed, number);
   std::ofstream(path, std::ios::binary) << input.text;
   return path;
 }

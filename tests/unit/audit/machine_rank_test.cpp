@@ -22,8 +22,8 @@ class MachineRankTest : public ::testing::Test {
     ball.sides[0].C = ball.sides[0].C * rotation_about(Vec3(2, 1, 2) / 3.0, 0.7);
     ball.start = {{}};
     model_.joints.push_back(ball);
-    state_.q.push_back(Vec4::Unit(0));
-    state_.u.push_back(Vec3::Zero());
+    state_.q.emplace_back(Vec4::Unit(0));
+    state_.u.emplace_back(Vec3::Zero());
   }
 
   Model model_ = pendulum_model();

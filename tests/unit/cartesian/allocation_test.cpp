@@ -14,7 +14,7 @@ namespace {
 std::atomic<long> n_allocations{0};
 }
 
-extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
 extern "C" void* malloc(std::size_t size) noexcept {
   ++n_allocations;
   return __libc_malloc(size);

@@ -80,7 +80,8 @@ struct Linkage {
     const Vec3 along(std::cos(angle), std::sin(angle), 0.0);
     for (int i = 1; i < static_cast<int>(model.bodies.size()); ++i) {
       const bool is_crank = i % 2 == 1;
-      const Vec3 at = Vec3((i - 1) / 2 * pitch, 0.0, 0.0) + (is_crank ? Vec3(Vec3::Zero()) : Vec3(crank * along));
+      const int column = (i - 1) / 2;
+      const Vec3 at = Vec3(column * pitch, 0.0, 0.0) + (is_crank ? Vec3(Vec3::Zero()) : Vec3(crank * along));
       model.bodies[i].pose_guess = Pose{at, rotation_about(Axis::z, is_crank ? angle : 0.0)};
     }
   }

@@ -26,7 +26,7 @@ class CommandsTest : public ::testing::Test {
     return folder_ / name;
   }
 
-  int compare(CompareCommand command, bool progress = false) {
+  int compare(const CompareCommand& command, bool progress = false) {
     return compare_models(command, makers_, {out_, err_, progress});
   }
 

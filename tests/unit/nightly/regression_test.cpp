@@ -7,7 +7,6 @@ namespace concord::compare::nightly {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 Result sound() {

@@ -12,7 +12,7 @@
 namespace {
 long allocations = 0;
 }
-extern "C" void* __libc_malloc(size_t size);
+extern "C" void* __libc_malloc(size_t size);  // NOLINT(bugprone-reserved-identifier)
 /// Counts what the process allocates: glibc lets a program replace malloc.
 extern "C" void* malloc(size_t size) {
   ++allocations;

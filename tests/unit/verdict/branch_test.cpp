@@ -40,7 +40,7 @@ double nearest(double guess) { return std::abs(guess - kNear) < std::abs(guess -
 
 class BranchTest : public ::testing::Test {
  protected:
-  Solvers make(TwoWays::Choice cartesian, TwoWays::Choice relative, bool relative_searches = false) {
+  Solvers make(const TwoWays::Choice& cartesian, const TwoWays::Choice& relative, bool relative_searches = false) {
     const SolverMakers makers{
         [=](const Model& model) { return std::make_unique<TwoWays>(model, "cartesian", cartesian); },
         [=](const Model& model) { return std::make_unique<TwoWays>(model, "relative", relative, relative_searches); }};
