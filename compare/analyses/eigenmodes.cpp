@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/decompositions.h"
+#include "compare/verdict/agreement.h"
 #include "compare/verdict/draws.h"
 
 namespace concord::compare::analyses {
@@ -285,6 +286,17 @@ void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& mat
       modes[k].eigenvalue_resolution = std::abs(modes[k].eigenvalue);
       modes[k].shape_resolution = 1.0;
     }
+  }
+}
+
+void split_unresolved_pairs(std::vector<Mode>& modes) {
+  const std::size_t n_found = modes.size();
+  for (std::size_t k = 0; k < n_found; ++k) {
+    const double imaginary = modes[k].eigenvalue.imag();
+    const bool is_resolved = imaginary > kWithinResolution * modes[k].eigenvalue_resolution;
+    if (!modes[k].oscillates() || is_resolved || imaginary >= std::abs(modes[k].eigenvalue.real())) continue;
+    modes[k].eigenvalue.imag(0.0);
+    modes.push_back(modes[k]);
   }
 }
 

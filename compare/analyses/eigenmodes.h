@@ -45,6 +45,10 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
 void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors,
                              std::vector<Mode>& modes);
 
+/// Near critical damping round-off decides whether two eigenvalues are real or a conjugate pair: a pair whose imaginary
+/// part is not resolved becomes two real ones. After measure_mode_resolution().
+void split_unresolved_pairs(std::vector<Mode>& modes);
+
 /// The velocities of a mode with these coordinates, in SI units and in those of the machine, written into it.
 void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode);
 

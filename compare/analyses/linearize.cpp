@@ -145,6 +145,7 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   const MotionMatrices errors{stiffness.error, std::move(damping.error)};
   FoundModes found = find_modes(search, matrices, errors);
   measure_mode_resolution(search, matrices, errors, found.moving);
+  split_unresolved_pairs(found.moving);
   result.resolution = found.resolution;
   result.free_range = range_of_free(search, matrices, errors, found.count_free());
   result.modes = std::move(found.moving);

@@ -284,7 +284,7 @@ class PseudoTransientContinuation {
     constexpr int kTries = 20;
     std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      if (!arrive(chart.exactly_at(step), refusal_there)) continue;
+      if (!arrive(stepped(chart, step), refusal_there)) continue;
       reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
       return;
     }
@@ -296,6 +296,29 @@ class PseudoTransientContinuation {
     }
     throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
                                   describe_motion(model_, state_, chart.velocities(step / step.norm()))));
+  }
+
+  /// The closed state a step away. Turns displace joints in second order, and closing shares that out among bodies and
+  /// modes: in stiff modes it would cause forces beyond all others, so modes are given what the step says.
+  [[nodiscard]] std::optional<State> stepped(Chart& chart, const VecX& step) const {
+    std::optional<State> moved = chart.exactly_at(step);
+    if (chart.n_modal() == 0) return moved;
+    const State changes = chart.origin_moving(step);
+    for (int k = 0; moved && k < kModalCorrections; ++k) {
+      State wanted = *moved;
+      double missed = 0.0;
+      for (std::size_t i = 1; i < wanted.bodies.size(); ++i) {
+        if (wanted.bodies[i].a.size() == 0) continue;
+        wanted.bodies[i].a = chart.origin().bodies[i].a + changes.bodies[i].adot;
+        const VecX miss = modal_sizes(model_, i).cwiseProduct(wanted.bodies[i].a - moved->bodies[i].a);
+        missed = std::max(missed, miss.lpNorm<Eigen::Infinity>());
+      }
+      if (missed <= kRoundOffStep) break;
+      std::optional<State> closed = solver_.close(wanted);
+      if (!closed) break;
+      moved = std::move(closed);
+    }
+    return moved;
   }
 
   /// Goes there, unless the machine cannot be closed or evaluated there: a shorter step may do.
@@ -330,7 +353,8 @@ class PseudoTransientContinuation {
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
-  static constexpr int kMostStepsBack = 30;
+  static constexpr int kMostStepsBack = 100;
+  static constexpr int kModalCorrections = 10;
   static constexpr double kMoreReach = 1.3;
   static constexpr double kSameDirection = 0.9;  // cosine
   static constexpr double kNearRest = 1e-6;      // of the length, rad

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -61,6 +63,56 @@ torque = [0.02, 0, 0]
   const AnalysisVerdict modes = judge_linearization(model, kMakers, true);
   INFO(format_analysis(model, modes, true));
   CHECK(modes.wrenches.outcome == Outcome::agree);
+}
+
+/// Turns by a third of a radian displace joints in second order: of a stiff rod's modes that would be forces of tons.
+TEST_CASE("A chain of slender rods swings down from aslant to hang straight", "[analyses][quick]") {
+  const auto rod = [](const char* name) {
+    return fmt::format(R"toml(
+[[body]]
+name = "{}"
+[body.beam]
+length = 0.33
+elements = 8
+section = {{ diameter = 0.008 }}
+youngs_modulus = 2.0e11
+poissons_ratio = 0.3
+density = 7800
+support = "craig_bampton"
+damping_ratio = 0.02
+static_modes = {{ bending_xy = [1], bending_xz = [1], axial = [1] }}
+)toml",
+                       name);
+  };
+  const Model model = parse("format = 1\ngravity = [0.4, -0.2, -9.7]\n" + rod("upper") + rod("lower") + R"toml(
+[[body]]
+name = "bob"
+mass = 0.8
+inertia = [0.002, 0.001, 0.003]
+[[joint]]
+name = "hook"
+type = "universal"
+parent = { body = "ground", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "upper", node = "first", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_x = { keep = 0.2, keep_speed = 0 }
+start.turn_y = { keep = -0.1, keep_speed = 0 }
+[[joint]]
+name = "middle"
+type = "universal"
+parent = { body = "upper", node = "last", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "lower", node = "first", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_x = { keep = -0.4, keep_speed = 0 }
+start.turn_y = { keep = 0.3, keep_speed = 0 }
+[[joint]]
+name = "grip"
+type = "weld"
+parent = { body = "lower", node = "last" }
+child = "bob"
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "directions without stiffness") == 1.0);
 }
 
 /// Springs at their free lengths exert nothing, but what they add up is not known better than to round-off.

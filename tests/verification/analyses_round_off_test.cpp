@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "closed_forms.h"
 #include "common/error.h"
@@ -15,6 +18,38 @@ using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
+
+/// Round-off decides whether the eigenvalues of a critically damped motion are real or a pair, in each solver anew.
+TEST_CASE("A critically damped slider decays by two real modes in both solvers", "[analyses][quick]") {
+  for (const double stiffness : {3.7, 41.0, 230.0, 1.9e3, 8.8e4}) {
+    const double mass = 1.3;
+    const Model model = parse(fmt::format(R"toml(format = 1
+gravity = [0.3, -9.7, 1.2]
+[[body]]
+name = "box"
+mass = {}
+inertia = [0.04, 0.05, 0.07]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = {{ body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, -1], angle = 0.7 }}
+child = "box"
+start.slide_z = {{ keep = 0.1, keep_speed = 0 }}
+spring.slide_z = {{ stiffness = {}, damping = {} }}
+)toml",
+                                          mass, stiffness, 2.0 * std::sqrt(stiffness * mass)));
+    const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+    INFO(format_analysis(model, result, true));
+    CHECK(result.wrenches.outcome == Outcome::agree);
+    for (const auto& found : result.linearizations) {
+      REQUIRE(found->modes.size() == 2);
+      for (const auto& mode : found->modes) {
+        CHECK(mode.eigenvalue.imag() == 0.0);
+        CHECK(mode.eigenvalue.real() == Approx(-std::sqrt(stiffness / mass)).epsilon(1e-5));
+      }
+    }
+  }
+}
 
 TEST_CASE("Two beams on a ball, on which nothing acts, have eighteen free modes", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
