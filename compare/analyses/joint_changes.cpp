@@ -36,7 +36,7 @@ std::vector<Shaft> geared_shafts(const Model& model) {
     shafts.push_back({term.joint, speed, 1.0, static_cast<int>(shafts.size())});
     return shafts.size() - 1;
   };
-  const auto turns = [&](const CouplingTerm& term) {
+  const auto turns = [&](const CouplingTerm& term) -> bool {
     return turning_speeds(*model.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model, term))];
   };
   for (const Coupling& coupling : model.couplings) {

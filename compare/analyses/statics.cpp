@@ -57,11 +57,12 @@ class PseudoTransientContinuation {
         longest_slide_(search.longest_step) {}
 
   Equilibrium run() {
-    for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
+    int iteration = 1;
+    for (; iteration <= kMostIterations + geared_steps_; ++iteration) {
       if (advance(iteration)) return conclude(iteration);
     }
     throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
-                                  kMostIterations, describe_motion(model_, state_, last_force_)));
+                                  iteration - 1, describe_motion(model_, state_, last_force_)));
   }
 
  private:
@@ -257,8 +258,8 @@ class PseudoTransientContinuation {
                     name(), describe_motion(model_, state_, pushed)));
   }
 
-  /// Angles change by little in a step. Slides, which may have far to go, change by twice as much each time that they
-  /// are cut short in the same direction.
+  /// Angles change by little in a step, those of fast shafts by what a rotation vector can say. Slides, which may have
+  /// far to go, change by twice as much each time that they are cut short in the same direction.
   void shorten(const Chart& chart, VecX& step) {
     const JointStep joints = joint_step(model_, chart, step);
     last_move_ = std::min(joints.largest(), search_.longest_step);
@@ -274,8 +275,11 @@ class PseudoTransientContinuation {
     } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
       longest_slide_ *= 2.0;
     }
-    const double cut = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
+    const double of_shafts = joints.fastest_turn / kMostTurn;
+    const double others = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
+    const double cut = std::max(others, of_shafts);
     if (cut > 1.0) step /= cut;
+    if (of_shafts > std::max(others, 1.0) && geared_steps_ < kMostGearedSteps) ++geared_steps_;
   }
 
   void move(Chart& chart, VecX step) {
@@ -284,7 +288,7 @@ class PseudoTransientContinuation {
     constexpr int kTries = 20;
     std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      if (!arrive(stepped(chart, step), refusal_there)) continue;
+      if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
       reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
       return;
     }
@@ -296,29 +300,6 @@ class PseudoTransientContinuation {
     }
     throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
                                   describe_motion(model_, state_, chart.velocities(step / step.norm()))));
-  }
-
-  /// The closed state a step away. Turns displace joints in second order, and closing shares that out among bodies and
-  /// modes: in stiff modes it would cause forces beyond all others, so modes are given what the step says.
-  [[nodiscard]] std::optional<State> stepped(Chart& chart, const VecX& step) const {
-    std::optional<State> moved = chart.exactly_at(step);
-    if (chart.n_modal() == 0) return moved;
-    const State changes = chart.origin_moving(step);
-    for (int k = 0; moved && k < kModalCorrections; ++k) {
-      State wanted = *moved;
-      double missed = 0.0;
-      for (std::size_t i = 1; i < wanted.bodies.size(); ++i) {
-        if (wanted.bodies[i].a.size() == 0) continue;
-        wanted.bodies[i].a = chart.origin().bodies[i].a + changes.bodies[i].adot;
-        const VecX miss = modal_sizes(model_, i).cwiseProduct(wanted.bodies[i].a - moved->bodies[i].a);
-        missed = std::max(missed, miss.lpNorm<Eigen::Infinity>());
-      }
-      if (missed <= kRoundOffStep) break;
-      std::optional<State> closed = solver_.close(wanted);
-      if (!closed) break;
-      moved = std::move(closed);
-    }
-    return moved;
   }
 
   /// Goes there, unless the machine cannot be closed or evaluated there: a shorter step may do.
@@ -354,7 +335,8 @@ class PseudoTransientContinuation {
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
   static constexpr int kMostStepsBack = 100;
-  static constexpr int kModalCorrections = 10;
+  static constexpr int kMostGearedSteps = 3000;
+  static constexpr double kMostTurn = 2.0;  // rad
   static constexpr double kMoreReach = 1.3;
   static constexpr double kSameDirection = 0.9;  // cosine
   static constexpr double kNearRest = 1e-6;      // of the length, rad
@@ -385,6 +367,7 @@ class PseudoTransientContinuation {
   int long_steps_ = 0;
   int pushed_ = 0;
   int steps_back_ = 0;
+  int geared_steps_ = 0;  // that fast shafts alone make short
   int unstable_directions_ = 0;
   std::string kink_;
 };

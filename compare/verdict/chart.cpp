@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/decompositions.h"
 #include "common/error.h"
@@ -189,6 +190,29 @@ std::optional<State> Chart::exactly_at(const VecX& delta) {
     aim += miss;
   }
   return std::nullopt;
+}
+
+std::optional<State> Chart::with_modes_at(const VecX& delta) {
+  constexpr int kCorrections = 10;
+  constexpr double kRoundOff = 1e-14;
+  std::optional<State> moved = exactly_at(delta);
+  if (n_modal_ == 0) return moved;
+  const State changes = origin_moving(delta);
+  for (int k = 0; moved && k < kCorrections; ++k) {
+    State wanted = *moved;
+    double missed = 0.0;
+    for (std::size_t i = 1; i < wanted.bodies.size(); ++i) {
+      if (wanted.bodies[i].a.size() == 0) continue;
+      wanted.bodies[i].a = origin_.bodies[i].a + changes.bodies[i].adot;
+      const VecX miss = modal_sizes(model_, i).cwiseProduct(wanted.bodies[i].a - moved->bodies[i].a);
+      missed = std::max(missed, miss.lpNorm<Eigen::Infinity>());
+    }
+    if (missed <= kRoundOff) break;
+    std::optional<State> closed = solver_.close(wanted);
+    if (!closed) break;
+    moved = std::move(closed);
+  }
+  return moved;
 }
 
 VecX Chart::rates_at_origin() const { return own_rates(origin_); }

@@ -49,6 +49,10 @@ class Chart {
   /// Nothing if it is not found.
   [[nodiscard]] std::optional<State> exactly_at(const VecX& delta);
 
+  /// The same, then closed with modes as delta says. Turns displace joints in second order, and closing shares that out
+  /// among bodies and modes: in stiff modes it would cause forces beyond all others.
+  [[nodiscard]] std::optional<State> with_modes_at(const VecX& delta);
+
   /// The rates deltadot of the origin itself.
   [[nodiscard]] VecX rates_at_origin() const;
 

@@ -115,6 +115,63 @@ child = "bob"
   CHECK(value_of(rest, "directions without stiffness") == 1.0);
 }
 
+/// The fast shaft of a train goes round a hundred times while its link turns by a right angle.
+TEST_CASE("A link on two gears in a row comes to hang, its motor moved by as much as the ratios say",
+          "[analyses][quick]") {
+  const auto shaft = [](const char* name, const char* body, double start) {
+    return fmt::format(R"toml(
+[[body]]
+name = "{0}"
+mass = 0.1
+inertia = [0.000011, 0.000019, 0.000023]
+[[joint]]
+name = "{1}"
+type = "revolute"
+both = {{ z = [0, 1, 0], x = [1, 0, 0] }}
+parent = "ground"
+child = "{0}"
+start.turn_z = {{ guess = {2} }}
+)toml",
+                       body, name, start);
+  };
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "link"
+mass = 5.2
+inertia = [0.011, 0.019, 0.023]
+center_of_mass = [0.21, 0, 0]
+[[joint]]
+name = "hinge"
+type = "revolute"
+both = { z = [0, 1, 0], x = [1, 0, 0] }
+parent = "ground"
+child = "link"
+start.turn_z = { keep = 0.3, keep_speed = 0 }
+[[coupling]]
+name = "first"
+terms = [
+  { joint = "M", coordinate = "turn_z", factor = 1 },
+  { joint = "hinge", coordinate = "turn_z", factor = -21 },
+]
+[[coupling]]
+name = "second"
+terms = [
+  { joint = "R", coordinate = "turn_z", factor = 1 },
+  { joint = "M", coordinate = "turn_z", factor = 17 },
+]
+)toml" + shaft("M", "mid", 6.3) +
+                            shaft("R", "rotor", -107.1));
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  for (const auto& solver : both_solvers(model)) {
+    const State hanging = find_equilibrium(model, *solver).state;
+    CHECK(hanging.q[0](0) == Approx(EIGEN_PI / 2.0).epsilon(1e-12));
+    CHECK(hanging.q[2](0) == Approx(-21.0 * 17.0 * EIGEN_PI / 2.0).epsilon(1e-12));
+  }
+}
+
 /// Springs at their free lengths exert nothing, but what they add up is not known better than to round-off.
 TEST_CASE("What a relaxed radial spring does not resist is free, not unstable by round-off", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
