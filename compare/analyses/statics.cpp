@@ -91,7 +91,7 @@ class PseudoTransientContinuation {
     is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
     refuse_singular(chart);
-    const Stiffness stiffness = stiffness_here(chart);
+    const Stiffness stiffness = stiffness_here(chart, f.norm());
     const StiffnessSplit split(chart, stiffness, scale_, f);
     const VecX newton = split.newton_step(f);
     const VecX unmet = split.unmet(f);
@@ -123,15 +123,22 @@ class PseudoTransientContinuation {
     return std::max(reference, kOfFirstReference * *first_reference_);
   }
 
-  /// In steps so short that it hardly changes, the stiffness of a machine with many coordinates is found once.
-  [[nodiscard]] Stiffness stiffness_here(const Chart& chart) {
-    if (!is_cautious_ && last_move_ < kNearRest && last_basis_.cols() == chart.n()) {
+  /// In steps so short that it hardly changes, the stiffness of a machine with many coordinates is found once; anew
+  /// where accelerations f have become so much smaller that what their turning feigned counts now, or where directions
+  /// without stiffness say which rest is nearest to the start.
+  [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double f) {
+    moved_since_stiffness_ += last_move_;
+    const bool feigns_more = force_at_stiffness_ > std::max(10.0 * f, kRoundOffStep * scale_.reference);
+    const double reach = free_.empty() ? kNearRest : kSameDirections;
+    if (!is_cautious_ && !feigns_more && moved_since_stiffness_ < reach && last_basis_.cols() == chart.n()) {
       const MatX turn = chart.basis().transpose() * last_basis_;
       const MatX size = turn.cwiseAbs();
       last_stiffness_ = {turn * last_stiffness_.J * turn.transpose(), size * last_stiffness_.error * size.transpose()};
     } else {
       last_stiffness_ = stiffness_matrix(
           chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, scale_);
+      force_at_stiffness_ = f;
+      moved_since_stiffness_ = 0.0;
     }
     last_basis_ = chart.basis();
     return last_stiffness_;
@@ -340,6 +347,7 @@ class PseudoTransientContinuation {
   static constexpr double kMoreReach = 1.3;
   static constexpr double kSameDirection = 0.9;  // cosine
   static constexpr double kNearRest = 1e-6;      // of the length, rad
+  static constexpr double kSameDirections = 1e-12;
   static constexpr double kOfFirstReference = 1e-3;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
@@ -352,7 +360,9 @@ class PseudoTransientContinuation {
   VecX last_force_;
   std::vector<FreeDirection> free_;
   Stiffness last_stiffness_;
-  MatX last_basis_;  // of the chart in which it is, or none
+  double moved_since_stiffness_ = 0.0;
+  double force_at_stiffness_ = 0.0;  // size of the accelerations where it was found [1/s2]
+  MatX last_basis_;                  // of the chart in which it is, or none
   std::optional<double> first_reference_;
   AccelerationScale scale_;  // at the state
   std::optional<double> first_slow_;

@@ -172,6 +172,42 @@ terms = [
   }
 }
 
+/// The stiffness of a swinging machine, kept for a step too long, had an upright spin held by what is round-off.
+TEST_CASE("A body on a massless rod below a link hangs and turns freely about its line", "[analyses]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [1, 2, -9]
+[[body]]
+name = "link"
+mass = 3.0
+inertia = [0.0108, 0.0162, 0.0135, 0.00108, -0.00054, 0.00162]
+center_of_mass = [0.12, 0.03, 0.012]
+[[body]]
+name = "bob"
+mass = 1.5
+inertia = [0.0108, 0.0162, 0.0135, 0.00108, -0.00054, 0.00162]
+center_of_mass = [0.03, 0.03, 0.012]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = "link"
+start.turn_z = { keep = 0.2, keep_speed = 0 }
+[[joint]]
+name = "rod"
+type = "distance"
+parent = { body = "link", point = [0.18, 0, 0], axis = [1, 1, 0], angle = 0.7 }
+child = { body = "bob", point = [0.012, 0.018, 0] }
+length = 0.24
+start.ball = { keep = { axis = [0, 0, 1], angle = 0 }, keep_speed = [0, 0, 0] }
+start.turn_x = { keep = 0, keep_speed = 0 }
+start.turn_y = { keep = 0, keep_speed = 0 }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "directions without stiffness") == 1.0);
+}
+
 /// Springs at their free lengths exert nothing, but what they add up is not known better than to round-off.
 TEST_CASE("What a relaxed radial spring does not resist is free, not unstable by round-off", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
