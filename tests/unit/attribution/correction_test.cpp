@@ -29,6 +29,7 @@ class CorrectionTest : public ::testing::Test {
     run.until = 2.0;
     run.samples = 60;
     trajectory_ = right.integrate(run, {});
+    evaluations_.clear();
     std::array<Auditor, 2> auditors{Auditor(model_), Auditor(model_)};
     for (const Sample& sample : trajectory_.samples) {
       evaluations_.push_back({right.evaluate(sample.state), wrong->evaluate(sample.state)});

@@ -126,6 +126,7 @@ TEST_F(ResolutionTest, TermsThatCancelCountThoughNothingIsLeft) {
 SharedState state_of_coupled_discs(const Model& model) {
   SharedState shared;
   shared.state.bodies.resize(model.bodies.size());
+  shared.state.q.assign(model.joints.size(), VecX::Zero(1));
   shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
   for (Evaluation& evaluation : shared.evaluations) {
     evaluation.bodies.resize(model.bodies.size());
@@ -154,6 +155,7 @@ TEST(ResolutionTerms, OfABodysSumTakeTheRoundOffOfAJointsForceByItsLever) {
                                   "falling.toml");
   SharedState shared;
   shared.state.bodies.resize(2);
+  shared.state.q.assign(1, VecX::Zero(7));
   for (Evaluation& evaluation : shared.evaluations) {
     evaluation.bodies.resize(2);
     evaluation.joints.resize(1);
