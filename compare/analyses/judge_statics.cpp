@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "common/error.h"
 #include "compare/analyses/joint_changes.h"
@@ -9,6 +10,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/refinement.h"
@@ -50,6 +52,15 @@ void for_each_coordinate(const Model& model, const State& state, const Use& use)
   }
 }
 
+/// What double precision leaves of a joint's coordinate where bodies are far from the origin: digits of the machine's
+/// length, or of a radian.
+double digits_of_places(const Model& model, const State& state) {
+  double farthest = 0.0;
+  for (const BodyState& body : state.bodies) farthest = std::max(farthest, body.r.norm());
+  const double round_off = std::numeric_limits<double>::epsilon() * farthest / model.length_scale();
+  return matching_digits(kWithinResolution * round_off, 1.0);
+}
+
 /// Coordinates of two states, judged; and their values at the start in the text's table.
 std::string judge_coordinates(const Model& model, const State& start, const std::array<const State*, 2>& found,
                               AnalysisVerdict& result) {
@@ -60,9 +71,11 @@ std::string judge_coordinates(const Model& model, const State& start, const std:
                         [&](const std::string&, const char*, double, double value) { values[k].push_back(value); });
   }
   Lines lines{{"coordinate", "start", "cartesian", "relative", "unit", "digits"}};
+  const double of_places = digits_of_places(model, *found[0]);
   std::size_t row = 0;
   for_each_coordinate(model, *found[0], [&](const std::string& name, const char* unit, double scale, double) {
     result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
+    if (of_places < result.own_need) result.numbers.back().resolvable = of_places;
     lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),
                      fmt::format("{:.10g}", values[2][row]), unit, format_digits(result.numbers.back().digits)});
     ++row;

@@ -70,6 +70,54 @@ spring.turn_z = { stiffness = 0.6, free = 0.4 }
   check_agrees(model, judge_statics(model, kMakers));
 }
 
+/// Eight digits of a linkage's size are left of places so far away, and no more of its angles.
+TEST_CASE("A linkage far from the origin comes to rest as exactly as its places are known", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "crank"
+mass = 0.6
+inertia = [7.5e-6, 1.25e-4, 1.25e-4]
+center_of_mass = [0.025, 0, 0]
+[[body]]
+name = "coupler"
+mass = 0.8
+inertia = [1e-5, 1.5e-3, 1.5e-3]
+center_of_mass = [0.075, 0, 0]
+[[body]]
+name = "rocker"
+mass = 0.6
+inertia = [7.5e-6, 7.8e-4, 7.8e-4]
+center_of_mass = [0.0625, 0, 0]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = { body = "ground", point = [2.5e6, 2e7, 100], z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "crank", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { keep = 0.5, keep_speed = 0 }
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "crank", point = [0.05, 0, 0], z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "coupler", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { guess = -1.2 }
+[[joint]]
+name = "C"
+type = "spherical"
+parent = { body = "coupler", point = [0.15, 0, 0] }
+child = { body = "rocker", point = [0.125, 0, 0] }
+[[joint]]
+name = "D"
+type = "revolute"
+parent = { body = "ground", point = [2500000.15, 2e7, 100], z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "rocker", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { guess = -1.7 }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == compare::Outcome::agree);
+}
+
 // Detects a wrench that vanishes by balance and is held to more digits than the places from which it follows.
 TEST_CASE("A balanced seesaw with weights on stops agrees as far as its angle is known", "[analyses][quick]") {
   std::string text = "format = 1\ngravity = [0, 0, -9.81]\n" + body("bar", 4.2, "[0, 0, 0]") +
