@@ -204,7 +204,10 @@ class PseudoTransientContinuation {
     const VecX moved = joint_displacements(model_, start_, state_);
     MatX rates(moved.size(), directions.cols());
     for (Eigen::Index k = 0; k < directions.cols(); ++k) {
-      rates.col(k) = joint_speeds(model_, chart.origin_moving(directions.col(k)));
+      const VecX of_one = joint_speeds(model_, chart.origin_moving(directions.col(k)));
+      // What round-off of the directions mixes in must not count the ways of joints that do not move along them.
+      const double seen = kLeastSpeed * of_one.lpNorm<Eigen::Infinity>();
+      rates.col(k) = (of_one.array().abs() < seen).select(0.0, of_one);
     }
     VecX step = -directions * smallest_least_squares(rates, moved, kRoundOffStep);
     if (!(step.norm() > kRoundOffStep)) return false;
@@ -348,6 +351,7 @@ class PseudoTransientContinuation {
   static constexpr double kSameDirection = 0.9;  // cosine
   static constexpr double kNearRest = 1e-6;      // of the length, rad
   static constexpr double kSameDirections = 1e-12;
+  static constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
   static constexpr double kOfFirstReference = 1e-3;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 

@@ -208,6 +208,73 @@ start.turn_y = { keep = 0, keep_speed = 0 }
   CHECK(value_of(rest, "directions without stiffness") == 1.0);
 }
 
+/// Round-off of the free direction mixed a linkage's way into that of the sledge that carries it.
+TEST_CASE("A sledge that nothing holds along its way rests where it starts, far down it too", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "sledge"
+mass = 1400
+inertia = [310, 1100, 1300]
+[[joint]]
+name = "way"
+type = "free"
+parent = "ground"
+child = "sledge"
+start.slide_x = { keep = 2400, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = 0, keep_speed = 0 }
+start.ball = { keep = { axis = [0, 0, 1], angle = 0 }, keep_speed = [0, 0, 0] }
+[[bushing]]
+name = "runners"
+parent = "ground"
+child = "sledge"
+stiffness = [0, 1.2e5, 1.1e5, 1e5, 1.3e5, 1e5]
+[[body]]
+name = "crank"
+mass = 0.3
+inertia = [1.5e-5, 2.5e-4, 2.5e-4]
+center_of_mass = [0.05, 0, 0]
+[[body]]
+name = "coupler"
+mass = 0.5
+inertia = [2e-5, 3e-3, 3e-3]
+center_of_mass = [0.15, 0, 0]
+[[body]]
+name = "rocker"
+mass = 0.3
+inertia = [1.5e-5, 1.6e-3, 1.6e-3]
+center_of_mass = [0.125, 0, 0]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = { body = "sledge", z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "crank", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { keep = 0.5, keep_speed = 0 }
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "crank", point = [0.1, 0, 0], z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "coupler", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { guess = -1.2 }
+[[joint]]
+name = "C"
+type = "spherical"
+parent = { body = "coupler", point = [0.3, 0, 0] }
+child = { body = "rocker", point = [0.25, 0, 0] }
+[[joint]]
+name = "D"
+type = "revolute"
+parent = { body = "sledge", point = [0.3, 0, 0], z = [0, 1, 0], x = [1, 0, 0] }
+child = { body = "rocker", z = [0, 1, 0], x = [1, 0, 0] }
+start.turn_z = { guess = -1.7 }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "slide_x of way") == Approx(2400.0).epsilon(1e-13));
+}
+
 /// Springs at their free lengths exert nothing, but what they add up is not known better than to round-off.
 TEST_CASE("What a relaxed radial spring does not resist is free, not unstable by round-off", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
