@@ -53,10 +53,14 @@ Unfinished& unfinished() {
   return all;
 }
 
-/// A name beside `place` that no other program takes; the lock is held.
+/// A name beside `place` that no other program takes and that none has left there; the lock is held.
 fs::path temporary_name(const fs::path& place) {
-  fs::path path = place;
-  path += fmt::format(".{}-{}.unfinished", getpid(), ++unfinished().made);
+  fs::path path;
+  std::error_code ignored;
+  do {  // a program of the same number may have been killed
+    path = place;
+    path += fmt::format(".{}-{}.unfinished", getpid(), ++unfinished().made);
+  } while (fs::exists(fs::symlink_status(path, ignored)));
   return path;
 }
 

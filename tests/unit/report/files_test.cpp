@@ -1,8 +1,10 @@
 #include "compare/report/files.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <fstream>
@@ -97,6 +99,21 @@ TEST_F(FilesTest, TwoMayWriteTheSameFileAtOnce) {
   EXPECT_EQ(content(folder_ / "verdict"), "one");
   two.finish();
   EXPECT_EQ(content(folder_ / "verdict"), "two");
+}
+
+/// Its number comes round again, and that must not refuse what another program of that number writes.
+TEST_F(FilesTest, WhatAKilledProgramLeftIsNotInTheWay) {
+  for (int k = 1; k < 100; ++k) {
+    fs::create_directories(folder_ / fmt::format(".results.{}-{}.unfinished", getpid(), k));
+    std::ofstream(folder_ / fmt::format("verdict.{}-{}.unfinished", getpid(), k)) << "half";
+    std::ofstream(folder_ / fmt::format(".probe.{}-{}.unfinished", getpid(), k));
+  }
+  StagedFolder staged(folder_);
+  write_file(staged.path() / "table", "new");
+  staged.finish({});
+  write_file(folder_ / "verdict", "new");
+  EXPECT_EQ(content(folder_ / "table"), "new");
+  EXPECT_EQ(content(folder_ / "verdict"), "new");
 }
 
 TEST_F(FilesTest, WhatIsNotFinishedIsRemoved) {
