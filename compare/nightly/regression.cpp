@@ -67,7 +67,11 @@ std::string same_state_words(const Component& one) {
 class CaseComparison {
  public:
   CaseComparison(const Result& then, const Result& now, const Judging& judging, const std::string& against)
-      : then_(then), now_(now), judging_(judging), against_(against), changes_(now.id.empty() ? then.id : now.id) {}
+      : then_(then),
+        now_(now),
+        allowance_(judging.allowance_of(now.id.empty() ? then.id : now.id)),
+        against_(against),
+        changes_(now.id.empty() ? then.id : now.id) {}
 
   std::vector<Change> run() {
     if (then_.ending != now_.ending) {
@@ -111,7 +115,7 @@ class CaseComparison {
       return from > 0 ? static_cast<double>(to - from) / static_cast<double>(from) : (to > from ? 1.0 : 0.0);
     };
     const double up = rise(was, is);
-    if (up <= judging_.cost && rise(is, was) <= judging_.cost) return;
+    if (up <= allowance_.cost && rise(is, was) <= allowance_.cost) return;
     changes_.add({up > 0.0 ? Turn::worse : Turn::better, "", "", measure, fmt::format("{}", was),
                   fmt::format("{} ({:+.0f} %)", is, 100.0 * up), against_, std::abs(up), 0});
   }
@@ -149,7 +153,7 @@ class CaseComparison {
     if (then && !now) changes_.add({Turn::worse, "", component, measure, was, is, against_, *then, 0});
     if (!then || !now) return;
     const double fall = *then - *now;
-    if (std::abs(fall) <= judging_.margin) return;
+    if (std::abs(fall) <= allowance_.margin) return;
     changes_.add(
         {fall > 0.0 ? Turn::worse : Turn::better, "", component, measure, was, is, against_, std::abs(fall), 0});
   }
@@ -158,14 +162,14 @@ class CaseComparison {
     if (!then.peak || !now.peak) return;
     const double scale = std::max({then.scale, now.scale, 0.0});
     const double change = std::abs(*now.peak - *then.peak);
-    if (change <= judging_.peak * scale) return;
+    if (change <= allowance_.peak * scale) return;
     changes_.add({Turn::worse, "", now.name, "peak", fmt::format("{:.6g}", *then.peak),
                   fmt::format("{:.6g}", *now.peak), against_, scale > 0.0 ? change / scale : 1.0, 0});
   }
 
   const Result& then_;
   const Result& now_;
-  const Judging& judging_;
+  const Allowance& allowance_;
   const std::string& against_;
   ChangeList changes_;
 };

@@ -51,14 +51,18 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& patter
   return files;
 }
 
+/// What is not given is as `usual`.
+Allowance read_allowance(const TableReader& table, const Allowance& usual) {
+  return {table.positive_number("margin").value_or(usual.margin), table.positive_number("cost").value_or(usual.cost),
+          table.positive_number("peak").value_or(usual.peak)};
+}
+
 Judging read_judging(const TableReader& document) {
   Judging judging;
   const toml::table* found = document.table("judge");
   if (found == nullptr) return judging;
   const TableReader table(*found, "judge", {"margin", "cost", "peak", "nights", "against"}, document.reading());
-  judging.margin = table.positive_number("margin").value_or(judging.margin);
-  judging.cost = table.positive_number("cost").value_or(judging.cost);
-  judging.peak = table.positive_number("peak").value_or(judging.peak);
+  judging.allowance = read_allowance(table, judging.allowance);
   judging.nights = table.count("nights", 1, 1000).value_or(judging.nights);
   const std::string against = table.text("against").value_or("baseline");
   judging.against_baseline = against == "baseline" || against == "both";
@@ -96,9 +100,9 @@ class SuiteReader {
   void read_case(const toml::table& found) {
     const TableReader table(
         found, title_with_name(found, "case"),
-        {"name",      "work",      "models",   "except", "until",      "rtol",  "samples",       "states",   "at",
-         "poses",     "joints",    "seed",     "first",  "count",      "style", "accelerations", "seconds",  "need",
-         "known_red", "cartesian", "relative", "sweep",  "parameters", "cut",   "shares",        "megabytes"},
+        {"name",      "work",      "models",   "except", "until",      "rtol",  "samples",       "states",    "at",
+         "poses",     "joints",    "seed",     "first",  "count",      "style", "accelerations", "seconds",   "need",
+         "known_red", "cartesian", "relative", "sweep",  "parameters", "cut",   "shares",        "megabytes", "judge"},
         reading_);
     Case base = read_common(table);
     switch (base.work) {
@@ -124,6 +128,10 @@ class SuiteReader {
     base.limits = limits_;
     base.limits.seconds = table.positive_number("seconds").value_or(limits_.seconds);
     base.limits.megabytes = table.positive_number("megabytes").value_or(limits_.megabytes);
+    if (const toml::table* found = table.table("judge")) {
+      const TableReader own(*found, table.title() + ", judge", {"margin", "cost", "peak"}, reading_);
+      base.allowance = read_allowance(own, suite_->judging.allowance);
+    }
     base.known_red = read_known_red(table);
     return base;
   }
@@ -236,6 +244,7 @@ class SuiteReader {
   void add(const TableReader& table, Case one) {
     const auto [entry, is_new] = places_.emplace(one.id, table.where());
     if (is_new) {
+      if (one.allowance) suite_->judging.of_case.emplace(one.id, *one.allowance);
       suite_->cases.push_back(std::move(one));
     } else {
       table.complain(fmt::format("there is a case '{}' already (line {}): give one of them another name", one.id,
@@ -274,6 +283,11 @@ class SuiteReader {
 };
 
 }  // namespace
+
+const Allowance& Judging::allowance_of(const std::string& id) const {
+  const auto own = of_case.find(id);
+  return own == of_case.end() ? allowance : own->second;
+}
 
 Suite read_suite(const fs::path& file) {
   Suite suite;

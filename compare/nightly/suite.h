@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,14 +10,15 @@
 
 namespace concord::compare::nightly {
 
-/// What is compared with the past, and what counts as worse. Wall time is never judged.
+/// What is compared with the past, and what counts as worse.
 struct Judging {
-  double margin = 1.0;  // digits of agreement
-  double cost = 0.15;   // share of evaluations and steps
-  double peak = 1e-4;   // of a peak value, relative to its scale
-  int nights = 7;       // whose median is taken
+  Allowance allowance;
+  std::map<std::string, Allowance> of_case;  // cases with an allowance of their own, by id
+  int nights = 7;                            // whose median is taken
   bool against_baseline = true;
   bool against_median = false;
+
+  [[nodiscard]] const Allowance& allowance_of(const std::string& id) const;
 };
 
 /// A suite file, with a name of its own for each model and variant.

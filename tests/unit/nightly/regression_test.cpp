@@ -111,6 +111,20 @@ TEST(Changes, RiseOfEvaluationsByAFifthIsFoundWallTimeNever) {
   EXPECT_THAT(changes_to(now), ElementsAre("worse steps of cartesian"));
 }
 
+/// Where round-off decides the steps, a suite says how much they may change.
+TEST(Changes, CaseWithAnAllowanceOfItsOwnIsJudgedByIt) {
+  Result now = sound();
+  now.cost[1].evaluations = 700;
+  Judging judging;
+  judging.of_case[now.id] = {1.0, 0.5, 1e-4};
+  EXPECT_THAT(told(changes_between(sound(), now, judging, "")), IsEmpty());
+  now.cost[1].evaluations = 760;
+  EXPECT_THAT(told(changes_between(sound(), now, judging, "")), ElementsAre("worse evaluations of relative"));
+  now.id = "other";
+  now.cost[1].evaluations = 700;
+  EXPECT_THAT(told(changes_between(sound(), now, judging, "")), ElementsAre("worse evaluations of relative"));
+}
+
 TEST(Changes, PeakMayMoveByItsShareOfTheScale) {
   Result now = sound();
   now.components[0].peak = 40.004;

@@ -116,6 +116,25 @@ TEST_F(Suites, AnInverseCaseHasTheForceThatDrives) {
   EXPECT_GT(drive->peak.value_or(0.0), 0.0);
 }
 
+TEST_F(Suites, CasesMayHaveAnAllowanceOfTheirOwn) {
+  const Suite suite = read(R"([judge]
+margin = 1.5
+[[case]]
+models = ["models/*.toml"]
+judge = { cost = 0.5 }
+[[case]]
+work = "statics"
+models = ["models/one.toml"]
+)");
+  const Allowance& own = suite.judging.allowance_of("one");
+  EXPECT_EQ(own.margin, 1.5);  // as the suite says
+  EXPECT_EQ(own.cost, 0.5);
+  EXPECT_EQ(suite.judging.allowance_of("two").cost, 0.5);
+  EXPECT_EQ(suite.judging.allowance_of("statics/one").cost, 0.15);
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\njudge = { cost = 0.5, nights = 3 }\n"),
+              HasSubstr("suite.toml:4:23: error: case, judge: unknown key 'nights'"));
+}
+
 TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/none*.toml\"]\n"),
               HasSubstr("suite.toml:3:10: error: case: there is no file 'models/none*.toml'"));
