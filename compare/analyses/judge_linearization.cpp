@@ -39,6 +39,7 @@ class ModeJudge {
       if (!is_decided) row.resolvable = 0.0;
     }
     if (!is_decided) result_.text += "note: differences do not decide how many modes are free\n";
+    if (!decides_how_many()) result_.numbers.front().resolvable = 0.0;
     const ModePairs pairs = pair_modes(one_.modes, other_.modes, resolution_);
     for (const auto& [k, partner] : pairs.both) judge_pair(k, partner);
     for (const std::size_t k : pairs.alone[0]) judge_alone("cartesian", one_.modes[k], {abs_of(one_.modes[k]), kNone});
@@ -62,17 +63,46 @@ class ModeJudge {
 
   static double abs_of(const Mode& mode) { return std::abs(mode.eigenvalue); }
 
-  /// Not where each solver's number is among those that the other one finds by asking for more or less.
+  /// Not where each solver's number is among those that the other one finds by asking for more or less, or that
+  /// eigenvalues of which nothing is resolved may add.
   [[nodiscard]] bool decides_what_is_free() const {
     const auto free_of = [](const Linearization& found) {
       return static_cast<int>(
           std::count_if(found.modes.begin(), found.modes.end(), [](const Mode& mode) { return mode.is_free; }));
     };
-    const auto within = [](int count, const std::array<int, 2>& range) {
-      return range[0] <= count && count <= range[1];
+    const auto may_have = [](const Linearization& found, int count) {
+      return found.free_range[0] <= count && count <= found.free_range[1] + count_unresolved(found);
     };
     if (free_of(one_) == free_of(other_)) return true;
-    return !within(free_of(one_), other_.free_range) && !within(free_of(other_), one_.free_range);
+    return !may_have(other_, free_of(one_)) && !may_have(one_, free_of(other_));
+  }
+
+  /// Nothing is known of it but that it is small.
+  static bool is_unresolved(const Mode& mode) {
+    return !mode.is_free && abs_of(mode) <= kWithinResolution * mode.eigenvalue_resolution;
+  }
+
+  /// Eigenvalues, two of a pair.
+  static int count_unresolved(const Linearization& found) {
+    int count = 0;
+    for (const Mode& mode : found.modes) {
+      if (is_unresolved(mode)) count += mode.oscillates() ? 2 : 1;
+    }
+    return count;
+  }
+
+  /// Round-off decides which of the eigenvalues that are not resolved are pairs and which are real.
+  static std::array<int, 2> range_of_modes(const Linearization& found) {
+    const auto resolved = static_cast<int>(
+        std::count_if(found.modes.begin(), found.modes.end(), [](const Mode& mode) { return !is_unresolved(mode); }));
+    const int unresolved = count_unresolved(found);
+    return {resolved + (unresolved + 1) / 2, resolved + unresolved};
+  }
+
+  [[nodiscard]] bool decides_how_many() const {
+    const std::array<int, 2> one = range_of_modes(one_);
+    const std::array<int, 2> other = range_of_modes(other_);
+    return one_.modes.size() == other_.modes.size() || one[1] < other[0] || other[1] < one[0];
   }
 
   template <class Counts>
@@ -88,13 +118,14 @@ class ModeJudge {
     const Mode& other = other_.modes[partner];
     const double scale = std::max(abs_of(mode), resolution_);
     const double least = kWithinResolution * std::max(mode.eigenvalue_resolution, other.eigenvalue_resolution);
-    NumberRow row = number(fmt::format("eigenvalue {}", k + 1), "1/s", abs_of(mode), abs_of(other), scale, kEigenvalue);
+    const std::size_t line = lines_.size();
+    NumberRow row = number(fmt::format("eigenvalue {}", line), "1/s", abs_of(mode), abs_of(other), scale, kEigenvalue);
     row.digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
     row.resolvable = matching_digits(least, scale);
     if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
     if (*row.resolvable < kFewDigits)
-      unresolved_.push_back(fmt::format("{} ({}: {})", k + 1, mode.motion, format_digits(*row.resolvable)));
-    NumberRow shape{fmt::format("shape of mode {}", k + 1), "", {kNone, kNone}, kMostDigits, kEigenvalue};
+      unresolved_.push_back(fmt::format("{} ({}: {})", line, mode.motion, format_digits(*row.resolvable)));
+    NumberRow shape{fmt::format("shape of mode {}", line), "", {kNone, kNone}, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
     shape.resolvable = matching_digits(least_of_shape, 1.0);
@@ -107,7 +138,7 @@ class ModeJudge {
   void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {
     add_line(mode, format_digits(0.0), "-", fmt::format(" (found by {} alone)", solver));
     NumberRow row{fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue};
-    if (mode.is_free && !decides_what_is_free()) row.resolvable = 0.0;
+    if (is_unresolved(mode) || (mode.is_free && !decides_what_is_free())) row.resolvable = 0.0;
     result_.numbers.push_back(std::move(row));
   }
 

@@ -117,6 +117,7 @@ Chart::Chart(const Model& model, Solver& solver, const State& origin)
 
 void Chart::put_modes_first() {
   constexpr double kMovesNoMode = 1e-7;  // of what moves modes most
+  constexpr double kRoundOff = 1e-12;    // of the scaled, orthonormal basis: joints may hold all modes
   int n_modes = 0;
   for (const Body& body : model_.bodies) n_modes += body.n_modes();
   if (n_modes == 0) return;
@@ -128,6 +129,7 @@ void Chart::put_modes_first() {
     next += modes;
   });
   Eigen::ColPivHouseholderQR<MatX> split(MatX(modal.transpose()));
+  if (split.maxPivot() <= kRoundOff) return;
   split.setThreshold(kMovesNoMode);
   n_modal_ = static_cast<int>(split.rank());
   V_ = V_ * MatX(split.householderQ());

@@ -150,6 +150,80 @@ start.ball = { keep = { axis = [1, 0, 0], angle = 0 }, keep_speed = [0, 0, 0] }
   }
 }
 
+/// Nothing of some eigenvalues is resolved: round-off decides whether they are real, a pair, or count as free.
+TEST_CASE("Modes of a skate agree though its slow eigenvalues are round-off", "[analyses][quick]") {
+  for (const char* gravity : {"[0, 0, 0]", "[2.899053227347742, 0, -9.371850958322197]"}) {
+    INFO("gravity " << gravity);
+    const Model model = parse(fmt::format(R"toml(format = 1
+gravity = {}
+[[body]]
+name = "skate"
+mass = 2
+inertia = [0.1, 0.1, 0.15]
+center_of_mass = [0, 0, 0.1]
+[[joint]]
+name = "edge"
+type = "knife_edge"
+parent = "ground"
+child = "skate"
+start.slide_x = {{ keep = 0, keep_speed = 0.3 }}
+start.slide_y = {{ keep = 0 }}
+start.turn_z = {{ keep = 0.4, keep_speed = 2 }}
+)toml",
+                                          gravity));
+    const AnalysisVerdict found = judge_linearization(model, kMakers, false);
+    INFO(format_analysis(model, found, true));
+    CHECK(found.wrenches.outcome == Outcome::agree);
+  }
+}
+
+TEST_CASE("A shaft whose bearings hold all its modes turns freely, as a rigid one", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0.4, -0.2, -9.7]
+[[body]]
+name = "shaft"
+[body.beam]
+length = 0.8
+elements = 8
+section = { diameter = 0.02 }
+youngs_modulus = 2.0e11
+poissons_ratio = 0.3
+density = 7800
+support = "craig_bampton"
+damping_ratio = 0.02
+static_modes = { bending_xy = [1], bending_xz = [1], axial = [1] }
+[[body]]
+name = "disk"
+mass = 4
+inertia = [0.04, 0.02, 0.02]
+[[joint]]
+name = "left"
+type = "revolute"
+parent = { body = "ground", z = [1, 0, 0], x = [0, 1, 0] }
+child = { body = "shaft", node = "first", z = [1, 0, 0], x = [0, 1, 0] }
+start.turn_z = { keep = 0, keep_speed = 0 }
+[[joint]]
+name = "right"
+type = "revolute"
+parent = { body = "ground", point = [0.8, 0, 0], z = [1, 0, 0], x = [0, 1, 0] }
+child = { body = "shaft", node = "last", z = [1, 0, 0], x = [0, 1, 0] }
+[[joint]]
+name = "press_fit"
+type = "weld"
+parent = { body = "shaft", node = "4" }
+child = "disk"
+)toml");
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, modes, true));
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+  for (const auto& row : modes.numbers) {
+    if (row.name == "number of free modes") CHECK(row.values[0] == 2.0);
+  }
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+}
+
 TEST_CASE("A tire that just touches its road has no linearization", "[analyses][quick]") {
   const Model model = parse(R"toml(format = 1
 [[body]]
