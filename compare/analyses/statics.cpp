@@ -12,6 +12,7 @@
 #include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/growth.h"
 #include "compare/analyses/joint_changes.h"
+#include "compare/analyses/step_length.h"
 #include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
@@ -53,12 +54,11 @@ class PseudoTransientContinuation {
         start_(solver.assemble()),
         state_(displaced(start_)),
         evaluation_(solver.evaluate(state_)),
-        last_move_(search.longest_step),
-        longest_slide_(search.longest_step) {}
+        length_(model, search.longest_step) {}
 
   Equilibrium run() {
     int iteration = 1;
-    for (; iteration <= kMostIterations + geared_steps_; ++iteration) {
+    for (; iteration <= kMostIterations + iterations_more(); ++iteration) {
       if (advance(iteration)) return conclude(iteration);
     }
     throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
@@ -67,6 +67,9 @@ class PseudoTransientContinuation {
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
+
+  /// Those that fast shafts made short, and those that lead back over many turns, each with its corrections.
+  [[nodiscard]] int iterations_more() const { return std::min(length_.cut_by_shafts(), kMostByShafts) + 3 * far_back_; }
 
   [[nodiscard]] State displaced(const State& start) {
     if (search_.displacement == 0.0) return start;
@@ -108,6 +111,7 @@ class PseudoTransientContinuation {
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth, falls);
+    if (falls && is_cautious_) length_.count_fall();
     refuse_if_pushed(chart, stiffness.J, unmet, negligible);
     last_step_ = newton.norm();
     move(chart,
@@ -127,7 +131,7 @@ class PseudoTransientContinuation {
   /// where accelerations f have become so much smaller that what their turning feigned counts now, or where directions
   /// without stiffness say which rest is nearest to the start.
   [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double f) {
-    moved_since_stiffness_ += last_move_;
+    moved_since_stiffness_ += length_.last_move();
     const bool feigns_more = force_at_stiffness_ > std::max(10.0 * f, kRoundOffStep * scale_.reference);
     const double reach = free_.empty() ? kNearRest : kSameDirections;
     if (!is_cautious_ && !feigns_more && moved_since_stiffness_ < reach && last_basis_.cols() == chart.n()) {
@@ -149,7 +153,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] VecX not_free_alone(VecX step, const MatX& directions) const {
     const VecX along = directions * (directions.transpose() * step);
     const double most =
-        std::max(1.1 * longest_slide_, (step - along).norm());  // as much as shorten() cuts, and doubles
+        std::max(1.1 * length_.longest_slide(), (step - along).norm());  // as much as shorten() cuts, and doubles
     if (along.norm() > most) step -= along * (1.0 - most / along.norm());
     return step;
   }
@@ -158,7 +162,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] bool is_on_the_way() {
     if (is_cautious_) return false;
     if (time_ < longest_time()) return true;
-    return last_move_ >= kNearRest && ++long_steps_ < kLongSteps;
+    return length_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
   }
 
   /// A step with rough derivatives, where these can be had.
@@ -210,8 +214,11 @@ class PseudoTransientContinuation {
       rates.col(k) = (of_one.array().abs() < seen).select(0.0, of_one);
     }
     VecX step = -directions * smallest_least_squares(rates, moved, kRoundOffStep);
-    if (!(step.norm() > kRoundOffStep)) return false;
-    ++steps_back_;
+    const double size = step.norm();
+    if (size <= kRoundOffStep || (size <= kSmallStep && size >= kNoNearer * last_back_)) return false;
+    last_back_ = size;
+    const bool is_far = size > length_.longest() && far_back_ < kMostFarBack;  // over many turns
+    ++(is_far ? far_back_ : steps_back_);
     last_step_ = 0.0;
     move(chart, std::move(step));
     return true;
@@ -233,7 +240,7 @@ class PseudoTransientContinuation {
   /// Pseudo time steps grow, tenfold as a rule. Cautious ones stay short enough not to jump to a place from which the
   /// machine falls.
   void lengthen(const VecX& f, const Growth& growth, bool falls) {
-    time_ = time_ == 0.0 ? search_.longest_step / (3.0 * f.norm()) : search_.lengthening * time_;
+    time_ = time_ == 0.0 ? length_.longest() / (3.0 * f.norm()) : search_.lengthening * time_;
     time_ = std::min(time_, longest_time());
     if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
   }
@@ -268,32 +275,8 @@ class PseudoTransientContinuation {
                     name(), describe_motion(model_, state_, pushed)));
   }
 
-  /// Angles change by little in a step, those of fast shafts by what a rotation vector can say. Slides, which may have
-  /// far to go, change by twice as much each time that they are cut short in the same direction.
-  void shorten(const Chart& chart, VecX& step) {
-    const JointStep joints = joint_step(model_, chart, step);
-    last_move_ = std::min(joints.largest(), search_.longest_step);
-    const bool slides = joints.rest > joints.turn;
-    const double size = is_cautious_ ? step.norm() * joints.part_of_gears() : joints.largest();
-    const double of_turns = (slides ? joints.turn : size) / search_.longest_step;
-    const double of_slides = slides ? size / longest_slide_ : 0.0;
-    const VecX velocities = chart.velocities(step).normalized();
-    const double along = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
-    last_velocities_ = velocities;
-    if (along < 0.0) {
-      longest_slide_ = std::max(search_.longest_step, 0.25 * longest_slide_);
-    } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
-      longest_slide_ *= 2.0;
-    }
-    const double of_shafts = joints.fastest_turn / kMostTurn;
-    const double others = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
-    const double cut = std::max(others, of_shafts);
-    if (cut > 1.0) step /= cut;
-    if (of_shafts > std::max(others, 1.0) && geared_steps_ < kMostGearedSteps) ++geared_steps_;
-  }
-
   void move(Chart& chart, VecX step) {
-    shorten(chart, step);
+    length_.shorten(chart, is_cautious_, step);
     if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
     constexpr int kTries = 20;
     std::string refusal_there;
@@ -345,12 +328,12 @@ class PseudoTransientContinuation {
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
   static constexpr int kMostStepsBack = 100;
-  static constexpr int kMostGearedSteps = 3000;
-  static constexpr double kMostTurn = 2.0;  // rad
+  static constexpr int kMostByShafts = 3000;
+  static constexpr int kMostFarBack = 300;
   static constexpr double kMoreReach = 1.3;
-  static constexpr double kSameDirection = 0.9;  // cosine
-  static constexpr double kNearRest = 1e-6;      // of the length, rad
+  static constexpr double kNearRest = 1e-6;  // of the length, rad
   static constexpr double kSameDirections = 1e-12;
+  static constexpr double kNoNearer = 0.9;
   static constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
   static constexpr double kOfFirstReference = 1e-3;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
@@ -372,16 +355,15 @@ class PseudoTransientContinuation {
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
-  double last_move_;
-  double longest_slide_;
-  VecX last_velocities_;
+  StepLength length_;
   /// Longer steps would hardly end in a closed state.
   double reach_ = std::numeric_limits<double>::infinity();
   bool is_cautious_ = true;
   int long_steps_ = 0;
   int pushed_ = 0;
   int steps_back_ = 0;
-  int geared_steps_ = 0;  // that fast shafts alone make short
+  double last_back_ = std::numeric_limits<double>::infinity();
+  int far_back_ = 0;
   int unstable_directions_ = 0;
   std::string kink_;
 };

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "common/model.h"
+#include "compare/verdict/chart.h"
+
+namespace concord::compare::analyses {
+
+/// How far a search for an equilibrium goes in one step. Angles change by little, those of fast shafts by what a
+/// rotation vector can say. Slides, which may have far to go, change by twice as much each time that they are cut short
+/// in the same direction.
+class StepLength {
+ public:
+  /// `longest` [of the machine's length, rad].
+  StepLength(const Model& model, double longest)
+      : model_(model), longest_(longest), longest_slide_(longest), last_move_(longest) {}
+
+  /// Cuts a step of the chart's coordinates. `as_a_whole`: by its norm, not by its largest change of a joint.
+  void shorten(const Chart& chart, bool as_a_whole, VecX& step);
+
+  /// Counts a step down from an unstable pose. A search that takes very many of them leaps to and fro across a narrow
+  /// valley, and goes on in steps half as long.
+  void count_fall();
+
+  [[nodiscard]] double longest() const { return longest_; }
+  [[nodiscard]] double longest_slide() const { return longest_slide_; }
+  /// The largest change of a joint by the last step, before it was cut, up to the longest.
+  [[nodiscard]] double last_move() const { return last_move_; }
+  /// Steps that fast shafts alone have made short.
+  [[nodiscard]] int cut_by_shafts() const { return cut_by_shafts_; }
+
+ private:
+  const Model& model_;
+  double longest_;
+  double longest_slide_;
+  double last_move_;
+  VecX last_velocities_;
+  int falls_ = 0;
+  int cut_by_shafts_ = 0;
+};
+
+}  // namespace concord::compare::analyses
