@@ -205,6 +205,25 @@ std::vector<SpringLine> AppliedForces::spring_lines(double t) const {
   return lines;
 }
 
+RegimesOfAll AppliedForces::regimes() const {
+  RegimesOfAll all;
+  for (const Actor& actor : actors_) {
+    all.of_tires.push_back(actor.regime);
+    all.of_stops.push_back(actor.stop_regimes);
+  }
+  return all;
+}
+
+void AppliedForces::keep_regimes(const RegimesOfAll& regimes) {
+  std::size_t k = 0;
+  for (Actor& actor : actors_) {
+    actor.regime = regimes.of_tires[k];
+    actor.stop_regimes = regimes.of_stops[k];
+    ++k;
+  }
+  freeze_regimes(true);
+}
+
 void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
   for (Actor& actor : actors_) {
     if (const std::optional<JointIndex> joint = actor.joint()) actor.known_q = q[joint->value];

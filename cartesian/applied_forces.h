@@ -15,6 +15,12 @@
 /// Generalized forces of force elements and of springs on joint coordinates.
 namespace concord::cartesian {
 
+/// The regimes of all tires and stops, by actor.
+struct RegimesOfAll {
+  std::vector<TireRegime> of_tires;
+  std::vector<std::vector<LawRegime>> of_stops;
+};
+
 class AppliedForces {
  public:
   /// Both must outlive this object.
@@ -32,6 +38,9 @@ class AppliedForces {
   /// update() takes the regime that each is in by itself.
   void freeze_regimes(bool hold) { regimes_ = hold ? Regimes::kept : Regimes::own; }
   [[nodiscard]] bool has_regimes() const { return n_event_functions() > 0; }
+  /// The regimes of the last update, and keeps such from now on.
+  [[nodiscard]] RegimesOfAll regimes() const;
+  void keep_regimes(const RegimesOfAll& regimes);
   /// How far tires and stops are inside their regimes (event_functions_of) at time t, positions q and velocities Y,
   /// wherever the constraints `near` are: they tell the sides that arms stand on. Overwritten by the next call.
   const VecX& event_functions(const PlacedConstraints& near, double t, const Eigen::Ref<const VecX>& q,

@@ -33,6 +33,26 @@ struct FrozenRegimes {
   FrozenRegimes& operator=(const FrozenRegimes&) = delete;
 };
 
+/// Lets a sample be evaluated in the regimes that its state is in, as every single state is; then the integrator keeps
+/// its own again. They differ where an event falls on a sample.
+class RegimesOfSample {
+ public:
+  explicit RegimesOfSample(AppliedForces& forces) : applied_(forces) {
+    if (!applied_.has_regimes()) return;
+    kept_ = applied_.regimes();
+    applied_.freeze_regimes(false);
+  }
+  ~RegimesOfSample() {
+    if (applied_.has_regimes()) applied_.keep_regimes(kept_);
+  }
+  RegimesOfSample(const RegimesOfSample&) = delete;
+  RegimesOfSample& operator=(const RegimesOfSample&) = delete;
+
+ private:
+  AppliedForces& applied_;
+  RegimesOfAll kept_;
+};
+
 /// How much more an evaluation costs where Newton's method takes it.
 constexpr double kCostOfNewton = 3.0;
 
@@ -157,6 +177,7 @@ class Run {
   }
 
   Sample sample(double t, SolverStatistics& statistics) {
+    const RegimesOfSample own(equations_.applied());
     equations_.update(t, motion_.q, motion_.Y);
     note_residuals(statistics);
     const Solution& solution = dynamics_.solve(Pivots::fresh);

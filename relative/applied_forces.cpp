@@ -139,6 +139,19 @@ AppliedForces::Least AppliedForces::least() const {
   return found;
 }
 
+AppliedForces::ContactRegimes AppliedForces::contact_regimes() const {
+  ContactRegimes regimes;
+  for (const TireState& tire : tires_) regimes.of_tires.push_back(tire.regime);
+  for (const OwnedLaw& law : laws_) regimes.of_laws.push_back(law.law_in_regime.regime);
+  return regimes;
+}
+
+void AppliedForces::freeze_regimes(const ContactRegimes& regimes) {
+  for (std::size_t k = 0; k < tires_.size(); ++k) tires_[k].regime = regimes.of_tires[k];
+  for (std::size_t k = 0; k < laws_.size(); ++k) laws_[k].law_in_regime.regime = regimes.of_laws[k];
+  freeze_regimes();
+}
+
 void AppliedForces::write_event_functions(Eigen::Ref<VecX> values) const {
   double* next = values.data();
   const auto write = [&next](const auto& own) { next = std::copy(own.begin(), own.end(), next); };

@@ -41,6 +41,14 @@ class AppliedForces {
   void free_regimes() { regimes_are_frozen_ = false; }
   void freeze_regimes() { regimes_are_frozen_ = true; }
   [[nodiscard]] bool has_regimes() const { return has_regimes_; }
+  /// The regimes of all contacts, as the last update found or kept them.
+  struct ContactRegimes {
+    std::vector<TireRegime> of_tires;
+    std::vector<LawRegime> of_laws;
+  };
+  [[nodiscard]] ContactRegimes contact_regimes() const;
+  /// Keeps these from now on.
+  void freeze_regimes(const ContactRegimes& regimes);
   /// How far the last update was inside the regimes of all tires, stops and tables: see event_functions_of. Writes
   /// n_event_functions() numbers.
   void write_event_functions(Eigen::Ref<VecX> values) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/sundials.h"
 
@@ -93,11 +94,34 @@ void IntegrationRun::follow_lines() {
   lines_.pass(coordinates_.t, equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u));
 }
 
+namespace {
+
+/// While it lives, contacts take the regimes of the state that they are asked in, as they do for any state by itself.
+/// An event may fall on a sample: the step that led there kept the regime before it.
+struct FreeContacts {
+  AppliedForces& forces;
+  std::optional<AppliedForces::ContactRegimes> of_step;
+
+  explicit FreeContacts(AppliedForces& all) : forces(all) {
+    if (!forces.has_regimes()) return;
+    of_step = forces.contact_regimes();
+    forces.free_regimes();
+  }
+  ~FreeContacts() {
+    if (of_step) forces.freeze_regimes(*of_step);
+  }
+  FreeContacts(const FreeContacts&) = delete;
+  FreeContacts& operator=(const FreeContacts&) = delete;
+};
+
+}  // namespace
+
 Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<const VecX>& y, const State& before) {
   coordinates_.t = t;
   variables_.unpack(y, coordinates_);
   Sample sample;
   sample.work = y(variables_.work());
+  const FreeContacts contacts(equations_->applied_forces());
   const Evaluated* evaluated = nullptr;
   try {
     lines_.settle();

@@ -4,8 +4,8 @@
 
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
-#include "compare/analyses/kinematics.h"
 #include "compare/audit/joint_kinematics.h"
+#include "compare/verdict/prediction.h"
 #include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "common/error.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/verdict/prediction.h"
 
 namespace concord::compare::analyses {
 
@@ -57,34 +57,6 @@ Sample go_to(const Model& model, Solver& solver, const Sample& from, double t) {
 }
 
 }  // namespace
-
-State predict(const Model& model, const Sample& now, double h) {
-  State guess = now.state;
-  guess.t += h;
-  for (std::size_t i = 1; i < guess.bodies.size(); ++i) {
-    BodyState& body = guess.bodies[i];
-    const BodyAcceleration& rate = now.evaluation.bodies[i];
-    body.r += h * body.v + 0.5 * h * h * rate.vdot;
-    const Vec3 turn = h * body.omega + 0.5 * h * h * rate.omegadot;
-    const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
-    const Eigen::Quaterniond after = (Eigen::Quaterniond(exponential_of(turn)) * before).normalized();
-    body.p << after.w(), after.vec();
-    body.v += h * rate.vdot;
-    body.omega += h * rate.omegadot;
-    body.a += h * body.adot + 0.5 * h * h * rate.addot;
-    body.adot += h * rate.addot;
-  }
-  // Turns stay counted because the hints move on with them.
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const joints::JointType& type = *model.joints[k].type;
-    for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {
-      const joints::Permit& permit = type.permits[word];
-      if (is_orientation(permit)) continue;
-      guess.q[k].segment(first_q(type, word), n_q(permit)) += h * guess.u[k].segment(first_u(type, word), n_u(permit));
-    }
-  }
-  return guess;
-}
 
 Trajectory run_kinematics(const Model& model, Solver& solver, const RunOptions& options) {
   Trajectory trajectory;

@@ -10,7 +10,4 @@ namespace concord::compare::analyses {
 /// if a degree of freedom is left, naming their number, and SolverError if the machine cannot be closed at a time.
 Trajectory run_kinematics(const Model& model, Solver& solver, const RunOptions& options);
 
-/// A guess of the state h seconds on, to the second order; hints of coordinates move on with their speeds.
-State predict(const Model& model, const Sample& now, double h);
-
 }  // namespace concord::compare::analyses

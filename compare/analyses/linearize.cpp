@@ -16,6 +16,7 @@
 #include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
+#include "compare/verdict/prediction.h"
 
 namespace concord::compare::analyses {
 

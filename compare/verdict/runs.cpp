@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <future>
+#include <limits>
 #include <string>
 #include <utility>
 
 #include "common/error.h"
 #include "compare/audit/digits.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/jumps.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/stiff_choice.h"
@@ -93,6 +95,20 @@ bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
 void RunRungs::measure_pair(RunPair& pair, const Budget& budget, Rung rung) {
   pair.measured = judge_.measure_rung(pair.series, budget, rung);
   pair.motion = compare_motions(layout_.model(), view(pair.trajectories));
+  widen_pair(pair, budget, rung);
+}
+
+/// Measures again where samples fall on a jump of a force.
+void RunRungs::widen_pair(RunPair& pair, const Budget& budget, Rung rung) {
+  const MatX& values = pair.series.values[0];
+  MatX resolution = MatX::Constant(values.rows(), values.cols(), std::numeric_limits<double>::quiet_NaN());
+  if (budget.resolution != nullptr) resolution = *budget.resolution;
+  const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+  const auto sample_of = [&](std::size_t k) { return pair.trajectories[0]->samples[k]; };
+  const auto jumps = widen_at_jumps(layout_, solvers_, pair.series, pair.measured, sample_of, need, resolution);
+  if (jumps.empty()) return;
+  pair.measured = judge_.measure_rung(pair.series, {&resolution, budget.judged}, rung);
+  verdict_.notes.push_back(note_on_jumps(jumps, rung));
 }
 
 /// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "compare/verdict/jumps.h"
 #include "compare/verdict/resolution.h"
 #include "compare/verdict/uniqueness.h"
 
@@ -27,6 +28,16 @@ std::vector<Measured> SameState::judge_states(SharedStates found, SharedStates p
   verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
   if (weighed_.states.empty()) return {};
   std::vector<Measured> measured = judge_.measure_rung(weighed_.series, weighed_.budget(), Rung::same_state);
+  constexpr double kNeedAtJumps = 8.0;  // digits: jumps are large
+  const auto sample_of = [&](std::size_t k) {
+    return Sample{weighed_.states[k].state, weighed_.states[k].evaluations[0], 0.0};
+  };
+  const auto jumps =
+      widen_at_jumps(layout_, solvers_, weighed_.series, measured, sample_of, kNeedAtJumps, weighed_.resolution.both);
+  if (!jumps.empty()) {
+    measured = judge_.measure_rung(weighed_.series, weighed_.budget(), Rung::same_state);
+    verdict_.notes.push_back(note_on_jumps(jumps, Rung::same_state));
+  }
   judge_.note_singular_states(weighed_);
   judge_.find_differences_on(weighed_.series, measured, Rung::same_state);
   note_resolution();
