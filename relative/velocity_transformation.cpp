@@ -145,20 +145,22 @@ void Kinematics::place_parent_side(const Link& link) {  // (R16)
 }
 
 /// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
-/// of the tree; everything is then moved to the origin of the link's body (R20), (R21).
+/// of the tree; everything is then moved to the origin of the link's body (R20), (R21). Levers are sums of the link's
+/// own lengths, not differences of places, which far from the ground's origin would hold the round-off of these.
 void Kinematics::compute_blocks(LinkIndex l) {
   const Link& link = topology_.links[l];
   LinkBlocks& blocks = blocks_[l];
   const JointMotion& motion = joint_motions_[link.joint];
   const JointPoint& parent = point(link.joint, Side::parent);
-  const JointPoint& child = point(link.joint, Side::child);
   const JointPoint& own = point(link.joint, link.own_side());
   const JointPoint& reference = point(link.joint, link.reference_side());
-  const Vec3& origin = bodies_[link.body].r;
   const double sign = link.along ? 1.0 : -1.0;
+  const Vec3 d = parent.A * motion.d;
+  const Vec3 from_own = -own.lever;  // to the body's origin
+  const Vec3 from_reference = from_own + sign * d;
+  const Vec3& from_child = link.along ? from_own : from_reference;
 
-  blocks.rho = origin - bodies_[link.reference].r;
-  const Vec3 from_child = origin - child.r;
+  blocks.rho = from_reference + reference.lever;
   for (int c = 0; c < mobilizers_[link.joint].n_u(); ++c) {
     const ColumnKind& kind = mobilizers_[link.joint].kind(c);
     auto column = blocks.H.col(c);
@@ -174,18 +176,16 @@ void Kinematics::compute_blocks(LinkIndex l) {
   const Vec3 spin = parent.A * motion.v_rel.tail<3>();
   const Vec3 sliding_velocity = parent.A * motion.v_rel.head<3>();
   Vec6 joint_bias;
-  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(child.r - parent.r) + 2.0 * sliding_velocity);
+  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(d) + 2.0 * sliding_velocity);
   if (mobilizers_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
   joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
-  const Vec3 from_own = -own.lever;
-  const Vec3 acceleration_from_reference = origin - reference.r;
-  blocks.D = shift_motion(reference.bias, acceleration_from_reference) + sign * shift_motion(joint_bias, from_child) -
+  blocks.D = shift_motion(reference.bias, from_reference) + sign * shift_motion(joint_bias, from_child) -
              shift_motion(own.bias, from_own);
 
   const auto shift_columns = [](const Mat6X& G, const Vec3& e, Mat6X& moved) {
     for (Eigen::Index c = 0; c < G.cols(); ++c) moved.col(c) = shift_motion(G.col(c), e);
   };
-  shift_columns(reference.Ga(), acceleration_from_reference, blocks.Xa);
+  shift_columns(reference.Ga(), from_reference, blocks.Xa);
   shift_columns(own.Ga(), from_own, blocks.Ha);
 }
 
