@@ -211,7 +211,8 @@ void SparseLu::write_exact_residual() {
 }
 
 bool SparseLu::solve_refined(VecX& x, double good_enough) {
-  constexpr double kFirstAllowed = 1e-2;  // correction of the solution
+  constexpr double kFirstAllowed = 1e-2;                               // correction of the solution
+  constexpr double kLeastNormal = std::numeric_limits<double>::min();  // smaller numbers have few digits
   constexpr double kFalling = 0.5;
   constexpr int kMaxRounds = 6;
   first_correction_.setZero(size());
@@ -238,7 +239,7 @@ bool SparseLu::solve_refined(VecX& x, double good_enough) {
       if (round == 0) {
         first_correction_ = residual_.cwiseProduct(column_scales_);
         relative_correction_ = correction;
-        is_good = correction <= kFirstAllowed;
+        is_good = correction <= kFirstAllowed || largest(residual_) < kLeastNormal;
       }
       if (!is_good || !(correction < kFalling * last)) break;
       solution_ += residual_;

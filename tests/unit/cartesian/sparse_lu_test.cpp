@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace concord::cartesian {
 namespace {
@@ -102,6 +103,22 @@ TEST(SparseLu, IdleRowsAndColumnsAreThoseOfTheIdentity) {
   VecX x = Vec3(4.0, 6.0, 0.0);
   ASSERT_TRUE(matrix.solve_refined(x, 0.0));
   EXPECT_LT((x - Vec3(2.0, 2.0, 0.0)).norm(), 1e-15);
+}
+
+/// What is left of the forces on a balanced rotor may be too small for a number to have all its digits.
+TEST(SparseLu, ARightSideOfSubnormalNumbersIsNoSingularMatrix) {
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  SparseLu matrix = make_full();
+  for (int c = 0; c < kSize; ++c) {
+    for (int r = 0; r < kSize; ++r) matrix.values()[matrix.find(r, c)] = std::cos(1.0 + 3.0 * r + 5.0 * r * c);
+  }
+  ASSERT_TRUE(matrix.factor());
+  for (int k = 1; k < 200; ++k) {
+    VecX x(kSize);
+    for (int row = 0; row < kSize; ++row) x(row) = kLeast * std::round(k * std::sin(1.0 * row + k));
+    EXPECT_TRUE(matrix.solve_refined(x, 0.0)) << k;
+    EXPECT_LT(x.norm(), 1e-300);
+  }
 }
 
 TEST(SparseLu, RefusesAnEntryOutsideThePattern) {
