@@ -310,7 +310,7 @@ MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedSta
     const int row = states[k].row;
     if (row < 0 || row >= samples) continue;
     auto column = of_run.col(row);
-    const auto found = resolution.both.col(static_cast<Eigen::Index>(k));
+    const VecX found = kUnitsOfARun * resolution.both.col(static_cast<Eigen::Index>(k));
     column = column.array().isNaN().select(found, column.cwiseMax(found)).eval();
   }
   return of_run;

@@ -24,6 +24,10 @@ inline constexpr double kSameClosing = 1e-11;
 /// the numbers of a state, and one closing does not tell how much less.
 inline constexpr double kIllConditioned = 30.0;
 
+/// The tightest integration holds a motion to 1e-13 of its size (kTightestRepeat): so many units of round-off of a state
+/// does its end differ by.
+inline constexpr double kUnitsOfARun = 450.0;
+
 /// Resolutions of all quantities (rows of the layout) in all states (columns), in each quantity's unit.
 struct Resolution {
   /// Of the less resolving solver, with the floor: round-off of the terms that are added up. NaN where it is unknown.
@@ -76,7 +80,7 @@ MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who wh
 Redraw answers_within_roundoff(const Model& model, Solver& solver, std::uint64_t seed);
 
 /// The resolutions in the samples of a run: of each sample the largest over the states taken from it
-/// (SharedState::row), NaN where there is none.
+/// (SharedState::row), as its state is known after an integration (kUnitsOfARun); NaN where there is none.
 MatX resolution_of_run(const Resolution& resolution, const std::vector<SharedState>& states, int samples);
 
 }  // namespace concord::compare

@@ -237,9 +237,9 @@ TEST_F(ResolutionTest, OfARunTakesTheLargestOfTheStatesOfEachSample) {
   states[1].row = 0;
   states[2].row = 2;
   const MatX of_run = resolution_of_run(resolution, states, 3);
-  EXPECT_EQ(of_run(0, 0), 4.0);
+  EXPECT_EQ(of_run(0, 0), 4.0 * kUnitsOfARun);
   EXPECT_TRUE(std::isnan(of_run(0, 1)));
-  EXPECT_EQ(of_run(1, 2), 1.0);
+  EXPECT_EQ(of_run(1, 2), kUnitsOfARun);
 }
 
 }  // namespace
