@@ -18,6 +18,7 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
   const VecX velocities = chart.velocities(step).normalized();
   const double along = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
   last_velocities_ = velocities;
+  turned_back_ = along < 0.0;
   if (along < 0.0) {
     longest_slide_ = std::max(longest_, 0.25 * longest_slide_);
   } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
@@ -31,8 +32,8 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
 }
 
 void StepLength::count_fall() {
-  constexpr int kManyFalls = 100;
-  if (++falls_ % kManyFalls == 0) longest_ *= 0.5;
+  constexpr int kManyTimes = 15;
+  if (turned_back_ && ++leaps_back_ % kManyTimes == 0) longest_ *= 0.5;
 }
 
 }  // namespace concord::compare::analyses

@@ -17,8 +17,8 @@ class StepLength {
   /// Cuts a step of the chart's coordinates. `as_a_whole`: by its norm, not by its largest change of a joint.
   void shorten(const Chart& chart, bool as_a_whole, VecX& step);
 
-  /// Counts a step down from an unstable pose. A search that takes very many of them leaps to and fro across a narrow
-  /// valley, and goes on in steps half as long.
+  /// Tells of a step down from an unstable pose. A search that turns back in very many of them leaps to and fro across
+  /// a narrow valley, and goes on in steps half as long.
   void count_fall();
 
   [[nodiscard]] double longest() const { return longest_; }
@@ -34,7 +34,8 @@ class StepLength {
   double longest_slide_;
   double last_move_;
   VecX last_velocities_;
-  int falls_ = 0;
+  bool turned_back_ = false;
+  int leaps_back_ = 0;
   int cut_by_shafts_ = 0;
 };
 
