@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "common/rotation.h"
+#include "compare/audit/places.h"
 
 namespace concord::compare {
 
