@@ -40,6 +40,12 @@ Mat3 exponential_of(const Vec3& theta) {
   return Mat3::Identity() + sinc(t) * theta_tilde + second_coefficient(t) * theta_tilde * theta_tilde;
 }
 
+Vec4 turned(const Vec4& p, const Vec3& by) {
+  const Eigen::Quaterniond turn(exponential_of(by));
+  const Eigen::Quaterniond after = (turn * Eigen::Quaterniond(p(0), p(1), p(2), p(3))).normalized();
+  return {after.w(), after.x(), after.y(), after.z()};
+}
+
 Mat3 exponential_rate(const Vec3& theta) {
   const double t = theta.norm();
   const Mat3 theta_tilde = skew(theta);

@@ -13,6 +13,9 @@ Mat3 rotation_of(const Vec4& p);
 /// exp(theta~).
 Mat3 exponential_of(const Vec3& theta);
 
+/// Euler parameters of the orientation p turned by the rotation vector `by`, global axes.
+Vec4 turned(const Vec4& p, const Vec3& by);
+
 /// J with (d/dt exp(theta~)) exp(theta~)^T = (J thetadot)~.
 Mat3 exponential_rate(const Vec3& theta);
 

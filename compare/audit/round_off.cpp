@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "compare/audit/audit_ledger.h"
 
@@ -13,37 +14,28 @@ namespace {
 
 constexpr double kUnits = 4.0 * std::numeric_limits<double>::epsilon();
 
-/// Moves states by `units` of round-off, every second one to the side opposite to the one before if `in_pairs`.
-template <std::size_t n>
-std::array<State, n> moved_by(const State& state, double length, double units, bool in_pairs) {
+/// Two draws; for the opposite number of units the opposite ones.
+std::array<State, 2> moved_by(const State& state, double length, double units) {
   double place = length;
   double speed = 0.0;
   for (const BodyState& body : state.bodies) {
     place = std::max(place, body.r.cwiseAbs().maxCoeff());
     speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff() * length});
   }
-  std::array<State, n> moved;
-  moved.fill(state);
+  std::array<State, 2> moved{state, state};
   std::uint32_t signs = 1;
-  double side = 1.0;
   const auto move = [&](auto& values, double size) {
     for (double& one : values) {
       signs = signs * 1664525U + 1013904223U;
-      one += side * ((signs >> 31U) != 0U ? units : -units) * size;
+      one += ((signs >> 31U) != 0U ? units : -units) * size;
     }
   };
-  std::uint32_t signs_before = signs;
-  for (std::size_t k = 0; k < n; ++k) {
-    const bool is_opposite = in_pairs && k % 2 == 1;
-    if (is_opposite) signs = signs_before;
-    signs_before = signs;
-    side = is_opposite ? -1.0 : 1.0;
-    for (std::size_t i = 1; i < state.bodies.size(); ++i) {
-      BodyState& body = moved[k].bodies[i];
-      move(body.r, place);
-      move(body.p, 1.0);
-      move(body.v, speed);
-      move(body.omega, speed / length);
+  for (State& one : moved) {
+    for (std::size_t i = 1; i < one.bodies.size(); ++i) {
+      move(one.bodies[i].r, place);
+      move(one.bodies[i].p, 1.0);
+      move(one.bodies[i].v, speed);
+      move(one.bodies[i].omega, speed / length);
     }
   }
   return moved;
@@ -51,12 +43,13 @@ std::array<State, n> moved_by(const State& state, double length, double units, b
 
 }  // namespace
 
-std::array<State, 2> within_roundoff(const State& state, double length) {
-  return moved_by<2>(state, length, kUnits, false);
-}
+std::array<State, 2> within_roundoff(const State& state, double length) { return moved_by(state, length, kUnits); }
 
 std::array<State, 4> about_a_jump(const State& state, double length) {
-  return moved_by<4>(state, length, 16.0 * kUnits, true);
+  constexpr double kFarther = 16.0 * kUnits;
+  auto [one, other] = moved_by(state, length, kFarther);
+  auto [opposite, other_opposite] = moved_by(state, length, -kFarther);
+  return {std::move(one), std::move(other), std::move(opposite), std::move(other_opposite)};
 }
 
 VecX beyond_roundoff(const VecX& residuals, const VecX& roundoff) {

@@ -17,8 +17,9 @@ namespace concord::compare {
 /// spring hangs by the last digits of its length.
 std::array<State, 2> within_roundoff(const State& state, double length);
 
-/// States moved by sixteen times as much, two by two to opposite sides: where a law jumps so near, one of them is
-/// beyond the jump. Places of bodies are sums along chains of them, so that solvers differ by some of their units.
+/// States moved by sixteen times as much, two of them to sides opposite to those of the others: where a law jumps so
+/// near, one of them is beyond the jump. Places of bodies are sums along chains of them, so that solvers differ by some
+/// of their units.
 std::array<State, 4> about_a_jump(const State& state, double length);
 
 /// What of residuals no round-off explains, `roundoff` being measured on two states.

@@ -42,12 +42,6 @@ VecX row_weights(const Model& model, double length) {
   return weights;
 }
 
-Vec4 turned(const Vec4& p, const Vec3& by) {
-  const Eigen::Quaterniond turn(exponential_of(by));
-  const Eigen::Quaterniond after = (turn * Eigen::Quaterniond(p(0), p(1), p(2), p(3))).normalized();
-  return {after.w(), after.x(), after.y(), after.z()};
-}
-
 State at_rest(State state) {
   for (BodyState& body : state.bodies) {
     body.v.setZero();

@@ -1,7 +1,5 @@
 #include "compare/verdict/prediction.h"
 
-#include <Eigen/Geometry>
-
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -14,9 +12,7 @@ State predict(const Model& model, const Sample& now, double h) {
     const BodyAcceleration& rate = now.evaluation.bodies[i];
     body.r += h * body.v + 0.5 * h * h * rate.vdot;
     const Vec3 turn = h * body.omega + 0.5 * h * h * rate.omegadot;
-    const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
-    const Eigen::Quaterniond after = (Eigen::Quaterniond(exponential_of(turn)) * before).normalized();
-    body.p << after.w(), after.vec();
+    body.p = turned(body.p, turn);
     body.v += h * rate.vdot;
     body.omega += h * rate.omegadot;
     body.a += h * body.adot + 0.5 * h * h * rate.addot;
