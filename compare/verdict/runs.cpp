@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <future>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -87,27 +86,24 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
 bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
   if (!pair.is_complete()) return false;
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
-  measure_pair(pair, weighed_run_.budget(), rung);
+  measure_pair(pair, weighed_run_, rung);
   orders_.add(pair);
   return true;
 }
 
-void RunRungs::measure_pair(RunPair& pair, const Budget& budget, Rung rung) {
-  pair.measured = judge_.measure_rung(pair.series, budget, rung);
+void RunRungs::measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung) {
+  pair.measured = judge_.measure_rung(pair.series, weighed.budget(), rung);
   pair.motion = compare_motions(layout_.model(), view(pair.trajectories));
-  widen_pair(pair, budget, rung);
+  widen_pair(pair, weighed, rung);
 }
 
 /// Measures again where samples fall on a jump of a force.
-void RunRungs::widen_pair(RunPair& pair, const Budget& budget, Rung rung) {
-  const MatX& values = pair.series.values[0];
-  MatX resolution = MatX::Constant(values.rows(), values.cols(), std::numeric_limits<double>::quiet_NaN());
-  if (budget.resolution != nullptr) resolution = *budget.resolution;
+void RunRungs::widen_pair(RunPair& pair, WeighedRun weighed, Rung rung) {
   const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
   const auto sample_of = [&](std::size_t k) { return pair.trajectories[0]->samples[k]; };
-  const auto jumps = widen_at_jumps(layout_, solvers_, pair.series, pair.measured, sample_of, need, resolution);
+  const auto jumps = widen_at_jumps(layout_, solvers_, pair.series, pair.measured, sample_of, need, weighed.resolution);
   if (jumps.empty()) return;
-  pair.measured = judge_.measure_rung(pair.series, {&resolution, budget.judged}, rung);
+  pair.measured = judge_.measure_rung(pair.series, weighed.budget(), rung);
   verdict_.notes.push_back(note_on_jumps(jumps, rung));
 }
 
@@ -174,7 +170,7 @@ std::optional<int> RunRungs::climb(RunPair& pair, const RunPair* before, Rung ru
   const std::optional<Horizon> horizon = seek_horizon(pair, rung);
   if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
-  measure_pair(up_to, weigh_run(weighed, horizon->samples).budget(), rung);
+  measure_pair(up_to, weigh_run(weighed, horizon->samples), rung);
   pair.motion = up_to.motion;
   summary_of_runs(verdict_, rung).horizon = up_to.series.times.back();
   if (!reaches_needs(verdict_, rung, up_to, motion_need) && !judge_misses(up_to, compared, rung, motion_need))

@@ -52,8 +52,8 @@ class RunRungs {
                    const std::array<bool, 2>& may_switch);
   [[nodiscard]] const std::string& integrator_of(Who who) const;
   bool set_side_by_side(RunPair& pair, Rung rung);
-  void measure_pair(RunPair& pair, const Budget& budget, Rung rung);
-  void widen_pair(RunPair& pair, const Budget& budget, Rung rung);
+  void measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung);
+  void widen_pair(RunPair& pair, WeighedRun weighed, Rung rung);
   std::optional<int> climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
                            const WeighedStates& weighed);
   bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
