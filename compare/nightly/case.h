@@ -21,13 +21,6 @@ enum class Work { compare, statics, linearize, kinematics, inverse, joint, fuzz,
 /// "compare", "statics", ..., in the order of the enumeration.
 const std::vector<std::string>& work_names();
 
-/// By how much a case may fall behind its past before that counts as worse. Wall time is never judged.
-struct Allowance {
-  double margin = 1.0;  // digits of agreement
-  double cost = 0.15;   // share of evaluations and steps
-  double peak = 1e-4;   // of a peak value, relative to its scale
-};
-
 /// A case that is red for a reason that is known, until a day.
 struct KnownRed {
   std::string reason;
@@ -70,7 +63,6 @@ struct Case {
   FuzzShare fuzz;
 
   workers::Limits limits;
-  std::optional<Allowance> allowance;  // instead of the suite's
   std::optional<KnownRed> known_red;
 };
 

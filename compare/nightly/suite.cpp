@@ -104,14 +104,29 @@ class SuiteReader {
          "poses",     "joints",    "seed",     "first",  "count",      "style", "accelerations", "seconds",   "need",
          "known_red", "cartesian", "relative", "sweep",  "parameters", "cut",   "shares",        "megabytes", "judge"},
         reading_);
-    Case base = read_common(table);
+    const Case base = read_common(table);
+    const std::size_t before = suite_->cases.size();
     switch (base.work) {
       case Work::joint:
-        return add_joints(table, base);
+        add_joints(table, base);
+        break;
       case Work::fuzz:
-        return add_fuzz_shares(table, base);
+        add_fuzz_shares(table, base);
+        break;
       default:
-        return add_models(table, base);
+        add_models(table, base);
+    }
+    read_own_allowance(table, before);
+  }
+
+  /// That of the cases from `first` on, if they have one.
+  void read_own_allowance(const TableReader& table, std::size_t first) {
+    const toml::table* found = table.table("judge");
+    if (found == nullptr) return;
+    const TableReader own(*found, table.title() + ", judge", {"margin", "cost", "peak"}, reading_);
+    const Allowance allowance = read_allowance(own, suite_->judging.allowance);
+    for (std::size_t k = first; k < suite_->cases.size(); ++k) {
+      suite_->judging.of_case.emplace(suite_->cases[k].id, allowance);
     }
   }
 
@@ -128,10 +143,6 @@ class SuiteReader {
     base.limits = limits_;
     base.limits.seconds = table.positive_number("seconds").value_or(limits_.seconds);
     base.limits.megabytes = table.positive_number("megabytes").value_or(limits_.megabytes);
-    if (const toml::table* found = table.table("judge")) {
-      const TableReader own(*found, table.title() + ", judge", {"margin", "cost", "peak"}, reading_);
-      base.allowance = read_allowance(own, suite_->judging.allowance);
-    }
     base.known_red = read_known_red(table);
     return base;
   }
@@ -244,7 +255,6 @@ class SuiteReader {
   void add(const TableReader& table, Case one) {
     const auto [entry, is_new] = places_.emplace(one.id, table.where());
     if (is_new) {
-      if (one.allowance) suite_->judging.of_case.emplace(one.id, *one.allowance);
       suite_->cases.push_back(std::move(one));
     } else {
       table.complain(fmt::format("there is a case '{}' already (line {}): give one of them another name", one.id,

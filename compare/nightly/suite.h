@@ -10,6 +10,13 @@
 
 namespace concord::compare::nightly {
 
+/// By how much a case may fall behind its past before that counts as worse. Wall time is never judged.
+struct Allowance {
+  double margin = 1.0;  // digits of agreement
+  double cost = 0.15;   // share of evaluations and steps
+  double peak = 1e-4;   // of a peak value, relative to its scale
+};
+
 /// What is compared with the past, and what counts as worse.
 struct Judging {
   Allowance allowance;
