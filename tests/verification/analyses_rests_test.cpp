@@ -66,7 +66,6 @@ torque = [0.02, 0, 0]
   CHECK(modes.wrenches.outcome == Outcome::agree);
 }
 
-/// Turns by a third of a radian displace joints in second order: of a stiff rod's modes that would be forces of tons.
 struct SlenderChain {
   const char* gravity;
   std::array<double, 2> diameters;  // [m]
@@ -120,6 +119,7 @@ child = "bob"
                universal("middle", "body = \"upper\", node = \"last\"", "lower", chain.turns[2], chain.turns[3]));
 }
 
+/// Turns by a third of a radian displace joints in second order: of a stiff rod's modes that would be forces of tons.
 TEST_CASE("A chain of slender rods swings down from aslant to hang straight", "[analyses][quick]") {
   const Model model = model_of({"[0.4, -0.2, -9.7]", {0.008, 0.008}, {0.2, -0.1, -0.4, 0.3}, 0.02});
   const AnalysisVerdict rest = judge_statics(model, kMakers);

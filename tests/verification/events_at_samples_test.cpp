@@ -80,35 +80,6 @@ TEST_CASE("A wheel meets and leaves a bump at output times: no jump is a differe
 }
 
 /// A wheel led to the right that meets a bump at x = 0.5, at t = 0.1 s.
-constexpr const char* kWheel = R"(format = 1
-gravity = [0, 0, -9.81]
-[[road]]
-name = "r"
-profile = "half_sine"
-start = 0.5
-length = 0.4
-height = 0.03
-[[body]]
-name = "wheel"
-mass = 15
-inertia = [0.5, 0.9, 0.5]
-[[joint]]
-name = "rail"
-type = "translational"
-parent = { body = "ground", point = [0, 0, 0.29], x = [0, 1, 0], z = [1, 0, 0] }
-child = { body = "wheel", x = [0, 1, 0], z = [1, 0, 0] }
-drive.slide_z = { law = "polynomial", coefficients = [0, 5] }
-[[tire]]
-name = "t"
-body = "wheel"
-road = "r"
-radius = 0.3
-stiffness = 2e5
-slip_stiffness = 4e4
-cornering_stiffness = 4e4
-friction = 0.9
-)";
-
 class WheelAtAnEdge {
  public:
   /// What a solver says at t, before which the jump is if t is larger than 0.1 s.
@@ -138,7 +109,7 @@ class WheelAtAnEdge {
   [[nodiscard]] const MatX& resolution() const { return resolution_; }
 
  private:
-  Model model_ = parse(kWheel);
+  Model model_ = wheel_over_bump(0.0, 5.0, 0.5, 0.4, false);
   compare::QuantityLayout layout_{model_};
   std::unique_ptr<Solver> cartesian_ = cartesian::make_solver(model_);
   std::unique_ptr<Solver> relative_ = relative::make_solver(model_);
