@@ -157,11 +157,14 @@ class ExtrapolationStepper : public Stepper {
   }
 
   /// A stiff spring turns the round-off of places into noise of accelerations. What that leaves in the speeds within
-  /// the time in which the spring acts is not asked for: steps against noise only become shorter and shorter.
+  /// the time in which the spring acts is not asked for: steps against noise only become shorter and shorter. Nor is
+  /// what joints far from the origin leave of orientations, when the step is projected onto them.
   void allow_round_off(double t, const MotionState& motion, double rtol) {
     constexpr double kRoundOff = 2.0 * std::numeric_limits<double>::epsilon();
     const VecX units = equations_.units();
-    const VecX sizes = (asked_.head(n_q_) / rtol).cwiseMax(motion.q.cwiseAbs());
+    const VecX sizes = sizes_of_places(motion.q, rtol);
+    auto of_places = view(tolerances_.get()).head(n_q_);
+    of_places = of_places.cwiseMax(kRoundOff * sizes);
     const VecX exact = accelerations_at(t, motion.q, motion.Y);
     VecX noise = VecX::Zero(n_Y_);
     for (int pattern = 1; pattern <= 3; ++pattern) {
@@ -173,6 +176,18 @@ class ExtrapolationStepper : public Stepper {
     if (!(square > 0.0) || !std::isfinite(square)) return;
     auto of_speeds = view(tolerances_.get()).segment(n_q_, n_Y_);
     of_speeds = of_speeds.cwiseMax(noise / std::sqrt(square));
+  }
+
+  /// What round-off of the coordinates is relative to: they themselves, and the machine's length; of Euler parameters
+  /// 1, or how many lengths away from the origin the machine stands.
+  [[nodiscard]] VecX sizes_of_places(const VecX& q, double rtol) const {
+    const Layout& layout = equations_.layout();
+    VecX sizes = (asked_.head(n_q_) / rtol).cwiseMax(q.cwiseAbs());
+    const double length = equations_.model().length_scale();
+    double farthest = length;
+    for (const BodyIndex i : layout.moving_bodies()) farthest = std::max(farthest, layout.r(q, i).norm());
+    for (const BodyIndex i : layout.moving_bodies()) layout.p(sizes, i).setConstant(farthest / length);
+    return sizes;
   }
 
   VecX accelerations_at(double t, const VecX& q, const VecX& Y) {

@@ -12,6 +12,7 @@
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/motions.h"
 
 namespace concord::compare::analyses {
 

@@ -13,6 +13,7 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/chart.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::analyses {

@@ -10,6 +10,7 @@
 #include "compare/audit/digits.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/judge.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"

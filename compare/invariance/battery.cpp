@@ -13,6 +13,7 @@
 #include "compare/invariance/moved_solver.h"
 #include "compare/invariance/moves.h"
 #include "compare/verdict/branch.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/term_sizes.h"
 #include "compare/verdict/weighed_states.h"

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "compare/audit/digits.h"
 
 namespace concord::compare {
 
@@ -75,122 +72,6 @@ Series align(const QuantityLayout& layout, const std::vector<SharedState>& state
     for (int who = 0; who < 2; ++who) put(layout, series, k, who, states[k].state, states[k].evaluations[who]);
   }
   return series;
-}
-
-double angle_between(const Mat3& A1, const Mat3& A2) {
-  const Mat3 R = A1.transpose() * A2;
-  const Vec3 twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-  return std::atan2(twice_sine.norm(), R.trace() - 1.0);
-}
-
-namespace {
-
-/// Least part of the machine's length, and of the speed that gravity gives it, that motion is compared with.
-constexpr double kAtRest = 1e-3;
-
-/// Largest speeds and modal coordinates of a run: the scales of motion.
-struct MotionScales {
-  double place = 0.0;
-  double speed = 0.0;
-  double turning = 0.0;
-  std::vector<double> modal;
-  std::vector<double> modal_rate;
-  /// What round-off of the machine's length is as a modal coordinate, and at each mode's own frequency as its rate.
-  std::vector<double> modal_noise;
-  std::vector<VecX> modal_rate_noise;
-};
-
-/// Frequency of each mode alone, rad/s; zero of a mode without stiffness or mass.
-VecX frequencies(const ModalData& modal) {
-  VecX squares = VecX::Zero(modal.stiffness.rows());
-  for (Eigen::Index m = 0; m < squares.size(); ++m) {
-    const double mass = modal.G.diagonal().segment<3>(4 + 3 * m).sum();
-    if (mass > 0.0) squares(m) = std::max(0.0, modal.stiffness(m, m) / mass);
-  }
-  return squares.cwiseSqrt();
-}
-
-/// The part of a difference that round-off does not explain.
-double beyond(const VecX& difference, const VecX& noise) {
-  double most = 0.0;
-  for (Eigen::Index m = 0; m < difference.size(); ++m) {
-    if (!(std::abs(difference(m)) <= noise(m))) most = std::max(most, std::abs(difference(m)));
-  }
-  return most;
-}
-
-double largest(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
-
-MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
-  MotionScales scales;
-  scales.place = model.length_scale();
-  scales.modal.assign(model.bodies.size(), 0.0);
-  scales.modal_rate.assign(model.bodies.size(), 0.0);
-  scales.modal_noise.assign(model.bodies.size(), 0.0);
-  scales.modal_rate_noise.resize(model.bodies.size());
-  for (std::size_t i = 1; i < model.bodies.size(); ++i)
-    scales.modal_rate_noise[i] = VecX::Zero(model.bodies[i].n_modes());
-  for (const Sample& sample : trajectory.samples) {
-    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const BodyState& body = sample.state.bodies[i];
-      const Vec3& start = trajectory.samples.front().state.bodies[i].r;
-      scales.place = std::max(scales.place, (body.r - start).norm());
-      scales.speed = std::max(scales.speed, body.v.norm());
-      scales.turning = std::max(scales.turning, body.omega.norm());
-      scales.modal[i] = std::max(scales.modal[i], largest(body.a));
-      scales.modal_rate[i] = std::max(scales.modal_rate[i], largest(body.adot));
-    }
-  }
-  const double length = model.length_scale();
-  const double until = trajectory.samples.empty() ? 0.0 : trajectory.samples.back().state.t;
-  scales.speed = std::max(scales.speed, scales.turning * length);
-  // A machine at rest is compared with what gravity, or the time of the run, would make of it.
-  scales.speed = std::max(scales.speed, kAtRest * std::sqrt(model.gravity.norm() * length));
-  if (until > 0.0) scales.speed = std::max(scales.speed, kAtRest * length / until);
-  scales.turning = scales.speed / length;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    if (!model.bodies[i].modal) continue;
-    double shape = 0.0;
-    for (const MassPoint& point : model.bodies[i].modal->mass_points) {
-      if (point.Psi_t_L.cols() > 0) shape = std::max(shape, point.Psi_t_L.colwise().norm().maxCoeff());
-    }
-    if (shape == 0.0) continue;
-    constexpr double kNoise = 20.0 * std::numeric_limits<double>::epsilon();
-    scales.modal_noise[i] = kNoise * length / shape;
-    scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
-    scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
-    scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
-  }
-  return scales;
-}
-
-}  // namespace
-
-MotionAgreement compare_motions(const Model& model, const std::array<const Trajectory*, 2>& trajectories) {
-  MotionAgreement worst;
-  const MotionScales scales = motion_scales(model, *trajectories[0]);
-  const std::size_t samples = std::min(trajectories[0]->samples.size(), trajectories[1]->samples.size());
-  for (std::size_t k = 0; k < samples; ++k) {
-    const State& one = trajectories[0]->samples[k].state;
-    const State& other = trajectories[1]->samples[k].state;
-    const auto note = [&](double difference, double scale, const char* what, std::size_t body) {
-      const double digits = matching_digits(difference, scale);
-      if (digits < worst.digits) worst = {digits, one.t, fmt::format("{} of {}", what, model.bodies[body].name)};
-    };
-    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const BodyState& a = one.bodies[i];
-      const BodyState& b = other.bodies[i];
-      note((a.r - b.r).norm(), scales.place, "origin", i);
-      note(angle_between(rotation_of(a.p), rotation_of(b.p)), 1.0, "orientation", i);
-      note((a.v - b.v).norm(), scales.speed, "velocity", i);
-      note((a.omega - b.omega).norm(), scales.turning, "angular velocity", i);
-      if (a.a.size() == 0) continue;
-      note(beyond(a.a - b.a, VecX::Constant(a.a.size(), scales.modal_noise[i])), scales.modal[i], "modal coordinates",
-           i);
-      note(beyond(a.adot - b.adot, scales.modal_rate_noise[i]), scales.modal_rate[i], "modal rates", i);
-    }
-  }
-  return worst;
 }
 
 }  // namespace concord::compare

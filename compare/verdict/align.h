@@ -40,18 +40,4 @@ struct SharedState {
 /// Evaluations of the same states side by side. Throws IncompleteResult like the other one.
 Series align(const QuantityLayout& layout, const std::vector<SharedState>& states);
 
-/// Angle between two orientations, of A1^T A2 [rad], accurate near zero.
-double angle_between(const Mat3& A1, const Mat3& A2);
-
-/// Agreement of motions over two aligned trajectories: the worst of body origins (relative to the machine's length, or
-/// to the farthest that a body comes from its start), orientations (rad), velocities and angular velocities (relative
-/// to the largest of the run), and modal coordinates (relative to the body's largest). What hardly moves is compared
-/// with a thousandth of what the machine's length, gravity and the time of the run give.
-struct MotionAgreement {
-  double digits = 16.0;
-  double t = 0.0;
-  std::string worst;  // "origin of coupler", "orientation of crank", ...
-};
-MotionAgreement compare_motions(const Model& model, const std::array<const Trajectory*, 2>& trajectories);
-
 }  // namespace concord::compare

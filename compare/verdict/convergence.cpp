@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare/audit/digits.h"
+#include "compare/verdict/motions.h"
 
 namespace concord::compare {
 

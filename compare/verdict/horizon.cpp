@@ -8,6 +8,7 @@
 
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
+#include "compare/verdict/motions.h"
 
 namespace concord::compare {
 

@@ -1,4 +1,5 @@
 #include "compare/verdict/orders.h"
+#include "compare/verdict/motions.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

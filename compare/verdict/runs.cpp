@@ -11,6 +11,7 @@
 #include "compare/audit/digits.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/jumps.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/stiff_choice.h"
@@ -93,7 +94,8 @@ bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
 
 void RunRungs::measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung) {
   pair.measured = judge_.measure_rung(pair.series, weighed.budget(), rung);
-  pair.motion = compare_motions(layout_.model(), view(pair.trajectories));
+  pair.motion = compare_motions(layout_.model(), view(pair.trajectories),
+                                noise_of_speeds(layout_, weighed.resolution, *pair.trajectories[0]));
   widen_pair(pair, weighed, rung);
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/decompositions.h"
+#include "compare/verdict/motions.h"
 
 namespace concord::compare {
 

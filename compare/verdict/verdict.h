@@ -12,6 +12,7 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/curve_metrics.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/observe.h"
 #include "compare/verdict/states.h"

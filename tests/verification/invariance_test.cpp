@@ -16,6 +16,7 @@
 #include "compare/invariance/units.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/states.h"
 #include "relative/solver.h"
 

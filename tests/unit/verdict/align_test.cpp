@@ -64,39 +64,5 @@ TEST_F(AlignTest, TimesAreHeldAgainstTheTimeOfTheRun) {
   EXPECT_NE(refusal(in_picoseconds(0.0), in_picoseconds(1e-15), 21), "");
 }
 
-TEST_F(AlignTest, AngleIsAccurateNearZeroAndNearHalfATurn) {
-  const Mat3 A = rotation_about(Vec3(1, 2, 2) / 3.0, 0.7);
-  const Vec3 axis = Vec3(2, -1, 2) / 3.0;
-  for (const double angle : {0.0, 1e-13, 1e-3, 1.5, 3.14}) {
-    EXPECT_NEAR(angle_between(A, A * rotation_about(axis, angle)), angle, 1e-15 + 1e-14 * angle);
-  }
-}
-
-TEST_F(AlignTest, ComparesMotions) {
-  const Trajectory one = run();
-  const MotionAgreement same = compare_motions(model_, {&one, &one});
-  EXPECT_EQ(same.digits, 16.0);
-  Trajectory other = one;
-  other.samples[9].state.bodies[1].r(1) += 1e-5 * model_.length_scale();
-  const MotionAgreement moved = compare_motions(model_, {&one, &other});
-  EXPECT_NEAR(moved.digits, 5.0, 1e-9);
-  EXPECT_EQ(moved.worst, "origin of bob");
-  EXPECT_DOUBLE_EQ(moved.t, one.samples[9].state.t);
-  other.samples[9].state.bodies[1].p *= -1.0;  // the same orientation
-  EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 5.0, 1e-9);
-}
-
-/// A body that travels far is compared with the way that it goes.
-TEST_F(AlignTest, PlacesAreComparedWithTheWayTravelled) {
-  const double far = 1e3 * model_.length_scale();
-  Trajectory one = run();
-  for (std::size_t k = 0; k < one.samples.size(); ++k) {
-    one.samples[k].state.bodies[1].r(0) += far * static_cast<double>(k) / static_cast<double>(one.samples.size() - 1);
-  }
-  Trajectory other = one;
-  other.samples[9].state.bodies[1].r(1) += 1e-5 * model_.length_scale();
-  EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 8.0, 1e-2);
-}
-
 }  // namespace
 }  // namespace concord::compare
