@@ -13,12 +13,12 @@ namespace {
 
 constexpr long kMostSteps = 50'000'000;
 
-constexpr Stepper::Calls kErk{ERKStepSetStopTime,    ERKStepEvolve,      ERKStepReset,
-                              ERKStepSetFixedStep,   ERKStepSetInitStep, ERKStepGetNumSteps,
-                              ERKStepGetCurrentStep, ERKStepGetDky,      ERKStepFree};
-constexpr Stepper::Calls kArk{ARKStepSetStopTime,    ARKStepEvolve,      ARKStepReset,
-                              ARKStepSetFixedStep,   ARKStepSetInitStep, ARKStepGetNumSteps,
-                              ARKStepGetCurrentStep, ARKStepGetDky,      ARKStepFree};
+constexpr Stepper::Calls kErk{ERKStepSetStopTime, ERKStepEvolve,      ERKStepReset,          ERKStepSetFixedStep,
+                              ERKStepSetInitStep, ERKStepGetNumSteps, ERKStepGetCurrentStep, ERKStepGetLastStep,
+                              ERKStepGetDky,      ERKStepFree};
+constexpr Stepper::Calls kArk{ARKStepSetStopTime, ARKStepEvolve,      ARKStepReset,          ARKStepSetFixedStep,
+                              ARKStepSetInitStep, ARKStepGetNumSteps, ARKStepGetCurrentStep, ARKStepGetLastStep,
+                              ARKStepGetDky,      ARKStepFree};
 
 void* make_erk(N_Vector y, const StepperCallbacks& calls, const sundials::Context& context,
                sundials::MessageRecord& messages) {
@@ -56,14 +56,15 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
 
 Stepper::Stepper(const std::string& name, N_Vector y, const StepperCallbacks& callbacks,
                  const sundials::Context& context, sundials::MessageRecord& messages)
-    : calls_(name == "dirk" ? &kArk : &kErk), before_(N_VClone(y)) {
+    : calls_(name == "dirk" ? &kArk : &kErk), callbacks_(callbacks), before_(N_VClone(y)) {
+  const StepperCallbacks own{right_side, project, weigh, this};
   if (name != "dirk") {
-    memory_ = make_erk(y, callbacks, context, messages);
+    memory_ = make_erk(y, own, context, messages);
     return;
   }
   matrix_.reset(sundials::require(SUNDenseMatrix(NV_LENGTH_S(y), NV_LENGTH_S(y), context.get()), "SUNDenseMatrix"));
   linear_.reset(sundials::require(SUNLinSol_Dense(y, matrix_.get(), context.get()), "SUNLinSol_Dense"));
-  memory_ = make_dirk(y, callbacks, context, matrix_.get(), linear_.get(), messages);
+  memory_ = make_dirk(y, own, context, matrix_.get(), linear_.get(), messages);
 }
 
 Stepper::~Stepper() {
@@ -98,17 +99,54 @@ int Stepper::step(double t_end, N_Vector y, double& t) {
   return code;
 }
 
-int Stepper::try_step(double t_end, N_Vector y, double& t) {
-  const int code = calls_->set_stop_time(memory_, t_end);
-  return code < 0 ? code : calls_->evolve(memory_, t_end, y, &t, ARK_ONE_STEP);
+int Stepper::right_side(realtype t, N_Vector y, N_Vector ydot, void* stepper) {
+  const auto& self = *static_cast<const Stepper*>(stepper);
+  return self.callbacks_.right_side(t + self.beyond_, y, ydot, self.callbacks_.user_data);
 }
 
-int Stepper::interpolate(double t, N_Vector y) const { return calls_->interpolate(memory_, t, 0, y); }
+int Stepper::project(realtype t, N_Vector y, void* stepper) {
+  const auto& self = *static_cast<const Stepper*>(stepper);
+  return self.callbacks_.project(t + self.beyond_, y, self.callbacks_.user_data);
+}
+
+int Stepper::weigh(N_Vector y, N_Vector weights, void* stepper) {
+  const auto& self = *static_cast<const Stepper*>(stepper);
+  return self.callbacks_.weigh(y, weights, self.callbacks_.user_data);
+}
+
+int Stepper::try_step(double t_end, N_Vector y, double& t) {
+  const int code = calls_->set_stop_time(memory_, t_end - beyond_);
+  return code < 0 ? code : evolve(t_end, y, t);
+}
+
+/// One step, after which t is the sum of all.
+int Stepper::evolve(double t_end, N_Vector y, double& t) {
+  double reached = added_up_;
+  const int code = calls_->evolve(memory_, t_end - beyond_, y, &reached, ARK_ONE_STEP);
+  if (code < 0) {
+    t = reached + beyond_;
+    return code;
+  }
+  double h = 0.0;
+  calls_->last_step(memory_, &h);
+  beyond_ += h - (reached - added_up_);
+  added_up_ = reached;
+  t = code == ARK_TSTOP_RETURN ? t_end : reached + beyond_;
+  return code;
+}
+
+int Stepper::interpolate(double t, N_Vector y) const { return calls_->interpolate(memory_, t - beyond_, 0, y); }
+
+int Stepper::reset(double t, N_Vector y) {
+  added_up_ = t;
+  beyond_ = 0.0;
+  return calls_->reset(memory_, t, y);
+}
 
 int Stepper::restart(double t, N_Vector y, double h) {
   int code = calls_->set_fixed_step(memory_, 0.0);
   if (code >= 0) code = calls_->set_init_step(memory_, h);
-  return code < 0 ? code : calls_->reset(memory_, t, y);
+  return code < 0 ? code : reset(t, y);
 }
 
 int Stepper::rename(double t, N_Vector y) {
@@ -118,10 +156,10 @@ int Stepper::rename(double t, N_Vector y) {
 }
 
 int Stepper::step_exactly(double h, N_Vector y, double& t) {
-  int code = calls_->reset(memory_, t, y);
+  int code = reset(t, y);
   if (code >= 0) code = calls_->set_stop_time(memory_, t + h);
   if (code >= 0) code = calls_->set_fixed_step(memory_, h);
-  return code < 0 ? code : calls_->evolve(memory_, t + h, y, &t, ARK_ONE_STEP);
+  return code < 0 ? code : evolve(t + h, y, t);
 }
 
 long Stepper::steps() const {

@@ -19,6 +19,9 @@ struct StepperCallbacks {
 };
 
 /// One integrator, set up and ready to go from time 0. Its calls return negative codes of ARKODE where they fail.
+/// ARKODE adds its steps up in one number, whose round-off is the same in many equal steps: what laws of time are asked
+/// at would lag behind the sum of the steps, which is what the state has gone. So the difference is kept, and added to
+/// all times.
 class Stepper {
  public:
   /// "erk" or "dirk", from the state in y, which gives the size. Messages and context must outlive it. Throws
@@ -54,14 +57,24 @@ class Stepper {
     int (*set_init_step)(void*, realtype);
     int (*steps)(void*, long*);
     int (*current_step)(void*, realtype*);
+    int (*last_step)(void*, realtype*);
     int (*interpolate)(void*, realtype, int, N_Vector);
     void (*free)(void**);
   };
 
  private:
   int try_step(double t_end, N_Vector y, double& t);
+  int reset(double t, N_Vector y);
+  int evolve(double t_end, N_Vector y, double& t);
+
+  static int right_side(realtype t, N_Vector y, N_Vector ydot, void* stepper);
+  static int project(realtype t, N_Vector y, void* stepper);
+  static int weigh(N_Vector y, N_Vector weights, void* stepper);
 
   const Calls* calls_;
+  StepperCallbacks callbacks_;
+  double added_up_ = 0.0;    // ARKODE's time [s]
+  double beyond_ = 0.0;      // the sum of the steps less that [s]
   sundials::Vector before_;  // the last step
   sundials::Matrix matrix_;
   sundials::LinearSolver linear_;
