@@ -8,6 +8,7 @@
 
 #include "cartesian/stepper.h"
 #include "common/error.h"
+#include "common/laws/break_times.h"
 #include "common/sundials.h"
 
 namespace concord::cartesian {
@@ -77,11 +78,14 @@ class ExtrapolationStepper : public Stepper {
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
-        rtol_(tolerance.rtol) {
+        rtol_(tolerance.rtol),
+        has_laws_of_time_(has_laws_of_time(equations_.model())) {
     write(start, view(y_.get()));
     asked_ = absolute_tolerances(equations_, start, tolerance);
     view(tolerances_.get()) = asked_;
     allow_round_off(0.0, start, tolerance.rtol);
+    least_ = view(tolerances_.get()).segment(n_q_, n_Y_);
+    noise_ = VecX::Zero(n_Y_);
     memory_.reset(require(ERKStepCreate(&right_side, 0.0, y_.get(), context_.get()), "ERKStepCreate"));
     void* erk = memory_.get();
     check(ERKStepSetErrHandlerFn(erk, sundials::MessageRecord::record, &messages_), "ERKStepSetErrHandlerFn",
@@ -101,6 +105,7 @@ class ExtrapolationStepper : public Stepper {
     before_ = motion_;
     follow_work();
     evolve(stop);
+    if (has_laws_of_time_) follow_time();
   }
 
   const MotionState& interpolate(double t) override {
@@ -139,7 +144,38 @@ class ExtrapolationStepper : public Stepper {
     double& allowed = view(tolerances_.get())(n_q_ + n_Y_);
     if (needed <= 2.0 * allowed) return;
     allowed = needed;
+    tell_tolerances();
+  }
+
+  void tell_tolerances() {
     check(ERKStepSVtolerances(memory_.get(), rtol_, tolerances_.get()), "ERKStepSVtolerances", messages_);
+  }
+
+  /// Laws of time know their time to its last digit only, so that what changes with time itself comes with noise: what
+  /// a step makes of it in the speeds is not asked for, or steps become shorter and shorter. Told again where it has
+  /// doubled or halved.
+  void follow_time() {
+    constexpr int kSteps = 6;  // from one look to the next
+    longest_ = std::max(longest_, reached_ - started_);
+    if (++unseen_ < kSteps || !(longest_ > 0.0)) return;
+    const double step = longest_;
+    unseen_ = 0;
+    longest_ = 0.0;
+    const double aside = reached_ - step / 64.0;
+    try {
+      change_ = dynamics_.solve_at(aside, motion_.q, motion_.Y, Pivots::kept).Ydot();
+      change_ -= dynamics_.solve_at(reached_, motion_.q, motion_.Y, Pivots::kept).Ydot();
+    } catch (const SolverError&) {
+      return;
+    }
+    if (!change_.allFinite()) return;
+    const double of_time = 2.0 * std::numeric_limits<double>::epsilon() * reached_;
+    noise_ = (of_time * step / (reached_ - aside) * change_.cwiseAbs()).cwiseMax(0.8 * noise_);  // laws rise and fall
+    auto of_speeds = view(tolerances_.get()).segment(n_q_, n_Y_).array();
+    const auto needed = noise_.cwiseMax(least_).array();
+    if ((needed <= 2.0 * of_speeds).all() && (of_speeds <= 2.0 * needed).all()) return;
+    of_speeds = needed;
+    tell_tolerances();
   }
 
   void evolve(double stop) {
@@ -151,7 +187,7 @@ class ExtrapolationStepper : public Stepper {
     const double begin = reached_;
     failure_ = nullptr;
     int code = try_step(stop);
-    if (code == ARK_UNREC_RHSFUNC_ERR) code = try_shorter_steps(begin, stop);
+    if (is_too_far(code)) code = try_shorter_steps(begin, stop);
     if (code < 0 && failure_) std::rethrow_exception(failure_);
     if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last);
     ++steps_;
@@ -209,13 +245,16 @@ class ExtrapolationStepper : public Stepper {
     return code;
   }
 
+  /// A stage of a step, or its end, could not be evaluated.
+  static bool is_too_far(int code) { return code == ARK_UNREC_RHSFUNC_ERR || code == ARK_RHSFUNC_FAIL; }
+
   /// Where a stage of a step cannot be evaluated, ERKStep gives up: it lies too far ahead. The step is made anew from
   /// its begin, in `motion_`, with less and less of its length.
   int try_shorter_steps(double begin, double stop) {
     constexpr double kLeast = 1e-13;
     double h = std::min(last_try(), stop - begin);
     int code = ARK_UNREC_RHSFUNC_ERR;
-    while (code == ARK_UNREC_RHSFUNC_ERR && h > kLeast * stop) {
+    while (is_too_far(code) && h > kLeast * stop) {
       h *= 0.1;
       restart(begin);
       reached_ = begin;
@@ -304,6 +343,12 @@ class ExtrapolationStepper : public Stepper {
   // drivers and laws of time are asked at the latter.
   double clock_ = 0.0;
   double late_ = 0.0;
+  bool has_laws_of_time_;
+  int unseen_ = 0;        // steps since the noise of time was looked at
+  double longest_ = 0.0;  // of them [s]
+  VecX change_;           // of accelerations with time
+  VecX noise_;            // of time, in the speeds
+  VecX least_;            // tolerances of speeds without it
   std::unique_ptr<void, FreeMemory> memory_;
 };
 

@@ -34,7 +34,8 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      pace_(options.until, integrator) {
+      pace_(options.until, integrator),
+      clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
   follow_lines();
 }
@@ -57,7 +58,7 @@ void IntegrationRun::weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> wei
   weights = sizes_;
   weights.tail(n_rates) += y.tail(n_rates).cwiseAbs();
   weights(variables_.work()) = 0.0;
-  weights = (rtol_ * weights).cwiseMax(kLeastWeighed * y.cwiseAbs());
+  weights = (rtol_ * weights).cwiseMax(kLeastWeighed * y.cwiseAbs()).cwiseMax(clock_.of_step());
   weights(variables_.work()) = std::max(rtol_, kFinestWork) * (sizes_(variables_.work()) + largest_work_);
   weights = weights.cwiseInverse();
 }
@@ -82,6 +83,9 @@ void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   watch_.pass(coordinates_);
   equations_->loops().keep_rows();
   follow_lines();
+  clock_.pass(t, y, [this](double at, const Eigen::Ref<const VecX>& numbers, Eigen::Ref<VecX> rates) {
+    evaluate(at, numbers, rates);
+  });
 }
 
 void IntegrationRun::apply_forces(double t, const Eigen::Ref<const VecX>& y) {

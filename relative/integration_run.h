@@ -4,6 +4,7 @@
 
 #include "common/solver.h"
 #include "relative/assembly.h"
+#include "relative/clock_noise.h"
 #include "relative/integrated_variables.h"
 #include "relative/line_watch.h"
 #include "relative/pace.h"
@@ -63,6 +64,7 @@ class IntegrationRun {
   SingularityWatch watch_;
   LineWatch lines_;
   Pace pace_;
+  ClockNoise clock_;
   double largest_work_ = 0.0;
   std::string last_reason_;
   bool is_singular_ = false;  // whether that was a singular pose

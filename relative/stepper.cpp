@@ -88,7 +88,8 @@ int Stepper::step(double t_end, N_Vector y, double& t) {
   if (code < 0) return code;
   if (!(h > 0.0) || h > t_end - t) h = t_end - t;
   code = try_step(t_end, y, t);
-  for (int k = 1; k < kMostTries && code == ARK_UNREC_RHSFUNC_ERR && h > kShortest * t_end; ++k) {
+  const auto is_too_far = [&] { return code == ARK_UNREC_RHSFUNC_ERR || code == ARK_RHSFUNC_FAIL; };
+  for (int k = 1; k < kMostTries && is_too_far() && h > kShortest * t_end; ++k) {
     h *= kShorter;
     t = t_before;
     N_VScale(1.0, before_.get(), y);

@@ -13,14 +13,30 @@ void add_to(std::vector<double>& times, const TimeFunction& law) {
   times.insert(times.end(), more.begin(), more.end());
 }
 
-void add_to(std::vector<double>& times, const ForceLaw& law) {
-  if (law.actuator) add_to(times, *law.actuator);
+void add_to(std::vector<const TimeFunction*>& laws, const ForceLaw& law) {
+  if (law.actuator) laws.push_back(&*law.actuator);
 }
 
-void add_to(std::vector<double>& times, const ForceElement& element) {
-  if (const auto* load = std::get_if<Load>(&element.what)) add_to(times, load->law);
-  if (const auto* spring = std::get_if<LineSpring>(&element.what)) add_to(times, spring->law);
-  if (const auto* spring = std::get_if<TurnSpring>(&element.what)) add_to(times, spring->law);
+void add_to(std::vector<const TimeFunction*>& laws, const ForceElement& element) {
+  if (const auto* load = std::get_if<Load>(&element.what)) laws.push_back(&load->law);
+  if (const auto* spring = std::get_if<LineSpring>(&element.what)) add_to(laws, spring->law);
+  if (const auto* spring = std::get_if<TurnSpring>(&element.what)) add_to(laws, spring->law);
+}
+
+/// Of drivers, actuators and loads.
+std::vector<const TimeFunction*> laws_of_time(const Model& model) {
+  std::vector<const TimeFunction*> laws;
+  for (const Joint& joint : model.joints) {
+    for (const Driver& driver : joint.drivers) laws.push_back(&driver.law);
+    for (const JointSpring& spring : joint.springs) add_to(laws, spring.law);
+  }
+  for (const ForceElement& element : model.elements) add_to(laws, element);
+  return laws;
+}
+
+bool is_constant(const TimeFunction& law) {
+  const auto* steady = std::get_if<ConstantSpeed>(&law);
+  return steady != nullptr && steady->speed == 0.0;
 }
 
 }  // namespace
@@ -37,11 +53,7 @@ std::vector<double> break_times(const TimeFunction& law) {
 
 std::vector<double> break_times(const Model& model, double until) {
   std::vector<double> times;
-  for (const Joint& joint : model.joints) {
-    for (const Driver& driver : joint.drivers) add_to(times, driver.law);
-    for (const JointSpring& spring : joint.springs) add_to(times, spring.law);
-  }
-  for (const ForceElement& element : model.elements) add_to(times, element);
+  for (const TimeFunction* law : laws_of_time(model)) add_to(times, *law);
   std::sort(times.begin(), times.end());
   const double close = kSameTime * until;
   std::vector<double> within;
@@ -50,6 +62,11 @@ std::vector<double> break_times(const Model& model, double until) {
     if (within.empty() || t - within.back() > close) within.push_back(t);
   }
   return within;
+}
+
+bool has_laws_of_time(const Model& model) {
+  const std::vector<const TimeFunction*> laws = laws_of_time(model);
+  return std::any_of(laws.begin(), laws.end(), [](const TimeFunction* law) { return !is_constant(*law); });
 }
 
 }  // namespace concord

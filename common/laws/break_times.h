@@ -15,4 +15,7 @@ std::vector<double> break_times(const TimeFunction& law);
 /// of them has an error that its own estimate need not see. Rising [s].
 std::vector<double> break_times(const Model& model, double until);
 
+/// Whether a driver, an actuator or a load of the model follows a law of time other than a constant.
+bool has_laws_of_time(const Model& model);
+
 }  // namespace concord

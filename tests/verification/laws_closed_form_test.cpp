@@ -150,6 +150,55 @@ TEST_CASE("A preloaded spring swings about where its tension vanishes", "[closed
   }
 }
 
+TEST_CASE("A mass that swings thousands of times keeps its phase: equal steps do not add up their round-off of time",
+          "[closed form][laws][quick]") {
+  constexpr double kStiffness = 1.7e8;  // N/m
+  const double omega = std::sqrt(kStiffness / kMass);
+  const Model model = parse(on_a_guide("{ keep = 0.4, keep_speed = 0 }", "stiffness = 1.7e8"));
+  for (const auto& solver : both_solvers(model)) {
+    INFO(solver->name());
+    Agreement place;
+    Agreement speed;
+    for (const Sample& sample : run(*solver, 0.5, 1e-12, 7).samples) {
+      place.add(position_of(sample), 0.4 * std::cos(omega * sample.state.t));
+      speed.add(speed_of(sample), -0.4 * omega * std::sin(omega * sample.state.t));
+    }
+    tell("thousands of swings: place", *solver, place.digits());
+    tell("thousands of swings: speed", *solver, speed.digits());
+    CHECK(place.digits() >= 10.0);
+    CHECK(speed.digits() >= 10.0);
+  }
+}
+
+TEST_CASE(
+    "A law of many periods is followed as far as the round-off of time lets it, at no more cost for a tolerance "
+    "beyond that",
+    "[closed form][laws][quick]") {
+  constexpr double kOmega = 1e4;  // rad/s
+  constexpr double kForce = 5e3;
+  const Model model = parse(on_a_guide("{ keep = 0, keep_speed = 0 }",
+                                       "actuator = { law = \"harmonic\", amplitude = 5e3, frequency = 1e4 }"));
+  constexpr double kMost = kForce / (kMass * kOmega);
+  for (const auto& solver : both_solvers(model)) {
+    INFO(solver->name());
+    std::array<long, 2> evaluations{};
+    std::array<double, 2> digits{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Trajectory found = run(*solver, 0.5, k == 0 ? 1e-10 : 1e-13, 7);
+      Agreement speed;
+      for (const Sample& sample : found.samples)
+        speed.add(speed_of(sample), kMost * (1.0 - std::cos(kOmega * sample.state.t)));
+      digits[k] = speed.digits();
+      evaluations[k] = found.statistics.evaluations;
+      tell("a law of many periods: speed", *solver, speed.digits());
+    }
+    CHECK(digits[0] >= 9.5);
+    CHECK(digits[1] >= 9.5);
+    INFO(evaluations[0] << " " << evaluations[1]);
+    CHECK(evaluations[1] <= 3 * evaluations[0]);
+  }
+}
+
 TEST_CASE("A nut runs down its thread at a constant rate, and the thread carries T = -lead F",
           "[closed form][laws][quick]") {
   // The centre of mass is on the axis: (I + m h^2) qddot = m g_z h.

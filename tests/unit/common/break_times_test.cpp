@@ -44,5 +44,23 @@ TEST(BreakTimes, OfAModelRiseWithinTheRunEachOnce) {
   EXPECT_THAT(break_times(model, 1.0), ElementsAre(0.1, 0.15, 0.2, 0.6, 0.9));
 }
 
+TEST(LawsOfTime, AreThoseThatAreNotConstant) {
+  Model model;
+  EXPECT_FALSE(has_laws_of_time(model));
+  Load load;
+  load.law = ConstantSpeed{2.0, 0.0};
+  model.elements = {{"load", load, {}}};
+  EXPECT_FALSE(has_laws_of_time(model));
+  LineSpring strut;
+  strut.law.actuator = Harmonic{0.0, 1.0, 3.0, 0.2};
+  model.elements.push_back({"strut", strut, {}});
+  EXPECT_TRUE(has_laws_of_time(model));
+  model.elements.clear();
+  Driver driver;
+  driver.law = ConstantSpeed{0.0, 1e-3};
+  model.joints.emplace_back().drivers = {driver};
+  EXPECT_TRUE(has_laws_of_time(model));
+}
+
 }  // namespace
 }  // namespace concord
