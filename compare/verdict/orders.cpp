@@ -1,11 +1,12 @@
 #include "compare/verdict/orders.h"
-#include "compare/verdict/motions.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "compare/verdict/motions.h"
 
 namespace concord::compare {
 
