@@ -14,7 +14,7 @@ namespace concord::relative {
 class ClockNoise {
  public:
   /// Rates ydot(t, y); throws SolverError where they cannot be evaluated.
-  using Rates = std::function<void(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot)>;
+  using Rates = std::function<void(double t, const Eigen::Ref<const VecX>& y, const Eigen::Ref<VecX>& ydot)>;
 
   ClockNoise(const Model& model, Eigen::Index size);
 

@@ -83,7 +83,7 @@ void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   watch_.pass(coordinates_);
   equations_->loops().keep_rows();
   follow_lines();
-  clock_.pass(t, y, [this](double at, const Eigen::Ref<const VecX>& numbers, Eigen::Ref<VecX> rates) {
+  clock_.pass(t, y, [this](double at, const Eigen::Ref<const VecX>& numbers, const Eigen::Ref<VecX>& rates) {
     evaluate(at, numbers, rates);
   });
 }
