@@ -79,5 +79,22 @@ TEST_F(MotionsTest, SpeedsOfAStiffSpringAreKnownToItsFrequencyTimesThePlace) {
   EXPECT_LT(compare_motions(model_, {&one, &other}, noise).digits, 11.0);
 }
 
+/// Far from the origin the last digits of places, and what they leave of orientations, are no difference.
+TEST_F(MotionsTest, FarFromTheOriginPlacesAreKnownToTheirRoundOff) {
+  const double far = 1e7 * model_.length_scale();
+  Trajectory one = run();
+  for (Sample& sample : one.samples) sample.state.bodies[1].r(0) += far;
+  Trajectory other = one;
+  BodyState& body = other.samples[9].state.bodies[1];
+  body.r(1) += 2e-9 * model_.length_scale();
+  body.p(1) += 1e-9;
+  EXPECT_EQ(compare_motions(model_, {&one, &other}).digits, 16.0);
+  body.r(1) += 1e-7 * model_.length_scale();
+  EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 7.0, 0.1);
+  body.r(1) = one.samples[9].state.bodies[1].r(1);
+  body.p(1) += 1e-7;
+  EXPECT_EQ(compare_motions(model_, {&one, &other}).worst, "orientation of bob");
+}
+
 }  // namespace
 }  // namespace concord::compare
