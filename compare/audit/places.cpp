@@ -1,6 +1,7 @@
 #include "compare/audit/places.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "common/rotation.h"
@@ -32,6 +33,11 @@ double second_coefficient(double t) { return 0.5 * sinc(0.5 * t) * sinc(0.5 * t)
 Mat3 rotation_of(const Vec4& p) {
   const Vec3 e = p.tail<3>();
   return (p(0) * p(0) - e.squaredNorm()) * Mat3::Identity() + 2.0 * e * e.transpose() + 2.0 * p(0) * skew(e);
+}
+
+double size_of_places(const State& state, double length) {
+  for (const BodyState& body : state.bodies) length = std::max(length, body.r.cwiseAbs().maxCoeff());
+  return length;
 }
 
 Mat3 exponential_of(const Vec3& theta) {

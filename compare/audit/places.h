@@ -10,6 +10,9 @@ namespace concord::compare {
 /// Rotation of Euler parameters, scalar first.
 Mat3 rotation_of(const Vec4& p);
 
+/// What the round-off of places is relative to: the largest of their coordinates, or the machine's length [m].
+double size_of_places(const State& state, double length);
+
 /// exp(theta~).
 Mat3 exponential_of(const Vec3& theta);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compare/audit/audit_ledger.h"
+#include "compare/audit/places.h"
 
 namespace concord::compare {
 
@@ -16,10 +17,9 @@ constexpr double kUnits = 4.0 * std::numeric_limits<double>::epsilon();
 
 /// Two draws; for the opposite number of units the opposite ones.
 std::array<State, 2> moved_by(const State& state, double length, double units) {
-  double place = length;
+  const double place = size_of_places(state, length);
   double speed = 0.0;
   for (const BodyState& body : state.bodies) {
-    place = std::max(place, body.r.cwiseAbs().maxCoeff());
     speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff() * length});
   }
   std::array<State, 2> moved{state, state};

@@ -13,6 +13,7 @@
 #include "common/error.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/motion_names.h"
+#include "compare/verdict/resolution.h"
 
 namespace concord::compare {
 
@@ -77,12 +78,7 @@ struct TurnRates {
 }  // namespace
 
 VecX largest_deflections(const Body& body) {
-  VecX largest = VecX::Zero(body.n_modes());
-  if (body.modal) {
-    for (const MassPoint& point : body.modal->mass_points) {
-      largest = largest.cwiseMax(VecX(point.Psi_t_L.colwise().norm().transpose()));
-    }
-  }
+  const VecX largest = largest_displacements(body);
   return (largest.array() > 0.0).select(largest, 1.0);
 }
 
@@ -172,8 +168,7 @@ VecX Chart::coordinates(const State& state) const {
 
 std::optional<State> Chart::exactly_at(const VecX& delta) {
   constexpr int kCorrections = 30;
-  double size = std::max(1.0, delta.norm());
-  for (const BodyState& body : origin_.bodies) size = std::max(size, body.r.cwiseAbs().maxCoeff() / length_);
+  const double size = std::max(size_of_places(origin_, length_) / length_, delta.norm());
   VecX aim = delta;
   double last_miss = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kCorrections; ++k) {

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "compare/audit/digits.h"
+#include "compare/audit/places.h"
+#include "compare/verdict/resolution.h"
 
 namespace concord::compare {
 
@@ -59,8 +61,6 @@ double beyond(const VecX& difference, const VecX& noise) {
   return most;
 }
 
-double largest(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
-
 MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   MotionScales scales;
   scales.place = model.length_scale();
@@ -78,8 +78,8 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
       scales.place = std::max(scales.place, (body.r - start).norm());
       scales.speed = std::max(scales.speed, body.v.norm());
       scales.turning = std::max(scales.turning, body.omega.norm());
-      scales.modal[i] = std::max(scales.modal[i], largest(body.a));
-      scales.modal_rate[i] = std::max(scales.modal_rate[i], largest(body.adot));
+      scales.modal[i] = std::max(scales.modal[i], body.a.lpNorm<Eigen::Infinity>());
+      scales.modal_rate[i] = std::max(scales.modal_rate[i], body.adot.lpNorm<Eigen::Infinity>());
     }
   }
   const double length = model.length_scale();
@@ -91,10 +91,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   scales.turning = scales.speed / length;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     if (!model.bodies[i].modal) continue;
-    double shape = 0.0;
-    for (const MassPoint& point : model.bodies[i].modal->mass_points) {
-      if (point.Psi_t_L.cols() > 0) shape = std::max(shape, point.Psi_t_L.colwise().norm().maxCoeff());
-    }
+    const double shape = largest_displacements(model.bodies[i]).lpNorm<Eigen::Infinity>();
     if (shape == 0.0) continue;
     scales.modal_noise[i] = kNoise * length / shape;
     scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
@@ -107,19 +104,23 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
 }  // namespace
 
 MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const Trajectory& run) {
-  const Model& model = layout.model();
-  MatX noise = MatX::Zero(2 * static_cast<Eigen::Index>(model.bodies.size()), resolution.cols());
-  for (Eigen::Index k = 0; k < resolution.cols(); ++k) {
-    const std::vector<BodyState>& bodies = run.samples[static_cast<std::size_t>(k)].state.bodies;
-    double place = model.length_scale();
-    for (const BodyState& body : bodies) place = std::max(place, body.r.cwiseAbs().maxCoeff());
-    for (int i = 1; i < static_cast<int>(bodies.size()); ++i) {
-      const int row = layout.first_row(Kind::acceleration, i);
-      const double of_velocity = resolution.col(k).segment<3>(row).maxCoeff<Eigen::PropagateNumbers>();
-      const double of_turning = resolution.col(k).segment<3>(row + 3).maxCoeff<Eigen::PropagateNumbers>();
-      if (of_velocity > 0.0) noise(2 * i, k) = std::sqrt(of_velocity * kEps * place);
-      if (of_turning > 0.0) noise(2 * i + 1, k) = std::sqrt(of_turning * kEps * place / model.length_scale());
-    }
+  const double length = layout.model().length_scale();
+  const auto bodies = static_cast<Eigen::Index>(layout.model().bodies.size());
+  Eigen::ArrayXd places(resolution.cols());
+  for (Eigen::Index k = 0; k < places.size(); ++k)
+    places(k) = size_of_places(run.samples[static_cast<std::size_t>(k)].state, length);
+  // Round-off of a place or an angle, times the square of a frequency, is the resolution; the root of both is the
+  // former times the frequency.
+  const auto noise_of = [&](Eigen::Index row, const Eigen::ArrayXd& round_off) -> VecX {
+    const Eigen::Array3Xd known = resolution.middleRows<3>(row).array();
+    const Eigen::ArrayXd largest = known.isNaN().select(0.0, known).colwise().maxCoeff().transpose();
+    return (largest * round_off).sqrt().matrix();
+  };
+  MatX noise = MatX::Zero(2 * bodies, resolution.cols());
+  for (Eigen::Index i = 1; i < bodies; ++i) {
+    const int row = layout.first_row(Kind::acceleration, static_cast<int>(i));
+    noise.row(2 * i) = noise_of(row, kEps * places).transpose();
+    noise.row(2 * i + 1) = noise_of(row + 3, kEps * places / length).transpose();
   }
   return noise;
 }
@@ -139,12 +140,13 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& a = one.bodies[i];
       const BodyState& b = other.bodies[i];
-      const auto speeds = noise.cols() > 0 ? Eigen::Vector2d(noise.col(k).segment<2>(2 * i)) : Eigen::Vector2d::Zero();
+      const double of_velocity = noise.cols() > 0 ? noise(2 * i, k) : 0.0;
+      const double of_turning = noise.cols() > 0 ? noise(2 * i + 1, k) : 0.0;
       note(beyond((a.r - b.r).norm(), scales.place_noise), scales.place, "origin", i);
       note(beyond(angle_between(rotation_of(a.p), rotation_of(b.p)), scales.place_noise / model.length_scale()), 1.0,
            "orientation", i);
-      note(beyond((a.v - b.v).norm(), speeds(0)), scales.speed, "velocity", i);
-      note(beyond((a.omega - b.omega).norm(), speeds(1)), scales.turning, "angular velocity", i);
+      note(beyond((a.v - b.v).norm(), of_velocity), scales.speed, "velocity", i);
+      note(beyond((a.omega - b.omega).norm(), of_turning), scales.turning, "angular velocity", i);
       if (a.a.size() == 0) continue;
       note(beyond(a.a - b.a, VecX::Constant(a.a.size(), scales.modal_noise[i])), scales.modal[i], "modal coordinates",
            i);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "compare/audit/places.h"
 #include "compare/verdict/draws.h"
 #include "compare/verdict/term_sizes.h"
 
@@ -18,22 +19,10 @@ using UniqueRows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-double largest_of(const VecX& values) { return values.size() > 0 ? values.cwiseAbs().maxCoeff() : 0.0; }
-
 /// Adds up to `step` to every number, either way.
 template <class Values>
 void move(Values& values, double step, Draws& draws) {
   for (double& one : values) one += step * draws.next();
-}
-
-/// Of each mode with unit amplitude, over the body's mass points.
-VecX largest_displacements(const Body& body) {
-  VecX largest = VecX::Zero(body.n_modes());
-  if (!body.modal) return largest;
-  for (const MassPoint& point : body.modal->mass_points) {
-    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
-  }
-  return largest;
 }
 
 /// The largest over the components that belong together: three of a force, of a torque and of an acceleration, all
@@ -63,7 +52,7 @@ void take_largest_of_blocks(const QuantityLayout& layout, const UniqueRows& uniq
 double distance(const State& one, const State& other, const StateSizes& sizes) {
   double largest = 0.0;
   const auto take = [&](const VecX& difference, double size) {
-    if (size > 0.0) largest = std::max(largest, largest_of(difference) / size);
+    if (size > 0.0) largest = std::max(largest, difference.lpNorm<Eigen::Infinity>() / size);
   };
   for (std::size_t i = 1; i < one.bodies.size(); ++i) {
     const BodyState& a = one.bodies[i];
@@ -78,10 +67,19 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
   return largest;
 }
 
+VecX largest_displacements(const Body& body) {
+  VecX largest = VecX::Zero(body.n_modes());
+  if (!body.modal) return largest;
+  for (const MassPoint& point : body.modal->mass_points) {
+    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+  }
+  return largest;
+}
+
 StateSizes sizes_of(const Model& model, const State& state) {
   const double length = model.length_scale();
   StateSizes sizes;
-  sizes.place = length;
+  sizes.place = size_of_places(state, length);
   sizes.modal.assign(state.bodies.size(), 0.0);
   for (const Body& body : model.bodies) sizes.shapes.push_back(largest_displacements(body));
   sizes.modal_rate.assign(state.bodies.size(), 0.0);
@@ -89,11 +87,10 @@ StateSizes sizes_of(const Model& model, const State& state) {
   double turning = 0.0;
   for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     const BodyState& body = state.bodies[i];
-    sizes.place = std::max(sizes.place, body.r.cwiseAbs().maxCoeff());
     fastest = std::max(fastest, body.v.cwiseAbs().maxCoeff());
     turning = std::max(turning, body.omega.cwiseAbs().maxCoeff());
-    sizes.modal[i] = largest_of(body.a);
-    sizes.modal_rate[i] = largest_of(body.adot);
+    sizes.modal[i] = body.a.lpNorm<Eigen::Infinity>();
+    sizes.modal_rate[i] = body.adot.lpNorm<Eigen::Infinity>();
   }
   sizes.velocity = std::max(fastest, turning * length);
   sizes.turning = std::max(turning, fastest / length);
