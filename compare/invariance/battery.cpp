@@ -142,8 +142,8 @@ class BatteryRun {
         const Answers answers = ask(who, variant, moved);
         if (answers.states.empty()) continue;
         const Mask unique = unique_in_states(answers.reports);
-        judge(who, variant, answers,
-              measure_own_resolution(layout_, moved, who, answers.states, unique, options_.seed));
+        const MatX own = measure_own_resolution(layout_, moved, who, answers.states, unique, options_.seed);
+        judge(who, variant, answers, own, again);
       } catch (const UnsuitableCut& error) {
         leave_out(who, variant, error);
       } catch (const InputError& error) {
@@ -208,33 +208,65 @@ class BatteryRun {
     return unique;
   }
 
-  /// One solver under one description against itself in the first one.
-  void judge(Who who, const Variant& variant, const Answers& answers, const MatX& own) {
-    const auto rows = static_cast<Eigen::Index>(layout_.quantities().size());
-    const auto count = static_cast<Eigen::Index>(answers.columns.size());
+  /// One solver under one description, `again`, against itself in the first one.
+  void judge(Who who, const Variant& variant, const Answers& answers, const MatX& own, const Model& again) {
     Series series;
     series.spin = base_.series.spin;
-    for (MatX& values : series.values) values.resize(rows, count);
-    Mask mask(rows, count);
-    MatX resolution(rows, count);
-    for (Eigen::Index k = 0; k < count; ++k) {
+    series.values[0] = base_.series.values[index(who)](Eigen::all, answers.columns);
+    series.values[1].resize(series.values[0].rows(), series.values[0].cols());
+    Mask mask(own.rows(), own.cols());
+    MatX resolution(own.rows(), own.cols());
+    for (Eigen::Index k = 0; k < own.cols(); ++k) {
       const auto answer = static_cast<std::size_t>(k);
       const Eigen::Index at = answers.columns[answer];
       const State& state = answers.states[answer].state;
       series.times.push_back(state.t);
-      series.values[0].col(k) = base_.series.values[index(who)].col(at);
       series.values[1].col(k) = layout_.observe(state, answers.states[answer].evaluations[index(who)]);
       const VecX floor = kUnit * scales_.cwiseMax(terms_[static_cast<std::size_t>(at)]);
-      const VecX first = base_.resolution.own[index(who)].col(at);
-      const VecX second = own.col(k);
-      resolution.col(k) = second.array().isNaN().select(second, first.cwiseMax(second)) + floor;
+      resolution.col(k) = larger_known(base_.resolution.own[index(who)].col(at), own.col(k)) + floor;
       mask.col(k) = unique_in(who, variant, static_cast<std::size_t>(at), answers.reports[answer]);
     }
     if (!series.values[1].allFinite()) {
       row_of(who).outcome = Outcome::differ;
       return tell(row_of(who), variant, "a result is not a number");
     }
-    take(row_of(who), variant, measure(layout_, series, {&resolution, &mask}));
+    std::vector<Measured> measured = measure(layout_, series, {&resolution, &mask});
+    if (misses(measured)) {
+      take_round_off_of_data(who, {}, model_, answers, series.values[0], resolution);
+      take_round_off_of_data(who, variant.change, again, answers, series.values[1], resolution);
+      measured = measure(layout_, series, {&resolution, &mask});
+    }
+    take(row_of(who), variant, measured);
+  }
+
+  static VecX larger_known(const VecX& one, const VecX& other) {
+    return other.array().isNaN().select(other, one.cwiseMax(other));
+  }
+
+  [[nodiscard]] static bool misses(const std::vector<Measured>& measured) {
+    return std::any_of(measured.begin(), measured.end(),
+                       [](const Measured& one) { return one.samples > 0 && one.unexplained_digits < kNeed; });
+  }
+
+  /// A description's own numbers hold round-off, too, which no draw of a state shows: raises the resolution by how far
+  /// the answers (`said`) move under descriptions that differ from `described` by next to nothing.
+  void take_round_off_of_data(Who who, const Change& change, const Model& described, const Answers& answers,
+                              const MatX& said, MatX& resolution) {
+    constexpr std::uint64_t kNearby = 3;
+    const auto& make = who == Who::cartesian ? makers_.cartesian : makers_.relative;
+    for (std::uint64_t k = 0; k < kNearby; ++k) {
+      const Change nearby = nearby_frames(described, options_.seed + k);
+      try {
+        MovedSolver moved(change | nearby, nearby.model(described), make);
+        for (Eigen::Index column = 0; column < said.cols(); ++column) {
+          const State& state = answers.states[static_cast<std::size_t>(column)].state;
+          const VecX change_of_answer = (layout_.observe(state, moved.evaluate(state)) - said.col(column)).cwiseAbs();
+          resolution.col(column) = resolution.col(column).cwiseMax(change_of_answer);
+        }
+      } catch (const InputError&) {  // within round-off of what the solver refuses
+      } catch (const SolverError&) {
+      }
+    }
   }
 
   /// Where a quantity is unique in the first description; tells where the second one says otherwise.

@@ -20,6 +20,8 @@ namespace {
 /// Of the machine's length: how far frames of bodies, and the world, are moved.
 constexpr double kMoveOfFrames = 0.2;
 constexpr double kMoveOfWorld = 0.5;
+/// A move, of the machine's length or in radians, that rounds every number anew and hides nothing else.
+constexpr double kNearby = 1e-9;
 
 /// A regular matrix without zeros. Modal stiffnesses may span decades: the more a soft mode takes of a stiff one, the
 /// more digits of its own stiffness drown in the data (entries of size 0.4 on the shipped rod: one unit in the last
@@ -168,6 +170,17 @@ Change moved_frames(const Model& model, std::uint64_t seed) {
   std::vector<Pose> frames;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     frames.push_back(draw.pose(kMoveOfFrames * model.length_scale()));
+  }
+  return with_body_frames(frames);
+}
+
+Change nearby_frames(const Model& model, std::uint64_t seed) {
+  Draw draw(seed);
+  std::vector<Pose> frames;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const Vec3 place = draw.vector(kNearby * model.length_scale());
+    const Vec3 axis = draw.vector(1.0);
+    frames.push_back({place, rotation_about(Vec3(axis.normalized()), kNearby)});
   }
   return with_body_frames(frames);
 }

@@ -42,6 +42,8 @@ std::vector<std::size_t> joints_in_loops(const Model& model);
 
 /// The frame of every body moved and turned in the body.
 Change moved_frames(const Model& model, std::uint64_t seed);
+/// The same by so little that only the round-off of the model's numbers is another one.
+Change nearby_frames(const Model& model, std::uint64_t seed);
 /// The world turned and moved as far as the model's roads allow.
 Change moved_world(const Model& model, std::uint64_t seed);
 /// Bodies, joints, couplings and force elements in another order.

@@ -69,6 +69,56 @@ TEST(Battery, SoundSolversAgreeWithThemselves) {
   for (const MoveRow& row : battery.rows) EXPECT_EQ(row.judged > 50, row.applies) << battery.moves[row.move].name;
 }
 
+// Detects a battery that takes the round-off of a description's numbers for a difference: at map coordinates the weld
+// that joins the two parts of a body carries forces at levers of 5000 km, and on a shaft nothing but round-off acts
+// across its axis in one description, and exactly nothing in the other.
+TEST(Battery, RoundOffOfTheDescriptionIsNoDifference) {
+  const char* const at_map_coordinates = R"(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "p"
+mass = 1.2
+inertia = [0.01, 0.02, 0.03]
+center_of_mass = [0, 0, 0]
+[[joint]]
+name = "H"
+type = "revolute"
+parent = { body = "ground", point = [500000.0, 5000000.0, 100.0], x = [1, 0, 0], z = [0, 1, 0] }
+child = { body = "p", point = [-0.3, 0, 0], x = [1, 0, 0], z = [0, 1, 0] }
+start = { turn_z = { keep = 0.0, keep_speed = 1.0 } }
+[run]
+until = 0.4
+)";
+  const char* const shaft = R"(format = 1
+[[body]]
+name = "u"
+beam = { length = 0.5, section = { width_y = 0.02, width_z = 0.012 }, youngs_modulus = 7e10, density = 2700, support = "cantilever", modes = { torsion = [1, 2] }, elements = 10, damping_ratio = 0.01, poissons_ratio = 0.3 }
+[[body]]
+name = "d"
+mass = 2.0
+inertia = [0.01, 0.01, 0.01]
+center_of_mass = [0, 0, 0]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = { body = "ground", point = [0, 0, 0], x = [0, 1, 0], z = [1, 0, 0] }
+child = { body = "u", node = "first", x = [0, 1, 0], z = [1, 0, 0] }
+drive = { turn_z = { law = "constant_speed", speed = 20.0 } }
+[[joint]]
+name = "D"
+type = "weld"
+parent = { body = "u", node = "last", x = [1, 0, 0], z = [0, 0, 1] }
+child = { body = "d", point = [0, 0, 0], x = [1, 0, 0], z = [0, 0, 1] }
+[run]
+until = 0.2
+)";
+  for (const char* const text : {at_map_coordinates, shaft}) {
+    const Model model = parse_model(text, "machine.toml");
+    const Battery battery = run_battery(model, both_solvers(), {});
+    EXPECT_EQ(battery.outcome, Outcome::agree) << format_battery(model, battery);
+  }
+}
+
 // Detects moves that are no moves: a mistake of one kind must show under the move that changes what it depends on, and
 // under no other.
 TEST(Battery, EachMistakeShowsUnderItsMove) {
