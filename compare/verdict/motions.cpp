@@ -23,9 +23,9 @@ namespace {
 /// Least part of the machine's length, and of the speed that gravity gives it, that motion is compared with.
 constexpr double kAtRest = 1e-3;
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kUnitRoundOff = std::numeric_limits<double>::epsilon();
 /// A place at the end of a run is known to so many units of round-off.
-constexpr double kNoise = 20.0 * kEps;
+constexpr double kNoise = 20.0 * kUnitRoundOff;
 
 /// Largest speeds and modal coordinates of a run: the scales of motion.
 struct MotionScales {
@@ -119,8 +119,8 @@ MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const
   MatX noise = MatX::Zero(2 * bodies, resolution.cols());
   for (Eigen::Index i = 1; i < bodies; ++i) {
     const int row = layout.first_row(Kind::acceleration, static_cast<int>(i));
-    noise.row(2 * i) = noise_of(row, kEps * places).transpose();
-    noise.row(2 * i + 1) = noise_of(row + 3, kEps * places / length).transpose();
+    noise.row(2 * i) = noise_of(row, kUnitRoundOff * places).transpose();
+    noise.row(2 * i + 1) = noise_of(row + 3, kUnitRoundOff * places / length).transpose();
   }
   return noise;
 }
