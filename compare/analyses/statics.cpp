@@ -102,7 +102,7 @@ class PseudoTransientContinuation {
     unstable_directions_ = growth.count();
     name_free_directions(chart, split);
     const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
-    if (is_met && is_done(newton.norm())) {
+    if (is_met && is_done(newton.norm(), f.norm() <= negligible)) {
       if (step_back(chart, split.free_directions())) return false;
       if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
       return true;
@@ -224,9 +224,12 @@ class PseudoTransientContinuation {
     return true;
   }
 
-  /// Newton's steps have become round-off.
-  [[nodiscard]] bool is_done(double step) const {
-    return step <= kRoundOffStep || (step <= kSmallStep && last_step_ > 0.0 && step >= 0.3 * last_step_);
+  /// Newton's steps have become round-off; short ones that do not shrink may also lead along a force that bends within
+  /// them, as that of a stop on the first part of its way.
+  [[nodiscard]] bool is_done(double step, bool is_at_rest) {
+    if (step <= kRoundOffStep) return true;
+    if (step > kSmallStep || last_step_ <= 0.0 || step < 0.3 * last_step_) return false;
+    return is_at_rest || ++short_steps_ > kMostShortSteps;
   }
 
   /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
@@ -328,6 +331,7 @@ class PseudoTransientContinuation {
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
   static constexpr int kMostStepsBack = 100;
+  static constexpr int kMostShortSteps = 20;
   static constexpr int kMostByShafts = 3000;
   static constexpr int kMostFarBack = 300;
   static constexpr double kMoreReach = 1.3;
@@ -361,6 +365,7 @@ class PseudoTransientContinuation {
   bool is_cautious_ = true;
   int long_steps_ = 0;
   int pushed_ = 0;
+  int short_steps_ = 0;
   int steps_back_ = 0;
   double last_back_ = std::numeric_limits<double>::infinity();
   int far_back_ = 0;

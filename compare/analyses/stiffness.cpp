@@ -39,22 +39,49 @@ constexpr double kNearRest = 1e-9;  // of what forces cause
 
 using AlongLine = std::function<std::optional<VecX>(double)>;
 
+/// A force that bends within the least step, as that of a stop on the first part of its way, asks for a shorter one.
+double least_difference_step(const AlongLine& function, const AccelerationScale& scale) {
+  constexpr double kShorter = 1.0 / 16.0;
+  constexpr double kLeastOfAll = 1e-11;
+  constexpr double kSeen = 1e-3;      // of what forces cause: less would be no stiff direction
+  constexpr double kRoundOff = 1e-3;  // that may be in what is seen
+  constexpr double kBends = 0.01;
+  const auto change_over = [&](double step) -> std::optional<VecX> {
+    const auto plus = function(step);
+    const auto minus = function(-step);
+    return plus && minus ? std::optional<VecX>(0.5 * (*plus - *minus)) : std::nullopt;
+  };
+  const double least = std::max(kSeen * scale.reference, scale.unresolved() / kRoundOff);
+  double step = kLeastDifferenceStep;
+  auto change = change_over(step);
+  while (change && step > kLeastOfAll && change->norm() > least) {
+    auto shorter = change_over(kShorter * step);
+    if (!shorter) break;
+    const VecX straight = kShorter * *change;
+    if ((*shorter - straight).norm() <= kBends * std::max(shorter->norm(), straight.norm())) break;
+    step *= kShorter;
+    change = std::move(shorter);
+  }
+  return step;
+}
+
 /// So far that stiff directions change the accelerations by ten times the reference, soft ones as far as is good; where
 /// forces are round-off of what springs add up, they say nothing.
-double difference_step(const AlongLine& function, const AccelerationScale& scale) {
-  const auto plus = function(kLeastDifferenceStep);
-  const auto minus = function(-kLeastDifferenceStep);
+double difference_step(const AlongLine& function, const AccelerationScale& scale, double least) {
+  const auto plus = function(least);
+  const auto minus = function(-least);
   const double reference = scale.reference;
   if (!plus || !minus || reference <= scale.unresolved()) return kDifferenceStep;
-  const double slope = (*plus - *minus).norm() / (2.0 * kLeastDifferenceStep);
+  const double slope = (*plus - *minus).norm() / (2.0 * least);
   if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
-  return std::max(4.0 * kLeastDifferenceStep, kTimesReference * reference / slope);
+  return std::max(4.0 * least, kTimesReference * reference / slope);
 }
 
 std::optional<Derivative> derivative_along(const AccelerationsAt& accelerations, const VecX& direction,
                                            const AccelerationScale& scale) {
   const AlongLine along = [&](double step) { return accelerations(step * direction); };
-  return derivative_at_zero(along, difference_step(along, scale), kLeastDifferenceStep, scale.resolved_reference());
+  const double least = least_difference_step(along, scale);
+  return derivative_at_zero(along, difference_step(along, scale, least), least, scale.resolved_reference());
 }
 
 /// Differences soft directions along themselves where an error covers more than the last eight digits of them.
@@ -146,7 +173,9 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
     const double coarse = bend(k, kLeastDifferenceStep);
     if (coarse <= std::max({kJump * J.col(k).norm(), round_off, largest})) continue;
     const double wider[] = {bend(k, 4.0 * kLeastDifferenceStep), bend(k, 16.0 * kLeastDifferenceStep)};
-    const auto [least, most] = std::minmax({coarse, wider[0], wider[1]});
+    // Shorter than what stiff stops are soft over, and longer than how near to a kink a rest is found.
+    const double narrow = bend(k, kLeastDifferenceStep / 64.0);
+    const auto [least, most] = std::minmax({narrow, coarse, wider[0], wider[1]});
     if (most > kStays * least) continue;
     worst = k;
     largest = coarse;

@@ -101,6 +101,41 @@ start.turn_z = { keep = 0.4, keep_speed = 0 }
 )toml";
 }
 
+TEST_CASE("A weight finds its rest on the first part of a stop's way, however short, and swings there as its law says",
+          "[analyses][quick]") {
+  const double width = GENERATE(1e-3, 1e-6, 2e-8);
+  constexpr double kMass = 1.7;
+  constexpr double kGravity = 9.81;
+  constexpr double kPart = 0.22;  // of the width, that the weight presses the stop in
+  const double soft = std::pow(kPart, 3) - 0.5 * std::pow(kPart, 4);
+  const double stiffness = kMass * kGravity / (width * soft);
+  const Model model = held_at_start(parse(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "weight"
+mass = 1.7
+inertia = [0.5, 0.7, 0.6]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = "ground"
+child = "weight"
+start.slide_z = {{ keep = 0, keep_speed = 0 }}
+spring.slide_z = {{ lower_stop = {{ at = -1.0, stiffness = {}, width = {} }} }}
+)toml",
+                                                      stiffness, width)));
+  const double exact = std::sqrt(stiffness * (3.0 * kPart * kPart - 2.0 * std::pow(kPart, 3)) / kMass);
+  for (const auto& solver : both_solvers(model)) {
+    const Equilibrium found = find_equilibrium(model, *solver);
+    CHECK(found.kink.empty());
+    CHECK(found.free.empty());
+    CHECK(-1.0 - found.state.q[0](0) == Approx(kPart * width).epsilon(1e-6));
+    const Linearization about = linearize(model, *solver, found.state);
+    REQUIRE(about.modes.size() == 1);
+    CHECK(about.modes[0].eigenvalue.imag() == Approx(exact).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("Springs that differ by fourteen orders keep their frequencies, and a free rotor beside them is free",
           "[analyses][quick]") {
   const std::vector<double> stiffnesses{3e-3, 0.7, 500.0, 8e10};
