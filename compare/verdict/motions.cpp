@@ -104,13 +104,14 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
 }  // namespace
 
 MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const Trajectory& run) {
+  constexpr double kEndOfARun = kUnitsOfARun * kUnitRoundOff;
   const double length = layout.model().length_scale();
   const auto bodies = static_cast<Eigen::Index>(layout.model().bodies.size());
   Eigen::ArrayXd places(resolution.cols());
   for (Eigen::Index k = 0; k < places.size(); ++k)
     places(k) = size_of_places(run.samples[static_cast<std::size_t>(k)].state, length);
-  // Round-off of a place or an angle, times the square of a frequency, is the resolution; the root of both is the
-  // former times the frequency.
+  // What a run leaves open of a place or an angle, times the square of a frequency, is the resolution; the root of both
+  // is the former times the frequency.
   const auto noise_of = [&](Eigen::Index row, const Eigen::ArrayXd& round_off) -> VecX {
     const Eigen::Array3Xd known = resolution.middleRows<3>(row).array();
     const Eigen::ArrayXd largest = known.isNaN().select(0.0, known).colwise().maxCoeff().transpose();
@@ -119,8 +120,8 @@ MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const
   MatX noise = MatX::Zero(2 * bodies, resolution.cols());
   for (Eigen::Index i = 1; i < bodies; ++i) {
     const int row = layout.first_row(Kind::acceleration, static_cast<int>(i));
-    noise.row(2 * i) = noise_of(row, kUnitRoundOff * places).transpose();
-    noise.row(2 * i + 1) = noise_of(row + 3, kUnitRoundOff * places / length).transpose();
+    noise.row(2 * i) = noise_of(row, kEndOfARun * places).transpose();
+    noise.row(2 * i + 1) = noise_of(row + 3, kEndOfARun * places / length).transpose();
   }
   return noise;
 }

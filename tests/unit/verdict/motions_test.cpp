@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "compare/verdict/resolution.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -53,12 +54,13 @@ TEST_F(MotionsTest, PlacesAreComparedWithTheWayTravelled) {
   EXPECT_NEAR(compare_motions(model_, {&one, &other}).digits, 8.0, 1e-2);
 }
 
-/// A spring makes of a place's last digit an acceleration, and of that a speed: what it explains is no difference.
+/// A spring makes of what a run leaves open of a place an acceleration, and of that a speed: what it explains is no
+/// difference.
 TEST_F(MotionsTest, SpeedsOfAStiffSpringAreKnownToItsFrequencyTimesThePlace) {
   const QuantityLayout layout(model_);
   const Trajectory one = run();
-  constexpr double kFrequency = 1e6;  // rad/s
-  const double place = std::numeric_limits<double>::epsilon() *
+  constexpr double kFrequency = 1e5;  // rad/s
+  const double place = kUnitsOfARun * std::numeric_limits<double>::epsilon() *
                        std::max(model_.length_scale(), one.samples[9].state.bodies[1].r.cwiseAbs().maxCoeff());
   MatX resolution = MatX::Zero(static_cast<Eigen::Index>(layout.quantities().size()), 21);
   resolution.middleRows<3>(layout.first_row(Kind::acceleration, 1)).setConstant(kFrequency * kFrequency * place);
