@@ -1,6 +1,7 @@
 #include "compare/analyses/deviations.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
@@ -34,6 +35,14 @@ RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
   return relative_motion(place_of(joint, Side::parent, state), place_of(joint, Side::child, state));
 }
 
+/// A rate that belongs to the machine's motion, or to its falling [1/s].
+double rate_of_machine(const Model& model, const State& state) {
+  const double length = model.length_scale();
+  double rate = std::sqrt(model.gravity.norm() / length);
+  for (const BodyState& body : state.bodies) rate = std::max({rate, body.omega.norm(), body.v.norm() / length});
+  return rate;
+}
+
 }  // namespace
 
 Deviations::Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes)
@@ -55,12 +64,14 @@ Deviations::Deviations(const Model& model, Solver& solver, const State& state, c
 
 void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
   constexpr double kClearlySlower = 1.0 - 1e-6;
+  constexpr double kTurns = 1e-9;  // of what moves in the machine: less is round-off of a side that stands still
+  const double least = kTurns * rate_of_machine(model_, state);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];
     const double parent = place_of(joint, Side::parent, state).omega_joint.norm();
     const double child = place_of(joint, Side::child, state).omega_joint.norm();
-    by_child_.push_back(child < kClearlySlower * parent);
+    by_child_.push_back(parent > least && child < kClearlySlower * parent);
     const int ball = ball_of(*joint.type);
     if (ball >= 0) balls_.push_back({k, row + ball, by_child_.back() ? 1.0 : -1.0});
     if (ball >= 0 && !axes.rates.empty() && !axes.rates[k].isZero(0.0)) {

@@ -14,6 +14,7 @@
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
+#include "compare/verdict/term_sizes.h"
 
 namespace concord::compare::analyses {
 
@@ -57,13 +58,48 @@ void make_rows_of(const QuantityLayout& layout, bool at_rest, AnalysisVerdict& r
   }
 }
 
+/// The largest force and torque that the solvers add up in a machine at rest, those of springs that balance each other
+/// too.
+struct LargestTerms {
+  double force = 0.0;
+  double torque = 0.0;
+
+  LargestTerms(const QuantityLayout& layout, const SharedState& rest) {
+    const VecX sizes = term_sizes(layout, rest);
+    for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
+      const Quantity& quantity = layout.quantities()[row];
+      if (quantity.kind != Kind::total) continue;
+      double& largest = quantity.component < 3 ? force : torque;
+      largest = std::max(largest, sizes(static_cast<Eigen::Index>(row)));
+    }
+    const double length = layout.model().length_scale();
+    force = std::max(force, torque / length);
+    torque = std::max(torque, force * length);
+  }
+
+  [[nodiscard]] double of(const Model& model, const Quantity& quantity) const {
+    if (quantity.kind != Kind::coupling) return unit_of(model, quantity) == "N m" ? torque : force;
+    double size = 0.0;
+    for (const CouplingTerm& term : model.couplings[static_cast<std::size_t>(quantity.owner)].terms) {
+      const auto& joint = model.joints[static_cast<std::size_t>(term.joint)];
+      const bool turns = turning_speeds(*joint.type)[static_cast<std::size_t>(speed_of(model, term))];
+      size = std::max(size, (turns ? torque : force) / std::abs(term.factor));
+    }
+    return size;
+  }
+};
+
 /// A wrench that vanishes where each solver rests follows from the places that they found, to as many digits: it is
 /// held against the machine's largest.
-void hold_vanishing_against_machine(const QuantityLayout& layout, std::vector<Measured>& own) {
+void hold_vanishing_against_machine(const QuantityLayout& layout, const SharedState& rest, std::vector<Measured>& own) {
+  const LargestTerms terms(layout, rest);
   for (std::size_t row = 0; row < own.size(); ++row) {
     Measured& one = own[row];
-    if (one.source != ScaleSource::floor || layout.quantities()[row].kind == Kind::acceleration) continue;
-    one.scale = one.machine;
+    const Quantity& quantity = layout.quantities()[row];
+    if (quantity.kind == Kind::acceleration) continue;
+    const double largest = terms.of(layout.model(), quantity);
+    if (one.source != ScaleSource::floor && one.scale > kScaleFloor * largest) continue;
+    one.scale = std::max(one.machine, largest);
     one.digits = matching_digits(one.difference, one.scale);
     one.unexplained_digits = matching_digits(one.unexplained, one.scale);
   }
@@ -97,7 +133,10 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const WeighedRun own = weigh_run(same_state.weighed(), samples);
   const Series series = align(layout, trajectories, samples);
   std::vector<Measured> measured = measure(layout, series, own.budget());
-  if (at_rest) hold_vanishing_against_machine(layout, measured);
+  if (at_rest) {
+    const Sample& rest = found[0].samples.front();
+    hold_vanishing_against_machine(layout, {rest.state, {rest.evaluation, rest.evaluation}}, measured);
+  }
   record(layout, measured, Rung::same_run, verdict);
   judge.find_differences_on(series, measured, Rung::same_run);
   verdict.motion = compare_motions(model, trajectories);

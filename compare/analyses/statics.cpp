@@ -69,7 +69,10 @@ class PseudoTransientContinuation {
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
 
   /// Those that fast shafts made short, and those that lead back over many turns, each with its corrections.
-  [[nodiscard]] int iterations_more() const { return std::min(length_.cut_by_shafts(), kMostByShafts) + 3 * far_back_; }
+  [[nodiscard]] int iterations_more() const {
+    return std::min(length_.cut_by_shafts(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
+           3 * far_back_;
+  }
 
   [[nodiscard]] State displaced(const State& start) {
     if (search_.displacement == 0.0) return start;
@@ -332,7 +335,7 @@ class PseudoTransientContinuation {
   static constexpr int kLongSteps = 30;
   static constexpr int kMostStepsBack = 100;
   static constexpr int kMostShortSteps = 20;
-  static constexpr int kMostByShafts = 3000;
+  static constexpr int kMostByShafts = 400000;  // over the number of rates: some ten seconds
   static constexpr int kMostFarBack = 300;
   static constexpr double kMoreReach = 1.3;
   static constexpr double kNearRest = 1e-6;  // of the length, rad

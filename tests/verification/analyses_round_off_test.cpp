@@ -252,5 +252,82 @@ friction = 0.8
   CHECK_THROWS_WITH(judge_linearization(model, kMakers, false), Catch::Contains("kink in this very state"));
 }
 
+TEST_CASE("A load that begins to swing below a moving trolley has the same modes whatever round-off turns the trolley",
+          "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "load"
+mass = 11
+inertia = [0.13, 0.13, 0.13]
+[[body]]
+name = "trolley"
+mass = 23
+inertia = [1, 1.2, 0.9]
+[[joint]]
+name = "rail"
+type = "translational"
+parent = { body = "ground", x = [0, 1, 0], z = [1, 0, 0] }
+child = { body = "trolley", x = [0, 1, 0], z = [1, 0, 0] }
+start.slide_z = { keep = 0, keep_speed = 1.7 }
+spring.slide_z = { damping = 12 }
+[[joint]]
+name = "rope"
+type = "spherical"
+parent = "trolley"
+child = { body = "load", point = [0, 0, 2.1] }
+start.ball = { keep = { axis = [0, 1, 0], angle = 0.06 }, keep_speed = [0, 0, 0] }
+)toml");
+  const AnalysisVerdict verdict = judge_linearization(model, kMakers, false);
+  CHECK(verdict.wrenches.findings.empty());
+  CHECK(verdict.wrenches.outcome == Outcome::agree);
+}
+
+/// A barrel's spring unwinds by 20 rad, and the last wheel of its train by 4000 rad: what is left of all torques there
+/// is the round-off of these turns, and nothing else is there to compare it with but the spring's own terms.
+TEST_CASE("A train of gears unwinds the spring of its barrel by hundreds of turns", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "barrel"
+mass = 0.2
+inertia = [1e-4, 1e-4, 2e-4]
+[[body]]
+name = "centre"
+mass = 0.02
+inertia = [1e-6, 1e-6, 2e-6]
+[[body]]
+name = "second"
+mass = 0.01
+inertia = [5e-7, 5e-7, 1e-6]
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0, 0] }
+child = "barrel"
+start.turn_z = { keep = 0, keep_speed = 0 }
+spring.turn_z = { stiffness = 0.01, preload = -0.2, damping = 0.2 }
+[[joint]]
+name = "C"
+type = "revolute"
+parent = { body = "ground", point = [0.05, 0, 0] }
+child = "centre"
+[[joint]]
+name = "S"
+type = "revolute"
+parent = { body = "ground", point = [0.05, 0.05, 0] }
+child = "second"
+[[coupling]]
+name = "first"
+terms = [{ joint = "B", coordinate = "turn_z", factor = 20 }, { joint = "C", coordinate = "turn_z", factor = 1 }]
+[[coupling]]
+name = "last"
+terms = [{ joint = "C", coordinate = "turn_z", factor = 10 }, { joint = "S", coordinate = "turn_z", factor = 1 }]
+)toml");
+  const AnalysisVerdict verdict = judge_statics(model, kMakers);
+  CHECK(verdict.wrenches.findings.empty());
+  CHECK(verdict.wrenches.outcome == Outcome::agree);
+  CHECK(verdict.wrenches.trajectories[0]->samples.front().state.q[2](0) == Approx(4000.0));
+}
+
 }  // namespace
 }  // namespace concord::verification
