@@ -183,17 +183,19 @@ class TermSizes {
   }
 
   /// A joint's force is known as well as the loads on its bodies, and takes its round-off to the origin by its lever:
-  /// of a body that falls, with next to nothing in its joint, that is more than what the joint passes.
+  /// of a body that falls, with next to nothing in its joint, that is more than what the joint passes. Couplings on one
+  /// joint may balance each other.
   [[nodiscard]] double of_sum(int body, bool is_torque) const {
-    if (!is_torque) return loads_.of(body).force;
-    double torque = loads_.of(body).torque;
+    double size = is_torque ? loads_.of(body).torque : loads_.of(body).force;
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
       for (const Attachment& side : model_.joints[k].sides) {
         if (side.body != body) continue;
-        torque = std::max(torque, of_bodies(static_cast<int>(k), false) * side.point_L.norm());
+        const int joint = static_cast<int>(k);
+        size = std::max(size, of_couplings_on(joint, is_torque));
+        if (is_torque) size = std::max(size, of_bodies(joint, false) * side.point_L.norm());
       }
     }
-    return torque;
+    return size;
   }
 
   [[nodiscard]] double of_coupling(const Coupling& coupling) const {
@@ -204,8 +206,8 @@ class TermSizes {
     return size;
   }
 
-  [[nodiscard]] double of_joint(int k, bool is_torque) const {
-    double size = of_bodies(k, is_torque);
+  [[nodiscard]] double of_couplings_on(int k, bool is_torque) const {
+    double size = 0.0;
     for (const Coupling& coupling : model_.couplings) {
       for (const CouplingTerm& term : coupling.terms) {
         if (term.joint != k || turns(term) != is_torque) continue;
@@ -213,6 +215,10 @@ class TermSizes {
       }
     }
     return size;
+  }
+
+  [[nodiscard]] double of_joint(int k, bool is_torque) const {
+    return std::max(of_bodies(k, is_torque), of_couplings_on(k, is_torque));
   }
 
   [[nodiscard]] double of_element(int k, bool is_torque) const {

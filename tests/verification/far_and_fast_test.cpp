@@ -4,13 +4,13 @@
 #include "compare/audit/balance.h"
 #include "judged_machines.h"
 
-/// Machines that drivers move faster than they are looked at, that stand far from the origin, or that travel far.
+/// Machines that drivers or gears move faster than they are looked at, that stand far from the origin, or that travel far.
 namespace concord::verification {
 namespace {
 
 // The work of drivers is integrated like the rest: a step as long as the time between two outputs, or a law that comes
 // and goes between them, may not lose it.
-TEST_CASE("Machines that motors move fast agree and keep their energy", "[fast]") {
+TEST_CASE("Machines that motors and gears move fast agree and keep their energy", "[fast]") {
   for (const std::string& name : machines_of("fast")) {
     DYNAMIC_SECTION(name) {
       const Model model = machine_of("fast", name);
