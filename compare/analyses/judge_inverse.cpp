@@ -12,6 +12,7 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/chart.h"
+#include "compare/verdict/term_sizes.h"
 
 namespace concord::compare::analyses {
 
@@ -27,6 +28,14 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
   constexpr double kPartOfSpin = 1e-3;  // of a balanced rotor, on which nothing acts, that is what is left to compare
   double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, state, there));
   for (const BodyState& body : state.bodies) scale = std::max(scale, kPartOfSpin * body.omega.squaredNorm());
+  // Where motors hold springs and nothing else acts, asked and reached are round-off of the springs' terms.
+  const VecX terms = term_sizes(layout, {state, {there, back}});
+  for (std::size_t row = 0; row < measured.size(); ++row) {
+    const Quantity& quantity = layout.quantities()[row];
+    if (quantity.kind != Kind::acceleration || quantity.component >= 6) continue;
+    const double size = kScaleFloor * terms(static_cast<Eigen::Index>(row));
+    scale = std::max(scale, quantity.component < 3 ? size / model.length_scale() : size);
+  }
   double mass = 0.0;
   for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
   double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);

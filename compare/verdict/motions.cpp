@@ -24,8 +24,10 @@ namespace {
 constexpr double kAtRest = 1e-3;
 
 constexpr double kUnitRoundOff = std::numeric_limits<double>::epsilon();
-/// A place at the end of a run is known to so many units of round-off.
-constexpr double kNoise = 20.0 * kUnitRoundOff;
+/// What round-off of a place leaves open at the end of a run, as a part of it.
+constexpr double kEndOfARun = kUnitsOfARun * kUnitRoundOff;
+/// The same of modal coordinates, which are no differences of places.
+constexpr double kModalNoise = 20.0 * kUnitRoundOff;
 
 /// Largest speeds and modal coordinates of a run: the scales of motion.
 struct MotionScales {
@@ -73,7 +75,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
   for (const Sample& sample : trajectory.samples) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& body = sample.state.bodies[i];
-      scales.place_noise = std::max(scales.place_noise, kNoise * body.r.cwiseAbs().maxCoeff());
+      scales.place_noise = std::max(scales.place_noise, kEndOfARun * body.r.cwiseAbs().maxCoeff());
       const Vec3& start = trajectory.samples.front().state.bodies[i].r;
       scales.place = std::max(scales.place, (body.r - start).norm());
       scales.speed = std::max(scales.speed, body.v.norm());
@@ -93,7 +95,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
     if (!model.bodies[i].modal) continue;
     const double shape = largest_displacements(model.bodies[i]).lpNorm<Eigen::Infinity>();
     if (shape == 0.0) continue;
-    scales.modal_noise[i] = kNoise * length / shape;
+    scales.modal_noise[i] = kModalNoise * length / shape;
     scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
     scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
     scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
@@ -104,7 +106,6 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
 }  // namespace
 
 MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const Trajectory& run) {
-  constexpr double kEndOfARun = kUnitsOfARun * kUnitRoundOff;
   const double length = layout.model().length_scale();
   const auto bodies = static_cast<Eigen::Index>(layout.model().bodies.size());
   Eigen::ArrayXd places(resolution.cols());

@@ -97,9 +97,21 @@ TEST_F(SpringTermsTest, ATireTakesItsHeightFromItsRadius) {
 }
 
 TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
-  const SpringTerms terms = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1));
+  const SpringTerms terms = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0));
   EXPECT_DOUBLE_EQ(terms.force, 500.0 * (0.4 + 0.3) + 20.0);
   EXPECT_DOUBLE_EQ(terms.torque, 7.0 * (0.1 + 2.0));
+}
+
+/// A motor that keeps a speed against a damper leaves the difference of two large forces.
+TEST_F(SpringTermsTest, DampersAddUpWhatTheirSpeedsGive) {
+  model_.joints[0].springs[0].law.damping = 40.0;
+  const SpringTerms at_rest = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0));
+  const SpringTerms moving = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(-3.0, -3.0));
+  EXPECT_DOUBLE_EQ(std::max(moving.force - at_rest.force, moving.torque - at_rest.torque), 120.0);
+  const double line_at_rest = of_element(0).force;
+  std::get<LineSpring>(model_.elements[0].what).law.damping = 7.0;
+  state_.bodies[1].v = Vec3(0.0, 2.0, 0.0);
+  EXPECT_DOUBLE_EQ(of_element(0).force - line_at_rest, 14.0);
 }
 
 }  // namespace
