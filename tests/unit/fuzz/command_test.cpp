@@ -74,8 +74,7 @@ TEST(FuzzCommand, CrashHangAndGluttonyCostOneMachineEach) {
   const SolverMakers makers = makers_that([](const Model& model) {
     if (model.name == "fuzz_2") std::raise(SIGABRT);
     if (model.name == "fuzz_4") {
-      for (volatile long k = 0;; k = k + 1) {
-      }
+      for (volatile long k = 0;;) k = k + 1;
     }
     if (model.name == "fuzz_6") throw std::bad_alloc();
   });

@@ -343,9 +343,9 @@ std::string refusal_of_hinge_with(const std::function<void(Model&)>& add) {
 TEST(AppliedForces, RefuseElementsThatAreNotDefined) {
   // The frames of a hinge meet in one point, but for round-off.
   const std::string strut = refusal_of_hinge_with([](Model& model) {
-    LineSpring strut{model.joints[0].sides, {}};
-    strut.law.preload = 3.0;
-    model.elements.push_back({"strut", strut, {}});
+    LineSpring spring{model.joints[0].sides, {}};
+    spring.law.preload = 3.0;
+    model.elements.push_back({"strut", spring, {}});
   });
   EXPECT_TRUE(strut.starts_with("relative: force element 'strut': its ends are ")) << strut;
   EXPECT_TRUE(strut.ends_with(" m apart, so that its force has no direction: move an end")) << strut;

@@ -25,8 +25,7 @@ std::string misbehave(const std::string& input) {
   if (input == "leave") _exit(7);
   if (input == "throw") throw std::runtime_error("no such thing");
   if (input == "spin") {
-    for (volatile long k = 0;; k = k + 1) {
-    }
+    for (volatile long k = 0;;) k = k + 1;
   }
   if (input == "eat") {
     std::vector<std::vector<char>> eaten;
