@@ -157,7 +157,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   if (!model.joints.empty() && result.wrenches.rows.empty() && !has_judged(result.wrenches)) {
     result.wrenches.failures.emplace_back("no joint can carry a reaction, so that none was judged");
   }
-  require_judged(result);
+  require_unique(result);
   conclude(result);
   return result;
 }
