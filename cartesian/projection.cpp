@@ -112,6 +112,7 @@ void Projection::project_velocities(PlacedConstraints& placed, const Equations& 
     solve_constraint_step(matrix);
     Y += step_;
   }
+  if (size <= kProjectionLimit * speed) return;
   throw SolverError(fmt::format(
       "cartesian: at t = {:.6g} s the velocities of {} will not close: residual {:.3g} of the largest speed", t,
       name_of_largest(equations, residual_), size / speed));
