@@ -22,10 +22,10 @@ struct TurningAxes {
 /// measured in what all joints and modes have moved beyond what the motion itself moves them. In these coordinates the
 /// steady motion of a rotor, or of a machine on an arm that turns, is a rest: its matrices do not depend on time, and
 /// gyroscopic and centrifugal terms stand in them. Angles and displacements deviate as numbers; the orientation of a
-/// ball by a rotation vector eps in the axes of the child where that clearly turns slower, of the parent otherwise, with
-/// epsdot = omega - omega* - eps x omega* on the parent's side (plus on the child's), omega* being that of the motion.
-/// Where TurningAxes turn at W against that side, eps and the displacements of a free joint are taken in them: their
-/// rates in these axes are less by W x eps.
+/// ball by a rotation vector eps in the axes of the child where that clearly turns slower, of the parent otherwise,
+/// with epsdot = omega - omega* - eps x omega* on the parent's side (plus on the child's), omega* being that of the
+/// motion. Where TurningAxes turn at W against that side, eps and the displacements of a free joint are taken in them:
+/// their rates in these axes are less by W x eps.
 ///
 /// Model and solver must outlive it; the state is closed.
 class Deviations {

@@ -4,7 +4,8 @@
 #include "compare/audit/balance.h"
 #include "judged_machines.h"
 
-/// Machines that drivers or gears move faster than they are looked at, that stand far from the origin, or that travel far.
+/// Machines that drivers or gears move faster than they are looked at, that stand far from the origin, or that travel
+/// far.
 namespace concord::verification {
 namespace {
 
