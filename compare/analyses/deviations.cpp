@@ -7,6 +7,7 @@
 #include "common/joints/joint_type.h"
 #include "compare/audit/joint_kinematics.h"
 #include "compare/verdict/prediction.h"
+#include "compare/verdict/resolution.h"
 #include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {
@@ -35,14 +36,6 @@ RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
   return relative_motion(place_of(joint, Side::parent, state), place_of(joint, Side::child, state));
 }
 
-/// A rate that belongs to the machine's motion, or to its falling [1/s].
-double rate_of_machine(const Model& model, const State& state) {
-  const double length = model.length_scale();
-  double rate = std::sqrt(model.gravity.norm() / length);
-  for (const BodyState& body : state.bodies) rate = std::max({rate, body.omega.norm(), body.v.norm() / length});
-  return rate;
-}
-
 }  // namespace
 
 Deviations::Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes)
@@ -64,8 +57,9 @@ Deviations::Deviations(const Model& model, Solver& solver, const State& state, c
 
 void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
   constexpr double kClearlySlower = 1.0 - 1e-6;
-  constexpr double kTurns = 1e-9;  // of what moves in the machine: less is round-off of a side that stands still
-  const double least = kTurns * rate_of_machine(model_, state);
+  constexpr double kTurns = 1e-9;  // of how the machine moves, or falls: less is round-off of a side that stands still
+  const double falls = std::sqrt(model_.gravity.norm() / model_.length_scale());
+  const double least = kTurns * std::max(falls, sizes_of(model_, state).turning);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];

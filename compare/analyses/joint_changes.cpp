@@ -36,11 +36,9 @@ std::vector<Shaft> geared_shafts(const Model& model) {
     shafts.push_back({term.joint, speed, 1.0, static_cast<int>(shafts.size())});
     return shafts.size() - 1;
   };
-  const auto turns = [&](const CouplingTerm& term) -> bool {
-    return turning_speeds(*model.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model, term))];
-  };
   for (const Coupling& coupling : model.couplings) {
-    if (coupling.terms.size() != 2 || !turns(coupling.terms[0]) || !turns(coupling.terms[1])) continue;
+    if (coupling.terms.size() != 2 || !is_turn(model, coupling.terms[0]) || !is_turn(model, coupling.terms[1]))
+      continue;
     const std::size_t first = shaft_of(coupling.terms[0]);
     const std::size_t second = shaft_of(coupling.terms[1]);
     const double rate = shafts[first].rate * std::abs(coupling.terms[0].factor / coupling.terms[1].factor);

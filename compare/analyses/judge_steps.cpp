@@ -80,11 +80,8 @@ struct LargestTerms {
   [[nodiscard]] double of(const Model& model, const Quantity& quantity) const {
     if (quantity.kind != Kind::coupling) return unit_of(model, quantity) == "N m" ? torque : force;
     double size = 0.0;
-    for (const CouplingTerm& term : model.couplings[static_cast<std::size_t>(quantity.owner)].terms) {
-      const auto& joint = model.joints[static_cast<std::size_t>(term.joint)];
-      const bool turns = turning_speeds(*joint.type)[static_cast<std::size_t>(speed_of(model, term))];
-      size = std::max(size, (turns ? torque : force) / std::abs(term.factor));
-    }
+    for (const CouplingTerm& term : model.couplings[static_cast<std::size_t>(quantity.owner)].terms)
+      size = std::max(size, (is_turn(model, term) ? torque : force) / std::abs(term.factor));
     return size;
   }
 };

@@ -39,8 +39,14 @@ constexpr double kNearRest = 1e-9;  // of what forces cause
 
 using AlongLine = std::function<std::optional<VecX>(double)>;
 
+/// The shortest step of differences, and half of what changes across it; nothing where closed states are missing.
+struct LeastStep {
+  double step = kLeastDifferenceStep;
+  std::optional<VecX> change;
+};
+
 /// A force that bends within the least step, as that of a stop on the first part of its way, asks for a shorter one.
-double least_difference_step(const AlongLine& function, const AccelerationScale& scale) {
+LeastStep least_difference_step(const AlongLine& function, const AccelerationScale& scale) {
   constexpr double kShorter = 1.0 / 16.0;
   constexpr double kLeastOfAll = 1e-11;
   constexpr double kSeen = 1e-3;      // of what forces cause: less would be no stiff direction
@@ -52,36 +58,32 @@ double least_difference_step(const AlongLine& function, const AccelerationScale&
     return plus && minus ? std::optional<VecX>(0.5 * (*plus - *minus)) : std::nullopt;
   };
   const double least = std::max(kSeen * scale.reference, scale.unresolved() / kRoundOff);
-  double step = kLeastDifferenceStep;
-  auto change = change_over(step);
-  while (change && step > kLeastOfAll && change->norm() > least) {
-    auto shorter = change_over(kShorter * step);
+  LeastStep found{kLeastDifferenceStep, change_over(kLeastDifferenceStep)};
+  while (found.change && found.step > kLeastOfAll && found.change->norm() > least) {
+    auto shorter = change_over(kShorter * found.step);
     if (!shorter) break;
-    const VecX straight = kShorter * *change;
+    const VecX straight = kShorter * *found.change;
     if ((*shorter - straight).norm() <= kBends * std::max(shorter->norm(), straight.norm())) break;
-    step *= kShorter;
-    change = std::move(shorter);
+    found = {kShorter * found.step, std::move(shorter)};
   }
-  return step;
+  return found;
 }
 
 /// So far that stiff directions change the accelerations by ten times the reference, soft ones as far as is good; where
 /// forces are round-off of what springs add up, they say nothing.
-double difference_step(const AlongLine& function, const AccelerationScale& scale, double least) {
-  const auto plus = function(least);
-  const auto minus = function(-least);
+double difference_step(const LeastStep& least, const AccelerationScale& scale) {
   const double reference = scale.reference;
-  if (!plus || !minus || reference <= scale.unresolved()) return kDifferenceStep;
-  const double slope = (*plus - *minus).norm() / (2.0 * least);
+  if (!least.change || reference <= scale.unresolved()) return kDifferenceStep;
+  const double slope = least.change->norm() / least.step;
   if (slope * kDifferenceStep <= kTimesReference * reference) return kDifferenceStep;
-  return std::max(4.0 * least, kTimesReference * reference / slope);
+  return std::max(4.0 * least.step, kTimesReference * reference / slope);
 }
 
 std::optional<Derivative> derivative_along(const AccelerationsAt& accelerations, const VecX& direction,
                                            const AccelerationScale& scale) {
   const AlongLine along = [&](double step) { return accelerations(step * direction); };
-  const double least = least_difference_step(along, scale);
-  return derivative_at_zero(along, difference_step(along, scale, least), least, scale.resolved_reference());
+  const LeastStep least = least_difference_step(along, scale);
+  return derivative_at_zero(along, difference_step(least, scale), least.step, scale.resolved_reference());
 }
 
 /// Differences soft directions along themselves where an error covers more than the last eight digits of them.

@@ -76,6 +76,10 @@ class BatteryRun {
   }
 
  private:
+  [[nodiscard]] const MovedSolver::Maker& maker_of(Who who) const {
+    return who == Who::cartesian ? makers_.cartesian : makers_.relative;
+  }
+
   MoveRow& row_of(Who who) { return battery_.rows[battery_.rows.size() - 2 + static_cast<std::size_t>(index(who))]; }
 
   /// A run by one solver: by the other one where the first does not finish.
@@ -135,9 +139,8 @@ class BatteryRun {
     const Model again = started_in(variant.change.model(started_in(model_, start)), variant.change.state(start));
     for (const Who who : kBothSolvers) {
       if (!row_of(who).applies) continue;
-      const auto& make = who == Who::cartesian ? makers_.cartesian : makers_.relative;
       try {
-        MovedSolver moved(variant.change, again, make);
+        MovedSolver moved(variant.change, again, maker_of(who));
         compare_starts(who, moved);
         const Answers answers = ask(who, variant, moved);
         if (answers.states.empty()) continue;
@@ -253,11 +256,10 @@ class BatteryRun {
   void take_round_off_of_data(Who who, const Change& change, const Model& described, const Answers& answers,
                               const MatX& said, MatX& resolution) {
     constexpr std::uint64_t kNearby = 3;
-    const auto& make = who == Who::cartesian ? makers_.cartesian : makers_.relative;
     for (std::uint64_t k = 0; k < kNearby; ++k) {
       const Change nearby = nearby_frames(described, options_.seed + k);
       try {
-        MovedSolver moved(change | nearby, nearby.model(described), make);
+        MovedSolver moved(change | nearby, nearby.model(described), maker_of(who));
         for (Eigen::Index column = 0; column < said.cols(); ++column) {
           const State& state = answers.states[static_cast<std::size_t>(column)].state;
           const VecX change_of_answer = (layout_.observe(state, moved.evaluate(state)) - said.col(column)).cwiseAbs();

@@ -164,8 +164,7 @@ class Scales {
       double scale = 0.0;
       for (const CouplingTerm& term : coupling.terms) {
         const BlockScale& total = totals_[2 * term.joint + index(Side::child)];
-        const bool turns = turning_speeds(*model.joints[term.joint].type)[speed_of(model, term)];
-        scale = std::max(scale, (turns ? total.angular : total.linear) / std::abs(term.factor));
+        scale = std::max(scale, (is_turn(model, term) ? total.angular : total.linear) / std::abs(term.factor));
       }
       couplings_.push_back({scale, scale});
     }

@@ -167,25 +167,29 @@ std::string describe_component(const Quantity& quantity) {
   return fmt::format("addot_{}", quantity.component - 5);
 }
 
+namespace {
+
+bool turns(const Model& model, int joint, int speed) {
+  return turning_speeds(*model.joints[joint].type).at(static_cast<std::size_t>(speed));
+}
+
+}  // namespace
+
 std::string unit_of(const Model& model, const Quantity& quantity) {
   if (quantity.kind == Kind::acceleration) {
     return quantity.component < 3 ? "m/s2" : quantity.component < 6 ? "rad/s2" : "1/s2";
   }
-  const auto turns = [&](int joint, int speed) -> bool {
-    return turning_speeds(*model.joints[joint].type).at(static_cast<std::size_t>(speed));
-  };
   bool is_torque = quantity.component >= 3;
-  if (quantity.kind == Kind::driver) is_torque = turns(quantity.owner, quantity.component);
-  if (quantity.kind == Kind::coupling) {
-    const CouplingTerm& first = model.couplings[quantity.owner].terms.front();
-    is_torque = turns(first.joint, speed_of(model, first));
-  }
+  if (quantity.kind == Kind::driver) is_torque = turns(model, quantity.owner, quantity.component);
+  if (quantity.kind == Kind::coupling) is_torque = is_turn(model, model.couplings[quantity.owner].terms.front());
   return is_torque ? "N m" : "N";
 }
 
 int speed_of(const Model& model, const CouplingTerm& term) {
   return first_u(*model.joints[term.joint].type, term.word) + term.component;
 }
+
+bool is_turn(const Model& model, const CouplingTerm& term) { return turns(model, term.joint, speed_of(model, term)); }
 
 std::vector<int> forced_speeds(const Model& model, int k) {
   std::set<int> speeds;

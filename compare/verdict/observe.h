@@ -74,6 +74,8 @@ std::string describe_component(const Quantity& quantity);
 
 /// Place of a coupled coordinate's speed among the speeds of its joint.
 int speed_of(const Model& model, const CouplingTerm& term);
+/// Whether a coupled coordinate is an angle, so that a torque acts on it.
+bool is_turn(const Model& model, const CouplingTerm& term);
 
 /// The unit of a coupling's force is that of its first term's coordinate force, whose factor counts as a number:
 /// "N", "N m", "m/s2", "rad/s2", or "1/s2" for modal accelerations.

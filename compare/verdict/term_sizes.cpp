@@ -155,10 +155,6 @@ class TermSizes {
   }
 
  private:
-  [[nodiscard]] bool turns(const CouplingTerm& term) const {
-    return turning_speeds(*model_.joints[term.joint].type)[static_cast<std::size_t>(speed_of(model_, term))];
-  }
-
   /// How far apart two ends stand, at least the machine's length [m]: a force on one is a torque about the other. A
   /// load has one end. Far from the origin levers are differences of places, which are rounded as the distance is.
   [[nodiscard]] double reach(const Attachment* one, const Attachment* other) const {
@@ -201,7 +197,7 @@ class TermSizes {
   [[nodiscard]] double of_coupling(const Coupling& coupling) const {
     double size = 0.0;
     for (const CouplingTerm& term : coupling.terms) {
-      size = std::max(size, of_bodies(term.joint, turns(term)) / std::abs(term.factor));
+      size = std::max(size, of_bodies(term.joint, is_turn(model_, term)) / std::abs(term.factor));
     }
     return size;
   }
@@ -210,7 +206,7 @@ class TermSizes {
     double size = 0.0;
     for (const Coupling& coupling : model_.couplings) {
       for (const CouplingTerm& term : coupling.terms) {
-        if (term.joint != k || turns(term) != is_torque) continue;
+        if (term.joint != k || is_turn(model_, term) != is_torque) continue;
         size = std::max(size, of_coupling(coupling) * std::abs(term.factor));
       }
     }
@@ -245,11 +241,12 @@ class TermSizes {
     for (const Coupling& coupling : model_.couplings) {
       for (const CouplingTerm& own : coupling.terms) {
         const auto& sides = model_.joints[own.joint].sides;
-        if (turns(own) != angular || (sides[0].body != body && sides[1].body != body)) continue;
+        if (is_turn(model_, own) != angular || (sides[0].body != body && sides[1].body != body)) continue;
         for (const CouplingTerm& other : coupling.terms) {
           if (&other == &own) continue;
           for (const Attachment& side : model_.joints[other.joint].sides) {
-            largest = std::max(largest, std::abs(other.factor / own.factor) * by_loads(side.body, turns(other)));
+            largest =
+                std::max(largest, std::abs(other.factor / own.factor) * by_loads(side.body, is_turn(model_, other)));
           }
         }
       }
