@@ -128,7 +128,6 @@ std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
   return found;
 }
 
-// NOLINTNEXTLINE(performance-unnecessary-value-param): views of what is written
 const RoundOffShares& Dynamics::project(const Solution& /*nearby*/, double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y) {
   return projection_.project(equations_, matrix_, t, q, Y);
 }
