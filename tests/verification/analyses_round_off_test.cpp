@@ -275,8 +275,8 @@ spring.slide_z = { damping = 12 }
 [[joint]]
 name = "rope"
 type = "spherical"
-parent = "trolley"
-child = { body = "load", point = [0, 0, 2.1] }
+parent = { body = "load", point = [0, 0, 2.1] }
+child = "trolley"
 start.ball = { keep = { axis = [0, 1, 0], angle = 0.06 }, keep_speed = [0, 0, 0] }
 )toml");
   const AnalysisVerdict verdict = judge_linearization(model, kMakers, false);
