@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "common/error.h"
 #include "common/joints/named_coordinates.h"
@@ -38,6 +40,30 @@ void check_asked(const Model& model, const std::vector<AskedAcceleration>& asked
                     "it keeps {}",
                     name, fmt::join(names, ", ")));
   }
+}
+
+/// Makes guesses of so many kept coordinates (three of a ball), so that the machine still starts.
+std::optional<Model> with_fewer_kept(const Model& model, int surplus, const std::function<bool(const Model&)>& starts) {
+  constexpr std::size_t kMostWords = 12;  // beyond, the choices are too many to try each
+  std::vector<std::pair<std::size_t, std::size_t>> kept;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (std::size_t word = 0; word < model.joints[k].start.size(); ++word) {
+      if (model.joints[k].start[word].role_q == StartRole::keep) kept.emplace_back(k, word);
+    }
+  }
+  if (kept.size() > kMostWords) return std::nullopt;
+  for (std::size_t choice = 1; choice < std::size_t{1} << kept.size(); ++choice) {
+    Model fewer = model;
+    int released = 0;
+    for (std::size_t one = 0; one < kept.size(); ++one) {
+      if ((choice >> one & 1U) == 0) continue;
+      WordStart& start = fewer.joints[kept[one].first].start[kept[one].second];
+      start.role_q = StartRole::guess;
+      released += static_cast<int>(start.u.size());
+    }
+    if (released == surplus && starts(fewer)) return fewer;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -79,17 +105,21 @@ std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::ve
   return coordinates;
 }
 
-Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates) {
+Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates,
+                     const std::function<bool(const Model&)>& starts) {
   Model driven = model;
+  int surplus = 0;
   for (const Prescribed& one : coordinates) {
     Joint& joint = driven.joints[one.joint];
     const double q = state.q[one.joint](first_q(*joint.type, one.word) + one.component);
     const double u = state.u[one.joint](one.speed(model));
     joint.drivers.push_back({one.word, Polynomial{{q, u, 0.5 * one.acceleration}}, one.component});
+    if (joint.start[one.word].role_q != StartRole::keep) ++surplus;
     joint.start[one.word].role_q = StartRole::unsaid;
     joint.start[one.word].role_u = StartRole::unsaid;
   }
-  return driven;
+  if (surplus == 0) return driven;
+  return with_fewer_kept(driven, surplus, starts).value_or(driven);
 }
 
 double force_to_apply(const Model& model, const Evaluation& evaluation, const Prescribed& one) {

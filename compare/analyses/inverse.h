@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,8 +34,11 @@ struct AskedAcceleration {
 std::vector<Prescribed> prescribed_coordinates(const Model& model, const std::vector<AskedAcceleration>& asked);
 
 /// The model whose prescribed coordinates are driven through their values and speeds in `state` (at time 0) with their
-/// accelerations: force_to_apply() of it is the answer.
-Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates);
+/// accelerations: force_to_apply() of it is the answer. Where it keeps the speed of one coordinate and the place of
+/// another, the driver decides that place too: as many kept coordinates become guesses, the first ones without which
+/// `starts` says that the machine still starts (where there are none, the model as it was).
+Model driven_through(const Model& model, const State& state, const std::vector<Prescribed>& coordinates,
+                     const std::function<bool(const Model&)>& starts);
 
 /// What a motor must exert on a prescribed coordinate so that it moves as asked, its springs, dampers and motors
 /// replaced by it [N, N m]: tau without what couplings exert, which go on to act. `evaluation`: of the driven model.

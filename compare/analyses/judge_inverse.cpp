@@ -55,10 +55,18 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
 AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
                               const std::vector<AskedAcceleration>& asked) {
   const std::vector<Prescribed> coordinates = prescribed_coordinates(model, asked);
-  const State start = makers.cartesian(model)->assemble();
-  Model driven = driven_through(model, start, coordinates);
   AnalysisVerdict result;
   result.analysis = "inverse";
+  Model begun = model;
+  const State start = make_solvers(begun, makers, result)[index(Who::cartesian)]->assemble();
+  Model driven = driven_through(started_at(begun, start), start, coordinates, [&](const Model& candidate) {
+    try {
+      makers.cartesian(candidate)->assemble();
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  });
   const Solvers solvers = make_solvers(driven, makers, result);
   std::array<Evaluation, 2> there;
   for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);
@@ -78,7 +86,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   result.text += "forces that make the machine move as asked:\n" +
                  format_table(lines, {false, true, true, true, false, true}) + '\n';
   for (const Who who : kBothSolvers) {
-    const Model actuated = actuated_by(model, there[index(who)], coordinates);
+    const Model actuated = actuated_by(begun, there[index(who)], coordinates);
     for (const Who by : kBothSolvers) {
       const auto solver = (by == Who::cartesian ? makers.cartesian : makers.relative)(actuated);
       const double digits = round_trip_digits(driven, start, there[index(who)], solver->evaluate(start));

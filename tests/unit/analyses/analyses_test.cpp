@@ -149,7 +149,8 @@ TEST_F(AnalysesTest, InverseDrivesWhatIsKeptThroughItsStart) {
   ASSERT_EQ(coordinates.size(), 1U);
   EXPECT_EQ(coordinates[0].name(model_), "turn_z of A");
   FakePendulum solver(model_, "cartesian");
-  const Model driven = driven_through(model_, solver.assemble(), coordinates);
+  const Model driven =
+      driven_through(model_, solver.assemble(), coordinates, [](const Model& /*model*/) { return true; });
   EXPECT_EQ(std::get<Polynomial>(driven.joints[0].drivers.at(0).law).coefficients,
             (std::vector<double>{0.7, 3.1, 1.25}));
   EXPECT_EQ(driven.joints[0].start[0].role_q, StartRole::unsaid);
