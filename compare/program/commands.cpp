@@ -292,8 +292,10 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
     std::string note;
-    const Model model = analyses::as_it_starts(read_model(command.model), makers, note);
-    const auto solver = (command.is_cartesian ? makers.cartesian : makers.relative)(model);
+    Model model = analyses::as_it_starts(read_model(command.model), makers, note);
+    std::string branch;
+    const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
+    const auto& solver = solvers[command.is_cartesian ? 0 : 1];
     check_results(command.out, run_file_names(model, solver->name()));
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, *solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
@@ -313,7 +315,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     std::vector<std::string> notes = notes_on_tables(model, run.until);
-    notes.insert(notes.end(), {note, made_by.note});
+    notes.insert(notes.end(), {note, branch, made_by.note});
     for (const std::string& one : notes) {
       if (!one.empty()) console.out << fmt::format("note: {}\n", one);
     }
@@ -329,14 +331,20 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    const Model model = read_model(file);
+    std::string note;
+    Model model = analyses::as_it_starts(read_model(file), makers, note);
+    std::string branch;
+    const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
     std::array<SolverView, 2> views;
-    for (int who = 0; who < 2; ++who) {
-      const auto solver = (who == 0 ? makers.cartesian : makers.relative)(model);
-      const State start = solver->assemble();
-      views[who] = {std::string(solver->name()), solver->cut_joints(), solver->integrators(), solver->rank(start)};
+    for (const Who who : kBothSolvers) {
+      Solver& solver = *solvers[index(who)];
+      const State start = solver.assemble();
+      views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
     console.out << format_info(model, views);
+    for (const std::string& one : {note, branch}) {
+      if (!one.empty()) console.out << fmt::format("note: {}\n", one);
+    }
     return static_cast<int>(kAgree);
   });
 }

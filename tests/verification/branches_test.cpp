@@ -1,6 +1,10 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "closed_forms.h"
@@ -97,6 +101,17 @@ TEST_CASE("A linkage without guesses that one solver cannot close starts from wh
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
   const compare::Solvers solvers = compare::make_solvers_on_one_branch(model, makers, note);
   CHECK((solvers[0]->assemble().q[2] - solvers[1]->assemble().q[2]).norm() < 1e-12);
+}
+
+TEST_CASE("Where compare starts a machine, info and a run of one solver start it too", "[closure]") {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("branches_{}.toml", getpid());
+  std::ofstream(file) << spherical_four_bar("-150", "60", "-100");  // cartesian alone finds no start
+  for (const std::string command : {"info", "run --solver cartesian", "run --solver relative", "compare"}) {
+    INFO(command);
+    const std::string line = fmt::format("'" CONCORD_PROGRAM "' {} '{}' > /dev/null 2>&1", command, file.string());
+    CHECK(std::system(line.c_str()) == 0);
+  }
+  std::filesystem::remove(file);
 }
 
 }  // namespace
