@@ -253,6 +253,21 @@ MatX without_luck(const MatX& error, const MatX& values) {
   return likely + kRoundOff * values.cwiseAbs();
 }
 
+/// How far modes are from those found otherwise is what is open of them; one that has no partner there is not resolved.
+void take_as_resolution(const FoundModes& other, std::vector<Mode>& modes) {
+  const ModePairs pairs = pair_modes(modes, other.moving, other.resolution);
+  for (const auto& [k, partner] : pairs.both) {
+    Mode& mode = modes[k];
+    const Mode& moved = other.moving[partner];
+    mode.eigenvalue_resolution = std::max(mode.eigenvalue_resolution, std::abs(mode.eigenvalue - moved.eigenvalue));
+    mode.shape_resolution = std::max(mode.shape_resolution, shape_difference(mode, moved));
+  }
+  for (const std::size_t k : pairs.alone[0]) {
+    modes[k].eigenvalue_resolution = std::abs(modes[k].eigenvalue);
+    modes[k].shape_resolution = 1.0;
+  }
+}
+
 MatX drawn_from(const MatX& values, const MatX& error, Draws& draws) {
   MatX drawn = values;
   for (Eigen::Index column = 0; column < values.cols(); ++column) {
@@ -273,20 +288,23 @@ void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& mat
   for (int draw = 0; draw < kModeDraws; ++draw) {
     MotionMatrices drawn{drawn_from(matrices.A, of_A, draws), matrices.B};
     if (!search.is_undamped) drawn.B = drawn_from(matrices.B, of_B, draws);
-    const FoundModes found = find_modes(search, drawn, errors);
-    const std::vector<Mode>& moved = found.moving;
-    const ModePairs pairs = pair_modes(modes, moved, found.resolution);
-    for (const auto& [k, partner] : pairs.both) {
-      Mode& mode = modes[k];
-      mode.eigenvalue_resolution =
-          std::max(mode.eigenvalue_resolution, std::abs(mode.eigenvalue - moved[partner].eigenvalue));
-      mode.shape_resolution = std::max(mode.shape_resolution, shape_difference(mode, moved[partner]));
-    }
-    for (const std::size_t k : pairs.alone[0]) {
-      modes[k].eigenvalue_resolution = std::abs(modes[k].eigenvalue);
-      modes[k].shape_resolution = 1.0;
-    }
+    take_as_resolution(find_modes(search, drawn, errors), modes);
   }
+}
+
+std::array<int, 2> weigh_decisions_on_free(ModeSearch search, const MotionMatrices& matrices,
+                                           const MotionMatrices& errors, FoundModes& found) {
+  const int decided = found.count_free();
+  std::array<int, 2> range{decided, decided};
+  for (const double strictness : {1.0 / 30.0, 30.0}) {
+    search.strictness = strictness;
+    const FoundModes other = find_modes(search, matrices, errors);
+    const int count = other.count_free();
+    if (count == decided) continue;
+    range = {std::min(range[0], count), std::max(range[1], count)};
+    take_as_resolution(other, found.moving);
+  }
+  return range;
 }
 
 void split_unresolved_pairs(std::vector<Mode>& modes) {

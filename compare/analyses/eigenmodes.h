@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "compare/analyses/linearize.h"
@@ -44,6 +45,12 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
 /// by, over a few draws: written into the modes. A mode that a draw loses is not resolved.
 void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors,
                              std::vector<Mode>& modes);
+
+/// Asks for a thirtieth of what otherwise counts as stiffness, and for thirty times as much: the fewest and the most
+/// modes that are free then. Where that decides otherwise on one motion, the others follow: by how much they move is
+/// written into them too.
+std::array<int, 2> weigh_decisions_on_free(ModeSearch search, const MotionMatrices& matrices,
+                                           const MotionMatrices& errors, FoundModes& found);
 
 /// Near critical damping round-off decides whether two eigenvalues are real or a conjugate pair: a pair whose imaginary
 /// part is not resolved becomes two real ones. After measure_mode_resolution().

@@ -99,18 +99,6 @@ bool comes_first(const Mode& a, const Mode& b) {
   return a.eigenvalue.real() < b.eigenvalue.real();
 }
 
-/// The numbers of free modes by decisions that ask for a thirtieth as much, and for thirty times as much.
-std::array<int, 2> range_of_free(ModeSearch search, const MotionMatrices& matrices, const MotionMatrices& errors,
-                                 int found) {
-  std::array<int, 2> range{found, found};
-  for (const double strictness : {1.0 / 30.0, 30.0}) {
-    search.strictness = strictness;
-    const int count = find_modes(search, matrices, errors).count_free();
-    range = {std::min(range[0], count), std::max(range[1], count)};
-  }
-  return range;
-}
-
 }  // namespace
 
 Linearization linearize(const Model& model, Solver& solver, const State& state, const TurningAxes& axes) {
@@ -146,9 +134,9 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   const MotionMatrices errors{stiffness.error, std::move(damping.error)};
   FoundModes found = find_modes(search, matrices, errors);
   measure_mode_resolution(search, matrices, errors, found.moving);
+  result.free_range = weigh_decisions_on_free(search, matrices, errors, found);
   split_unresolved_pairs(found.moving);
   result.resolution = found.resolution;
-  result.free_range = range_of_free(search, matrices, errors, found.count_free());
   result.modes = std::move(found.moving);
   for (Mode& mode : result.modes) mode.motion = describe_motion(model, chart.origin(), mode.shape.real());
   add_free_modes(model, chart, found.free_places, result.modes);

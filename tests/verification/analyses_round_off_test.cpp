@@ -284,6 +284,41 @@ start.ball = { keep = { axis = [0, 1, 0], angle = 0.06 }, keep_speed = [0, 0, 0]
   CHECK(verdict.wrenches.outcome == Outcome::agree);
 }
 
+/// A skate of 15 g that pulls 219 kg a long way from the origin: round-off decides whether one of its slow motions is
+/// free, and the others move by what it decides.
+TEST_CASE("Modes beside one that round-off finds free or slow agree as far as that leaves them", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [5.43, 1.64, -7.16]
+[[body]]
+name = "skate"
+mass = 0.005
+center_of_mass = [42.05, 22.13, -18.82]
+inertia = [131.6, 107.6, 146.2, 2.226, 33.42, 4.404]
+[[body]]
+name = "load"
+mass = 218.9
+center_of_mass = [-9.089, 20.03, 35.25]
+inertia = [5.877e+05, 6.481e+05, 6.747e+05, 8522, 3.061e+04, 7527]
+[[joint]]
+name = "blade"
+type = "knife_edge"
+parent = { body = "ground", point = [99.17, -42.53, -24.11], euler_parameters = [0.1823, 0.1323, 0.7781, -0.5864] }
+child = { body = "skate", point = [91.77, -57.8, -42.1], euler_parameters = [0.3701, 0.1753, 0.8981, 0.1601] }
+start.slide_x = { keep = -56.03, keep_speed = 100 }
+start.slide_y = { keep=300, guess_speed = -2.873 }
+start.turn_z = { keep = -0.1641, keep_speed = 0.02014 }
+[[joint]]
+name = "hitch"
+type = "spherical"
+parent = { body = "skate", point = [133.1, -98.73, 53], euler_parameters = [0.717, -0.5086, -0.08193, -0.4696] }
+child = { body = "load", point = [72.91, -79.65, 139.6], euler_parameters = [0.2025, -0.2299, 0.2684, 0.9133] }
+start.ball = { keep = { euler_parameters = [0.4098, 0.3084, 0.1068, 0.8518] }, keep_speed = [-0.01946, -0.2977, -0.007031] }
+)toml");
+  const AnalysisVerdict verdict = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, verdict, true));
+  CHECK(verdict.wrenches.outcome == Outcome::agree);
+}
+
 /// A barrel's spring unwinds by 20 rad, and the last wheel of its train by 4000 rad: what is left of all torques there
 /// is the round-off of these turns, and nothing else is there to compare it with but the spring's own terms.
 TEST_CASE("A train of gears unwinds the spring of its barrel by hundreds of turns", "[analyses][quick]") {
