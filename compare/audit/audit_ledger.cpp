@@ -59,8 +59,8 @@ double need_of(AuditRule rule) {
 
 std::string AuditFinding::text() const {
   if (row.empty()) return fmt::format("{}: nothing to audit", name_of(rule));
-  return fmt::format("{}: {}, {}, t = {:.6g} s: residual {:.2e}, scale {:.3g}, {:.1f} digits", name_of(rule), where,
-                     row, t, residual, scale, digits);
+  return fmt::format("{}: {}, {}, t = {:.6g} s: residual {:.2e}, scale {:.3g}, {} digits", name_of(rule), where, row, t,
+                     residual, scale, format_digits(digits));
 }
 
 void keep_worse(AuditFinding& kept, const AuditFinding& other) {

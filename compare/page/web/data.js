@@ -27,8 +27,8 @@ concord.element = function (name, attributes, ...children) {
 
 concord.list = (items, kind) => concord.element("ul", { class: kind }, ...items.map((text) => concord.element("li", { text })));
 
-/** "12.9"; "-" of what is not known. */
-concord.digits = (value) => (value === null || value === undefined ? "-" : value.toFixed(1));
+/** "12.9"; "-" of what is not known. Rounded down: what is shown never claims more than what is. */
+concord.digits = (value) => (value === null || value === undefined ? "-" : (Math.floor(value * 10) / 10).toFixed(1));
 
 /** Four significant digits, as short as they can be. */
 concord.short = function (value) {

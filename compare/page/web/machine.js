@@ -9,7 +9,7 @@
     sentence.textContent = machine.sentence;
     sentence.className = machine.outcome;
     find("rungs").replaceChildren(...(machine.rungs || []).map((rung) => {
-      const digits = rung.digits === null || rung.digits === undefined ? "" : ` ${rung.digits.toFixed(1)} digits`;
+      const digits = rung.digits === null || rung.digits === undefined ? "" : ` ${concord.digits(rung.digits)} digits`;
       const horizon = rung.horizon_s ? `, judged up to ${concord.short(rung.horizon_s)} s` : "";
       return concord.element("li", { class: rung.climbed ? "yes" : "no", text: rung.name + digits + horizon });
     }));
