@@ -125,7 +125,7 @@ void check_target_folder(const fs::path& folder) {
 
 void check_target(const fs::path& path) {
   check_replaceable(path);
-  check_target_folder(path.parent_path());
+  check_target_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
 }
 
 void make_folder(const fs::path& folder) {

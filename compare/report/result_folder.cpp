@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "common/error.h"
 #include "common/reading/model_file.h"
 #include "compare/report/files.h"
@@ -60,22 +63,29 @@ bool is_same_file(const std::filesystem::path& one, const std::filesystem::path&
 }
 
 void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs) {
-  if (target.empty()) return;
-  check_target(target);
-  for (const std::filesystem::path& input : inputs) {
-    for (const std::filesystem::path& file : files_of_model(input)) {
-      if (is_same_file(target, file)) {
-        throw InputError({target.string(), 0, 0}, "cannot be written: it is an input of this run");
-      }
-    }
-  }
+  check_outputs({target}, inputs);
 }
 
-void check_outputs(const std::vector<std::filesystem::path>& targets, std::vector<std::filesystem::path> inputs) {
-  std::erase(inputs, std::filesystem::path());
+void check_outputs(const std::vector<std::filesystem::path>& targets,
+                   const std::vector<std::filesystem::path>& inputs) {
+  std::set<std::filesystem::path> read;
+  for (const std::filesystem::path& input : inputs) {
+    if (input.empty()) continue;
+    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
+  }
+  const auto refuse_if = [](const std::filesystem::path& target, const auto& files, const char* what) {
+    const auto is_it = [&](const std::filesystem::path& file) { return is_same_file(target, file); };
+    if (std::any_of(files.begin(), files.end(), is_it)) {
+      throw InputError({target.string(), 0, 0}, fmt::format("cannot be written: it is {} of this run", what));
+    }
+  };
+  std::vector<std::filesystem::path> earlier;
   for (const std::filesystem::path& target : targets) {
-    check_output(target, inputs);
-    if (!target.empty()) inputs.push_back(target);
+    if (target.empty()) continue;
+    check_target(target);
+    refuse_if(target, read, "an input");
+    refuse_if(target, earlier, "another output");
+    earlier.push_back(target);
   }
 }
 

@@ -45,7 +45,8 @@ bool is_same_file(const std::filesystem::path& one, const std::filesystem::path&
 /// Throws InputError unless a file can be written at `target` (an empty one is none) that is none of the `inputs`.
 void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs);
 
-/// The same of several targets, of which no two may be one file. Empty inputs are none.
-void check_outputs(const std::vector<std::filesystem::path>& targets, std::vector<std::filesystem::path> inputs);
+/// The same of several targets, of which no two may be one file. Empty inputs are none. What models include is an input
+/// too.
+void check_outputs(const std::vector<std::filesystem::path>& targets, const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace concord::compare
