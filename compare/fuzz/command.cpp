@@ -291,6 +291,7 @@ int print_machine(const FuzzCommand& command, const Console& console) {
 
 int fuzz_machines(const FuzzCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
+    if (!command.keep.empty()) check_target_folder(command.keep);
     if (command.print) return print_machine(command, console);
     return Fuzz(command, makers, console).run();
   });
