@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/reading/spelling.h"
 #include "common/reading/text_file.h"
+#include "compare/audit/digits.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/command.h"
 #include "compare/nightly/history.h"
@@ -41,7 +42,7 @@ struct Asked {
 std::string summary_of(const Result& result) {
   const auto digits = [&](std::optional<double> Component::*rung) {
     const auto worst = worst_of(result, rung);
-    return worst ? fmt::format("{:.2f}", *worst) : "-";
+    return worst ? format_digits(*worst) : "-";
   };
   return fmt::format("{}, digits {} / {} / {}, evaluations {} / {}, steps {} / {}", to_string(result.ending),
                      digits(&Component::same_state), digits(&Component::same_run), digits(&Component::refined),
@@ -87,7 +88,7 @@ class Acceptance {
       return word;
     }
     if (!command_.history.empty() && fs::exists(command_.history)) {
-      const std::vector<Night> nights = History(command_.history).nights();
+      const std::vector<Night> nights = History(command_.history, Access::read).nights();
       if (!nights.empty() && !nights.back().suite_file.empty()) return nights.back().suite_file;
     }
     throw InputError({command_.what.front(), 0, 0},
@@ -120,15 +121,19 @@ class Acceptance {
 
   void take_results() {
     if (!command_.from.empty()) {
+      NightFile file = read_night_json(command_.from);
+      if (file.title != asked_.suite.name) {
+        throw InputError({command_.from.string(), 0, 0},
+                         fmt::format("holds results of '{}', not of '{}'", file.title, asked_.suite.name));
+      }
       std::map<std::string, Result> found;
-      for (Result& one : read_night_json(command_.from).results) found.emplace(one.id, std::move(one));
+      for (Result& one : file.results) found.emplace(one.id, std::move(one));
       for (const Case* one : asked_.cases) take(*one, found.contains(one->id) ? &found.at(one->id) : nullptr);
       return;
     }
-    if (!command_.history.empty() && !fs::exists(command_.history)) {
-      throw InputError({command_.history.string(), 0, 0}, "there is no such file");
-    }
-    History history(command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history);
+    const bool is_new = command_.history.empty();
+    History history(is_new ? scratch_.path() / "night.sqlite" : command_.history,
+                    is_new ? Access::write : Access::read);
     long night = 0;
     if (command_.history.empty()) {
       night = history.begin(asked_.suite.name, "", origin_of_program(command_.commit), utc_now());
@@ -231,15 +236,25 @@ int accept_baselines(const AcceptCommand& command, const SolverMakers& makers, c
 
 int show_history(const HistoryCommand& command, const Console& console) {
   return guarded(console, [&] {
-    if (!fs::exists(command.history)) throw InputError({command.history.string(), 0, 0}, "there is no such file");
-    History history(command.history);
-    const std::vector<Entry> nights = history.of_case(command.name, command.last);
-    if (nights.empty()) {
+    History history(command.history, Access::read);
+    const std::vector<std::string> suites = history.suites_of_case(command.name);
+    if (suites.empty()) {
       throw InputError(
           {command.history.string(), 0, 0},
           fmt::format("no case '{}': {}", command.name, suggestion(command.name, history.case_names(), "cases")));
     }
+    const std::string& suite = command.suite.empty() ? suites.front() : command.suite;
+    const std::vector<Entry> nights = history.of_case(suite, command.name, command.last);
+    if (nights.empty()) {
+      throw InputError({command.history.string(), 0, 0},
+                       fmt::format("no case '{}' in a night of the suite '{}': it is in those of {}", command.name,
+                                   suite, fmt::join(suites, ", ")));
+    }
     console.out << format_trend(command.name, nights, command.component, {});
+    if (suites.size() > 1 && command.suite.empty()) {
+      console.out << fmt::format("note: nights of the suite '{}'; a case of this name is in those of {} too: --suite\n",
+                                 suite, fmt::join(suites.begin() + 1, suites.end(), ", "));
+    }
     return static_cast<int>(kAgree);
   });
 }

@@ -1,6 +1,7 @@
 #include "compare/nightly/command.h"
 
 #include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <csignal>
@@ -161,8 +162,11 @@ class NightlyRun {
   }
 
   void check_outputs() const {
-    compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report},
-                           {command_.suite, suite_.baselines, command_.history});
+    std::vector<fs::path> inputs{command_.suite, suite_.baselines, command_.history};
+    for (const Case& one : suite_.cases) inputs.push_back(one.model);
+    std::sort(inputs.begin(), inputs.end());
+    inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
+    compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report}, inputs);
     if (!command_.out.empty()) check_target_folder(command_.out);
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
@@ -259,7 +263,10 @@ class NightlyRun {
     const std::string text = format_markdown(report);
     std::fwrite(text.data(), 1, text.size(), pipe);
     const int status = pclose(pipe);
-    if (status != 0) console_.err << fmt::format("the command of --notify ended with status {}\n", status);
+    if (status == 0) return;
+    console_.err << (WIFSIGNALED(status)
+                         ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))
+                         : fmt::format("the command of --notify ended with {}\n", WEXITSTATUS(status)));
   }
 
   const NightlyCommand& command_;

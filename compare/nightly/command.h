@@ -63,7 +63,8 @@ struct HistoryCommand {
   std::string name;  // of the case
   std::string component = {};
   std::filesystem::path history;
-  int last = 30;  // nights
+  std::string suite = {};  // its name; empty: that of the latest night with this case
+  int last = 30;           // nights
 };
 
 /// Prints the trend of a case.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/vfs.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,32 @@ namespace concord::compare::nightly {
 namespace {
 
 constexpr int kPatienceMs = 60000;  // for another program that writes
+
+void check_readable(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const auto refuse = [&](const char* why) { throw InputError({file.string(), 0, 0}, why); };
+  if (!std::filesystem::exists(file, unknown)) refuse("there is no such file");
+  if (!std::filesystem::is_regular_file(file, unknown)) refuse("is no file");
+  if (std::filesystem::file_size(file, unknown) == 0) refuse("is no history: it is empty");
+}
+
+/// The file, and the log of changes beside it.
+bool may_write_at(const std::filesystem::path& file) {
+  return ::access(file.c_str(), W_OK) == 0 && ::access(file.parent_path().c_str(), W_OK) == 0;
+}
+
+/// What SQLite reads without making a file: as if nobody wrote, unless somebody does, whose files it then shares.
+std::string read_only_name(const std::filesystem::path& file) {
+  std::string name = "file:";
+  for (const char c : file.string()) {
+    const bool is_special = c == '%' || c == '?' || c == '#';
+    name += is_special ? fmt::format("%{:02X}", static_cast<unsigned char>(c)) : std::string(1, c);
+  }
+  std::error_code unknown;
+  const auto log = std::filesystem::file_size(file.string() + "-wal", unknown);
+  const bool is_written = !unknown && log > 0;
+  return is_written ? name : name + "?immutable=1";
+}
 
 bool lies_on_network(const std::string& file) {
   struct statfs system {};
@@ -105,11 +132,23 @@ std::optional<double> Statement::optional_real(int column) const {
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
-Database::Database(const std::filesystem::path& file) : file_(file.string()) {
-  check_target(file);
-  make_folder(file.parent_path());
+Database::Database(const std::filesystem::path& file, Access access) : file_(file.string()) {
+  std::string name = file_;
+  int flags = SQLITE_OPEN_READWRITE;
+  if (access == Access::write) {
+    check_target(file);
+    make_folder(file.parent_path());
+    flags |= SQLITE_OPEN_CREATE;
+  } else {
+    check_readable(file);
+    is_writable_ = may_write_at(std::filesystem::canonical(file));
+    if (!is_writable_) {
+      name = read_only_name(std::filesystem::canonical(file));
+      flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+    }
+  }
   sqlite3* database = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &database, flags, nullptr);
   database_.reset(database);
   if (code != SQLITE_OK) fail(code);
   sqlite3_busy_timeout(database, kPatienceMs);

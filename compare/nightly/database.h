@@ -58,11 +58,18 @@ class Statement {
   int bound_ = 0;
 };
 
+/// What a file is opened for: only to be read, it must be there, and nothing is made beside it where the reader may not
+/// write: what SQLite leaves there would keep its owner from writing.
+enum class Access { write, read };
+
 class Database {
  public:
-  /// Opens the file, creates it if it is not there. Throws InputError if it is something else than a SQLite file,
-  /// DatabaseError if it cannot be used.
-  explicit Database(const std::filesystem::path& file);
+  /// Opens the file; to be written, creates it if it is not there. Throws InputError if it is something else than a
+  /// SQLite file, DatabaseError if it cannot be used.
+  explicit Database(const std::filesystem::path& file, Access access = Access::write);
+
+  /// Whether changes can be stored.
+  [[nodiscard]] bool is_writable() const { return is_writable_; }
 
   /// Every change is on its way to the disk when a transaction ends, and a write-ahead log lets others read meanwhile;
   /// on a network's file system, where computers cannot share such a log, a rollback journal.
@@ -81,6 +88,7 @@ class Database {
     void operator()(sqlite3* database) const;
   };
   std::string file_;
+  bool is_writable_ = true;
   std::unique_ptr<sqlite3, Close> database_;
 };
 

@@ -22,8 +22,7 @@ namespace fs = std::filesystem;
 /// One side of a difference: a file of results, or a night.
 ResultsFile side_called(const std::string& name, const fs::path& history_file) {
   if (history_file.empty() || fs::is_regular_file(name)) return read_results_file(name);
-  if (!fs::exists(history_file)) throw InputError({history_file.string(), 0, 0}, "there is no such file");
-  History history(history_file);
+  History history(history_file, Access::read);
   const std::vector<Night> nights = history.nights();
   const Night& night = night_called(name, nights);
   ResultsFile side{{night.origin, night.suite, {}}, false, false};
@@ -45,8 +44,9 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
       report.others.push_back({Turn::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
       ++then;
     } else if (only_now) {
-      report.others.push_back({Turn::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0});
-      ++now;
+      std::vector<Change> changes{{Turn::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0}};
+      if (!now->is_green()) changes.push_back({Turn::red, now->id, "", "ending", "-", red_words(*now), "", 1.0, 0});
+      report.cases.push_back(case_line_of(*now++, std::move(changes)));
     } else {
       std::vector<Change> changes = changes_between(*then++, *now, judging, "A");
       report.cases.push_back(case_line_of(*now++, std::move(changes)));
@@ -60,7 +60,8 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
 
 int show_difference(const DiffCommand& command, const Console& console) {
   return guarded(console, [&] {
-    check_outputs({command.json, command.junit, command.markdown}, {command.a, command.b, command.history});
+    check_outputs({command.json, command.junit, command.markdown},
+                  {command.a, command.b, command.history, command.suite});
     const Judging judging = command.suite.empty() ? Judging() : read_suite(command.suite).judging;
     ResultsFile a = side_called(command.a, command.history);
     ResultsFile b = side_called(command.b, command.history);

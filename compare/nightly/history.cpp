@@ -99,6 +99,7 @@ bool is_running(const std::string& process) {
 }
 
 const Night& night_called(const std::string& name, const std::vector<Night>& nights) {
+  constexpr std::size_t kLeastOfCommit = 4;
   if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
   if (name.starts_with("last")) {
     const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
@@ -110,12 +111,15 @@ const Night& night_called(const std::string& name, const std::vector<Night>& nig
     if (fmt::format("{}", night->id) == name) return *night;
   }
   for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
-    if (name.size() >= 4 && night->origin.commit.starts_with(name)) return *night;
+    if (night->origin.commit == name) return *night;
+  }
+  for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+    if (name.size() >= kLeastOfCommit && night->origin.commit.starts_with(name)) return *night;
   }
   throw InputError({name, 0, 0},
                    fmt::format("is no file, and the history has no such night: it has {} to {}; \"last\" is the last, "
-                               "\"last-1\" the one before; or give the beginning of a commit",
-                               nights.front().id, nights.back().id));
+                               "\"last-1\" the one before; or give a commit or its beginning, {} letters at least",
+                               nights.front().id, nights.back().id, kLeastOfCommit));
 }
 
 /// Used for every case: prepared once.
@@ -145,7 +149,8 @@ struct History::Statements {
   Statement before;
 };
 
-History::History(const std::filesystem::path& file) : database_(file), statements_(nullptr, nullptr) {
+History::History(const std::filesystem::path& file, Access access)
+    : database_(file, access), statements_(nullptr, nullptr) {
   // First the schema: it is there only if the two others were committed with it.
   const bool is_new = database_.pragma("schema_version") == 0;
   const long application = database_.pragma("application_id");
@@ -158,7 +163,13 @@ History::History(const std::filesystem::path& file) : database_(file), statement
                      fmt::format("version {} of the history is not known: this program reads versions 1 to {}", version,
                                  kHistoryFormat));
   }
-  database_.use_write_ahead_log();
+  if (!database_.is_writable() && version < kHistoryFormat) {
+    throw InputError({file.string(), 0, 0},
+                     fmt::format("is a history of version {}, which must be brought to version {} first by somebody "
+                                 "who may write it: any command that reads it does",
+                                 version, kHistoryFormat));
+  }
+  if (database_.is_writable()) database_.use_write_ahead_log();
   if (version < kHistoryFormat) prepare();
   statements_ = {new Statements(database_), [](Statements* statements) { delete statements; }};
 }
@@ -303,13 +314,22 @@ std::vector<Entry> History::before(long night, const std::string& suite, const s
   return entries(statements_->before);
 }
 
-std::vector<Entry> History::of_case(const std::string& id, int count) {
-  Statement rows(
-      database_,
-      "SELECT " CONCORD_NIGHT_COLUMNS ", " CONCORD_RESULT_COLUMNS
-      " FROM result JOIN night ON night.id = result.night WHERE result.name = ? ORDER BY night.id DESC LIMIT ?");
-  rows.bind(id).bind(count);
+std::vector<Entry> History::of_case(const std::string& suite, const std::string& id, int count) {
+  Statement rows(database_, "SELECT " CONCORD_NIGHT_COLUMNS ", " CONCORD_RESULT_COLUMNS
+                            " FROM result JOIN night ON night.id = result.night WHERE result.name = ?"
+                            " AND night.suite = ? ORDER BY night.id DESC LIMIT ?");
+  rows.bind(id).bind(suite).bind(count);
   return entries(rows);
+}
+
+std::vector<std::string> History::suites_of_case(const std::string& id) {
+  std::vector<std::string> suites;
+  Statement rows(database_,
+                 "SELECT suite FROM result JOIN night ON night.id = result.night WHERE result.name = ?"
+                 " GROUP BY suite ORDER BY max(night.id) DESC");
+  rows.bind(id);
+  while (rows.step()) suites.push_back(rows.text(0));
+  return suites;
 }
 
 std::map<std::string, double> History::wall_times(const std::string& suite) {

@@ -36,8 +36,9 @@ struct Entry {
 class History {
  public:
   /// Opens or creates the file; one of an older version is brought up to date. Throws InputError for a file that is no
-  /// history or was written by a later version.
-  explicit History(const std::filesystem::path& file);
+  /// history or was written by a later version, or, to be read, is not there. Who may not write it can read it all the
+  /// same.
+  explicit History(const std::filesystem::path& file, Access access = Access::write);
 
   /// Begins a night of this process.
   long begin(const std::string& suite, const std::string& suite_file, const Origin& origin, const std::string& now);
@@ -62,8 +63,10 @@ class History {
   std::vector<Night> nights(const std::string& suite = "");
   /// A case in the last `count` finished nights of the suite before `night`, the latest first.
   std::vector<Entry> before(long night, const std::string& suite, const std::string& id, int count);
-  /// A case in the last `count` nights of all suites, the latest first.
-  std::vector<Entry> of_case(const std::string& id, int count);
+  /// A case in the last `count` nights of a suite, the latest first.
+  std::vector<Entry> of_case(const std::string& suite, const std::string& id, int count);
+  /// The suites in whose nights a case of this name is, the one of the latest night first.
+  std::vector<std::string> suites_of_case(const std::string& id);
   /// Wall time of each case in the suite's last finished night [s].
   std::map<std::string, double> wall_times(const std::string& suite);
   /// Names of all cases that were ever stored, or of those of one night; sorted.
@@ -81,8 +84,8 @@ class History {
   std::unique_ptr<Statements, void (*)(Statements*)> statements_;
 };
 
-/// The night of this number, "last", "last-1", ..., or the last one whose commit begins so (four letters at least).
-/// `nights`: the earliest first. Throws InputError if there is none.
+/// The night of this number, "last", "last-1", ..., or the last one of this commit, else the last one whose commit
+/// begins so (four letters at least). `nights`: the earliest first. Throws InputError if there is none.
 const Night& night_called(const std::string& name, const std::vector<Night>& nights);
 
 /// Names this process so that no other one is meant: the start of the system, the number of the process

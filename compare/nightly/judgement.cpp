@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -21,8 +22,12 @@ NightReport judge_night(History& history, const Night& night, const std::vector<
     const auto found = baselines.find(one->id);
     const Result* baseline = found == baselines.end() ? nullptr : &found->second;
     const auto earlier = history.before(night.id, night.suite, one->id, judging.nights);
-    report.cases.push_back(
+    CaseLine& line = report.cases.emplace_back(
         case_line_of(result, judge_case(*one, result, baseline, earlier, night.origin, judging, today)));
+    const auto counts = [&](const Entry& entry) {
+      return entry.result.is_green() && entry.result.definition == result.definition;
+    };
+    line.has_past = baseline != nullptr || std::any_of(earlier.begin(), earlier.end(), counts);
   }
   return report;
 }

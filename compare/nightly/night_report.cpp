@@ -91,6 +91,7 @@ NightReport judge_again(History& history, const Night& night, const Yardstick& b
   NightReport report = judge_night(history, night, cases.list(), baselines, by.judging, night.started.substr(0, 10));
   // Of a choice of cases nothing is gone.
   if (by.suite && names.size() >= by.suite->cases.size()) add_gone(*by.suite, baselines, report);
+  report.is_finished = !night.finished.empty();
   report.code = code_of(report);
   return report;
 }
@@ -100,11 +101,14 @@ NightReport judge_again(History& history, const Night& night, const Yardstick& b
 int write_night_report(const NightReportCommand& command, const Console& console) {
   return guarded(console, [&] {
     check_outputs({command.out}, {command.history, command.suite});
-    if (!fs::exists(command.history)) throw InputError({command.history.string(), 0, 0}, "there is no such file");
-    History history(command.history);
+    History history(command.history, Access::read);
     const std::vector<Night> nights = history.nights();
     const Night& night = night_called(command.night, nights);
     const Yardstick by = yardstick_for(command, night);
+    if (by.suite && by.suite->name != night.suite) {
+      throw InputError({by.suite->file.string(), 0, 0}, fmt::format("is the suite '{}', but night {} is one of '{}'",
+                                                                    by.suite->name, night.id, night.suite));
+    }
     const NightReport report = judge_again(history, night, by);
     NightPage page{report, night, by.judging, command.last, {by.words}};
     if (night.finished.empty()) {

@@ -76,6 +76,7 @@ void NightlyCommands::add_history(CLI::App& program) {
   history_app_ = app;
   app->add_option("CASE", history_.name, "Name of the case")->required();
   app->add_option("--history", history_.history, "The file that remembers")->required();
+  app->add_option("--suite", history_.suite, "Name of the suite, where several have a case of this name");
   app->add_option("--component", history_.component, "One component alone: its name or a part of it");
   app->add_option("--last", history_.last, "So many nights; default: 30")->check(CLI::Range(1, 100000));
 }

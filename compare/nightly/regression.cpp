@@ -211,12 +211,20 @@ std::string first_line(const std::string& words) {
   return line;
 }
 
+}  // namespace
+
+std::string red_words(const Result& result) {
+  return fmt::format("{}: {}", to_string(result.ending), first_line(result.words));
+}
+
+namespace {
+
 /// The case by itself, whatever was before.
 std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
   // A reason for a verdict is none for a crash, or for a model that is not read.
   const bool is_verdict = now.ending == Ending::differ || now.ending == Ending::failed;
   const bool is_known = one.known_red && today <= one.known_red->until && is_verdict;
-  const std::string words = fmt::format("{}: {}", to_string(now.ending), first_line(now.words));
+  const std::string words = red_words(now);
   if (now.is_green() && one.known_red) {
     return Change{
         Turn::better, one.id, "", "ending", "known red: " + one.known_red->reason, "agree: take its known_red away",
@@ -233,8 +241,9 @@ std::optional<Change> own_change(const Case& one, const Result& now, const std::
 }
 
 std::string counts_words(const Result& result) {
-  return fmt::format("{}, {} and {} evaluations", to_string(result.ending), result.cost[0].evaluations,
-                     result.cost[1].evaluations);
+  return fmt::format("{}, {} and {} evaluations in {} and {} steps", to_string(result.ending),
+                     result.cost[0].evaluations, result.cost[1].evaluations, result.cost[0].steps,
+                     result.cost[1].steps);
 }
 
 bool has_same_counts(const Result& a, const Result& b) {
@@ -307,7 +316,8 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   };
   if (now.ending == Ending::not_run) return changes;
   if (judging.against_baseline && baseline == nullptr) {
-    changes.push_back({Turn::missing, one.id, "", "baseline", "-", "run concord accept", "baseline", 1.0, 0});
+    const char* advice = own ? "accept it when it is green" : "run concord accept";
+    changes.push_back({Turn::missing, one.id, "", "baseline", "-", advice, "baseline", 1.0, 0});
   } else if (judging.against_baseline) {
     take(changes_between(*baseline, now, judging, "baseline"));
   }

@@ -22,6 +22,9 @@ enum class Turn {
 };
 
 /// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
+/// "differ: " and what it says first.
+std::string red_words(const Result& result);
+
 std::string to_string(Turn turn);
 
 struct Change {

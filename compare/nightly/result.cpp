@@ -148,7 +148,11 @@ Result result_of(const std::string& id, const std::string& work, const workers::
                     : report.end == workers::End::crashed       ? Ending::crashed
                     : report.end == workers::End::out_of_memory ? Ending::out_of_memory
                                                                 : Ending::hung;
-    const std::string signal = report.signal != 0 ? fmt::format("signal {}; ", report.signal) : "";
+    const bool is_hung = report.end != workers::End::threw && result.ending == Ending::hung;
+    const std::string signal = is_hung
+                                   ? fmt::format("its time was up, after {:.0f} s of processor time; ", report.seconds)
+                               : report.signal != 0 ? fmt::format("signal {}; ", report.signal)
+                                                    : "";
     result.words = report.end == workers::End::threw ? report.answer
                    : report.last_words.empty()       ? signal + "no last words"
                                                      : signal + "last words: " + report.last_words;

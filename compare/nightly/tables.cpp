@@ -37,11 +37,6 @@ std::string cell(const std::string& text) {
 
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
-/// "812 / 1011", Cartesian and relative; "-" of what integrates nothing.
-std::string pair_cell(const std::array<long, 2>& pair) {
-  return pair[0] == 0 && pair[1] == 0 ? "-" : fmt::format("{} / {}", pair[0], pair[1]);
-}
-
 std::string format_cases(const NightReport& report) {
   const bool is_night = report.kind == "concord night";
   std::vector<std::vector<std::string>> lines{
@@ -70,13 +65,13 @@ std::string format_changes(const NightReport& report) {
   return lines.size() == 1 ? "" : format_table(lines, {false, false, false, false, false, false, false});
 }
 
-/// "18 agree, 1 differ, 1 crashed".
+/// ": 18 agree, 1 differ, 1 crashed"; nothing where no case was run.
 std::string endings_of(const NightReport& report) {
   std::map<Ending, int> counts;
   for (const CaseLine& line : report.cases) ++counts[line.ending];
   std::string text;
   for (const auto& [ending, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(ending));
+    text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", count, to_string(ending));
   }
   return text;
 }
@@ -127,12 +122,14 @@ Json origin_json(const Origin& origin) {
 Json head_json(const NightReport& report) {
   Json changes = Json::array();
   for (const Change* change : all_changes(report)) changes.push_back(change_json(*change));
+  std::string headline = format_headline(report);
+  headline.pop_back();  // the end of its line
   return {{"format", kNightFormat},
           {"kind", report.kind},
           {"title", report.title},
           {"started", report.started},
           {"origin", origin_json(report.origin)},
-          {"verdict", format_headline(report)},
+          {"verdict", headline},
           {"exit_code", report.code},
           {"changes", std::move(changes)}};
 }
@@ -147,7 +144,7 @@ std::string dumped(const Json& document, int indent) {
 std::string past_words(const CaseLine& line) {
   const auto gravest = std::min_element(line.changes.begin(), line.changes.end(),
                                         [](const Change& a, const Change& b) { return a.turn < b.turn; });
-  return gravest == line.changes.end() ? "as accepted" : to_string(gravest->turn);
+  return gravest == line.changes.end() ? (line.has_past ? "as accepted" : "no past") : to_string(gravest->turn);
 }
 
 std::vector<const Change*> all_changes(const NightReport& report) {
@@ -166,8 +163,13 @@ Json change_json(const Change& change) {
           {"against", change.against},      {"more", change.more}};
 }
 
+std::string pair_cell(const std::array<long, 2>& pair) {
+  return pair[0] == 0 && pair[1] == 0 ? "-" : fmt::format("{} / {}", pair[0], pair[1]);
+}
+
 CaseLine case_line_of(const Result& result, std::vector<Change> changes) {
-  CaseLine line{result.id, result.work, result.ending, result.judged, result.total, {}, {}, {}, 0, std::move(changes)};
+  CaseLine line{result.id, result.work, result.ending, result.judged,     result.total, {}, {},
+                {},        0,           true,          std::move(changes)};
   line.worst = {worst_of(result, &Component::same_state), worst_of(result, &Component::same_run),
                 worst_of(result, &Component::refined)};
   for (std::size_t who = 0; who < 2; ++who) {
@@ -182,12 +184,15 @@ int code_of(const NightReport& report) {
   int code = 0;
   for (const CaseLine& line : report.cases) code = worse_code(code, line.code);
   for (const Change& change : report.others) code = worse_code(code, exit_code(change, Ending::agree));
-  return code;
+  return report.is_finished ? code : worse_code(code, exit_code(Ending::not_run));
 }
 
 std::string format_headline(const NightReport& report) {
-  const char* colour = report.code == 0 ? "green" : report.code == 4 ? "no baseline" : "red";
-  return fmt::format("{} {}: {}: {}{}\n", colour, report.title,
+  const char* colour = report.code == 0      ? "green"
+                       : report.code == 4    ? "no baseline"
+                       : !report.is_finished ? "unfinished"
+                                             : "red";
+  return fmt::format("{} {}: {}{}{}\n", colour, cell(report.title),
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
                      turns_of(report));
 }
@@ -208,7 +213,11 @@ std::string format_sentence(const NightReport& report) {
     const auto& [one, several] = kVerbs.at(static_cast<std::size_t>(ending));
     endings += fmt::format("{}{} {}", endings.empty() ? "" : ", ", count, count == 1 ? one : several);
   }
-  const char* state = report.code == 0 ? "is green" : report.code == 4 ? "lacks baselines" : "is red";
+  const char* state = report.code == 0      ? "is green"
+                      : report.code == 4    ? "lacks baselines"
+                      : !report.is_finished ? "is not finished"
+                                            : "is red";
+  if (report.cases.empty()) return fmt::format("The night of {} {}: no case was run.", report.title, state);
   return fmt::format("The night of {} {}: of {} {}{}.", report.title, state,
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings, turns_of(report));
 }
@@ -269,6 +278,11 @@ void write_night_json(const std::filesystem::path& file, const NightReport& repo
   unfinished_file.finish();
 }
 
+std::string without_tag(const std::string& words) {
+  const std::size_t end = words.starts_with("[json.exception.") ? words.find("] ") : std::string::npos;
+  return end == std::string::npos ? words : words.substr(end + 2);
+}
+
 NightFile read_night_json(const std::filesystem::path& file) {
   const auto refuse = [&](const std::string& reason) { throw InputError({file.string(), 0, 0}, reason); };
   NightFile found;
@@ -286,11 +300,11 @@ NightFile read_night_json(const std::filesystem::path& file) {
     found.title = document.at("title");
     for (const Json& one : document.at("cases")) found.results.push_back(result_from_json(one));
   } catch (const Json::exception& error) {
-    refuse(fmt::format("cannot be read: {}", error.what()));
+    refuse(fmt::format("cannot be read: {}", without_tag(error.what())));
   } catch (const InputError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    refuse(fmt::format("cannot be read: {}", error.what()));
+    refuse(fmt::format("cannot be read: {}", without_tag(error.what())));
   }
   std::sort(found.results.begin(), found.results.end(), [](const Result& a, const Result& b) { return a.id < b.id; });
   return found;

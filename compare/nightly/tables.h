@@ -22,7 +22,8 @@ struct CaseLine {
   std::array<std::optional<double>, 3> worst;  // digits of same state, same run, refined
   std::array<long, 2> evaluations{};
   std::array<long, 2> steps{};
-  int code = 0;  // of the program, for this case alone
+  int code = 0;          // of the program, for this case alone
+  bool has_past = true;  // else there was nothing to compare it with
   std::vector<Change> changes;
 };
 
@@ -37,6 +38,7 @@ struct NightReport {
   std::vector<CaseLine> cases;
   std::vector<Change> others;  // of cases that are gone
   int code = 0;
+  bool is_finished = true;  // else cases may be missing
 };
 
 /// The report's code, from its cases and other changes.
@@ -51,6 +53,9 @@ std::string format_sentence(const NightReport& report);
 /// All changes, the gravest first.
 std::vector<const Change*> all_changes(const NightReport& report);
 nlohmann::ordered_json change_json(const Change& change);
+
+/// "812 / 1011", Cartesian and relative, in one cell; "-" of what integrates nothing.
+std::string pair_cell(const std::array<long, 2>& pair);
 
 /// The gravest turn of a case in one cell: "worse"; "as accepted" if there is none.
 std::string past_words(const CaseLine& line);
@@ -69,6 +74,9 @@ inline constexpr int kNightFormat = 1;
 /// Writes the report and all results, one at a time, as JSON. `next` gives them in their order.
 void write_night_json(const std::filesystem::path& file, const NightReport& report,
                       const std::function<std::optional<Result>()>& next);
+
+/// What a JSON error says, without the library's own name for it.
+std::string without_tag(const std::string& words);
 
 /// Results of a file that write_night_json() wrote.
 struct NightFile {

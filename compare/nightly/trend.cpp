@@ -9,6 +9,7 @@
 #include "common/reading/spelling.h"
 #include "compare/audit/digits.h"
 #include "compare/nightly/regression.h"
+#include "compare/nightly/tables.h"
 #include "compare/report/text_table.h"
 
 namespace concord::compare::nightly {
@@ -17,19 +18,26 @@ namespace {
 
 using Values = std::vector<std::optional<double>>;
 
-std::string name_of_component(const std::vector<Entry>& nights, const std::string& part) {
+struct NamedComponent {
+  std::string name;
+  std::size_t like_it = 1;  // how many have the part that was asked for in their names
+};
+
+NamedComponent name_of_component(const std::vector<Entry>& nights, const std::string& part) {
   std::vector<std::string> known;
   for (const Entry& entry : nights) {
     for (const Component& one : entry.result.components) {
-      if (one.name == part) return part;
+      if (one.name == part) return {part};
       known.push_back(one.name);
     }
   }
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
+  std::vector<std::string> meant;
   for (const std::string& name : known) {
-    if (name.find(part) != std::string::npos) return name;
+    if (name.find(part) != std::string::npos) meant.push_back(name);
   }
+  if (!meant.empty()) return {meant.front(), meant.size()};
   throw InputError({"--component", 0, 0},
                    fmt::format("no component '{}': {}", part, suggestion(part, known, "components")));
 }
@@ -67,7 +75,10 @@ std::vector<Measure> measures_of(const std::vector<Entry>& nights, const std::st
   }
   for (std::size_t who = 0; who < 2; ++who) {
     Measure& cost = all.emplace_back(Measure{who == 0 ? "evaluations of cartesian" : "evaluations of relative", {}});
-    for (const Entry& entry : nights) cost.values.emplace_back(static_cast<double>(entry.result.cost[who].evaluations));
+    for (const Entry& entry : nights) {
+      const long count = entry.result.cost[who].evaluations;  // none of what integrates nothing
+      cost.values.push_back(count > 0 ? std::optional(static_cast<double>(count)) : std::nullopt);
+    }
   }
   Measure& wall = all.emplace_back(Measure{"wall time", {}});
   for (const Entry& entry : nights) wall.values.emplace_back(entry.result.wall_s);
@@ -84,8 +95,8 @@ std::string table_of(const std::vector<Entry>& nights, const std::string& compon
                      digits_words(rung_of(one, component, &Component::same_state)),
                      digits_words(rung_of(one, component, &Component::same_run)),
                      digits_words(rung_of(one, component, &Component::refined)),
-                     fmt::format("{} / {}", one.cost[0].evaluations, one.cost[1].evaluations),
-                     fmt::format("{} / {}", one.cost[0].steps, one.cost[1].steps), fmt::format("{:.2f}", one.wall_s)});
+                     pair_cell({one.cost[0].evaluations, one.cost[1].evaluations}),
+                     pair_cell({one.cost[0].steps, one.cost[1].steps}), fmt::format("{:.2f}", one.wall_s)});
   }
   return format_table(lines, {true, false, false, false, false, true, true, true, true, true, true});
 }
@@ -101,6 +112,10 @@ std::string steps_of(const std::vector<Entry>& nights, const std::string& compon
       text += fmt::format("{} in night {}: {}{}{}: {} -> {}; commit {} before, {} after\n", to_string(change.turn),
                           now.night.id, change.component, change.component.empty() ? "" : ", ", change.measure,
                           change.was, change.is, then.night.origin.commit, now.night.origin.commit);
+      if (then.result.definition != now.result.definition) {
+        text.back() = ';';
+        text += " the case is another one: its model, or what the suite says of it, was changed\n";
+      }
     }
   }
   return text;
@@ -142,10 +157,12 @@ std::string sparkline(const std::vector<std::optional<double>>& values) {
 std::string format_trend(const std::string& id, std::vector<Entry> nights, const std::string& component,
                          const Judging& judging) {
   std::reverse(nights.begin(), nights.end());
-  const std::string name = component.empty() ? "" : name_of_component(nights, component);
+  const auto [name, like_it] = component.empty() ? NamedComponent{} : name_of_component(nights, component);
   nights = with_component(std::move(nights), name);
   std::string text = fmt::format("{}{}{}: {}\n\n", id, name.empty() ? "" : ", ", name,
                                  plural(static_cast<int>(nights.size()), "night", "nights"));
+  if (like_it > 1)
+    text.insert(text.size() - 1, fmt::format("the first of {} components like '{}'\n", like_it, component));
   text += table_of(nights, name) + '\n';
   for (const Measure& measure : measures_of(nights, name)) {
     const auto known = [](const std::optional<double>& value) { return value.has_value(); };

@@ -123,7 +123,7 @@ ResultsFile read_results_file(const std::filesystem::path& file) {
   try {
     return results_of_verdicts(verdicts);
   } catch (const VerdictJson::exception& error) {
-    throw InputError({file.string(), 0, 0}, fmt::format("cannot be read: {}", error.what()));
+    throw InputError({file.string(), 0, 0}, fmt::format("cannot be read: {}", without_tag(error.what())));
   } catch (const std::runtime_error& error) {
     throw InputError({file.string(), 0, 0}, error.what());
   }

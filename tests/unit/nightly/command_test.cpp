@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/reading/text_file.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/files.h"
@@ -376,6 +377,124 @@ TEST_F(Nights, PatternThatMeansNothingIsRefused) {
   NightlyCommand command;
   command.only = "sond";
   EXPECT_EQ(nightly(command).code, kBadInput);
+}
+
+TEST_F(Nights, ModelOfTheSuiteIsNoOutput) {
+  NightlyCommand command;
+  command.json = folder_.path() / "models" / "sound.toml";
+  const Told told = nightly(command);
+  EXPECT_EQ(told.code, kBadInput);
+  EXPECT_THAT(told.err, HasSubstr("sound.toml: error: cannot be written: it is an input of this run"));
+  EXPECT_TRUE(std::filesystem::exists(command.json));
+  command.json = folder_.path() / "night.out";
+  command.junit = command.json;
+  EXPECT_THAT(nightly(command).err, HasSubstr("cannot be written: it is another output of this run"));
+}
+
+TEST_F(Nights, CaseThatIsNewAndRedIsRedInADifference) {
+  NightlyCommand command;
+  command.json = folder_.path() / "a.json";
+  nightly(command);
+  model("stopping");
+  command.json = folder_.path() / "b.json";
+  nightly(command);
+  const Told told = difference({folder_.path() / "a.json", folder_.path() / "b.json"});
+  EXPECT_EQ(told.code, kCouldNotFinish) << told.out;
+  EXPECT_THAT(told.out, HasSubstr(": 3 cases: 2 agree, 1 no verdict; 1 red, 1 new"));
+}
+
+TEST_F(Nights, NightThatWasStoppedIsNotGreen) {
+  accept();
+  NightlyCommand command;
+  command.history = history_;
+  ASSERT_EQ(nightly(command).code, kAgree);
+  stop_first_night();
+  const Told told = page({history_, folder_.path() / "night.html"});
+  EXPECT_EQ(told.code, kAgree) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("night 1: unfinished suite: 2 cases: 2 agree"));
+}
+
+TEST_F(Nights, NightIsNotJudgedByAnotherSuite) {
+  NightlyCommand command;
+  command.history = history_;
+  nightly(command);
+  const auto other = folder_.path() / "foreign.toml";
+  write_file(other, "format = 1\n[[case]]\nmodels = [\"models/*.toml\"]\n");
+  NightReportCommand report{history_, folder_.path() / "night.html"};
+  report.suite = other;
+  EXPECT_THAT(page(report).err, HasSubstr("is the suite 'foreign', but night 1 is one of 'suite'"));
+}
+
+TEST_F(Nights, ResultsOfAnotherSuiteAreNotAccepted) {
+  ASSERT_EQ(accept().code, kAgree);
+  const std::string before = read_text_file(baselines_);
+  NightlyCommand command;
+  command.json = folder_.path() / "night.json";
+  nightly(command);
+  write("name = \"renamed\"\nbaselines = \"baselines/suite.csv\"\n[[case]]\nmodels = [\"models/sound.toml\"]\n");
+  AcceptCommand from;
+  from.from = command.json;
+  const Told told = accept(from);
+  EXPECT_EQ(told.code, kBadInput);
+  EXPECT_THAT(told.err, HasSubstr("holds results of 'suite', not of 'renamed'"));
+  EXPECT_EQ(read_text_file(baselines_), before);
+}
+
+TEST_F(Nights, FailedNotificationTellsItsExitCode) {
+  NightlyCommand command;
+  command.notify = "exit 5";
+  EXPECT_THAT(nightly(command).err, HasSubstr("the command of --notify ended with 5\n"));
+}
+
+TEST_F(Nights, HistoryTellsTheCaseOfOneSuite) {
+  NightlyCommand command;
+  command.history = history_;
+  nightly(command);
+  write("name = \"short\"\n[[case]]\nmodels = [\"models/sound.toml\"]\nuntil = 0.05\n");
+  nightly(command);
+  std::ostringstream out;
+  std::ostringstream err;
+  HistoryCommand asked{"sound", "", history_};
+  EXPECT_EQ(show_history(asked, {out, err}), kAgree) << err.str();
+  EXPECT_THAT(out.str(), HasSubstr("sound: 1 night\n"));
+  EXPECT_THAT(out.str(), HasSubstr("note: nights of the suite 'short'; a case of this name is in those of suite too"));
+  asked.suite = "suite";
+  out.str("");
+  EXPECT_EQ(show_history(asked, {out, err}), kAgree) << err.str();
+  EXPECT_THAT(out.str(), Not(HasSubstr("note:")));
+  asked.suite = "long";
+  EXPECT_EQ(show_history(asked, {out, err}), kBadInput);
+}
+
+TEST_F(Nights, HistoryIsReadWhereNothingCanBeWritten) {
+  NightlyCommand command;
+  command.history = history_;
+  nightly(command);
+  // Root may write anywhere: the reader is another process that is not root.
+  std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+  std::filesystem::permissions(history_, std::filesystem::perms(0644));
+  const pid_t reader = fork();
+  if (reader == 0) {
+    const bool is_other = geteuid() != 0 || (setgid(65534) == 0 && setuid(65534) == 0);
+    std::ostringstream out;
+    std::ostringstream err;
+    HistoryCommand asked{"sound", "", history_};
+    const int code = is_other ? show_history(asked, {out, err}) : 99;
+    std::fputs(err.str().c_str(), stderr);
+    _exit(code);
+  }
+  int status = 0;
+  waitpid(reader, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), kAgree);
+  EXPECT_FALSE(std::filesystem::exists(history_.string() + "-shm"));
+  std::ostringstream out;
+  std::ostringstream err;
+  HistoryCommand asked{"sound", "", history_};
+  asked.history = folder_.path() / "empty.sqlite";
+  write_file(asked.history, "");
+  EXPECT_EQ(show_history(asked, {out, err}), kBadInput);
+  EXPECT_THAT(err.str(), HasSubstr("is no history: it is empty"));
+  EXPECT_EQ(std::filesystem::file_size(asked.history), 0U);
 }
 
 }  // namespace concord::compare::nightly

@@ -64,6 +64,20 @@ void write_first_version(const std::filesystem::path& file) {
   sqlite3_close(database);
 }
 
+TEST(NightCalled, CommitItselfComesBeforeOneThatBeginsSo) {
+  const auto night = [](long id, const char* commit) {
+    Night one;
+    one.id = id;
+    one.origin.commit = commit;
+    return one;
+  };
+  const std::vector<Night> nights{night(1, "3f97bf0c1a2b"), night(2, "3f97bf0c1a2b-dirty.5e2a")};
+  EXPECT_EQ(night_called("3f97bf0c1a2b", nights).id, 1);
+  EXPECT_EQ(night_called("3f97", nights).id, 2);
+  EXPECT_EQ(night_called("1", nights).id, 1);
+  EXPECT_THROW(night_called("3f9", nights), InputError);
+}
+
 }  // namespace
 
 class Histories : public ::testing::Test {
