@@ -11,6 +11,7 @@
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
+#include "compare/verdict/near_frames.h"
 
 namespace concord::compare::analyses {
 
@@ -77,9 +78,14 @@ void write_results(const std::filesystem::path& folder, const Model& model, cons
 int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     prepare_outputs(command);
-    const Model model = read_model(command.model);
-    const AnalysisVerdict result = judge(command, model, makers);
+    const NearFrames near(read_model(command.model));
+    const Model& model = near.model();
+    AnalysisVerdict result = judge(command, model, makers);
+    if (!near.note().empty()) result.text = fmt::format("note: {}\n{}", near.note(), result.text);
     console.out << format_analysis(model, result, command.all_rows) << std::flush;
+    for (auto& run : result.wrenches.trajectories) {
+      if (run) run = near.back(std::move(*run));
+    }
     if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);

@@ -1,10 +1,8 @@
 #include "compare/invariance/change.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "common/overloaded.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
 
@@ -40,21 +38,6 @@ Model started_in(Model model, const State& state) {
     model.bodies[i].adot_start = state.bodies[i].adot;
   }
   return model;
-}
-
-void for_each_attachment(Model& model, const std::function<void(Attachment&)>& edit) {
-  for (Joint& joint : model.joints) {
-    for (Attachment& side : joint.sides) edit(side);
-  }
-  const auto both = [&](auto& element) {
-    for (Attachment& end : element.ends) edit(end);
-  };
-  for (ForceElement& element : model.elements) {
-    std::visit(Overloaded{[&](Load& load) { edit(load.at); }, [&](LineSpring& spring) { both(spring); },
-                          [&](TurnSpring& spring) { both(spring); }, [&](Bushing& bushing) { both(bushing); },
-                          [&](Tire& tire) { edit(tire.wheel); }},
-               element.what);
-  }
 }
 
 void for_each_joint_wrench(Evaluation& evaluation, const std::function<void(SideWrench&)>& edit) {
@@ -96,11 +79,6 @@ void turn_flags(const Mat3& G, std::array<bool, 6>& unique, std::array<bool, 6>&
 std::vector<JointUniqueness>& decided_flags(RankReport& report) {
   if (report.decided.empty()) report.decided.resize(report.joints.size());
   return report.decided;
-}
-
-Vec4 euler_parameters_of(const Mat3& A) {
-  const Eigen::Quaterniond p(A);
-  return {p.w(), p.x(), p.y(), p.z()};
 }
 
 bool is_forced(const Model& model, int k) { return !forced_speeds(model, k).empty(); }

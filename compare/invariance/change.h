@@ -4,6 +4,7 @@
 
 #include "common/model.h"
 #include "common/solver.h"
+#include "compare/verdict/body_frames.h"
 
 /// One machine, described in another way. What is physical stays.
 namespace concord::compare::invariance {
@@ -27,9 +28,6 @@ Change operator|(const Change& first, const Change& then);
 /// The model with its start in `state`: what was kept is kept there, all else is a guess.
 Model started_in(Model model, const State& state);
 
-/// Every attachment of joints and force elements.
-void for_each_attachment(Model& model, const std::function<void(Attachment&)>& edit);
-
 /// Every wrench of an evaluation, one side at a time; those of joints, and of joints and elements.
 void for_each_joint_wrench(Evaluation& evaluation, const std::function<void(SideWrench&)>& edit);
 void for_each_wrench(Evaluation& evaluation, const std::function<void(SideWrench&)>& edit);
@@ -40,9 +38,6 @@ void turn_flags(const Mat3& G, std::array<bool, 6>& unique, std::array<bool, 6>&
 
 /// The flags that say of each joint's flags whether they are decided; all are if the report says nothing.
 std::vector<JointUniqueness>& decided_flags(RankReport& report);
-
-/// Euler parameters of a rotation, scalar first.
-Vec4 euler_parameters_of(const Mat3& A);
 
 /// Whether a driver, spring or coupling acts on a coordinate of joint k.
 bool is_forced(const Model& model, int k);

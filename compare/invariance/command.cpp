@@ -15,6 +15,7 @@
 #include "compare/report/interrupt.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/near_frames.h"
 #include "compare/verdict/verdict.h"
 
 namespace concord::compare::invariance {
@@ -37,9 +38,12 @@ Tried try_one(const std::filesystem::path& file, const InvarianceCommand& comman
         fmt::format("a model called '{}' was tried already: give one of them another name = \"...\"", one.model.name));
   }
   std::string note;
-  one.model = analyses::as_it_starts(one.model, makers, note);
+  const NearFrames near(one.model);
+  one.model = analyses::as_it_starts(near.model(), makers, note);
   one.battery = run_battery(one.model, makers, command.options);
-  if (!note.empty()) one.battery.notes.push_back(note);
+  for (const std::string& one_note : {near.note(), note}) {
+    if (!one_note.empty()) one.battery.notes.push_back(one_note);
+  }
   console.out << format_battery(one.model, one.battery) << std::flush;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   console.err << fmt::format("{}: wall time {:.2f} s\n", one.model.name, taken.count());

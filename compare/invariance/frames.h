@@ -7,13 +7,6 @@
 /// Where the frames of the bodies and of the world lie.
 namespace concord::compare::invariance {
 
-/// A body whose frame is moved: `frame` is the new one seen from the old one.
-Body with_frame(Body body, const Pose& frame);
-Attachment with_frame(Attachment side, const Pose& frame);
-
-/// The motion of the frame that lies at `frame` in a body's frame, or of the latter given the former's.
-BodyState moved_motion(BodyState body, const Pose& frame);
-
 /// Moves and turns the frame of every body in the body; frames[0], ground's, is not used.
 Change with_body_frames(const std::vector<Pose>& frames);
 

@@ -17,6 +17,7 @@
 #include "compare/invariance/report.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/verdict/branch.h"
+#include "compare/verdict/near_frames.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::nightly {
@@ -338,7 +339,7 @@ Model model_of(const Case& one) {
   model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
   if (one.cut) name_cuts(one, model);
   if (one.start) move_start(one, model);
-  return model;
+  return NearFrames(model).model();
 }
 
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers) {

@@ -22,6 +22,7 @@
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/branch.h"
+#include "compare/verdict/near_frames.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
@@ -119,13 +120,14 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
     check_times(*reference, run_options(one.model, command.options));
   }
   std::string note;
-  one.model = analyses::as_it_starts(one.model, makers, note);
+  const NearFrames near(one.model);
+  Model model = analyses::as_it_starts(near.model(), makers, note);
   std::string branch;
-  const auto [cartesian, relative] = make_solvers_on_one_branch(one.model, makers, branch);
+  const auto [cartesian, relative] = make_solvers_on_one_branch(model, makers, branch);
   check_results(command.out, result_file_names(one.model, {cartesian->name(), relative->name()}));
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
-  const auto third = ask_for_third(command, one.model, silent);
+  const auto third = ask_for_third(command, model, silent);
   options.third = third.get();
   options.makers = &makers;
   {
@@ -134,10 +136,13 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
       line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, rung, percent(done[0]),
                             percent(done[1])));
     };
-    one.verdict = verify(one.model, *cartesian, *relative, options);
+    one.verdict = verify(model, *cartesian, *relative, options);
+  }
+  for (auto& run : one.verdict.trajectories) {
+    if (run) run = near.back(std::move(*run));
   }
   if (silent) one.verdict.third = silent;
-  for (const std::string& one_note : {note, branch}) {
+  for (const std::string& one_note : {near.note(), note, branch}) {
     if (!one_note.empty()) one.verdict.notes.push_back(one_note);
   }
   if (reference) judge_reference(one.model, *reference, one.verdict);
@@ -292,7 +297,9 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
     std::string note;
-    Model model = analyses::as_it_starts(read_model(command.model), makers, note);
+    const Model given = read_model(command.model);
+    const NearFrames near(given);
+    Model model = analyses::as_it_starts(near.model(), makers, note);
     std::string branch;
     const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
     const auto& solver = solvers[command.is_cartesian ? 0 : 1];
@@ -315,7 +322,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     std::vector<std::string> notes = notes_on_tables(model, run.until);
-    notes.insert(notes.end(), {note, branch, made_by.note});
+    notes.insert(notes.end(), {near.note(), note, branch, made_by.note});
     for (const std::string& one : notes) {
       if (!one.empty()) console.out << fmt::format("note: {}\n", one);
     }
@@ -324,7 +331,8 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     console.out << format_run_check(layout, solver->name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
     if (!check.holds()) return static_cast<int>(kCouldNotFinish);
-    if (!command.out.empty()) write_runs(command.out, model, {{solver->name(), &trajectory, &check.unique}});
+    trajectory = near.back(std::move(trajectory));
+    if (!command.out.empty()) write_runs(command.out, given, {{solver->name(), &trajectory, &check.unique}});
     return static_cast<int>(kAgree);
   });
 }
@@ -332,7 +340,8 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     std::string note;
-    Model model = analyses::as_it_starts(read_model(file), makers, note);
+    const NearFrames near(read_model(file));
+    Model model = analyses::as_it_starts(near.model(), makers, note);
     std::string branch;
     const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
     std::array<SolverView, 2> views;
@@ -342,7 +351,7 @@ int show_info(const std::filesystem::path& file, const SolverMakers& makers, con
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
     console.out << format_info(model, views);
-    for (const std::string& one : {note, branch}) {
+    for (const std::string& one : {near.note(), note, branch}) {
       if (!one.empty()) console.out << fmt::format("note: {}\n", one);
     }
     return static_cast<int>(kAgree);

@@ -9,6 +9,7 @@
 #include "compare/report/report_json.h"
 #include "compare/report/table.h"
 #include "compare/verdict/branch.h"
+#include "compare/verdict/near_frames.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
 #include "compare/verdict/table_notes.h"
@@ -51,18 +52,22 @@ void take_runs(const std::shared_ptr<Model>& model, Verdict& verdict, Compared& 
 /// As the program does it.
 Compared compare_model(const Model& model, const VerifyOptions& options, const SolverMakers& makers) {
   std::string note;
-  const auto started = std::make_shared<Model>(analyses::as_it_starts(model, makers, note));
+  const NearFrames near(model);
+  const auto started = std::make_shared<Model>(analyses::as_it_starts(near.model(), makers, note));
   std::string branch;
   const auto [cartesian, relative] = make_solvers_on_one_branch(*started, makers, branch);
   VerifyOptions own = options;
   own.makers = &makers;
   Verdict verdict = verify(*started, *cartesian, *relative, own);
-  for (const std::string& one : {note, branch}) {
+  for (const std::string& one : {near.note(), note, branch}) {
     if (!one.empty()) verdict.notes.push_back(one);
   }
   Compared compared;
   take_words(*started, verdict, compared);
-  take_runs(started, verdict, compared);
+  for (auto& run : verdict.trajectories) {
+    if (run) run = near.back(std::move(*run));
+  }
+  take_runs(std::make_shared<Model>(model), verdict, compared);
   return compared;
 }
 
@@ -80,21 +85,23 @@ Compared compare(const std::shared_ptr<Model>& model, std::optional<double> unti
 std::shared_ptr<Run> run_model(const Model& model, const std::string& name, const VerifyOptions& options,
                                const std::string& integrator, const SolverMakers& makers) {
   std::string note;
-  const auto started = std::make_shared<Model>(analyses::as_it_starts(model, makers, note));
+  const NearFrames near(model);
+  const auto started = std::make_shared<Model>(analyses::as_it_starts(near.model(), makers, note));
   const auto solver = (is_cartesian(model, name) ? makers.cartesian : makers.relative)(*started);
   RunOptions run = run_options(*started, options);
   run.integrator = chosen_integrator(*started, *solver, integrator);
   MadeBy made_by;
   Trajectory trajectory = integrate_or_switch(*solver, run, integrator.empty(), {}, made_by);
   run.integrator = made_by.integrator;
-  auto found =
-      std::make_shared<Run>(Run{started, name, run.integrator, run.rtol, std::move(trajectory), std::nullopt, ""});
+  auto found = std::make_shared<Run>(
+      Run{std::make_shared<Model>(model), name, run.integrator, run.rtol, std::move(trajectory), std::nullopt, ""});
   const QuantityLayout layout(*started);
   RunCheck check = check_run(layout, *solver, found->trajectory, run);
   found->check = format_run_check(layout, name, check);
   if (!check.holds()) throw SolverError(found->check);
+  found->trajectory = near.back(std::move(found->trajectory));
   std::vector<std::string> notes = notes_on_tables(*started, run.until);
-  notes.insert(notes.end(), {note, made_by.note});
+  notes.insert(notes.end(), {near.note(), note, made_by.note});
   for (const std::string& one : notes) {
     if (!one.empty()) found->check += fmt::format("note: {}\n", one);
   }

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+
+/// Parts that a CAD program exports in the frame of the whole assembly lie far from their own frames. About such a
+/// frame the moment of inertia is that of the lever, m d^2, beside which the body's own drowns.
+namespace concord::compare {
+
+/// A machine whose bodies are all described in frames that lie in them or beside them, and the way back. A frame is
+/// moved to the body's mass centre, axes parallel, where that is farther away than ten times what the body measures:
+/// its radius of gyration, and how far its joints and force elements are from its mass centre. All others stay. So does
+/// the world, unless the machine stands a thousand of its lengths from the origin, and on no road: then the origin is
+/// moved to it.
+class NearFrames {
+ public:
+  explicit NearFrames(const Model& model);
+
+  [[nodiscard]] const Model& model() const { return model_; }
+  /// What was moved; empty if nothing was.
+  [[nodiscard]] const std::string& note() const { return note_; }
+  /// Motions of the near frames as motions of those that the model has.
+  [[nodiscard]] Trajectory back(Trajectory run) const;
+
+ private:
+  Model model_;
+  std::vector<Vec3> moved_;  // by body, in its axes; of ground the world's origin [m]
+  std::string note_;
+};
+
+}  // namespace concord::compare

@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "compare/verdict/near_frames.h"
+#include "judged_machines.h"
+
+/// Bodies whose frames lie far from them, as those of parts that a CAD program exports in one frame.
+namespace concord::verification {
+namespace {
+
+using compare::NearFrames;
+
+/// A door latch: two links of 12 mm on a hinge and a universal joint, in tilted frames that start in their links, or
+/// in that of a vehicle, `away` [m] from them.
+std::string latch(const Vec3& away, const std::string& more = "") {
+  const auto at = [&](double x, double y, double z) {
+    return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", away.x() + x, away.y() + y, away.z() + z);
+  };
+  return fmt::format(R"toml(format = 1
+gravity = [0.4, -0.7, -9.7]
+[[body]]
+name = "lever"
+mass = 0.004
+center_of_mass = {}
+inertia = [2e-8, 6e-8, 5e-8, 3e-9, -2e-9, 4e-9]
+[[body]]
+name = "bolt"
+mass = 0.002
+center_of_mass = {}
+inertia = [1e-8, 4e-8, 3.5e-8, -2e-9, 1e-9, 2e-9]
+[[joint]]
+name = "pin"
+type = "revolute"
+parent = {{ body = "ground", point = {}, x = [1, 0, 0], z = [0, 0.6, 0.8] }}
+child = {{ body = "lever", point = {}, x = [1, 0, 0], z = [0, 0.6, 0.8] }}
+start.turn_z = {{ keep = 0.3, keep_speed = 4 }}
+[[joint]]
+name = "cross"
+type = "universal"
+parent = {{ body = "lever", point = {}, x = [0, 1, 0], z = [0.28, 0, 0.96] }}
+child = {{ body = "bolt", point = {}, x = [0, 1, 0], z = [0.28, 0, 0.96] }}
+start.turn_x = {{ keep = 0.2, keep_speed = -6 }}
+start.turn_y = {{ keep = -0.1, keep_speed = 3 }}
+{}[run]
+until = 0.2
+)toml",
+                     at(0.006, 0.001, -0.0005), at(0.017, -0.001, 0.001), at(0, 0, 0), at(0, 0, 0),
+                     at(0.012, 0.0005, 0), at(0.012, 0.0005, 0), more);
+}
+
+const Vec3 kVehicle(1.9, -0.8, 0.6);
+
+TEST_CASE("Parts in the frame of a vehicle, or of a country, agree as in their own", "[far][quick]") {
+  const NearFrames near(parse(latch(GENERATE(1.0, 1e3, 2e6) * kVehicle)));
+  CHECK_THAT(near.note(),
+             Catch::StartsWith("computed about mass centres, from which their frames are far away: lever, bolt"));
+  const compare::Verdict verdict = judged(near.model(), {});
+  INFO(compare::format_verdict(near.model(), verdict, true));
+  CHECK(verdict.outcome == compare::Outcome::agree);
+}
+
+TEST_CASE("Motions about mass centres are led back to the frames that are far away", "[far][quick]") {
+  const Vec3 away = GENERATE(1.0, 10.0) * kVehicle;  // the world's origin is moved, too, in the second one
+  const NearFrames near(parse(latch(away)));
+  const Model own = parse(latch(Vec3::Zero()));
+  for (const auto& make : {kMakers.cartesian, kMakers.relative}) {
+    RunOptions options;
+    options.until = 0.02;
+    options.samples = 4;
+    const Sample found = near.back(make(near.model())->integrate(options, {})).samples.back();
+    const Sample expected = make(own)->integrate(options, {}).samples.back();
+    for (std::size_t i = 1; i < 3; ++i) {
+      const BodyState& body = expected.state.bodies[i];
+      const BodyAcceleration& acceleration = expected.evaluation.bodies[i];
+      // What is `away` from the link's own frame moves with the link.
+      const Vec3 arm = rotation_of(body.p) * -away;
+      CHECK((found.state.bodies[i].r - (away + body.r + arm)).norm() < 1e-9);
+      CHECK((found.state.bodies[i].v - (body.v + body.omega.cross(arm))).norm() < 1e-6);
+      const Vec3 vdot = acceleration.vdot + acceleration.omegadot.cross(arm) + body.omega.cross(body.omega.cross(arm));
+      CHECK((found.evaluation.bodies[i].vdot - vdot).norm() < 1e-7 * vdot.norm());
+    }
+  }
+}
+
+TEST_CASE("Frames that lie in or beside their bodies stay where they are", "[far][quick]") {
+  CHECK(NearFrames(parse(latch(Vec3::Zero()))).note().empty());
+  for (const char* name : {"car", "slider_crank_flexible", "hanging_chain", "four_bar_with_rod", "double_pendulum_3d"})
+    CHECK(NearFrames(read(name)).note().empty());
+}
+
+}  // namespace
+}  // namespace concord::verification
