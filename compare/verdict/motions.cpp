@@ -53,6 +53,12 @@ VecX frequencies(const ModalData& modal) {
   return squares.cwiseSqrt();
 }
 
+/// What round-off of the machine's length is as a modal coordinate of a body; zero where none moves it.
+double modal_noise_of(const Model& model, std::size_t body) {
+  const double shape = largest_displacements(model.bodies[body]).lpNorm<Eigen::Infinity>();
+  return shape > 0.0 ? kModalNoise * model.length_scale() / shape : 0.0;
+}
+
 /// The part of a difference that round-off does not explain.
 double beyond(double difference, double noise) { return difference <= noise ? 0.0 : difference; }
 double beyond(const VecX& difference, const VecX& noise) {
@@ -95,7 +101,7 @@ MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
     if (!model.bodies[i].modal) continue;
     const double shape = largest_displacements(model.bodies[i]).lpNorm<Eigen::Infinity>();
     if (shape == 0.0) continue;
-    scales.modal_noise[i] = kModalNoise * length / shape;
+    scales.modal_noise[i] = modal_noise_of(model, i);
     scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
     scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
     scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
@@ -118,11 +124,19 @@ MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const
     const Eigen::ArrayXd largest = known.isNaN().select(0.0, known).colwise().maxCoeff().transpose();
     return (largest * round_off).sqrt().matrix();
   };
-  MatX noise = MatX::Zero(2 * bodies, resolution.cols());
+  Eigen::Index modes = 0;
+  for (const Body& body : layout.model().bodies) modes += body.n_modes();
+  MatX noise = MatX::Zero(2 * bodies + modes, resolution.cols());
+  Eigen::Index of_mode = 2 * bodies;
   for (Eigen::Index i = 1; i < bodies; ++i) {
     const int row = layout.first_row(Kind::acceleration, static_cast<int>(i));
     noise.row(2 * i) = noise_of(row, kEndOfARun * places).transpose();
     noise.row(2 * i + 1) = noise_of(row + 3, kEndOfARun * places / length).transpose();
+    const double modal = modal_noise_of(layout.model(), static_cast<std::size_t>(i));
+    for (int m = 0; m < layout.model().bodies[static_cast<std::size_t>(i)].n_modes(); ++m) {
+      const Eigen::ArrayXd known = resolution.row(row + 6 + m).array();
+      noise.row(of_mode++) = (known.isNaN().select(0.0, known) * modal).sqrt().matrix().transpose();
+    }
   }
   return noise;
 }
@@ -139,6 +153,7 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
       const double digits = matching_digits(difference, scale);
       if (digits < worst.digits) worst = {digits, one.t, fmt::format("{} of {}", what, model.bodies[body].name)};
     };
+    auto of_mode = static_cast<Eigen::Index>(2 * model.bodies.size());
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const BodyState& a = one.bodies[i];
       const BodyState& b = other.bodies[i];
@@ -152,7 +167,10 @@ MotionAgreement compare_motions(const Model& model, const std::array<const Traje
       if (a.a.size() == 0) continue;
       note(beyond(a.a - b.a, VecX::Constant(a.a.size(), scales.modal_noise[i])), scales.modal[i], "modal coordinates",
            i);
-      note(beyond(a.adot - b.adot, scales.modal_rate_noise[i]), scales.modal_rate[i], "modal rates", i);
+      VecX of_rates = scales.modal_rate_noise[i];
+      if (noise.cols() > 0) of_rates = of_rates.cwiseMax(noise.col(k).segment(of_mode, a.a.size()));
+      of_mode += a.a.size();
+      note(beyond(a.adot - b.adot, of_rates), scales.modal_rate[i], "modal rates", i);
     }
   }
   return worst;

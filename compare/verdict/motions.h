@@ -13,10 +13,11 @@ namespace concord::compare {
 double angle_between(const Mat3& A1, const Mat3& A2);
 
 /// What an integration leaves open of speeds in each sample of a run (columns): of body i's velocity in row 2 i [m/s],
-/// of its angular velocity in the next [rad/s]. Where the body's acceleration is known no better than `resolution` (of
-/// a run: see resolution_of_run) because its place is not (kUnitsOfARun), as on a stiff spring, the two give the square
-/// of a frequency: what is open of the place, times that frequency, is what is open of its speed. Zero where the
-/// resolution is not known.
+/// of its angular velocity in the next [rad/s], and after those of all bodies of their modal rates [1/s]. Where the
+/// body's acceleration is known no better than `resolution` (of a run: see resolution_of_run) because its place is not
+/// (kUnitsOfARun), as on a stiff spring, the two give the square of a frequency: what is open of the place, times that
+/// frequency, is what is open of its speed. So does what a mode's acceleration resolves, in a loop that holds the mode
+/// stiffer than it is alone. Zero where the resolution is not known.
 MatX noise_of_speeds(const QuantityLayout& layout, const MatX& resolution, const Trajectory& run);
 
 /// Agreement of motions over two aligned trajectories: the worst of body origins (relative to the machine's length, or

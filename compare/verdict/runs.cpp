@@ -238,6 +238,7 @@ void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   if (!judged) return;
   verdict_.motion = pair.motion;
   verdict_.same_run.samples = *judged;
+  tell_if_unresolved();
 }
 
 void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) {
@@ -250,6 +251,21 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;
+}
+
+/// Runs of which nothing was judged are no climbed rungs, and the reader wants to know why.
+void RunRungs::tell_if_unresolved() {
+  const auto is_open = [](const QuantityRow& row) {
+    const RungDetail& detail = detail_of(row, Rung::same_run);
+    return !row.unique || (detail.samples == 0 && detail.too_coarse > 0);
+  };
+  const auto is_unique = [](const QuantityRow& row) { return row.unique; };
+  const auto& rows = verdict_.rows;
+  if (!std::all_of(rows.begin(), rows.end(), is_open) || std::none_of(rows.begin(), rows.end(), is_unique)) return;
+  verdict_.notes.push_back(
+      fmt::format("no reaction of the runs is judged: what they leave open of places makes forces of more than {:g} of "
+                  "those in this motion, as where a loop holds stiff bodies; the states are judged",
+                  kCoarsest));
 }
 
 void RunRungs::study_orders(bool further) {

@@ -59,6 +59,7 @@ class RunRungs {
   bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
   std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
   std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
+  void tell_if_unresolved();
   bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need);
   void judge_motion(const MotionAgreement& motion, Rung rung, double need);
 
