@@ -19,8 +19,8 @@ Vec3 rotation_vector(const Mat3& R, const std::string& name, double t) {
   const Eigen::AngleAxisd turn(R);
   if (!(turn.angle() <= kLargestAngle)) {
     throw SolverError(fmt::format(
-        "cartesian: at t = {:.6g} s bushing '{}' is turned by {:.1f} deg, allowed are 175 deg: it is no joint", t, name,
-        turn.angle() * 180.0 / EIGEN_PI));
+        "cartesian: at t = {:.6g} s bushing '{}' is turned by {:.1f} deg, allowed are 175 deg where it resists turning",
+        t, name, turn.angle() * 180.0 / EIGEN_PI));
   }
   return turn.angle() * turn.axis();
 }
@@ -45,7 +45,9 @@ void exert(const Load& load, const ForceInstant& at, Actor& actor) {  // (S32)
 }
 
 void exert(const Bushing& bushing, const ForceInstant& at, Actor& actor) {  // (S35)
-  const Vec3 theta = rotation_vector(actor.motion.R, at.name, at.t);
+  // A bearing that turns freely has no angle to be limited.
+  const bool turns_freely = bushing.stiffness.bottomRows<3>().isZero(0.0) && bushing.preload.tail<3>().isZero(0.0);
+  const Vec3 theta = turns_freely ? Vec3(Vec3::Zero()) : rotation_vector(actor.motion.R, at.name, at.t);
   Vec6 displacement;
   displacement << actor.motion.d, theta;
   Vec6 speed;

@@ -111,8 +111,12 @@ Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, con
 }
 
 Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoint& child, const std::string& name) {
-  const Vec3 theta = rotation_vector(parent.A.transpose() * child.A);
-  if (theta.norm() > kLargestAngle) throw_turned_too_far(name, theta.norm(), "turn the frames of its ends");
+  const bool holds_angles = !bushing.preload.tail<3>().isZero(0.0) || !bushing.stiffness.rightCols<3>().isZero(0.0);
+  Vec3 theta = Vec3::Zero();
+  if (holds_angles) {
+    theta = rotation_vector(parent.A.transpose() * child.A);
+    if (theta.norm() > kLargestAngle) throw_turned_too_far(name, theta.norm(), "turn the frames of its ends");
+  }
   Vec6 displacement;
   displacement << parent.A.transpose() * (child.r - parent.r), theta;
   Vec6 w = bushing.preload - bushing.stiffness * displacement;

@@ -43,7 +43,8 @@ double jump_where_ends_pass(const LineSpring& spring, double t, double speed);
 Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
                const std::string& name, LawInRegime& law_in_regime, bool keeps_regime);
 
-/// -L^T (K [d; theta] - preload) - D v_rel. Throws SolverError if |theta| is beyond 175 deg.
+/// -L^T (K [d; theta] - preload) - D v_rel. Throws SolverError if |theta| is beyond 175 deg, where the bushing
+/// resists it.
 Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoint& child, const std::string& name);
 
 }  // namespace concord::relative

@@ -46,9 +46,9 @@ struct TurnSpring {  // (S34)
 };
 
 /// Six springs and dampers between two frames. With d = A_j'^T (r_Pi - r_Pj), theta = log(R) (beyond 175 deg it is
-/// refused) and v_rel = [ddot; omega_rel], all in the parent's end frame, the wrench on the child at P_i in those axes
-/// is [F; T] = -L^T (stiffness [d; theta] - preload) - damping v_rel, with L = diag(1, J^-1(theta)), thetadot = J^-1
-/// omega_rel. On the parent, at P_j: -F and -(T + d x F) (S35).
+/// refused, unless no stiffness or preload asks for it) and v_rel = [ddot; omega_rel], all in the parent's end frame,
+/// the wrench on the child at P_i in those axes is [F; T] = -L^T (stiffness [d; theta] - preload) - damping v_rel, with
+/// L = diag(1, J^-1(theta)), thetadot = J^-1 omega_rel. On the parent, at P_j: -F and -(T + d x F) (S35).
 struct Bushing {
   std::array<Attachment, 2> ends;
   Mat6 stiffness = Mat6::Zero();  // symmetric; N/m, N m/rad

@@ -354,9 +354,13 @@ TEST(AppliedForces, RefuseElementsThatAreNotDefined) {
             }),
             "relative: force element 'coil': its ends are turned by 177.6 deg against each other, allowed are 175 deg: "
             "put the spring on a joint, which counts turns");
+  EXPECT_EQ(refusal_of_hinge_with([](Model& model) {
+              model.elements.push_back({"bearing", Bushing{model.joints[0].sides}, {}});
+            }),
+            "no complaint");
   EXPECT_EQ(
       refusal_of_hinge_with([](Model& model) {
-        model.elements.push_back({"mount", Bushing{model.joints[0].sides}, {}});
+        model.elements.push_back({"mount", Bushing{model.joints[0].sides, Mat6::Identity()}, {}});
       }),
       "relative: force element 'mount': its ends are turned by 177.6 deg against each other, allowed are 175 deg: "
       "turn the frames of its ends");
