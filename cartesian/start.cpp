@@ -88,14 +88,14 @@ void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing
                                         kept.coordinates, kept.speeds);
   if (kept.coordinate_freedom == kept.speed_freedom) {
     throw InputError({model.file, 0, 0},
-                     fmt::format("{} {} independent ones (its rigid degrees of freedom, drivers off): keep exactly "
+                     fmt::format("{} {} independent ones (rigid ones, beside those that drivers move): keep exactly "
                                  "{} of each{}{}",
                                  found, kept.coordinate_freedom, kept.coordinate_freedom,
                                  hint_at_rod_between_balls(model, kept), hint_at_singular_start(model)));
   }
   throw InputError({model.file, 0, 0},
-                   fmt::format("{} {} independent coordinates and {} independent speeds (its rigid degrees of freedom, "
-                               "drivers off; what must not slip restricts speeds alone): keep exactly as many{}",
+                   fmt::format("{} {} independent coordinates and {} independent speeds (rigid ones, beside those that "
+                               "drivers move; what must not slip restricts speeds alone): keep exactly as many{}",
                                found, kept.coordinate_freedom, kept.speed_freedom, hint_at_singular_start(model)));
 }
 

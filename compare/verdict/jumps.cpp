@@ -44,12 +44,26 @@ class JumpSearch {
       const auto is_of_a_side = [&](const VecX& values) {
         return is_same(values, *before, difference.rows) || is_same(values, *after, difference.rows);
       };
-      if (is_of_a_side(difference.values[0]) && is_of_a_side(difference.values[1])) return true;
+      if (!is_of_a_side(difference.values[0]) || !is_of_a_side(difference.values[1])) continue;
+      if (is_same(*before, *after, difference.rows)) continue;
+      if (stays(sample, -kFarther * h, *before, difference.rows) &&
+          stays(sample, kFarther * h, *after, difference.rows))
+        return true;
     }
     return false;
   }
 
  private:
+  static constexpr double kFarther = 3.0;
+
+  /// A side of a jump is the same a little farther away; round-off of places in a stiff machine is another one each
+  /// time.
+  [[nodiscard]] bool stays(const Sample& sample, double h, const VecX& side,
+                           const std::vector<Eigen::Index>& rows) const {
+    const auto farther = agreed_at(sample, h, rows);
+    return farther && is_same(*farther, side, rows);
+  }
+
   /// What both solvers give h seconds on; nothing where they do not agree, or the machine does not close.
   [[nodiscard]] std::optional<VecX> agreed_at(const Sample& sample, double h,
                                               const std::vector<Eigen::Index>& rows) const {

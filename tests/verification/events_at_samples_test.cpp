@@ -141,5 +141,14 @@ TEST_CASE("A jump elsewhere explains nothing", "[verdict][quick]") {
   CHECK(wheel.found(sample, wheel.series(sample, wheel.at(0.1 - 1e-12), sample)).empty());
 }
 
+TEST_CASE("Where no force jumps, what lies a little to both sides of it is a difference", "[verdict][quick]") {
+  WheelAtAnEdge wheel;
+  const Sample sample = wheel.at(0.11);
+  compare::Series both = wheel.series(sample, sample, sample);
+  both.values[0] *= 1.0 - 0.8e-7;  // seven digits are needed
+  both.values[1] *= 1.0 + 0.8e-7;
+  CHECK(wheel.found(sample, both).empty());
+}
+
 }  // namespace
 }  // namespace concord::verification

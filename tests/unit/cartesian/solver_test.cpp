@@ -76,7 +76,7 @@ TEST(CartesianSolver, RefusesTooFewKeptCoordinates) {
   model.joints[0].start[0].role_u = StartRole::guess;
   EXPECT_EQ(message_of<InputError>([&] { (void)make_solver(model)->assemble(); }),
             "pendulum.toml: error: the start keeps 1 joint coordinates and 0 joint speeds, but the machine has 1 "
-            "independent ones (its rigid degrees of freedom, drivers off): keep exactly 1 of each");
+            "independent ones (rigid ones, beside those that drivers move): keep exactly 1 of each");
 }
 
 TEST(CartesianSolver, SaysWhatCannotBeKept) {
