@@ -50,6 +50,15 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
   return worst;
 }
 
+bool starts(const SolverMakers& makers, const Model& model) {
+  try {
+    makers.cartesian(model)->assemble();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
@@ -59,14 +68,8 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   result.analysis = "inverse";
   Model begun = model;
   const State start = make_solvers(begun, makers, result)[index(Who::cartesian)]->assemble();
-  Model driven = driven_through(started_at(begun, start), start, coordinates, [&](const Model& candidate) {
-    try {
-      makers.cartesian(candidate)->assemble();
-      return true;
-    } catch (const InputError&) {
-      return false;
-    }
-  });
+  Model driven = driven_through(started_at(begun, start), start, coordinates,
+                                [&](const Model& candidate) { return starts(makers, candidate); });
   const Solvers solvers = make_solvers(driven, makers, result);
   std::array<Evaluation, 2> there;
   for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);

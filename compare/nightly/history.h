@@ -88,11 +88,4 @@ class History {
 /// begins so (four letters at least). `nights`: the earliest first. Throws InputError if there is none.
 const Night& night_called(const std::string& name, const std::vector<Night>& nights);
 
-/// Names this process so that no other one is meant: the start of the system, the number of the process
-/// and its start.
-std::string this_process();
-/// Whether that process still runs on this system, or a cluster's jobs do. Throws slurm::SlurmError if Slurm does not
-/// tell.
-bool is_running(const std::string& process);
-
 }  // namespace concord::compare::nightly

@@ -259,8 +259,9 @@ TEST(AppliedForces, RefusesWhereALawHasNoDirection) {
       refusal({"torsion", TurnSpring{{on_ground, at_origin}, {}}, {}}),
       "cartesian: at t = 0.3 s turn spring 'torsion' is turned by 177.0 deg, allowed are 175 deg: let a spring of a "
       "joint count turns instead");
-  EXPECT_EQ(refusal({"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}),
-            "cartesian: at t = 0.3 s bushing 'rubber' is turned by 177.0 deg, allowed are 175 deg where it resists turning");
+  EXPECT_EQ(
+      refusal({"rubber", Bushing{{on_ground, at_origin}, Mat6::Identity(), Mat6::Zero(), Vec6::Zero()}, {}}),
+      "cartesian: at t = 0.3 s bushing 'rubber' is turned by 177.0 deg, allowed are 175 deg where it resists turning");
   turned = 173.0;
   beside_origin.point_L.x() = 1e-8 * model.length_scale();
   for (const ForceElement& sound :
