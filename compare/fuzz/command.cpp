@@ -198,7 +198,7 @@ class Fuzz {
     });
     smallest.name = fmt::format("fuzz_{}_{}", command_.seed, one.number);
     const ModelText text = write_machine(smallest);
-    const std::filesystem::path file = command_.keep / (smallest.name + ".toml");
+    std::filesystem::path file = command_.keep / (smallest.name + ".toml");
     std::string header =
         fmt::format("# {}\n# concord compare {}\n# Machine {} of seed {}, style {}, shrunk:\n", one.outcome.kind,
                     file.filename().string(), one.number, command_.seed, command_.style);

@@ -21,7 +21,8 @@ Model with_frames(Model model, const std::vector<Pose>& frames) {
     load->torque = to_new * load->torque;
   }
   for_each_attachment(model, [&](Attachment& side) {
-    if (side.body != kGround) side = with_frame(std::move(side), frames[static_cast<std::size_t>(side.body)]);
+    const Pose& frame = frames[static_cast<std::size_t>(side.body)];
+    if (side.body != kGround) side = with_frame(std::move(side), frame);
   });
   return model;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "common/error.h"
 #include "common/reading/spelling.h"
@@ -148,7 +149,7 @@ std::string sparkline(const std::vector<std::optional<double>>& values) {
     } else if (*greatest == *least) {
       line += kHeights[3];
     } else {
-      line += kHeights.at(static_cast<std::size_t>(7.0 * (*value - *least) / (*greatest - *least) + 0.5));
+      line += kHeights.at(static_cast<std::size_t>(std::lround(7.0 * (*value - *least) / (*greatest - *least))));
     }
   }
   return line;
