@@ -44,9 +44,7 @@ Change with_body_frames(const std::vector<Pose>& frames) {
   change.evaluation = [frames](const State& before, Evaluation evaluation) {
     for (std::size_t i = 1; i < frames.size(); ++i) {
       const Vec3 arm = rotation_of(before.bodies[i].p) * frames[i].r;
-      const Vec3& omega = before.bodies[i].omega;
-      BodyAcceleration& body = evaluation.bodies[i];
-      body.vdot -= body.omegadot.cross(arm) + omega.cross(omega.cross(arm));
+      take_arm_off(arm, before.bodies[i].omega, evaluation.bodies[i]);
     }
     return evaluation;
   };

@@ -135,7 +135,7 @@ class Acceptance {
     History history(is_new ? scratch_.path() / "night.sqlite" : command_.history,
                     is_new ? Access::write : Access::read);
     long night = 0;
-    if (command_.history.empty()) {
+    if (is_new) {
       night = history.begin(asked_.suite.name, "", origin_of_program(command_.commit), utc_now());
       const auto store = [&](const Result& result) { history.store(night, result); };
       run_cases(asked_.cases, {command_.jobs, {}}, store, {}, makers_, console_);

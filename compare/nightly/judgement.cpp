@@ -24,9 +24,7 @@ NightReport judge_night(History& history, const Night& night, const std::vector<
     const auto earlier = history.before(night.id, night.suite, one->id, judging.nights);
     CaseLine& line = report.cases.emplace_back(
         case_line_of(result, judge_case(*one, result, baseline, earlier, night.origin, judging, today)));
-    const auto counts = [&](const Entry& entry) {
-      return entry.result.is_green() && entry.result.definition == result.definition;
-    };
+    const auto counts = [&](const Entry& entry) { return counts_as_past(entry.result, result); };
     line.has_past = baseline != nullptr || std::any_of(earlier.begin(), earlier.end(), counts);
   }
   return report;

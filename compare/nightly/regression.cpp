@@ -302,6 +302,10 @@ Result median_of(const std::vector<Entry>& nights) {
   return middle;
 }
 
+bool counts_as_past(const Result& then, const Result& now) {
+  return then.is_green() && then.definition == now.definition;
+}
+
 std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
                                const std::string& today) {
@@ -323,7 +327,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   }
   std::vector<Entry> green;
   for (const Entry& entry : earlier) {
-    if (entry.result.is_green() && entry.result.definition == now.definition) green.push_back(entry);
+    if (counts_as_past(entry.result, now)) green.push_back(entry);
   }
   if (judging.against_median && !green.empty()) {
     const std::string nights =

@@ -22,6 +22,9 @@ enum class Turn {
 };
 
 /// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
+/// Whether a result of an earlier night is one of the same case, asked the same, that agreed.
+bool counts_as_past(const Result& then, const Result& now);
+
 /// "differ: " and what it says first.
 std::string red_words(const Result& result);
 

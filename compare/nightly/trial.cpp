@@ -11,12 +11,12 @@
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
+#include "compare/analyses/started_machine.h"
 #include "compare/fuzz/generator.h"
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/trial.h"
 #include "compare/invariance/report.h"
 #include "compare/joint_check/coupling_check.h"
-#include "compare/verdict/branch.h"
 #include "compare/verdict/near_frames.h"
 #include "compare/verdict/refinement.h"
 
@@ -194,9 +194,7 @@ void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
 }
 
 void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
-  std::string note;
-  Model model = analyses::as_it_starts(model_of(one), makers, note);
-  const auto [cartesian, relative] = make_solvers_on_one_branch(model, makers, note);
+  const analyses::StartedMachine machine(model_of(one), makers);
   VerifyOptions options = one.options;
   options.makers = &makers;
   std::string last;
@@ -205,7 +203,9 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
     last = rung;
     tell_stage(rung);
   };
-  take_verdict(model, verify(model, *cartesian, *relative, options), result);
+  const Verdict verdict =
+      verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
+  take_verdict(machine.model(), verdict, result);
 }
 
 /// Numbers of an analysis have no scale of their own: it is the largest of their unit.

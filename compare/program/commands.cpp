@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "common/reading/model_file.h"
-#include "compare/analyses/judge.h"
+#include "compare/analyses/started_machine.h"
 #include "compare/audit/digits.h"
 #include "compare/page/page.h"
 #include "compare/report/files.h"
@@ -21,8 +21,6 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/near_frames.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
@@ -119,15 +117,13 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
     reference = read_reference(command.reference, one.model);
     check_times(*reference, run_options(one.model, command.options));
   }
-  std::string note;
-  const NearFrames near(one.model);
-  Model model = analyses::as_it_starts(near.model(), makers, note);
-  std::string branch;
-  const auto [cartesian, relative] = make_solvers_on_one_branch(model, makers, branch);
-  check_results(command.out, result_file_names(one.model, {cartesian->name(), relative->name()}));
+  const analyses::StartedMachine machine(one.model, makers);
+  Solver& cartesian = machine.solver(Who::cartesian);
+  Solver& relative = machine.solver(Who::relative);
+  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}));
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
-  const auto third = ask_for_third(command, model, silent);
+  const auto third = ask_for_third(command, machine.model(), silent);
   options.third = third.get();
   options.makers = &makers;
   {
@@ -136,15 +132,13 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
       line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, rung, percent(done[0]),
                             percent(done[1])));
     };
-    one.verdict = verify(model, *cartesian, *relative, options);
+    one.verdict = verify(machine.model(), cartesian, relative, options);
   }
   for (auto& run : one.verdict.trajectories) {
-    if (run) run = near.back(std::move(*run));
+    if (run) run = machine.back(std::move(*run));
   }
   if (silent) one.verdict.third = silent;
-  for (const std::string& one_note : {near.note(), note, branch}) {
-    if (!one_note.empty()) one.verdict.notes.push_back(one_note);
-  }
+  one.verdict.notes.insert(one.verdict.notes.end(), machine.notes().begin(), machine.notes().end());
   if (reference) judge_reference(one.model, *reference, one.verdict);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
@@ -251,6 +245,10 @@ void prepare_outputs(const CompareCommand& command) {
   }
 }
 
+void tell(const std::vector<std::string>& notes, const Console& console) {
+  for (const std::string& note : notes) console.out << fmt::format("note: {}\n", note);
+}
+
 }  // namespace
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
@@ -296,64 +294,54 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
-    std::string note;
     const Model given = read_model(command.model);
-    const NearFrames near(given);
-    Model model = analyses::as_it_starts(near.model(), makers, note);
-    std::string branch;
-    const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
-    const auto& solver = solvers[command.is_cartesian ? 0 : 1];
-    check_results(command.out, run_file_names(model, solver->name()));
+    const analyses::StartedMachine machine(given, makers);
+    const Model& model = machine.model();
+    Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
+    check_results(command.out, run_file_names(model, solver.name()));
     RunOptions run = run_options(model, command.options);
-    run.integrator = chosen_integrator(model, *solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
+    run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;
     MadeBy made_by;
     {
       ProgressLine line(console);
       const bool may_switch = command.options.integrators[command.is_cartesian ? 0 : 1].empty();
-      const auto tell = [&](double t) {
-        line.show(fmt::format("{}: {} {} %", model.name, solver->name(), percent(t / run.until)));
+      const auto show = [&](double t) {
+        line.show(fmt::format("{}: {} {} %", model.name, solver.name(), percent(t / run.until)));
       };
-      trajectory = integrate_or_switch(*solver, run, may_switch, tell, made_by);
+      trajectory = integrate_or_switch(solver, run, may_switch, show, made_by);
       run.integrator = made_by.integrator;
     }
     console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
-                               solver->name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
+                               solver.name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
     std::vector<std::string> notes = notes_on_tables(model, run.until);
-    notes.insert(notes.end(), {near.note(), note, branch, made_by.note});
-    for (const std::string& one : notes) {
-      if (!one.empty()) console.out << fmt::format("note: {}\n", one);
-    }
+    notes.insert(notes.end(), machine.notes().begin(), machine.notes().end());
+    if (!made_by.note.empty()) notes.push_back(made_by.note);
+    tell(notes, console);
     const QuantityLayout layout(model);
-    const RunCheck check = check_run(layout, *solver, trajectory, run);
-    console.out << format_run_check(layout, solver->name(), check);
+    const RunCheck check = check_run(layout, solver, trajectory, run);
+    console.out << format_run_check(layout, solver.name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
     if (!check.holds()) return static_cast<int>(kCouldNotFinish);
-    trajectory = near.back(std::move(trajectory));
-    if (!command.out.empty()) write_runs(command.out, given, {{solver->name(), &trajectory, &check.unique}});
+    trajectory = machine.back(std::move(trajectory));
+    if (!command.out.empty()) write_runs(command.out, given, {{solver.name(), &trajectory, &check.unique}});
     return static_cast<int>(kAgree);
   });
 }
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    std::string note;
-    const NearFrames near(read_model(file));
-    Model model = analyses::as_it_starts(near.model(), makers, note);
-    std::string branch;
-    const Solvers solvers = make_solvers_on_one_branch(model, makers, branch);  // as `compare` starts it
+    const analyses::StartedMachine machine(read_model(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
-      Solver& solver = *solvers[index(who)];
+      Solver& solver = machine.solver(who);
       const State start = solver.assemble();
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
-    console.out << format_info(model, views);
-    for (const std::string& one : {near.note(), note, branch}) {
-      if (!one.empty()) console.out << fmt::format("note: {}\n", one);
-    }
+    console.out << format_info(machine.model(), views);
+    tell(machine.notes(), console);
     return static_cast<int>(kAgree);
   });
 }

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include "compare/analyses/judge.h"
+#include "compare/analyses/started_machine.h"
 #include "compare/python/bindings.h"
 #include "compare/python/interruptible.h"
 #include "compare/python/options.h"
 #include "compare/python/run.h"
 #include "compare/report/report_json.h"
 #include "compare/report/table.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/near_frames.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
 #include "compare/verdict/table_notes.h"
@@ -51,21 +49,15 @@ void take_runs(const std::shared_ptr<Model>& model, Verdict& verdict, Compared& 
 
 /// As the program does it.
 Compared compare_model(const Model& model, const VerifyOptions& options, const SolverMakers& makers) {
-  std::string note;
-  const NearFrames near(model);
-  const auto started = std::make_shared<Model>(analyses::as_it_starts(near.model(), makers, note));
-  std::string branch;
-  const auto [cartesian, relative] = make_solvers_on_one_branch(*started, makers, branch);
+  const analyses::StartedMachine machine(model, makers);
   VerifyOptions own = options;
   own.makers = &makers;
-  Verdict verdict = verify(*started, *cartesian, *relative, own);
-  for (const std::string& one : {near.note(), note, branch}) {
-    if (!one.empty()) verdict.notes.push_back(one);
-  }
+  Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), own);
+  verdict.notes.insert(verdict.notes.end(), machine.notes().begin(), machine.notes().end());
   Compared compared;
-  take_words(*started, verdict, compared);
+  take_words(machine.model(), verdict, compared);
   for (auto& run : verdict.trajectories) {
-    if (run) run = near.back(std::move(*run));
+    if (run) run = machine.back(std::move(*run));
   }
   take_runs(std::make_shared<Model>(model), verdict, compared);
   return compared;
@@ -84,26 +76,25 @@ Compared compare(const std::shared_ptr<Model>& model, std::optional<double> unti
 /// As the program does it: a run that its own audit refutes is no result.
 std::shared_ptr<Run> run_model(const Model& model, const std::string& name, const VerifyOptions& options,
                                const std::string& integrator, const SolverMakers& makers) {
-  std::string note;
-  const NearFrames near(model);
-  const auto started = std::make_shared<Model>(analyses::as_it_starts(near.model(), makers, note));
-  const auto solver = (is_cartesian(model, name) ? makers.cartesian : makers.relative)(*started);
-  RunOptions run = run_options(*started, options);
-  run.integrator = chosen_integrator(*started, *solver, integrator);
+  const analyses::StartedMachine machine(model, makers);
+  Solver& solver = machine.solver(is_cartesian(model, name) ? Who::cartesian : Who::relative);
+  RunOptions run = run_options(machine.model(), options);
+  run.integrator = chosen_integrator(machine.model(), solver, integrator);
   MadeBy made_by;
-  Trajectory trajectory = integrate_or_switch(*solver, run, integrator.empty(), {}, made_by);
+  Trajectory trajectory = integrate_or_switch(solver, run, integrator.empty(), {}, made_by);
   run.integrator = made_by.integrator;
   auto found = std::make_shared<Run>(
       Run{std::make_shared<Model>(model), name, run.integrator, run.rtol, std::move(trajectory), std::nullopt, ""});
-  const QuantityLayout layout(*started);
-  RunCheck check = check_run(layout, *solver, found->trajectory, run);
+  const QuantityLayout layout(machine.model());
+  RunCheck check = check_run(layout, solver, found->trajectory, run);
   found->check = format_run_check(layout, name, check);
   if (!check.holds()) throw SolverError(found->check);
-  found->trajectory = near.back(std::move(found->trajectory));
-  std::vector<std::string> notes = notes_on_tables(*started, run.until);
-  notes.insert(notes.end(), {near.note(), note, made_by.note});
+  found->trajectory = machine.back(std::move(found->trajectory));
+  std::vector<std::string> notes = notes_on_tables(machine.model(), run.until);
+  notes.insert(notes.end(), machine.notes().begin(), machine.notes().end());
+  if (!made_by.note.empty()) notes.push_back(made_by.note);
   for (const std::string& one : notes) {
-    if (!one.empty()) found->check += fmt::format("note: {}\n", one);
+    found->check += fmt::format("note: {}\n", one);
   }
   found->unique = std::move(check.unique);
   return found;

@@ -68,6 +68,8 @@ void check_output(const std::filesystem::path& target, const std::vector<std::fi
 
 void check_outputs(const std::vector<std::filesystem::path>& targets,
                    const std::vector<std::filesystem::path>& inputs) {
+  const auto is_none = [](const std::filesystem::path& target) { return target.empty(); };
+  if (std::all_of(targets.begin(), targets.end(), is_none)) return;  // inputs need not be read
   std::set<std::filesystem::path> read;
   for (const std::filesystem::path& input : inputs) {
     if (input.empty()) continue;

@@ -1,8 +1,9 @@
 #include "compare/verdict/body_frames.h"
 
 #include <Eigen/Geometry>
+#include <type_traits>
+#include <variant>
 
-#include "common/overloaded.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -53,19 +54,40 @@ BodyState moved_motion(BodyState body, const Pose& frame) {
   return body;
 }
 
-void for_each_attachment(Model& model, const std::function<void(Attachment&)>& edit) {
-  for (Joint& joint : model.joints) {
-    for (Attachment& side : joint.sides) edit(side);
+void take_arm_off(const Vec3& arm, const Vec3& omega, BodyAcceleration& body) {
+  body.vdot -= body.omegadot.cross(arm) + omega.cross(omega.cross(arm));
+}
+
+namespace {
+
+/// The same for those that are looked at and those that are changed.
+template <class AnyModel, class Visit>
+void visit_attachments(AnyModel& model, const Visit& visit) {
+  for (auto& joint : model.joints) {
+    for (auto& side : joint.sides) visit(side);
   }
-  const auto both = [&](auto& element) {
-    for (Attachment& end : element.ends) edit(end);
-  };
-  for (ForceElement& element : model.elements) {
-    std::visit(Overloaded{[&](Load& load) { edit(load.at); }, [&](LineSpring& spring) { both(spring); },
-                          [&](TurnSpring& spring) { both(spring); }, [&](Bushing& bushing) { both(bushing); },
-                          [&](Tire& tire) { edit(tire.wheel); }},
-               element.what);
+  for (auto& element : model.elements) {
+    std::visit(
+        [&](auto& one) {
+          using Element = std::remove_cvref_t<decltype(one)>;
+          if constexpr (std::is_same_v<Element, Load>) {
+            visit(one.at);
+          } else if constexpr (std::is_same_v<Element, Tire>) {
+            visit(one.wheel);
+          } else {
+            for (auto& end : one.ends) visit(end);
+          }
+        },
+        element.what);
   }
+}
+
+}  // namespace
+
+void for_each_attachment(Model& model, const std::function<void(Attachment&)>& edit) { visit_attachments(model, edit); }
+
+void for_each_attachment(const Model& model, const std::function<void(const Attachment&)>& look) {
+  visit_attachments(model, look);
 }
 
 Vec4 euler_parameters_of(const Mat3& A) {

@@ -15,8 +15,13 @@ Attachment with_frame(Attachment side, const Pose& frame);
 /// The motion of the frame that lies at `frame` in a body's frame, or of the latter given the former's.
 BodyState moved_motion(BodyState body, const Pose& frame);
 
+/// The acceleration of a frame's origin [m/s2] -> that of the point from which `arm` [m] leads to it, in a body that
+/// moves so.
+void take_arm_off(const Vec3& arm, const Vec3& omega, BodyAcceleration& body);
+
 /// Every attachment of joints and force elements.
 void for_each_attachment(Model& model, const std::function<void(Attachment&)>& edit);
+void for_each_attachment(const Model& model, const std::function<void(const Attachment&)>& look);
 
 /// Euler parameters of a rotation, scalar first.
 Vec4 euler_parameters_of(const Mat3& A);

@@ -38,35 +38,21 @@ struct Midst {
 std::vector<Midst> midsts_of(const Model& model) {
   std::vector<Midst> midsts;
   for (const Body& body : model.bodies) midsts.emplace_back(body);
-  const auto take = [&](const Attachment& side) {
+  for_each_attachment(model, [&](const Attachment& side) {
     Midst& midst = midsts[static_cast<std::size_t>(side.body)];
     midst.size = std::max(midst.size, (side.point_L - midst.center).norm());
-  };
-  for (const Joint& joint : model.joints) std::for_each(joint.sides.begin(), joint.sides.end(), take);
-  for (const ForceElement& element : model.elements) {
-    for (const Side side : {Side::parent, Side::child}) {
-      if (const Attachment* end = end_of(element, side)) take(*end);
-    }
-  }
+  });
   return midsts;
 }
 
 /// Where the machine stands, if that is far away from the world's origin. A road holds the world where it is.
 Vec3 far_place_of(const Model& model) {
   std::vector<Vec3> points;
-  for (const Joint& joint : model.joints) {
-    for (const Attachment& side : joint.sides) {
-      if (side.body == kGround) points.push_back(side.point_L);
-    }
-  }
-  for (const ForceElement& element : model.elements) {
-    if (std::holds_alternative<Tire>(element.what)) return Vec3::Zero();
-    for (const Side side : {Side::parent, Side::child}) {
-      const Attachment* end = end_of(element, side);
-      if (end != nullptr && end->body == kGround) points.push_back(end->point_L);
-    }
-  }
-  if (points.empty()) return Vec3::Zero();
+  for_each_attachment(model, [&](const Attachment& side) {
+    if (side.body == kGround) points.push_back(side.point_L);
+  });
+  const auto has_road = [](const ForceElement& element) { return std::holds_alternative<Tire>(element.what); };
+  if (points.empty() || std::any_of(model.elements.begin(), model.elements.end(), has_road)) return Vec3::Zero();
   double size = model.length_scale();
   for (const Vec3& point : points) size = std::max(size, (point - points.front()).norm());
   return points.front().norm() > kFarAway * size ? points.front() : Vec3::Zero();
@@ -107,11 +93,10 @@ Trajectory NearFrames::back(Trajectory run) const {
       BodyState& body = sample.state.bodies[i];
       body.r += moved_[kGround];
       if (moved_[i].isZero(0.0)) continue;
-      BodyAcceleration& acceleration = sample.evaluation.bodies[i];
-      const Vec3 arm = rotation_of(body.p) * -moved_[i];
-      body.r += arm;
-      body.v += body.omega.cross(arm);
-      acceleration.vdot += acceleration.omegadot.cross(arm) + body.omega.cross(body.omega.cross(arm));
+      const Vec3 arm = rotation_of(body.p) * moved_[i];
+      body.r -= arm;
+      body.v -= body.omega.cross(arm);
+      take_arm_off(arm, body.omega, sample.evaluation.bodies[i]);
     }
   }
   return run;

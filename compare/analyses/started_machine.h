@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/verdict/align.h"
+#include "compare/verdict/branch.h"
+#include "compare/verdict/near_frames.h"
+
+namespace concord::compare::analyses {
+
+/// A machine with both solvers, as every command starts it: in frames near its bodies, from the equilibrium if the
+/// model says so, and both solvers on one branch.
+class StartedMachine {
+ public:
+  /// Throws as as_it_starts() and make_solvers_on_one_branch() do.
+  StartedMachine(const Model& given, const SolverMakers& makers);
+  StartedMachine(const StartedMachine&) = delete;  // solvers are bound to the model
+  StartedMachine& operator=(const StartedMachine&) = delete;
+
+  [[nodiscard]] const Model& model() const { return model_; }
+  [[nodiscard]] Solver& solver(Who who) const { return *solvers_[index(who)]; }
+  /// Notes on the frames, on the equilibrium and on the branch, where there is something to tell.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  /// Motions as those of the frames of the model as it was given.
+  [[nodiscard]] Trajectory back(Trajectory run) const { return near_.back(std::move(run)); }
+
+ private:
+  NearFrames near_;
+  Model model_;
+  Solvers solvers_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace concord::compare::analyses
