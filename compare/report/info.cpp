@@ -96,6 +96,11 @@ std::string not_unique(const Model& model, const SolverView& solver) {
       text += fmt::format("{}: {}\n", describe_owner(model, force), describe_component(force));
     }
   }
+  for (std::size_t g = 0; g < model.couplings.size(); ++g) {
+    if (solver.rank.unique_coupling.empty() || solver.rank.unique_coupling.at(g)) continue;
+    const Quantity force{Kind::coupling, static_cast<int>(g), Side::child, 0};
+    text += fmt::format("{}: {}\n", describe_owner(model, force), describe_component(force));
+  }
   return text;
 }
 

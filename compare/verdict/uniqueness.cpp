@@ -46,26 +46,16 @@ Uniqueness of_coupling(const RankReport& report, int coupling) {
 /// The worse of two: what is not unique is so whatever else is undecided.
 Uniqueness worse(Uniqueness one, Uniqueness other) { return std::max(one, other); }
 
-Uniqueness uniqueness_of(const Model& model, const RankReport& report, const Quantity& quantity) {
+Uniqueness uniqueness_of(const RankReport& report, const Quantity& quantity) {
   switch (quantity.kind) {
     case Kind::reaction:
     case Kind::total:
+    case Kind::driver:
       return of_component(report, quantity, quantity.component);
     case Kind::reaction_global: {
       const int first = quantity.component < 3 ? 0 : 3;
       Uniqueness all = Uniqueness::unique;
       for (int c = first; c < first + 3; ++c) all = worse(all, of_component(report, quantity, c));
-      return all;
-    }
-    case Kind::driver: {
-      Uniqueness all = of_component(report, quantity, quantity.component);
-      for (std::size_t g = 0; g < model.couplings.size(); ++g) {
-        for (const CouplingTerm& term : model.couplings[g].terms) {
-          if (term.joint == quantity.owner && speed_of(model, term) == quantity.component) {
-            all = worse(all, of_coupling(report, static_cast<int>(g)));
-          }
-        }
-      }
       return all;
     }
     case Kind::coupling:
@@ -93,7 +83,7 @@ std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankRe
   std::vector<Uniqueness> all;
   all.reserve(layout.quantities().size());
   for (const Quantity& quantity : layout.quantities()) {
-    all.push_back(uniqueness_of(layout.model(), report, quantity));
+    all.push_back(uniqueness_of(report, quantity));
   }
   return all;
 }
@@ -102,7 +92,7 @@ Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, 
   Eigen::Array<bool, Eigen::Dynamic, 1> unique(static_cast<Eigen::Index>(layout.quantities().size()));
   for (Eigen::Index row = 0; row < unique.size(); ++row) {
     const Quantity& quantity = layout.quantities()[static_cast<std::size_t>(row)];
-    unique(row) = uniqueness_of(layout.model(), report, quantity) == Uniqueness::unique;
+    unique(row) = uniqueness_of(report, quantity) == Uniqueness::unique;
   }
   return unique;
 }

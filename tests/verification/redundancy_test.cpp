@@ -108,6 +108,59 @@ drive.turn_z = { law = "harmonic", amplitude = 0.3, frequency = 4, offset = 0.2 
 until = 0.5
 )";
 
+/// Two shafts and two belts of the same ratio between them; a spring turns the first shaft.
+constexpr const char* kTwoBelts = R"(format = 1
+[[body]]
+name = "motor"
+mass = 1.2
+inertia = [0.02, 0.03, 0.01]
+center_of_mass = [0.01, 0.02, 0.05]
+[[body]]
+name = "fan"
+mass = 2.1
+inertia = [0.05, 0.04, 0.03]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0.5], angle = "35 deg" }
+child = "motor"
+start.turn_z = { keep = 0, keep_speed = 2 }
+spring.turn_z = { stiffness = 3, free = 0.4 }
+[[joint]]
+name = "B"
+type = "revolute"
+parent = { body = "ground", point = [0.4, 0.2, 0.1], axis = [1, 2, 0.5], angle = "35 deg" }
+child = "fan"
+[[coupling]]
+name = "left belt"
+terms = [ { joint = "A", coordinate = "turn_z", factor = 1 }, { joint = "B", coordinate = "turn_z", factor = -2 } ]
+[[coupling]]
+name = "right belt"
+terms = [ { joint = "A", coordinate = "turn_z", factor = -3 }, { joint = "B", coordinate = "turn_z", factor = 6 } ]
+[run]
+until = 0.5
+)";
+
+TEST_CASE("How two couplings of one ratio share is open; what they exert together on each joint is unique") {
+  const Model model = parse_model(kTwoBelts, "two_belts.toml");
+  const auto cartesian_solver = cartesian::make_solver(model);
+  const auto relative_solver = relative::make_solver(model);
+  const std::string table =
+      compare::format_verdict(model, compare::verify(model, *cartesian_solver, *relative_solver, {}), false);
+  CHECK_THAT(table, Catch::Contains("not unique, not judged: coupling left belt: force") &&
+                        Catch::Contains("not unique, not judged: coupling right belt: force") &&
+                        !Catch::Contains("tau") && Catch::Contains("driver forces"));
+  const State start = cartesian_solver->assemble();
+  for (Solver* solver : {cartesian_solver.get(), relative_solver.get()}) {
+    // By the reduced inertia: the fan turns half as fast; the belts accelerate the fan, and hold the motor back.
+    const double of_motor = 0.01 + 1.2 * (0.01 * 0.01 + 0.02 * 0.02);
+    const double acceleration = 3 * 0.4 / (of_motor + 0.03 / 4);
+    const Evaluation at_start = solver->evaluate(start);
+    CHECK(at_start.joints[0].tau(0) == Approx(of_motor * acceleration).epsilon(1e-12));
+    CHECK(at_start.joints[1].tau(0) == Approx(0.03 * acceleration / 2).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("A coupling whose terms cancel holds nothing: both solvers count it out, and what is unique stays right") {
   const Model coupled = parse_model(kCoaxial, "coaxial.toml");
   Model free = coupled;

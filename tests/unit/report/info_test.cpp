@@ -26,6 +26,19 @@ TEST(InfoTest, TellsWhatBothSolversSee) {
   EXPECT_THAT(text, HasSubstr("  reactions that are not unique, and not judged:\n    joint A on bob: F_x\n"));
 }
 
+TEST(InfoTest, CouplingsWhoseForceIsNotUniqueAreNamed) {
+  Model model = pendulum_model();
+  model.couplings.resize(2);
+  model.couplings[0].name = "left belt";
+  model.couplings[1].name = "right belt";
+  FakePendulum solver(model, "cartesian");
+  RankReport rank = solver.rank(solver.assemble());
+  rank.unique_coupling = {true, false};
+  const SolverView one{"cartesian", {}, {"rk4"}, rank};
+  EXPECT_THAT(format_info(model, {one, one}),
+              HasSubstr("  reactions that are not unique, and not judged:\n    coupling right belt: force\n"));
+}
+
 TEST(InfoTest, PeaksNameTheirTimes) {
   const Model model = pendulum_model();
   FakePendulum solver(model, "cartesian");
