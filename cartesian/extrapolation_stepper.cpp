@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "cartesian/step_tolerances.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
-#include "common/laws/break_times.h"
 #include "common/sundials.h"
 
 namespace concord::cartesian {
@@ -77,21 +77,15 @@ class ExtrapolationStepper : public Stepper {
         interpolated_(start),
         y_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
         dense_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
-        tolerances_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)),
-        rtol_(tolerance.rtol),
-        has_laws_of_time_(has_laws_of_time(equations_.model())) {
+        tolerances_(dynamics, start, tolerance),
+        absolute_(sundials::make_vector(n_q_ + n_Y_ + 1, context_)) {
     write(start, view(y_.get()));
-    asked_ = absolute_tolerances(equations_, start, tolerance);
-    view(tolerances_.get()) = asked_;
-    allow_round_off(0.0, start, tolerance.rtol);
-    least_ = view(tolerances_.get()).segment(n_q_, n_Y_);
-    noise_ = VecX::Zero(n_Y_);
     memory_.reset(require(ERKStepCreate(&right_side, 0.0, y_.get(), context_.get()), "ERKStepCreate"));
     void* erk = memory_.get();
     check(ERKStepSetErrHandlerFn(erk, sundials::MessageRecord::record, &messages_), "ERKStepSetErrHandlerFn",
           messages_);
     check(ERKStepSetTable(erk, make_table({2, 4, 6, 8, 10}).get()), "ERKStepSetTable", messages_);
-    check(ERKStepSVtolerances(erk, tolerance.rtol, tolerances_.get()), "ERKStepSVtolerances", messages_);
+    tell_tolerances();
     check(ERKStepSetUserData(erk, this), "ERKStepSetUserData", messages_);
     check(ERKStepSetPostprocessStepFn(erk, &project), "ERKStepSetPostprocessStepFn", messages_);
     check(ERKStepSetMaxHnilWarns(erk, -1), "ERKStepSetMaxHnilWarns", messages_);
@@ -101,11 +95,10 @@ class ExtrapolationStepper : public Stepper {
 
  protected:
   void advance(double stop) override {
+    if (tolerances_.follow(reached_, reached_ - started_, motion_, largest_work_)) tell_tolerances();
     started_ = reached_;
     before_ = motion_;
-    follow_work();
     evolve(stop);
-    if (has_laws_of_time_) follow_time();
   }
 
   const MotionState& interpolate(double t) override {
@@ -137,45 +130,9 @@ class ExtrapolationStepper : public Stepper {
   }
 
  private:
-  /// Errors of the work count against the largest that it has been: drivers may take it back to nothing.
-  void follow_work() {
-    constexpr double kFinest = 1e-12;  // of it: below, laws that change fast leave the round-off of time in the power
-    const double needed = std::max(rtol_, kFinest) * largest_work_;
-    double& allowed = view(tolerances_.get())(n_q_ + n_Y_);
-    if (needed <= 2.0 * allowed) return;
-    allowed = needed;
-    tell_tolerances();
-  }
-
   void tell_tolerances() {
-    check(ERKStepSVtolerances(memory_.get(), rtol_, tolerances_.get()), "ERKStepSVtolerances", messages_);
-  }
-
-  /// Laws of time know their time to its last digit only, so that what changes with time itself comes with noise: what
-  /// a step makes of it in the speeds is not asked for, or steps become shorter and shorter. Told again where it has
-  /// doubled or halved.
-  void follow_time() {
-    constexpr int kSteps = 6;  // from one look to the next
-    longest_ = std::max(longest_, reached_ - started_);
-    if (++unseen_ < kSteps || !(longest_ > 0.0)) return;
-    const double step = longest_;
-    unseen_ = 0;
-    longest_ = 0.0;
-    const double aside = reached_ - step / 64.0;
-    try {
-      change_ = dynamics_.solve_at(aside, motion_.q, motion_.Y, Pivots::kept).Ydot();
-      change_ -= dynamics_.solve_at(reached_, motion_.q, motion_.Y, Pivots::kept).Ydot();
-    } catch (const SolverError&) {
-      return;
-    }
-    if (!change_.allFinite()) return;
-    const double of_time = 2.0 * std::numeric_limits<double>::epsilon() * reached_;
-    noise_ = (of_time * step / (reached_ - aside) * change_.cwiseAbs()).cwiseMax(0.8 * noise_);  // laws rise and fall
-    auto of_speeds = view(tolerances_.get()).segment(n_q_, n_Y_).array();
-    const auto needed = noise_.cwiseMax(least_).array();
-    if ((needed <= 2.0 * of_speeds).all() && (of_speeds <= 2.0 * needed).all()) return;
-    of_speeds = needed;
-    tell_tolerances();
+    view(absolute_.get()) = tolerances_.absolute();
+    check(ERKStepSVtolerances(memory_.get(), tolerances_.rtol(), absolute_.get()), "ERKStepSVtolerances", messages_);
   }
 
   void evolve(double stop) {
@@ -192,44 +149,6 @@ class ExtrapolationStepper : public Stepper {
     if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last);
     ++steps_;
     read(view(y_.get()), motion_);
-  }
-
-  /// A stiff spring turns the round-off of places into noise of accelerations. What that leaves in the speeds within
-  /// the time in which the spring acts is not asked for: steps against noise only become shorter and shorter. Nor is
-  /// what joints far from the origin leave of orientations, when the step is projected onto them.
-  void allow_round_off(double t, const MotionState& motion, double rtol) {
-    constexpr double kRoundOff = 2.0 * std::numeric_limits<double>::epsilon();
-    const VecX units = equations_.units();
-    const VecX sizes = sizes_of_places(motion.q, rtol);
-    auto of_places = view(tolerances_.get()).head(n_q_);
-    of_places = of_places.cwiseMax(kRoundOff * sizes);
-    const VecX exact = accelerations_at(t, motion.q, motion.Y);
-    VecX noise = VecX::Zero(n_Y_);
-    for (int pattern = 1; pattern <= 3; ++pattern) {
-      VecX q = motion.q;
-      for (Eigen::Index k = 0; k < n_q_; ++k) q(k) += ((k * pattern) % 4 < 2 ? kRoundOff : -kRoundOff) * sizes(k);
-      noise = noise.cwiseMax((accelerations_at(t, q, motion.Y) - exact).cwiseAbs());
-    }
-    const double square = noise.cwiseQuotient(units).lpNorm<Eigen::Infinity>() / kRoundOff;
-    if (!(square > 0.0) || !std::isfinite(square)) return;
-    auto of_speeds = view(tolerances_.get()).segment(n_q_, n_Y_);
-    of_speeds = of_speeds.cwiseMax(noise / std::sqrt(square));
-  }
-
-  /// What round-off of the coordinates is relative to: they themselves, and the machine's length; of Euler parameters
-  /// 1, or how many lengths away from the origin the machine stands.
-  [[nodiscard]] VecX sizes_of_places(const VecX& q, double rtol) const {
-    const Layout& layout = equations_.layout();
-    VecX sizes = (asked_.head(n_q_) / rtol).cwiseMax(q.cwiseAbs());
-    const double length = equations_.model().length_scale();
-    double farthest = length;
-    for (const BodyIndex i : layout.moving_bodies()) farthest = std::max(farthest, layout.r(q, i).norm());
-    for (const BodyIndex i : layout.moving_bodies()) layout.p(sizes, i).setConstant(farthest / length);
-    return sizes;
-  }
-
-  VecX accelerations_at(double t, const VecX& q, const VecX& Y) {
-    return dynamics_.solve_at(t, q, Y, Pivots::fresh).Ydot();
   }
 
   int try_step(double stop) {
@@ -331,24 +250,17 @@ class ExtrapolationStepper : public Stepper {
   const Solution* nearby_ = nullptr;  // of the last stage of a step
   MotionState before_;
   MotionState interpolated_;
-  VecX asked_;                  // absolute tolerances
   std::exception_ptr failure_;  // the last within a step
   sundials::MessageRecord messages_;
   sundials::Context context_;
   sundials::Vector y_;
   sundials::Vector dense_;
-  sundials::Vector tolerances_;
-  double rtol_;
+  StepTolerances tolerances_;
+  sundials::Vector absolute_;
   // ARKODE's clock is a sum of rounded times, which falls behind the sum of the steps where many of them are equal:
   // drivers and laws of time are asked at the latter.
   double clock_ = 0.0;
   double late_ = 0.0;
-  bool has_laws_of_time_;
-  int unseen_ = 0;        // steps since the noise of time was looked at
-  double longest_ = 0.0;  // of them [s]
-  VecX change_;           // of accelerations with time
-  VecX noise_;            // of time, in the speeds
-  VecX least_;            // tolerances of speeds without it
   std::unique_ptr<void, FreeMemory> memory_;
 };
 

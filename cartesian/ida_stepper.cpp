@@ -8,6 +8,7 @@
 
 #include "cartesian/ida_jacobian.h"
 #include "cartesian/refined_lu.h"
+#include "cartesian/step_tolerances.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
 #include "common/sundials.h"

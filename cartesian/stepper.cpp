@@ -13,17 +13,6 @@ namespace concord::cartesian {
 
 namespace {
 
-struct Mode {
-  double mass;       // kg, of a mode whose shape has no unit
-  double frequency;  // rad/s, of the mode alone
-};
-
-Mode mode_of(const ModalData& modal, int k) {
-  double mass = 0.0;
-  for (int c = 0; c < 3; ++c) mass += modal.G(4 + 3 * k + c, 4 + 3 * k + c);
-  return {mass, std::sqrt(std::abs(modal.stiffness(k, k)) / mass)};
-}
-
 constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 /// Into each step, for events.
 constexpr Eigen::Index kLooks = 16;
@@ -206,44 +195,6 @@ void Stepper::refuse_chatter() {
       fmt::format("cartesian: at t = {:.6g} s {} changes its regime without end: {} times within {:.2g} s; its "
                   "laws leave no motion there: look at its friction, its road's edges and its damping",
                   time_, equations_.applied().name_of_regime(nearest_event_), events_, time_ - events_since_));
-}
-
-VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance) {
-  const Model& model = equations.model();
-  const Layout& layout = equations.layout();
-  const double length = model.length_scale();
-  double speed = std::sqrt(model.gravity.norm() * length);
-  for (const BodyIndex i : layout.moving_bodies()) {
-    speed = std::max({speed, layout.v(start.Y, i).norm(), layout.omega(start.Y, i).norm() * length});
-    for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
-      const double rate =
-          std::max(std::abs(layout.adot(start.Y, i)(k)), mode.frequency * std::abs(layout.a(start.q, i)(k)));
-      speed = std::max(speed, rate * std::sqrt(mode.mass / equations.inertia(i).mass()));
-    }
-  }
-  constexpr double kStandstill = 1e-9;  // of the length in the time of the run: what closing leaves, and no motion
-  const double least = length / tolerance.until;
-  if (!(speed > kStandstill * least)) speed = std::max(natural_rate(equations) * length, least);
-  double energy = 0.0;
-  VecX scales(layout.n_q() + layout.n_Y() + 1);
-  auto q = scales.head(layout.n_q());
-  auto Y = scales.segment(layout.n_q(), layout.n_Y());
-  for (const BodyIndex i : layout.moving_bodies()) {
-    layout.r(q, i).setConstant(length);
-    layout.p(q, i).setConstant(1.0);
-    layout.v(Y, i).setConstant(speed);
-    layout.omega(Y, i).setConstant(speed / length);
-    energy += equations.inertia(i).mass() * speed * speed;
-    for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
-      const double modal_speed = speed * std::sqrt(equations.inertia(i).mass() / mode.mass);
-      layout.adot(Y, i)(k) = modal_speed;
-      layout.a(q, i)(k) = modal_speed / std::max(mode.frequency, speed / length);
-    }
-  }
-  scales(scales.size() - 1) = energy;
-  return tolerance.rtol * scales;
 }
 
 }  // namespace concord::cartesian

@@ -88,12 +88,6 @@ struct Tolerance {
   double until;
 };
 
-/// Absolute tolerances over [q; Y; work] that follow from rtol and the sizes of the machine: its length, the speed and
-/// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed. A machine
-/// that starts at rest without gravity has the speed that its forces bring about over its length, or at least its
-/// length in the time of the run. At the last update of `equations` (C58).
-VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance);
-
 /// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of
 /// ARKODE; every step is projected onto the constraints. For machines that are not stiff. Each step holds `tolerance`.
 std::unique_ptr<Stepper> make_extrapolation_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance);
