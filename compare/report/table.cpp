@@ -309,7 +309,7 @@ std::string reference_table(const Verdict& verdict) {
   std::vector<std::vector<std::string>> lines{{"against " + verdict.reference_file, "component", "peak", "stated error",
                                                "cartesian off", "relative off", "verdict"}};
   for (const ReferenceRow& row : verdict.references) {
-    lines.push_back({row.of, row.component, fmt::format("{:.4g} {}", row.peak, row.unit),
+    lines.push_back({row.of, row.component, fmt::format("{:.4g}{}", row.peak, row.unit == "1" ? "" : " " + row.unit),
                      fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
                      fmt::format("{:.3g}", row.differences[1]),
                      !row.is_judged ? "not unique, not judged"

@@ -22,7 +22,8 @@ struct ReferenceColumn {
 struct Reference {
   std::string file;
   std::vector<double> times;
-  std::vector<int> lines;  // of the file, for messages
+  std::vector<double> time_roundings;  // half of the last digit that each is written with [s]
+  std::vector<int> lines;              // of the file, for messages
   std::vector<ReferenceColumn> columns;
 };
 
@@ -37,8 +38,8 @@ struct Reference {
 /// Comment lines say the error, of all columns or of one: in percent of the row's scale (the joint's peak |F| or torque
 /// scale, as in the table; of a place, a speed or an acceleration that has no row, the peak of its vector in the run)
 /// or in the column's own unit. The sign of a set of Euler parameters means nothing and is chosen to fit. Throws
-/// InputError, with line and reason, for a column that the model does not have, a wrong unit, a column without an
-/// error, a number that is none, or times that do not rise.
+/// InputError, with line, column and reason, for a column that the model does not have, a wrong unit, a column without
+/// an error or with two, a number that is none, or times that do not rise.
 Reference read_reference(const std::filesystem::path& file, const Model& model);
 
 }  // namespace concord::compare

@@ -61,19 +61,45 @@ TEST_F(ReferenceTest, ASpreadsheetsMarkIsNoPartOfTheFirstColumn) {
 TEST_F(ReferenceTest, SaysWhereAndWhy) {
   EXPECT_EQ(
       complaint("# error = 1 %\nt [s],B.child.F_x [N]\n0,1\n"),
-      "measured.csv:2:1: error: reference: the model has no 'B.child.F_x'; columns are called JOINT.child.F_x [N] "
-      "... JOINT.parent.T_z [N m], and as in all our result files");
+      "measured.csv:2:7: error: reference: the model has no 'B.child.F_x': did you mean 'A.child.F_x'? Columns are "
+      "called JOINT.child.F_x [N] ... JOINT.parent.T_z [N m], and as in all our result files");
   EXPECT_EQ(complaint("# error = 1 %\nt [s],A.child.F_x [kN]\n0,1\n"),
-            "measured.csv:2:1: error: reference: column 'A.child.F_x [kN]': its unit must stand behind it: [N]");
+            "measured.csv:2:7: error: reference: column 'A.child.F_x [kN]': its unit must stand behind it: [N]");
   EXPECT_THAT(complaint("t [s],A.child.F_x [N]\n0,1\n"), HasSubstr("'A.child.F_x' has no stated error"));
-  EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,none\n"), HasSubstr(":3:1: error: reference: 'none'"));
+  EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,none\n"), HasSubstr(":3:3: error: reference: 'none'"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,1\n0,1\n"), HasSubstr("times must rise"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N]\n0,1,2\n"), HasSubstr("3 numbers, the header has 2"));
   EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.F_x [N],A.child.F_x [N]\n0,1,2\n"),
               HasSubstr("column 'A.child.F_x' stands there twice"));
-  EXPECT_THAT(complaint("# error = 1 N\nt [s],A.child.F_x [N]\n0,1\n"), HasSubstr("must be in %"));
+  EXPECT_THAT(complaint("# error = 1 N\nt [s],A.child.F_x [N]\n0,1\n"),
+              HasSubstr(":1:1: error: reference: the error of all columns is in %, found '1 N'"));
   EXPECT_THAT(complaint("# error A.child.F_x = 1 N m\nt [s],A.child.F_x [N]\n0,1\n"),
               HasSubstr("the error of 'A.child.F_x' is in N m, the column in N"));
+}
+
+TEST_F(ReferenceTest, AnErrorIsStatedOnceAndItsMistakesAreToldWhereTheyStand) {
+  EXPECT_THAT(complaint("# error = 1 %\n# Error = 2 %\nt [s],A.child.F_x [N]\n0,1\n"),
+              HasSubstr(":2:1: error: reference: the error of all columns is stated in line 1 already"));
+  EXPECT_THAT(complaint("t [s],A.child.F_x [N],A.child.F_y [N]\n# error A.child.F_x = 1 N\n0,1,2\n"),
+              HasSubstr(":1:23: error: reference: 'A.child.F_y' has no stated error"));
+  EXPECT_THAT(complaint("# error = 1 %\n# error A.child.F_z = 1 N\nt [s],A.child.F_x [N]\n0,1\n"),
+              HasSubstr(":2:1: error: reference: an error is stated for 'A.child.F_z', which is no column"));
+}
+
+TEST_F(ReferenceTest, OtherSeparatorsAndOtherBytesAreNamed) {
+  EXPECT_THAT(complaint("# error = 1 %\nt [s];A.child.F_x [N]\n0;1\n"), HasSubstr("by commas, not by semicolons"));
+  EXPECT_THAT(complaint("# error = 1 %\nt [s]\tA.child.F_x [N]\n0\t1\n"), HasSubstr("by commas, not by tabs"));
+  EXPECT_THAT(complaint(std::string("t\0 [s]", 6)), HasSubstr("holds a zero byte"));
+}
+
+TEST_F(ReferenceTest, ReadsWhatOurOwnFilesHold) {
+  model_.joints[0].name = " the \"hinge\", A";
+  const Reference reference =
+      read("# error = 1 %\nt [s] ,\" the \"\"hinge\"\", A.child.F_x [N]\"\n0,-1.99e-151\n0.1, 1e-320 \n");
+  EXPECT_EQ(reference.columns.at(0).column.name, " the \"hinge\", A.child.F_x");
+  EXPECT_NEAR(reference.columns[0].values.at(0), 0.0, 1e-150);
+  EXPECT_NEAR(reference.columns[0].values.at(1), 0.0, 1e-150);
+  EXPECT_THAT(complaint("# error = 1 %\nt [s],bob.x [m]\n0,1e999\n"), HasSubstr("'1e999' is not a number of a size"));
 }
 
 TEST_F(ReferenceTest, BothSolversAreHeldAgainstItWithinItsStatedError) {
@@ -155,6 +181,77 @@ TEST_F(ReferenceTest, EulerParametersMayHaveEitherSign) {
   EXPECT_TRUE(verdict.references.at(0).agrees);
 }
 
+TEST_F(ReferenceTest, TheInverseOfARotationIsAnother) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  const Verdict verdict = verify(model_, cartesian, relative, {});
+  const auto with_signs = [&](double of_scalar, double of_vector) {
+    std::string text = "# error = 0.001 %\nt [s],bob.e0 [1],bob.e1 [1],bob.e2 [1],bob.e3 [1]\n";
+    for (const std::size_t k : {0U, 70U, 200U}) {
+      const Sample& sample = verdict.trajectories[0]->samples[k];
+      const Vec4& p = sample.state.bodies[1].p;
+      text += fmt::format("{},{},{},{},{}\n", sample.state.t, of_scalar * p(0), of_vector * p(1), of_vector * p(2),
+                          of_vector * p(3));
+    }
+    Verdict judged = verdict;
+    judge_reference(model_, read(text), judged);
+    return judged;
+  };
+  EXPECT_EQ(with_signs(1.0, 1.0).outcome, Outcome::agree);
+  EXPECT_EQ(with_signs(-1.0, -1.0).outcome, Outcome::agree);
+  const Verdict inverse = with_signs(1.0, -1.0);
+  EXPECT_EQ(inverse.outcome, Outcome::differ);
+  EXPECT_THAT(inverse.findings.at(0).symptom, HasSubstr("it is the inverse rotation"));
+  EXPECT_EQ(with_signs(-1.0, 1.0).outcome, Outcome::differ);
+}
+
+/// The pendulum swings about its joint's z, which lies anyhow in the world: axes across the hinge mix x and y alone.
+TEST_F(ReferenceTest, AGlobalComponentIsJudgedWhereWhatIsNotUniqueHasNoPartInIt) {
+  Model model = pendulum_model();
+  model.joints[0].sides[0].C = Mat3::Identity();
+  FakePendulum cartesian(model, "cartesian");
+  FakePendulum relative(model, "relative");
+  for (FakePendulum* solver : {&cartesian, &relative}) {
+    solver->spoil_rank = [](RankReport& report) {
+      for (auto& side : report.joints[0].unique) side[2] = false;
+    };
+  }
+  Verdict verdict = verify(model, cartesian, relative, {});
+  const std::string file = "# error = 1 %\nt [s],A.parent.global.F_x [N],A.parent.global.F_z [N]\n0,1e6,1e6\n";
+  write_file(folder_.path() / "measured.csv", file);
+  judge_reference(model, read_reference(folder_.path() / "measured.csv", model), verdict);
+  EXPECT_TRUE(verdict.references.at(0).is_judged);
+  EXPECT_FALSE(verdict.references.at(1).is_judged);
+  EXPECT_EQ(verdict.outcome, Outcome::differ);
+}
+
+TEST_F(ReferenceTest, APercentageOfNothingAllowsWhatTheRunsLeaveOpen) {
+  model_ = pendulum_model();  // no spring and no driver: tau is zero
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  const Verdict verdict = verify(model_, cartesian, relative, {});
+  const auto outcome_with = [&](double tau) {
+    Verdict judged = verdict;
+    judge_reference(model_, read(fmt::format("# error = 0.01 %\nt [s],A.tau_1 [N m]\n0,{}\n", tau)), judged);
+    return judged.outcome;
+  };
+  EXPECT_EQ(outcome_with(1e-17), Outcome::agree);
+  EXPECT_EQ(outcome_with(1e-9), Outcome::differ);
+}
+
+TEST_F(ReferenceTest, AMissByAFactorNamesIt) {
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  Verdict verdict = verify(model_, cartesian, relative, {});
+  std::string text = "# error = 0.01 %\nt [s],A.child.F_y [N]\n";
+  for (const std::size_t k : {0U, 70U, 130U, 200U}) {
+    const Sample& sample = verdict.trajectories[0]->samples[k];
+    text += fmt::format("{},{}\n", sample.state.t, 1e-3 * sample.evaluation.joints[0].reaction[1].in_C.force(1));
+  }
+  judge_reference(model_, read(text), verdict);
+  EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("; it is 0.001 times as large: in other units?"));
+}
+
 TEST_F(ReferenceTest, AMissSaysWhichOtherColumnFits) {
   FakePendulum cartesian(model_, "cartesian");
   FakePendulum relative(model_, "relative");
@@ -189,6 +286,15 @@ TEST_F(ReferenceTest, IsARegularFile) {
   EXPECT_THROW((void)read_reference(folder_.path(), model_), InputError);
 }
 
+TEST_F(ReferenceTest, TimesAreAsGoodAsTheyAreWritten) {
+  RunOptions run;
+  run.until = 1.0;
+  run.samples = 300;
+  EXPECT_NO_THROW(check_times(read("# error = 1 %\nt [s],A.child.F_y [N]\n0.0033333,1\n6.67e-3,1\n"), run));
+  EXPECT_THROW(check_times(read("# error = 1 %\nt [s],A.child.F_y [N]\n0.0033300,1\n"), run), InputError);
+  EXPECT_THROW(check_times(read("# error = 1 %\nt [s],A.child.F_y [N]\n0.003,1\n"), run), InputError);
+}
+
 TEST_F(ReferenceTest, TimesMustBeOutputTimes) {
   const Reference reference = read("# error = 1 %\nt [s],A.child.F_y [N]\n0.2,1\n0.2013,1\n");
   RunOptions run;
@@ -200,7 +306,7 @@ TEST_F(ReferenceTest, TimesMustBeOutputTimes) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
                 HasSubstr("measured.csv:4:1: error: reference: t = 0.2013 s is no output time of the run, "
-                          "0.4 s in 200 intervals"));
+                          "0.4 s in 200 intervals (the nearest is 0.202 s)"));
   }
 }
 
