@@ -218,7 +218,9 @@ std::string nearest_to_need(const DataJson& document, bool below) {
       const auto need = row.at("need").at(rung).get<double>();
       if (digits.get<double>() - need >= least) continue;
       least = digits.get<double>() - need;
-      text = fmt::format("{} digits {} where {:g} are asked", format_digits(digits.get<double>()), kNames[rung], need);
+      const bool by_resolution = !below && least < 0.0 && row.at("by_resolution").get<bool>();
+      text = fmt::format("{} digits {} where {:g} are asked{}", format_digits(digits.get<double>()), kNames[rung], need,
+                         by_resolution ? ", which is all that double precision resolves there" : "");
     }
   }
   return text;
@@ -269,6 +271,11 @@ std::string sentence_of(const DataJson& document) {
 DataJson machine_data(const MachineResult& result, std::size_t bytes) {
   DataJson document = DataJson::parse(result.document);
   document["sentence"] = sentence_of(document);
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (result.runs[who] || !result.runs[1 - who]) continue;
+    document["notes"].push_back(fmt::format("there is no run of {}: its file is missing, or it did not finish",
+                                            document.at("solvers").at(who).at("name").get<std::string>()));
+  }
   document["runs"] = RunData(result, bytes).data();
   return document;
 }

@@ -224,21 +224,23 @@ void write_json(const std::filesystem::path& file, const std::vector<std::option
   if (!found.empty()) write_file(file, format_json(found));
 }
 
-void require_two_files(const std::filesystem::path& one, const std::filesystem::path& other, const char* complaint) {
-  if (one.empty() || other.empty() || !is_same_file(one, other)) return;
-  throw InputError({one.string(), 0, 0}, complaint);
+/// A file of its own among the results of a folder would replace one of theirs.
+void refuse_name_of_result(const std::filesystem::path& target, const std::filesystem::path& out) {
+  if (target.empty() || out.empty() || !is_same_file(std::filesystem::absolute(target).parent_path(), out)) return;
+  const std::string name = target.filename().string();
+  for (const std::string& ending : result_file_names(Model{}, {"cartesian", "relative"})) {
+    if (!name.ends_with(ending)) continue;
+    throw InputError({target.string(), 0, 0},
+                     fmt::format("cannot be written: files of --out end in {}, choose another name", ending));
+  }
 }
 
 /// Refuses what cannot be written, and removes what an earlier run wrote there.
 void prepare_outputs(const CompareCommand& command) {
   std::vector<std::filesystem::path> inputs = command.models;
   if (!command.reference.empty()) inputs.push_back(command.reference);
-  check_output(command.json, inputs);
-  check_output(command.junit, inputs);
-  check_output(command.report, inputs);
-  require_two_files(command.json, command.junit, "cannot be both the JSON file and the JUnit file");
-  require_two_files(command.report, command.json, "cannot be both the page and the JSON file");
-  require_two_files(command.report, command.junit, "cannot be both the page and the JUnit file");
+  check_outputs({command.json, command.junit, command.report}, inputs);
+  for (const auto& target : {command.json, command.junit, command.report}) refuse_name_of_result(target, command.out);
   if (!command.out.empty()) check_target_folder(command.out);
   for (const auto& stale : {command.json, command.junit, command.report}) {
     if (!stale.empty()) std::filesystem::remove(stale);

@@ -15,6 +15,7 @@ using Json = nlohmann::ordered_json;
 Json reference_row(const ReferenceRow& row) {
   return {{"of", row.of},
           {"component", row.component},
+          {"unit", row.unit},
           {"peak", row.peak},
           {"stated_error", row.allowed},
           {"cartesian_off", row.differences[0]},

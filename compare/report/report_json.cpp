@@ -39,7 +39,7 @@ Json wrench_row(const char* owner, const std::string& name, const QuantityRow& r
       {"same_run_digits", judged(row.same_run)},
       {"refined_digits", judged(row.refined)},
       {"need", std::move(need)},
-      {"judged_by_resolution", is_judged_by_resolution(row, Rung::same_state)},
+      {"judged_by_resolution", is_judged_by_resolution(row)},
       {"verdict", row.judgement == Judgement::agree    ? "agree"
                   : row.judgement == Judgement::differ ? "differ"
                                                        : "not_judged"}};

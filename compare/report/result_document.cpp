@@ -7,6 +7,7 @@
 
 #include "common/overloaded.h"
 #include "compare/report/explanations.h"
+#include "compare/report/table.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -141,8 +142,9 @@ ResultJson result_row(const Model& model, const QuantityRow& row) {
       {"worst_t", row.worst_t},
       {"states", {{"judged", detail.samples}, {"not_unique", detail.not_unique}, {"too_coarse", detail.too_coarse}}},
       {"unique", row.unique},
-      {"by_resolution", is_judged_by_resolution(row, Rung::same_state)},
-      {"verdict", to_string(row.judgement)}};
+      {"by_resolution", is_judged_by_resolution(row)},
+      {"verdict", to_string(row.judgement)},
+      {"said", judgement_text(row)}};
 }
 
 ResultJson result_rows(const Model& model, const Verdict& verdict) {
@@ -174,17 +176,21 @@ ResultJson result_rung(const char* name, const RungSummary& rung) {
   return {{"name", name},
           {"digits", or_null(rung.digits)},
           {"states", rung.samples},
-          {"climbed", rung.climbed},
+          {"passed", rung.passed},
           {"horizon_s", or_null(rung.horizon)}};
 }
 
 ResultJson result_rungs(const Verdict& verdict) {
   ResultJson rungs = ResultJson::array();
-  rungs.push_back({{"name", "rank"}, {"digits", nullptr}, {"climbed", verdict.rank_agrees}});
+  rungs.push_back({{"name", "rank"}, {"digits", nullptr}, {"passed", verdict.rank_agrees}});
   rungs.push_back(result_rung("same state", verdict.same_state));
   rungs.push_back(result_rung("same run", verdict.same_run));
   rungs.push_back(result_rung("refined", verdict.refined));
   rungs.push_back(result_rung("audit", verdict.audit));
+  rungs.push_back({{"name", "energy"}, {"digits", nullptr}, {"passed", keeps_energy(verdict)}});
+  if (!verdict.references.empty()) {
+    rungs.push_back({{"name", "reference"}, {"digits", nullptr}, {"passed", agrees_with_reference(verdict)}});
+  }
   return rungs;
 }
 

@@ -8,7 +8,7 @@
 namespace concord::compare {
 
 /// Version of the document below; another one is refused by whoever reads it.
-inline constexpr int kResultFormat = 1;
+inline constexpr int kResultFormat = 2;
 
 /// All that was found about one model but the curves, and what a picture of the machine needs, as JSON text on lines of
 /// their own, ending with a line feed: `--out` writes it beside the NetCDF files, and `concord report` reads it.

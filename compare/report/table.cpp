@@ -278,19 +278,6 @@ std::string rung_text(const char* name, const RungSummary& rung) {
   return rung.digits ? fmt::format("{} {}", name, format_digits(*rung.digits)) : std::string(name);
 }
 
-bool keeps_energy(const Verdict& verdict) {
-  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
-    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
-  });
-}
-
-bool agrees_with_reference(const Verdict& verdict) {
-  const auto& rows = verdict.references;
-  const auto is_judged = [](const ReferenceRow& row) { return row.is_judged; };
-  return std::any_of(rows.begin(), rows.end(), is_judged) &&
-         std::all_of(rows.begin(), rows.end(), [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
-}
-
 std::string audit_text(const Verdict& verdict) {
   std::string text;
   for (const SolverSummary& solver : verdict.solvers) {
@@ -326,16 +313,14 @@ int count_too_coarse(const Verdict& verdict) {
 }
 
 std::string last_line(const Verdict& verdict) {
-  std::vector<std::string> climbed;
+  std::vector<std::string> passed;
   std::vector<std::string> missed;
-  const auto sort = [&](bool is_climbed, std::string text) {
-    (is_climbed ? climbed : missed).push_back(std::move(text));
-  };
+  const auto sort = [&](bool is_passed, std::string text) { (is_passed ? passed : missed).push_back(std::move(text)); };
   sort(verdict.rank_agrees, "rank");
-  sort(verdict.same_state.climbed, rung_text("same state", verdict.same_state));
-  sort(verdict.same_run.climbed, rung_text("same run", verdict.same_run));
-  sort(verdict.refined.climbed, rung_text("refined", verdict.refined));
-  sort(verdict.audit.climbed, rung_text("audit", verdict.audit));
+  sort(verdict.same_state.passed, rung_text("same state", verdict.same_state));
+  sort(verdict.same_run.passed, rung_text("same run", verdict.same_run));
+  sort(verdict.refined.passed, rung_text("refined", verdict.refined));
+  sort(verdict.audit.passed, rung_text("audit", verdict.audit));
   sort(keeps_energy(verdict), "energy");
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
   const ComponentCount count = count_components(verdict);
@@ -344,8 +329,8 @@ std::string last_line(const Verdict& verdict) {
   if (count.judged == 0 && has_judged_sums(verdict)) text += ", totals of joints that share what they carry instead";
   const int coarse = count_too_coarse(verdict);
   if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
-  if (!climbed.empty()) text += fmt::format("; climbed: {}", fmt::join(climbed, ", "));
-  if (!missed.empty()) text += fmt::format("; not climbed: {}", fmt::join(missed, ", "));
+  if (!passed.empty()) text += fmt::format("; passed: {}", fmt::join(passed, ", "));
+  if (!missed.empty()) text += fmt::format("; not passed: {}", fmt::join(missed, ", "));
   return text + '\n';
 }
 
@@ -368,6 +353,19 @@ std::string trouble(const Verdict& verdict, bool all_rows) {
 }
 
 }  // namespace
+
+bool keeps_energy(const Verdict& verdict) {
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
+    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
+  });
+}
+
+bool agrees_with_reference(const Verdict& verdict) {
+  const auto& rows = verdict.references;
+  const auto is_judged = [](const ReferenceRow& row) { return row.is_judged; };
+  return std::any_of(rows.begin(), rows.end(), is_judged) &&
+         std::all_of(rows.begin(), rows.end(), [](const ReferenceRow& row) { return row.agrees || !row.is_judged; });
+}
 
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
   std::string text = head(verdict) + '\n';

@@ -8,13 +8,18 @@
 namespace concord::compare {
 
 /// The verdict on one model as text: head, tables of reactions and of force elements, what else was compared,
-/// differences and failures, and a last line with the rungs that were climbed. Compact: of each joint or element and
-/// side the component that comes nearest to its need (or fails it most); `all_rows`: every component. Says nothing that
-/// changes from run to run.
+/// differences and failures, and a last line with the rungs that were passed and those that were not. Compact: of each
+/// joint or element and side the component that comes nearest to its need (or fails it most); `all_rows`: every
+/// component. Says nothing that changes from run to run.
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows);
 
 /// What became of a row, in words: "agree", "agree, judged by resolution (same run)", "not unique, not judged", ...
 std::string judgement_text(const QuantityRow& row);
+
+/// Whether both runs keep their energy as far as is asked.
+bool keeps_energy(const Verdict& verdict);
+/// Whether some column of a reference is judged, and all that are agree.
+bool agrees_with_reference(const Verdict& verdict);
 
 /// Lines that name the components which are not unique, in all states or in some; empty if all are unique.
 std::string not_unique_text(const Model& model, const Verdict& verdict);

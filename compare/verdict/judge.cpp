@@ -69,7 +69,7 @@ void Judge::judge_audit(Who who, const AuditReport& found) {
 
 void Judge::judge_rows() {
   judge(verdict_, rungs_);
-  verdict_.audit.climbed = std::all_of(
+  verdict_.audit.passed = std::all_of(
       verdict_.solvers.begin(), verdict_.solvers.end(),
       [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
 }

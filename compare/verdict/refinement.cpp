@@ -92,6 +92,10 @@ bool is_judged_by_resolution(const QuantityRow& row, Rung rung) {
   return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
 }
 
+bool is_judged_by_resolution(const QuantityRow& row) {
+  return std::any_of(kRungs.begin(), kRungs.end(), [&](Rung rung) { return is_judged_by_resolution(row, rung); });
+}
+
 bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
 
 void make_rows(const QuantityLayout& layout, Verdict& verdict) {
@@ -190,11 +194,11 @@ namespace {
 
 void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
-  summary.climbed = has_judged(verdict);
+  summary.passed = has_judged(verdict);
   std::optional<double> on_speeds;
   const auto take = [&](const QuantityRow& row) {
     if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
-    summary.climbed = summary.climbed && meets_need(row, rung);
+    summary.passed = summary.passed && meets_need(row, rung);
     const auto digits = digits_of(row, rung);
     if (!digits || !is_force(row.quantity.kind)) return;
     std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
@@ -207,11 +211,11 @@ void sum_up(Rung rung, Verdict& verdict) {
     for (const PairSum& sum : verdict.pair_sums) {
       if (sum.samples == 0) continue;
       summary.digits = std::min(summary.digits.value_or(kMostDigits), sum.digits);
-      summary.climbed = summary.climbed && sum.unexplained_digits >= verdict.need.same_state;
+      summary.passed = summary.passed && sum.unexplained_digits >= verdict.need.same_state;
     }
   }
-  // A rung that nothing stood on has not been climbed.
-  summary.climbed = summary.climbed && summary.digits;
+  // A rung on which nothing was judged has not been passed.
+  summary.passed = summary.passed && summary.digits;
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ const RungDetail& detail_of(const QuantityRow& row, Rung rung);
 
 /// Whether a row misses its need by what double precision cannot resolve there: round-off is no difference.
 bool is_judged_by_resolution(const QuantityRow& row, Rung rung);
+/// On any of them.
+bool is_judged_by_resolution(const QuantityRow& row);
 
 /// Whether a row differs in some state by so many resolutions that it is no round-off, however small the difference is;
 /// never where the model lowered the need, and in the same state only: runs differ by integration errors.

@@ -162,8 +162,8 @@ bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Run
 /// Judges runs on a rung, or their repetition at tighter tolerances. What is left at the tightest is a difference, or
 /// an integration that does not converge. `before`: the runs of before, to see what tolerance changes. The number of
 /// samples that were judged; nothing if a solver did not finish.
-std::optional<int> RunRungs::climb(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
-                                   const WeighedStates& weighed) {
+std::optional<int> RunRungs::judge_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
+                                        const WeighedStates& weighed) {
   std::optional<RunPair> looser;
   if (!repeat_tighter(pair, looser, rung, motion_need)) return std::nullopt;
   const int samples = pair.run.samples + 1;
@@ -227,7 +227,7 @@ void RunRungs::judge_motion(const MotionAgreement& motion, Rung rung, double nee
 
 void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   if (pair.is_complete()) weighed_run_ = weigh_run(weighed, pair.run.samples + 1);
-  const std::optional<int> judged = climb(pair, nullptr, Rung::same_run, verdict_.need.same_run, weighed);
+  const std::optional<int> judged = judge_runs(pair, nullptr, Rung::same_run, verdict_.need.same_run, weighed);
   for (const Who who : kBothSolvers) {
     const auto& trajectory = pair.trajectories[index(who)];
     if (!trajectory) continue;
@@ -247,13 +247,13 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
   refined.rtol = refined_tolerance(refined.rtol);
   RunPair pair = integrate(refined, Rung::refined);
   const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
-  const std::optional<int> judged = climb(pair, &of_same_run, Rung::refined, motion_need, weighed);
+  const std::optional<int> judged = judge_runs(pair, &of_same_run, Rung::refined, motion_need, weighed);
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;
 }
 
-/// Runs of which nothing was judged are no climbed rungs, and the reader wants to know why.
+/// A run of which nothing was judged has not passed its rung, and the reader wants to know why.
 void RunRungs::tell_if_unresolved() {
   const auto is_open = [](const QuantityRow& row) {
     const RungDetail& detail = detail_of(row, Rung::same_run);

@@ -69,7 +69,7 @@ struct RungSummary {
   std::optional<double> digits;  // worst, missing if the rung did not run
   int samples = 0;
   bool carries = false;  // whether any force that is judged is not exactly zero
-  bool climbed = false;
+  bool passed = false;
   /// The last time that is judged, where the motion is too sensitive beyond it [s].
   std::optional<double> horizon;
 };

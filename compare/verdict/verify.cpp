@@ -78,7 +78,7 @@ class Verification {
         attribute_stop();
         return std::move(verdict_);
       }
-      climb();
+      verify_rungs();
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
@@ -90,7 +90,7 @@ class Verification {
   }
 
  private:
-  void climb() {
+  void verify_rungs() {
     check_rank();
     make_rows(layout_, verdict_);
     if (const auto same = one_start(model_, solvers_, starts_, options_.seed)) {

@@ -82,10 +82,10 @@ bool misses_reference(const Verdict& verdict) {
 std::string first_rung_below_need(const Verdict& verdict) {
   if (!verdict.failures.empty()) return "refused";
   if (is_told_of(verdict, "rank")) return "rank";
-  if (!verdict.same_state.climbed || is_told_of(verdict, "same state")) return "same state";
-  if (!verdict.audit.climbed) return "audit";
-  if (!verdict.same_run.climbed) return "same run";
-  if (!verdict.refined.climbed) return "refined";
+  if (!verdict.same_state.passed || is_told_of(verdict, "same state")) return "same state";
+  if (!verdict.audit.passed) return "audit";
+  if (!verdict.same_run.passed) return "same run";
+  if (!verdict.refined.passed) return "refined";
   if (misses_reference(verdict)) return "reference";
   return verdict.outcome == Outcome::agree ? kNotCaught : "energy";
 }

@@ -60,7 +60,7 @@ struct Subject {
   [[nodiscard]] Model read() const { return parse_model(text, file); }
 };
 
-bool all_climb(const Verdict& verdict) {
+bool all_pass(const Verdict& verdict) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
       if (row.unique && row.same_state && !meets_need(row, Rung::same_state)) return false;
@@ -95,7 +95,7 @@ std::string judge(const Model& model, const Solvers& solvers, const std::vector<
     record(layout, measure(layout, weighed.series, weighed.budget()), Rung::same_state, verdict);
     judge(verdict);
     if (!has_judged(verdict) || !carries_something(verdict)) return "refused";
-    if (!all_climb(verdict)) return "same state";
+    if (!all_pass(verdict)) return "same state";
     return audit(model, weighed.states);
   } catch (const InputError&) {
     return "refused";

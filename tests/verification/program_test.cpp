@@ -161,7 +161,7 @@ TEST_CASE("Agreement is exit 0, with a table and a JSON document", "[program]") 
   INFO(told.out << told.err);
   REQUIRE(told.code == 0);
   CHECK(contains(told.out, "| case     | joint | on     | component |"));
-  CHECK(contains(told.out, "\nagree pendulum: 10 of 10 components judged; climbed: rank, same state"));
+  CHECK(contains(told.out, "\nagree pendulum: 10 of 10 components judged; passed: rank, same state"));
   const Json json = Json::parse(read(desk.work() / "verdict.json"));
   CHECK(keys(json) == std::vector<std::string>{"format", "verdict", "judged", "total", "same_state", "same_run",
                                                "refined", "audit", "joints", "solvers"});

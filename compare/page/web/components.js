@@ -28,6 +28,6 @@ concord.componentColumns = [
   { name: "refined", key: (r) => r.row.digits[2], text: (r) => concord.digits(r.row.digits[2]), isNumber: true },
   { name: "need", key: (r) => r.row.need[0], text: (r) => r.row.need.join(" / "), isNumber: true },
   { name: "unique in", key: (r) => r.unique, text: (r) => r.uniqueText, isNumber: true },
-  { name: "verdict", key: (r) => r.row.verdict, kind: (r) => (r.row.verdict === "not judged" ? "open" : r.row.verdict),
+  { name: "verdict", key: (r) => r.row.verdict, text: (r) => (r.row.said || r.row.verdict) + (r.row.because ? " (need lowered)" : ""), kind: (r) => (r.row.verdict === "not judged" ? "open" : r.row.verdict),
     title: (r) => (r.row.because ? "need lowered: " + r.row.because : "") },
 ];

@@ -38,7 +38,7 @@
     if (!(rows || []).length) return [];
     return [make("h2", { text: "Against the reference" }),
             tableOf(["of", "component", "peak", "stated error", "cartesian is off by", "relative is off by", "verdict"],
-                    rows.map((r) => [r.of, r.component, concord.short(r.peak), concord.short(r.stated_error), concord.short(r.cartesian_off), concord.short(r.relative_off), verdictOf[r.verdict] || r.verdict]))];
+                    rows.map((r) => [r.of, r.component, ...[r.peak, r.stated_error, r.cartesian_off, r.relative_off].map((value) => sized(value, r.unit === "1" ? "" : r.unit)), verdictOf[r.verdict] || r.verdict]))];
   }
 
   function thirdOpinion(third) {

@@ -11,7 +11,7 @@
     find("rungs").replaceChildren(...(machine.rungs || []).map((rung) => {
       const digits = rung.digits === null || rung.digits === undefined ? "" : ` ${concord.digits(rung.digits)} digits`;
       const horizon = rung.horizon_s ? `, judged up to ${concord.short(rung.horizon_s)} s` : "";
-      return concord.element("li", { class: rung.climbed ? "yes" : "no", text: rung.name + digits + horizon });
+      return concord.element("li", { class: rung.passed ? "yes" : "no", text: rung.name + digits + horizon });
     }));
     const said = find("messages");
     said.replaceChildren();

@@ -61,8 +61,10 @@ concord.Plots = class {
     const width = box.clientWidth - 18;
     const lines = [{}, { stroke: concord.colour("--one"), width: 1.6 }, { stroke: concord.colour("--two"), width: 1.6, dash: [6, 5] }];
     const data = [t, a || t.map(() => null), b || t.map(() => null)];
-    const isFlat = (least, most) => !(most - least > Math.max(1e-30, 1e-12 * Math.max(Math.abs(least), Math.abs(most))));
-    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - 1, most + 1] : uPlot.rangeNum(least, most, 0.1, true)) } };
+    // What is round-off beside the joint's load is drawn as the straight line that it is, in the load's scale.
+    const size = row && row.scale > 0 ? row.scale : 0;
+    const isFlat = (least, most) => !(most - least > Math.max(1e-300, 1e-12 * Math.max(size, Math.abs(least), Math.abs(most))));
+    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - (size || 1), most + (size || 1)] : uPlot.rangeNum(least, most, 0.1, true)) } };
     this.made.push(new uPlot(this.optionsOf(width, 150, lines, scales, (at) => {
       values.textContent = at === null ? "" : `t = ${concord.short(t[at])} s: ${concord.short(a && a[at])}, ${concord.short(b && b[at])} ${unit}`;
     }), data.map((column) => Array.from(column)), box));

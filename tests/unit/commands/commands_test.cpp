@@ -77,6 +77,9 @@ TEST_F(CommandsTest, OutputsThatCannotBeWrittenAreRefusedBeforeAnyWork) {
   refused(folder_ / "pendulum.toml", "", "");
   refused(folder_ / "not_there" / ".." / "pendulum.toml", "", "");
   refused(folder_ / "v", folder_ / "." / "v", "");
+  for (const char* name : {"pendulum.result.json", "pendulum.relative.nc", "p.table.txt"}) {
+    refused(folder_ / "results" / name, "", folder_ / "results");
+  }
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}), 1);
 }

@@ -12,6 +12,7 @@
 #include "compare/report/files.h"
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
+#include "compare/verdict/refinement.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
 #include "tests/unit/temporary_folder.h"
@@ -94,6 +95,39 @@ TEST(Page, OfAFolderIsThatOfTheComparison) {
   EXPECT_EQ(of_folder, at_once);
 }
 
+TEST(Page, SaysWhichRunIsMissing) {
+  const Compared one;
+  const TemporaryFolder folder;
+  one.write_into(folder.path());
+  std::filesystem::remove(folder.path() / "sprung.cartesian.nc");
+  const nlohmann::json machine = data_of(format_page(read_results(folder.path()))).at("machines").at(0);
+  EXPECT_THAT(machine.at("notes").dump(), HasSubstr("there is no run of cartesian: its file is missing"));
+}
+
+TEST(Page, SaysWhereResolutionJudgesInPlaceOfTheNeed) {
+  Compared one;
+  for (QuantityRow& row : one.verdict.rows) {
+    row.need.same_run = 20.0;
+    row.judgement = Judgement::agree;
+    row.detail[static_cast<std::size_t>(Rung::same_run)].unexplained = 20.0;
+  }
+  const QuantityRow& row = one.verdict.rows.front();
+  ASSERT_TRUE(is_judged_by_resolution(row, Rung::same_run) && !is_judged_by_resolution(row, Rung::same_state));
+  const nlohmann::json machine = data_of(format_page({one.reported()})).at("machines").at(0);
+  EXPECT_THAT(machine.at("sentence").get<std::string>(),
+              HasSubstr("in the same run where 20 are asked, which is all that double precision resolves there"));
+  EXPECT_TRUE(machine.at("rows").at(0).at("by_resolution").get<bool>());
+  EXPECT_EQ(machine.at("rows").at(0).at("said"), "agree, judged by resolution (same run)");
+}
+
+TEST(Page, ChecksWithoutDigitsAreAmongTheRungs) {
+  Compared one;
+  one.verdict.references.push_back({.of = "joint A on bob", .component = "F_x", .unit = "N", .agrees = false});
+  const nlohmann::json rungs = data_of(format_page({one.reported()})).at("machines").at(0).at("rungs");
+  EXPECT_EQ(rungs.at(5), (nlohmann::json{{"name", "energy"}, {"digits", nullptr}, {"passed", true}}));
+  EXPECT_EQ(rungs.at(6), (nlohmann::json{{"name", "reference"}, {"digits", nullptr}, {"passed", false}}));
+}
+
 TEST(ReportCommand, RefusesWhatHoldsNoResults) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "empty");
@@ -109,7 +143,7 @@ TEST(ReportCommand, RefusesWhatHoldsNoResults) {
   EXPECT_THAT(said_of("other"), HasSubstr("it holds notes.txt"));
   EXPECT_THAT(said_of("missing"), HasSubstr("cannot be read"));
   write_file(folder.path() / "future" / "a.result.json", R"({"kind": "concord result", "format": 99})");
-  EXPECT_THAT(said_of("future"), HasSubstr("has format 99, but format 1 was expected"));
+  EXPECT_THAT(said_of("future"), HasSubstr("has format 99, but format 2 was expected"));
   write_file(folder.path() / "strange" / "a.result.json", "[1, 2]");
   EXPECT_THAT(said_of("strange"), HasSubstr("is no result that `concord compare --out` wrote"));
 }

@@ -41,8 +41,8 @@ TEST_F(JudgeTest, RowsNeedTheRungsOfTheirVerdictAndNoOther) {
   record_rows(Rung::same_run, 13.0);
   of_analysis_.judge_rows();
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::agree);
-  EXPECT_TRUE(verdict_.same_run.climbed);
-  EXPECT_FALSE(verdict_.refined.climbed) << "it has not run";
+  EXPECT_TRUE(verdict_.same_run.passed);
+  EXPECT_FALSE(verdict_.refined.passed) << "it has not run";
   of_run_.judge_rows();
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged) << "of a run, refined must say something too";
 }
@@ -65,7 +65,7 @@ TEST_F(JudgeTest, AnAuditBelowItsNeedIsAFindingThatNamesTheSolver) {
   EXPECT_EQ(verdict_.audit.digits, 3.0);
   EXPECT_EQ(verdict_.audit.samples, 4);
   of_run_.judge_rows();
-  EXPECT_FALSE(verdict_.audit.climbed);
+  EXPECT_FALSE(verdict_.audit.passed);
 }
 
 TEST_F(JudgeTest, AnAuditOfNoStateSaysNothing) {

@@ -40,8 +40,8 @@ TEST_F(RefinementTest, AllRungsMustBeClimbed) {
   record_all(Rung::same_run, 7.5);
   record_all(Rung::refined, 8.0);
   judge(verdict_);
-  EXPECT_FALSE(verdict_.refined.climbed);
-  EXPECT_TRUE(verdict_.same_run.climbed);
+  EXPECT_FALSE(verdict_.refined.passed);
+  EXPECT_TRUE(verdict_.same_run.passed);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
   record_all(Rung::refined, 9.0);
   judge(verdict_);
@@ -77,7 +77,7 @@ TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
   record_all(Rung::same_state, 13.0);
   judge(verdict_);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged);
-  EXPECT_FALSE(verdict_.same_run.climbed);
+  EXPECT_FALSE(verdict_.same_run.passed);
   record_all(Rung::same_state, 3.0);
   judge(verdict_);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
@@ -100,7 +100,7 @@ TEST_F(RefinementTest, WhatIsNotUniqueAnywhereIsNotJudged) {
   EXPECT_FALSE(verdict_.rows[1].unique);
   EXPECT_FALSE(is_judged(verdict_.rows[1]));
   EXPECT_FALSE(verdict_.rows[1].same_state.has_value());
-  EXPECT_TRUE(verdict_.same_state.climbed);
+  EXPECT_TRUE(verdict_.same_state.passed);
 }
 
 TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
@@ -189,7 +189,7 @@ TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {
     EXPECT_EQ(row.same_run.has_value(), row.quantity.kind != Kind::acceleration);
   }
   judge(verdict_);
-  EXPECT_TRUE(verdict_.same_run.climbed);
+  EXPECT_TRUE(verdict_.same_run.passed);
   EXPECT_EQ(*verdict_.same_run.digits, 13.0);
 }
 

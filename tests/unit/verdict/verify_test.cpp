@@ -50,8 +50,8 @@ TEST_F(VerifyTest, AgreesAndClimbsEveryRung) {
   EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
   EXPECT_EQ(verdict.judged, 10);  // a hinge carries five components on each side
   EXPECT_EQ(verdict.total, 10);
-  EXPECT_TRUE(verdict.rank_agrees && verdict.same_state.climbed && verdict.same_run.climbed &&
-              verdict.refined.climbed && verdict.audit.climbed);
+  EXPECT_TRUE(verdict.rank_agrees && verdict.same_state.passed && verdict.same_run.passed &&
+              verdict.refined.passed && verdict.audit.passed);
   EXPECT_GE(verdict.same_state.samples, 251);
   EXPECT_EQ(verdict.same_run.samples, 201);
   EXPECT_DOUBLE_EQ(verdict.run.rtol, kRigidRtol);
@@ -112,8 +112,8 @@ TEST_F(VerifyTest, BothWrongAlikeIsFoundByTheAudit) {
   cartesian_.spoil = relative_.spoil = fault;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::differ);
-  EXPECT_TRUE(verdict.same_state.climbed);
-  EXPECT_FALSE(verdict.audit.climbed);
+  EXPECT_TRUE(verdict.same_state.passed);
+  EXPECT_FALSE(verdict.audit.passed);
   EXPECT_THAT(verdict.findings.at(0).what, HasSubstr("cartesian is not in balance"));
 }
 
@@ -147,7 +147,7 @@ TEST_F(VerifyTest, AnElementThatBothTakeForAnotherLawIsFoundByTheAudit) {
   };
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::differ);
-  EXPECT_TRUE(verdict.same_state.climbed);
+  EXPECT_TRUE(verdict.same_state.passed);
   EXPECT_THAT(verdict.findings.at(0).what, HasSubstr("cartesian is not in balance: "));
 }
 
@@ -165,7 +165,7 @@ TEST_F(VerifyTest, ADriftThatFallsWithTheToleranceIsFollowedToWhereItMeetsTheNee
   relative_.drift = 5e4;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::agree);
-  EXPECT_TRUE(verdict.same_run.climbed);
+  EXPECT_TRUE(verdict.same_run.passed);
   EXPECT_LT(verdict.run.rtol, run_options(model_, {}).rtol);
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("same run: repeated at rtol ")));
 }
@@ -176,8 +176,8 @@ TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
   relative_.drift = 1e9;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::failed);
-  EXPECT_TRUE(verdict.same_state.climbed);
-  EXPECT_FALSE(verdict.same_run.climbed);
+  EXPECT_TRUE(verdict.same_state.passed);
+  EXPECT_FALSE(verdict.same_run.passed);
   EXPECT_THAT(verdict.failures, Contains(HasSubstr("same run: the runs do not converge")));
   for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
 }
@@ -191,8 +191,8 @@ TEST_F(VerifyTest, ARunThatGetsNoTighterIsNoDifference) {
   relative_.drift = 130.0;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::failed);
-  EXPECT_TRUE(verdict.same_run.climbed);
-  EXPECT_FALSE(verdict.refined.climbed);
+  EXPECT_TRUE(verdict.same_run.passed);
+  EXPECT_FALSE(verdict.refined.passed);
   EXPECT_THAT(verdict.failures, Contains(AllOf(HasSubstr("refined: the runs do not converge"),
                                                HasSubstr("the cartesian run is the same at rtol 1e-13 as at a looser "
                                                          "one: rk4 holds its steps no tighter, another "
@@ -205,7 +205,7 @@ TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   relative_.drift = 1e9;
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::differ);
-  EXPECT_TRUE(verdict.same_state.climbed);
+  EXPECT_TRUE(verdict.same_state.passed);
   EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
 }
 
@@ -215,7 +215,7 @@ TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
     for (Sample& sample : run.samples) sample.evaluation.joints[0].reaction[1].in_C.force(0) *= 1.0 + 1e-5;
   };
   const Verdict verdict = judge();
-  EXPECT_FALSE(verdict.refined.climbed);
+  EXPECT_FALSE(verdict.refined.passed);
   EXPECT_EQ(verdict.outcome, Outcome::differ);
 }
 
@@ -290,7 +290,7 @@ TEST_F(VerifyTest, ComponentsThatAreNotUniqueAreNamedAndNotJudged) {
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.judged, 8);
   EXPECT_EQ(verdict.total, 10);
-  EXPECT_TRUE(verdict.same_state.climbed);
+  EXPECT_TRUE(verdict.same_state.passed);
   EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr("not unique, not judged: joint A on bob: F_z\n"));
 }
 
@@ -336,7 +336,7 @@ TEST_F(VerifyTest, AComponentIsJudgedInTheStatesInWhichItIsUnique) {
     }
   };
   const Verdict verdict = judge();
-  EXPECT_TRUE(verdict.same_state.climbed) << format_verdict(model_, verdict, true);
+  EXPECT_TRUE(verdict.same_state.passed) << format_verdict(model_, verdict, true);
   EXPECT_EQ(verdict.judged, 10);
   EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr("judged where unique: joint A on bob, not unique in "));
 }
