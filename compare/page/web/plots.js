@@ -26,6 +26,13 @@ concord.Plots = class {
     return this.machine.rows.find((r) => r.kind === kind && r.owner === owner && r.side === side && r.component === component);
   }
 
+  /** What a component of this unit is drawn against where it is next to nothing: the joint's largest scale. */
+  scaleOf(component) {
+    const { kind, owner, side } = this.chosen;
+    const isKin = (r) => r.kind === kind && r.owner === owner && r.side === side && (r.component < 3) === (component < 3);
+    return this.machine.rows.filter(isKin).reduce((most, r) => Math.max(most, r.scale), 0);
+  }
+
   draw() {
     for (const plot of this.made) plot.destroy();
     this.made = [];
@@ -60,11 +67,17 @@ concord.Plots = class {
     const b = concord.numbers(curve.b);
     const width = box.clientWidth - 18;
     const lines = [{}, { stroke: concord.colour("--one"), width: 1.6 }, { stroke: concord.colour("--two"), width: 1.6, dash: [6, 5] }];
-    const data = [t, a || t.map(() => null), b || t.map(() => null)];
     // What is round-off beside the joint's load is drawn as the straight line that it is, in the load's scale.
-    const size = row && row.scale > 0 ? row.scale : 0;
-    const isFlat = (least, most) => !(most - least > Math.max(1e-300, 1e-12 * Math.max(size, Math.abs(least), Math.abs(most))));
-    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - (size || 1), most + (size || 1)] : uPlot.rangeNum(least, most, 0.1, true)) } };
+    const size = this.scaleOf(component);
+    // The library's axes do not go below 1e-16: such loads are drawn in parts of a power of ten.
+    const largest = (values) => (values || []).reduce((most, value) => Math.max(most, Math.abs(value) || 0), size);
+    const most = Math.max(largest(a), largest(b));
+    const exponent = most > 0 && most < 1e-9 ? Math.floor(Math.log10(most)) : 0;
+    const power = 10 ** exponent;
+    const data = [t, ...[a, b].map((values) => (values ? Array.from(values, (value) => value / power) : t.map(() => null)))];
+    if (exponent !== 0) box.append(concord.element("p", { class: "values", text: `in 1e${exponent} ${unit}` }));
+    const isFlat = (least, most) => !(most - least > Math.max(1e-300, 1e-12 * Math.max(size / power, Math.abs(least), Math.abs(most))));
+    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - (size / power || 1), most + (size / power || 1)] : uPlot.rangeNum(least, most, 0.1, true)) } };
     this.made.push(new uPlot(this.optionsOf(width, 150, lines, scales, (at) => {
       values.textContent = at === null ? "" : `t = ${concord.short(t[at])} s: ${concord.short(a && a[at])}, ${concord.short(b && b[at])} ${unit}`;
     }), data.map((column) => Array.from(column)), box));
