@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/error.h"
+
 namespace concord::cartesian {
 
 namespace {
@@ -210,6 +212,10 @@ struct ColumnWriter {
     put(motion.is_beyond_upright ? Vec3(-upward) : upward, Vec3::Zero());
   }
   void operator()(const ByReading& word) {
+    if (word.wrenches == nullptr) {
+      throw SolverError(
+          "cartesian: a reading by functions states no coordinate wrenches, but its coordinate is pushed");
+    }
     const joints::Wrenches found = word.wrenches({motion.d, motion.R});
     for (Eigen::Index k = 0; k < found.cols(); ++k) put(found.col(k).head<3>(), found.col(k).tail<3>());
   }

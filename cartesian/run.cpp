@@ -78,10 +78,14 @@ MotionState begin_motion(Dynamics& dynamics, const MachineRank& machine, const S
                          const RunOptions& options) {
   Equations& equations = dynamics.equations();
   MotionState motion{VecX::Zero(equations.layout().n_q()), VecX::Zero(equations.layout().n_Y()), 0.0};
+  require_shape(equations.model(), start);
   equations.layout().unpack(start, motion.q, motion.Y);
   equations.count_turns_from(start.q);
   equations.update(0.0, motion.q, motion.Y);
-  if (options.start) refuse_open(equations, start, motion.q, motion.Y);
+  if (options.start) {
+    refuse_open(equations, start, motion.q, motion.Y);
+    refuse_other_branch(equations, start);
+  }
   (void)solve_with_independent_rows(dynamics, machine);
   return motion;
 }

@@ -49,21 +49,19 @@ class CartesianSolver : public Solver {
 
   Evaluation evaluate(const State& state) override {
     const MachineRank& machine = prepared().machine;
-    equations_.layout().unpack(state, q_, Y_);
-    equations_.count_turns_from(state.q);
-    equations_.update(state.t, q_, Y_);
+    set_state(state);
     refuse_open(equations_, state, q_, Y_);
-    refuse_other_turn(equations_, state);
+    refuse_other_branch(equations_, state);
     return reported_evaluation(equations_, solve_with_independent_rows(dynamics_, machine));
   }
 
   RankReport rank(const State& state) override {
-    update(state);
+    set_state(state);
     return report_rank(equations_);
   }
 
   MatX tangent(const State& state) override {
-    update(state);
+    set_state(state);
     return permitted_velocities(equations_);
   }
 
@@ -94,10 +92,9 @@ class CartesianSolver : public Solver {
 
   std::optional<State> close_near(const State& guess, std::optional<int> rank) {
     const Modes modes = prepared().machine.closing_modes;
-    equations_.layout().unpack(guess, q_, Y_);
-    equations_.count_turns_from(guess.q);
+    require_shape(equations_.model(), guess);
     try {
-      equations_.update(guess.t, q_, Y_);
+      set_state(guess);
       if (is_turned_beyond(equations_, kQuarterTurn, guess.q)) {
         seek_turns(equations_, guess.t, modes, guess.q, q_, Y_);
       }
@@ -111,8 +108,11 @@ class CartesianSolver : public Solver {
     return reported_state(equations_, q_, Y_, turns);
   }
 
-  void update(const State& state) {
+  /// All that is decided at a state depends on the turns that it counts.
+  void set_state(const State& state) {
+    require_shape(equations_.model(), state);
     equations_.layout().unpack(state, q_, Y_);
+    equations_.count_turns_from(state.q);
     equations_.update(state.t, q_, Y_);
   }
 

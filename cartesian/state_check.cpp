@@ -12,6 +12,25 @@
 
 namespace concord::cartesian {
 
+void require_shape(const Model& model, const State& state) {
+  const auto require = [&](std::ptrdiff_t found, std::ptrdiff_t expected, const std::string& what) {
+    if (found == expected) return;
+    throw SolverError(
+        fmt::format("cartesian: the state at t = {:.6g} s has {} {}, expected {}", state.t, found, what, expected));
+  };
+  require(std::ssize(state.bodies), std::ssize(model.bodies), "bodies, ground among them");
+  for (const BodyIndex i : indices_of(model.bodies)) {
+    const Body& body = pick(model.bodies, i);
+    require(state.bodies[i.value].a.size(), body.n_modes(), fmt::format("modal coordinates of body '{}'", body.name));
+    require(state.bodies[i.value].adot.size(), body.n_modes(), fmt::format("modal rates of body '{}'", body.name));
+  }
+  require(std::ssize(state.q), std::ssize(model.joints), "sets of joint coordinates");
+  for (const JointIndex k : indices_of(model.joints)) {
+    const Joint& joint = pick(model.joints, k);
+    require(state.q[k.value].size(), joint.type->n_q(), fmt::format("coordinates of joint '{}'", joint.name));
+  }
+}
+
 void refuse_open(const Equations& equations, const State& state, const VecX& q, const VecX& Y) {
   constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
   if (!q.allFinite() || !Y.allFinite()) {
@@ -38,7 +57,13 @@ bool is_turned_beyond(const Equations& equations, double allowed, const std::vec
   return error && error->size > allowed;
 }
 
-void refuse_other_turn(const Equations& equations, const State& state) {
+void refuse_other_branch(const Equations& equations, const State& state) {
+  if (const std::optional<JointIndex> joint = equations.moving_constraints().first_joint_off_branch()) {
+    throw SolverError(
+        fmt::format("cartesian: in the state at t = {:.6g} s joint '{}' stands on another branch than its "
+                    "type means",
+                    state.t, pick(equations.model().joints, *joint).name));
+  }
   const std::optional<TurnError> error = largest_turn_error(equations, state.q);
   if (!error || !(error->size > kHalfTurn)) return;
   throw SolverError(fmt::format(

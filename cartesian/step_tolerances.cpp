@@ -173,7 +173,8 @@ VecX StepTolerances::measure_round_off(const MotionState& start) {
   VecX noise = VecX::Zero(layout_.n_Y());
   for (int pattern = 1; pattern <= 3; ++pattern) {
     VecX q = start.q;
-    for (Eigen::Index k = 0; k < q.size(); ++k) q(k) += ((k * pattern) % 4 < 2 ? kTwoRoundOffs : -kTwoRoundOffs) * sizes(k);
+    for (Eigen::Index k = 0; k < q.size(); ++k)
+      q(k) += ((k * pattern) % 4 < 2 ? kTwoRoundOffs : -kTwoRoundOffs) * sizes(k);
     noise = noise.cwiseMax((accelerations_at(q) - exact).cwiseAbs());
   }
   const double square = noise.cwiseQuotient(units).lpNorm<Eigen::Infinity>() / kTwoRoundOffs;

@@ -80,8 +80,8 @@ class Solver {
   virtual std::optional<State> close(const State& guess) = 0;
 
   /// Accelerations, reactions, total wrenches and driver forces in a closed state. The state is taken as it is, not
-  /// projected. Throws SolverError if its own closure residual exceeds 1e-12, naming the joint and the residual, and
-  /// SingularPose where the constraints lose rank against the machine's generic one.
+  /// projected. Throws SolverError if it has not the machine's shape, if its own closure residual exceeds 1e-12, naming
+  /// the joint and the residual, and if a joint stands on another branch or turn; SingularPose where the constraints lose rank against the machine's generic one.
   virtual Evaluation evaluate(const State& state) = 0;
 
   /// Rank of the constraints and uniqueness of every reaction, total wrench, driver and coupling force in a closed

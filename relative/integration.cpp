@@ -124,7 +124,7 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   Course course(run, equations, start, options, integrator);
   Trajectory trajectory;
   for (int i = 0; i <= options.samples; ++i) {
-    const double t = options.until * i / options.samples;
+    const double t = i == options.samples ? options.until : options.until * i / options.samples;
     if (i > 0) course.advance(t);
     const State before = i > 0 ? trajectory.samples.back().state : State();
     trajectory.samples.push_back(run.take_sample(states, t, course.numbers(), before));

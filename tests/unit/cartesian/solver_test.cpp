@@ -1,8 +1,10 @@
 #include "cartesian/solver.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cartesian/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
 #include "linkage.h"
@@ -130,6 +132,82 @@ TEST(CartesianSolver, RefusesAStateThatHoldsNoNumber) {
   state.bodies[1].omega.y() = std::nan("");
   const std::string message = message_of<SolverError>([&] { (void)solver->evaluate(state); });
   EXPECT_EQ(message, "cartesian: the state at t = 0 s holds a number that is not finite");
+}
+
+TEST(CartesianSolver, RefusesAStateOfAnotherShape) {
+  const Model model = make_pendulum();
+  const auto solver = make_solver(model);
+  const State state = solver->assemble();
+  State few = state;
+  few.bodies.pop_back();
+  const char* expected = "cartesian: the state at t = 0 s has 1 bodies, ground among them, expected 2";
+  EXPECT_EQ(message_of<SolverError>([&] { (void)solver->evaluate(few); }), expected);
+  EXPECT_EQ(message_of<SolverError>([&] { (void)solver->rank(few); }), expected);
+  EXPECT_EQ(message_of<SolverError>([&] { (void)solver->close(few); }), expected);
+  State without_q = state;
+  without_q.q[0].resize(0);
+  EXPECT_THAT(message_of<SolverError>([&] { (void)solver->tangent(without_q); }),
+              HasSubstr("has 0 coordinates of joint 'revolute', expected 1"));
+}
+
+/// A hinge whose axes are opposed obeys all of its rows.
+TEST(CartesianSolver, RefusesAStateOnAnotherBranch) {
+  const Model model = make_pendulum();
+  const auto solver = make_solver(model);
+  State state = solver->assemble();
+  BodyState& bob = state.bodies[1];
+  const Attachment& hinge = model.joints[0].on(Side::child);
+  const Mat3 A = rotation_of(bob.p);
+  const Vec3 point = bob.r + A * hinge.point_L;
+  const Vec3 across = A * hinge.C.col(0);
+  const Mat3 turned = rotation_about(across, EIGEN_PI) * A;
+  const Eigen::Quaterniond orientation(turned);
+  bob.p << orientation.w(), orientation.vec();
+  bob.r = point - turned * hinge.point_L;
+  bob.v.setZero();
+  bob.omega.setZero();
+  state.u[0].setZero();
+  EXPECT_THAT(message_of<SolverError>([&] { (void)solver->evaluate(state); }),
+              HasSubstr("joint 'revolute' stands on another branch than its type means"));
+  RunOptions options;
+  options.until = 0.01;
+  options.start = state;
+  EXPECT_THROW((void)solver->integrate(options, [](double) {}), SolverError);
+}
+
+/// Beyond a right angle the elevation of a rod reads from other signs: what a state says must not hang on the last one.
+TEST(CartesianSolver, WhatAStateSaysDoesNotDependOnTheStateBefore) {
+  const auto rod_at = [](double elevation) {
+    return parse_model(fmt::format(R"(format = 1
+[[body]]
+name = "load"
+mass = 1
+inertia = [1, 2, 2.5]
+[[joint]]
+name = "rod"
+type = "distance"
+length = 0.7
+parent = "ground"
+child = {{ body = "load", point = [0.1, 0.2, 0.3] }}
+start.turn_x = {{ keep = 0.5, keep_speed = 0.2 }}
+start.turn_y = {{ guess = {}, guess_speed = 0 }}
+start.ball = {{ keep = {{ axis = [0, 0, 1], angle = 0.3 }}, keep_speed = [0, 0, 0.1] }}
+[[coupling]]
+name = "ratio"
+terms = [{{ joint = "rod", coordinate = "turn_x", factor = 1 }}, {{ joint = "rod", coordinate = "turn_y", factor = 2 }}]
+offset = {}
+)",
+                                   elevation, 0.5 + 2.0 * elevation),
+                       "rod.toml");
+  };
+  const Model far = rod_at(2.1);
+  const auto fresh = make_solver(far);
+  const State beyond = fresh->assemble();
+  const MatX expected = make_solver(far)->tangent(beyond);
+  State before = beyond;
+  before.q[0](1) = 0.3;
+  (void)fresh->rank(before);
+  EXPECT_LT((fresh->tangent(beyond) - expected).norm(), 1e-12);
 }
 
 TEST(CartesianSolver, ClosesAShakenStateAndLeavesItsTurnsAlone) {
