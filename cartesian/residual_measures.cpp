@@ -87,7 +87,9 @@ double natural_rate(const Equations& equations) {
   for (const BodyIndex i : layout.moving_bodies()) {
     const double mass = equations.inertia(i).mass();
     if (!(mass > 0.0)) continue;
-    acceleration = std::max(acceleration, layout.v(equations.forces(), i).lpNorm<Eigen::Infinity>() / mass);
+    const double force = layout.v(equations.forces(), i).lpNorm<Eigen::Infinity>();
+    const double torque = layout.omega(equations.forces(), i).lpNorm<Eigen::Infinity>();
+    acceleration = std::max(acceleration, std::max(force, torque / equations.length()) / mass);
   }
   return std::sqrt(acceleration / equations.length());
 }

@@ -36,8 +36,8 @@ double largest_velocity_residual_by_reach(const Equations& equations, const VecX
 /// The joint or coupling of the largest of these residuals by row sizes.
 std::string name_of_largest(const Equations& equations, const VecX& residual);
 
-/// The rate that the forces would bring about over the machine's length [1/s]: sqrt(acceleration / L), the largest of
-/// all bodies (C46).
+/// The rate that the forces, and torques as forces at the machine's length, would bring about over that length [1/s]:
+/// sqrt(acceleration / L), the largest of all bodies (C46).
 double natural_rate(const Equations& equations);
 /// The largest speed Y in the machine's units [1/s], that of laws of drivers at time t included; at least a millionth
 /// of the natural rate, and of that of the drivers, which may bring the machine to rest.

@@ -43,10 +43,15 @@ double largest_force(const Model& model, double length) {
             [&](const LineSpring& spring) {
               largest = std::max({largest, std::abs(spring.law.stiffness) * length, std::abs(spring.law.preload)});
             },
-            [&](const TurnSpring& spring) { largest = std::max(largest, std::abs(spring.law.stiffness) / length); },
+            [&](const TurnSpring& spring) {
+              largest =
+                  std::max({largest, std::abs(spring.law.stiffness) / length, std::abs(spring.law.preload) / length});
+            },
             [&](const Bushing& bushing) {
               largest = std::max(largest, bushing.stiffness.topLeftCorner<3, 3>().diagonal().maxCoeff() * length);
               largest = std::max(largest, bushing.stiffness.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length);
+              largest =
+                  std::max({largest, bushing.preload.head<3>().norm(), bushing.preload.tail<3>().norm() / length});
             },
             [&](const auto&) {}},
         element.what);

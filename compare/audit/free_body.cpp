@@ -121,6 +121,14 @@ double largest_force_in(const Model& model, const Evaluation& evaluation) {
       largest = std::max(largest, std::abs(joint.tau(c)) / (turns[static_cast<std::size_t>(c)] ? length : 1.0));
     }
   }
+  for (std::size_t c = 0; c < evaluation.couplings.size(); ++c) {
+    for (const CouplingTerm& term : model.couplings[c].terms) {
+      const joints::JointType& type = *model.joints[term.joint].type;
+      const auto speed = static_cast<std::size_t>(first_u(type, term.word) + term.component);
+      const double force = std::abs(evaluation.couplings[c] * term.factor);
+      largest = std::max(largest, force / (turning_speeds(type)[speed] ? length : 1.0));
+    }
+  }
   for (const ElementWrenches& element : evaluation.elements) {
     largest = std::max(largest, element.on_side(Side::child).in_global.force.norm());
   }

@@ -27,8 +27,9 @@ struct Balance {
 Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                    const Evaluation& evaluation);
 
-/// Largest force of joints and elements, and of springs and drivers on joint speeds, torques of these at the machine's
-/// length [N]: a joint that balances its own springs passes nothing on.
+/// Largest force of joints and elements, and of springs, drivers and couplings on joint speeds, torques of these at the
+/// machine's length [N]: a joint that balances its own springs passes nothing on, nor does a gear that passes a motor's
+/// torque to a brake.
 double largest_force_in(const Model& model, const Evaluation& evaluation);
 
 }  // namespace concord::compare

@@ -111,11 +111,13 @@ class Scales {
   void collect_wrenches() {
     const Model& model = layout_.model();
     on_body_.resize(model.bodies.size());
+    by_couplings_ = forces_by_couplings();
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       for (const Side side : {Side::parent, Side::child}) {
         const int joint = static_cast<int>(k);
         reactions_.push_back(wrench_at(layout_.first_row(Kind::reaction, joint, side)));
         totals_.push_back(wrench_at(layout_.first_row(Kind::total, joint, side)));
+        enlarge(totals_.back(), by_couplings_[k]);
         enlarge(on_body_[model.joints[k].on(side).body], totals_.back());
         enlarge(wrench_floor_, totals_.back());
         enlarge(wrench_floor_, reactions_.back());
@@ -132,6 +134,7 @@ class Scales {
     enlarge(wrench_floor_, loads());
     on_speeds_ = forces_on_speeds();
     for (const BlockScale& scale : on_speeds_) enlarge(wrench_floor_, scale);
+    wrench_floor_.linear = std::max(wrench_floor_.linear, wrench_floor_.angular / length_);
     wrench_floor_.linear_source = wrench_floor_.angular_source = ScaleSource::floor;
     hold_idle_joints_against_the_machine(wrench_floor_);
     for (std::size_t k = 0; k < on_speeds_.size(); ++k) {
@@ -157,11 +160,31 @@ class Scales {
     return scales;
   }
 
+  /// Peaks of what couplings exert in each joint: a gear passes a motor's torque on to a brake, and the joint's total,
+  /// in which both stand, is next to nothing.
+  [[nodiscard]] std::vector<BlockScale> forces_by_couplings() const {
+    const Model& model = layout_.model();
+    std::vector<BlockScale> scales(model.joints.size());
+    for (std::size_t c = 0; c < model.couplings.size(); ++c) {
+      const double force = peak_of_coupling(c);
+      for (const CouplingTerm& term : model.couplings[c].terms) {
+        const double exerted = force * std::abs(term.factor);
+        enlarge(scales[term.joint], is_turn(model, term) ? BlockScale{0.0, exerted} : BlockScale{exerted, 0.0});
+      }
+    }
+    return scales;
+  }
+
+  [[nodiscard]] double peak_of_coupling(std::size_t coupling) const {
+    return peak(series_, layout_.row_of({Kind::coupling, static_cast<int>(coupling), Side::child, 0}), 1);
+  }
+
   /// The force that would explain all that passes through the joints of a coupling.
   void collect_couplings() {
     const Model& model = layout_.model();
-    for (const Coupling& coupling : model.couplings) {
-      double scale = 0.0;
+    for (std::size_t c = 0; c < model.couplings.size(); ++c) {
+      const Coupling& coupling = model.couplings[c];
+      double scale = peak_of_coupling(c);
       for (const CouplingTerm& term : coupling.terms) {
         const BlockScale& total = totals_[2 * term.joint + index(Side::child)];
         scale = std::max(scale, (is_turn(model, term) ? total.angular : total.linear) / std::abs(term.factor));
@@ -208,6 +231,17 @@ class Scales {
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
     }
+    // Of bodies that a coupling holds at rest against a motor: what it would do to them alone.
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      for (const Attachment& side : model.joints[k].sides) {
+        const Body& body = model.bodies[side.body];
+        if (side.body == kGround || !(mass_of(body) > 0.0)) continue;
+        const double radius = radius_of(body);
+        const double turning = radius > 0.0 ? by_couplings_[k].angular / (mass_of(body) * radius * radius) : 0.0;
+        const double linear = std::max(by_couplings_[k].linear / mass_of(body), turning * length_);
+        if (linear > 0.0) enlarge(accelerations_[side.body], {linear, linear / length_});
+      }
+    }
     // A body that nothing but its modes moves still has the loads of the machine to be compared with.
     const double by_loads = wrench_floor_.linear / total_mass(model);
     acceleration_floor_ = {std::max(kScaleFloor * acceleration_floor_.linear, by_loads),
@@ -240,6 +274,7 @@ class Scales {
   std::vector<BlockScale> on_speeds_;  // of joints, by the larger of the total and of what springs and drivers exert
   std::vector<BlockScale> elements_;
   std::vector<BlockScale> couplings_;
+  std::vector<BlockScale> by_couplings_;  // of joints
   std::vector<BlockScale> on_body_;
   std::vector<BlockScale> accelerations_;
   std::vector<double> modal_;

@@ -19,6 +19,7 @@ struct BodyLoad {
   double mass = 0.0;
   double least_inertia = 0.0;    // about any axis through the centre of mass, kg m2
   double largest_inertia = 0.0;  // the same
+  double eccentricity = 0.0;     // distance of the centre of mass from the origin, m
   double force = 0.0;
   double torque = 0.0;  // about the body's origin
   VecX modal;           // generalized forces by mode
@@ -29,7 +30,10 @@ class Loads {
  public:
   Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
-    for (const Evaluation& evaluation : shared.evaluations) add_wrenches(evaluation);
+    for (const Evaluation& evaluation : shared.evaluations) {
+      add_wrenches(evaluation);
+      add_coordinate_forces(evaluation);
+    }
     add_springs();
   }
 
@@ -54,9 +58,11 @@ class Loads {
       load.modal = (body.modal->stiffness.cwiseAbs() * state.a.cwiseAbs()) +
                    (body.modal->damping.cwiseAbs() * state.adot.cwiseAbs());
       const Vec3 center = body.modal->G.block<3, 1>(1, 0) / load.mass;
+      load.eccentricity = center.norm();
       const Mat3 second = body.modal->G.block<3, 3>(1, 1) - load.mass * center * center.transpose();
       take_inertia(second.trace() * Mat3::Identity() - second, load);
     } else {
+      load.eccentricity = body.center_of_mass_L.norm();
       take_inertia(body.inertia_L, load);
     }
     for (const Evaluation& evaluation : shared_.evaluations) {
@@ -109,8 +115,34 @@ class Loads {
 
   void take_terms(const Attachment& side, const SpringTerms& terms) {
     if (side.body == kGround) return;
-    take_force(bodies_[side.body], terms.force, side.point_L.norm());
-    bodies_[side.body].torque = std::max(bodies_[side.body].torque, terms.torque);
+    BodyLoad& load = bodies_[side.body];
+    take_force(load, terms.force, side.point_L.norm());
+    load.torque = std::max(load.torque, terms.torque);
+    // What turns a body beside its centre of mass pulls at the place about which it turns.
+    const double moment = load.mass * load.eccentricity;
+    if (moment > 0.0) {
+      load.force = std::max(load.force, terms.torque * moment / (moment * load.eccentricity + load.least_inertia));
+    }
+  }
+
+  /// What acts on joint coordinates: all together, and couplings by themselves, which may pass on what a motor exerts.
+  void add_coordinate_forces(const Evaluation& evaluation) {
+    const auto take = [this](int joint, double force, bool is_torque) {
+      const SpringTerms terms = is_torque ? SpringTerms{0.0, force} : SpringTerms{force, 0.0};
+      for (const Attachment& side : model_.joints[joint].sides) take_terms(side, terms);
+    };
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      const VecX& tau = evaluation.joints[k].tau;
+      const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
+      for (Eigen::Index u = 0; u < tau.size(); ++u) {
+        take(static_cast<int>(k), std::abs(tau(u)), turns[static_cast<std::size_t>(u)]);
+      }
+    }
+    for (std::size_t c = 0; c < evaluation.couplings.size(); ++c) {
+      for (const CouplingTerm& term : model_.couplings[c].terms) {
+        take(term.joint, std::abs(evaluation.couplings[c] * term.factor), is_turn(model_, term));
+      }
+    }
   }
 
   void add_springs() {

@@ -282,4 +282,24 @@ TEST_CASE("A machine that its driver brings to rest without gravity agrees") {
   }
 }
 
+/// What must pass through each gear, by hand: 6 N m and 6 * 2.4; 7; and the spring's 11 * 0.37 / 1.9 over 1.9.
+TEST_CASE("Torques that gears hold or pass on are judged though no bearing carries anything", "[resting]") {
+  const std::vector<std::pair<std::string, std::vector<double>>> gears{
+      {"gear_that_holds", {7.0}},
+      {"motor_against_brake", {6.0, 6.0 * 2.4}},
+      {"motor_that_stands", {11.0 * 0.37 / 1.9 / 1.9}}};
+  for (const auto& [name, forces] : gears) {
+    INFO(name);
+    const Model model = machine_of("gears", name);
+    expect_to_agree(model, {});
+    for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
+      const auto solver = make(model);
+      const Evaluation start = solver->evaluate(solver->assemble());
+      for (std::size_t k = 0; k < forces.size(); ++k) {
+        CHECK(std::abs(start.couplings[k]) == Approx(forces[k]).epsilon(1e-12));
+      }
+    }
+  }
+}
+
 }  // namespace concord::verification
