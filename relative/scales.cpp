@@ -23,38 +23,43 @@ double total_mass(const Model& model) {
   return mass;
 }
 
-/// Largest force of a load or of a spring that is stretched by the length or a radian [N]; torques over the length.
+/// The largest that a law exerts where it is stretched by so much, or that its actuator does at 17 times of the run.
+double largest_of(const ForceLaw& law, double stretch, double until) {
+  constexpr int kLooks = 16;
+  double largest = std::max(std::abs(law.stiffness) * stretch, std::abs(law.preload));
+  for (int k = 0; law.actuator && k <= kLooks; ++k) {
+    largest = std::max(largest, std::abs(evaluate_actuator(law, until * k / kLooks)));
+  }
+  return largest;
+}
+
+/// Largest force of a load, of an actuator, or of a spring that is stretched by the length or a radian [N]; torques
+/// over the length.
 double largest_force(const Model& model, double length) {
+  const double until = model.run.until;
   double largest = 0.0;
   for (const Joint& joint : model.joints) {
     const Mobilizer mobilizer(*joint.type);
     for (const JointSpring& spring : joint.springs) {
       const bool slides = mobilizer.kind(first_u(*joint.type, spring.word) + spring.component).is_length;
-      const double stretched = std::abs(spring.law.stiffness) * (slides ? length : 1.0);
-      largest = std::max(largest, std::max(stretched, std::abs(spring.law.preload)) / (slides ? 1.0 : length));
+      const double exerted =
+          slides ? largest_of(spring.law, length, until) : largest_of(spring.law, 1.0, until) / length;
+      largest = std::max(largest, exerted);
     }
   }
   for (const ForceElement& element : model.elements) {
-    std::visit(
-        Overloaded{
-            [&](const Load& load) {
-              largest = std::max({largest, load.force.norm(), load.torque.norm() / length});
-            },
-            [&](const LineSpring& spring) {
-              largest = std::max({largest, std::abs(spring.law.stiffness) * length, std::abs(spring.law.preload)});
-            },
-            [&](const TurnSpring& spring) {
-              largest =
-                  std::max({largest, std::abs(spring.law.stiffness) / length, std::abs(spring.law.preload) / length});
-            },
-            [&](const Bushing& bushing) {
-              largest = std::max(largest, bushing.stiffness.topLeftCorner<3, 3>().diagonal().maxCoeff() * length);
-              largest = std::max(largest, bushing.stiffness.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length);
-              largest =
-                  std::max({largest, bushing.preload.head<3>().norm(), bushing.preload.tail<3>().norm() / length});
-            },
-            [&](const auto&) {}},
+    const double exerted = std::visit(
+        Overloaded{[&](const Load& load) { return std::max(load.force.norm(), load.torque.norm() / length); },
+                   [&](const LineSpring& spring) { return largest_of(spring.law, length, until); },
+                   [&](const TurnSpring& spring) { return largest_of(spring.law, 1.0, until) / length; },
+                   [&](const Bushing& bushing) {
+                     return std::max({bushing.stiffness.topLeftCorner<3, 3>().diagonal().maxCoeff() * length,
+                                      bushing.stiffness.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length,
+                                      bushing.preload.head<3>().norm(), bushing.preload.tail<3>().norm() / length});
+                   },
+                   [](const auto&) { return 0.0; }},
         element.what);
+    largest = std::max(largest, exerted);
   }
   return largest;
 }
