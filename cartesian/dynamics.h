@@ -64,6 +64,7 @@ class Dynamics {  // (C40)
 
   /// Brings q and Y onto the constraints (Projection::project) with the factors of a solution nearby.
   const RoundOffShares& project(const Solution& nearby, double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y);
+  [[nodiscard]] double velocity_residual_left() const { return projection_.velocity_residual_left(); }
 
  private:
   void write_right_side();

@@ -196,15 +196,13 @@ void PoseWatch::choose(PoseSample& at) {
 }
 
 bool PoseWatch::follow(double t, const MotionState& motion) {
-  constexpr double kWeakened = 1e-2;  // a row's pivot of that where the rows were chosen
   constexpr int kDepth = 16;
   constexpr double kLittle = 0.1;  // pivots that change so little from step to step cannot vanish in between
   if (!may_lose_rank_ || t <= last_.t) return false;
   const std::vector<bool> rows = dynamics_.active_rows();
   equations_.update(t, motion.q, motion.Y);
   PoseSample now = sample_pose(t, motion);
-  const bool has_dependent_rows = generic_rank_ < equations_.constraints().n_rows();
-  if (has_dependent_rows && !(now.pivots.array() >= kWeakened * chosen_pivots_.array()).all()) {
+  if (has_weakened(now)) {
     choose(now);
     chosen_pivots_ = now.pivots;
   }
@@ -216,6 +214,19 @@ bool PoseWatch::follow(double t, const MotionState& motion) {
   dynamics_.use_rows(now.rows);
   last_ = std::move(now);
   return last_.rows != rows;
+}
+
+/// Whether other rows might be better than those in use: a row has lost much of its pivot, or the rows together have
+/// come to be nearly dependent, which no pivot need show: what round-off leaves of the dependent rows grows with it.
+bool PoseWatch::has_weakened(const PoseSample& now) {
+  constexpr double kWeakened = 1e-2;   // a row's pivot of that where the rows were chosen
+  constexpr double kRoundOff = 1e-14;  // of the largest speed
+  constexpr double kMuchWorse = 30.0;
+  if (generic_rank_ == equations_.constraints().n_rows()) return false;
+  const double left = dynamics_.velocity_residual_left();
+  const bool closes_worse = left > kMuchWorse * std::max(least_left_, kRoundOff);
+  if (closes_worse) least_left_ = left;  // unless it gets much worse still, it is not the choice of rows
+  return closes_worse || !(now.pivots.array() >= kWeakened * chosen_pivots_.array()).all();
 }
 
 /// Closed poses this near to a singular one are known to the root of round-off only: on which side they stand is open.

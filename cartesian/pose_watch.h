@@ -53,6 +53,7 @@ class PoseWatch {
   PoseSample sample_pose(double t, const MotionState& motion);
   PoseSample sample_between(const PoseSample& before, const PoseSample& after);
   void choose(PoseSample& at);
+  bool has_weakened(const PoseSample& now);
   void refuse_vanished(const PoseSample& now);
   VecX own_pivots(const PoseSample& at, const std::vector<bool>& rows);
   bool is_continuous(const PoseSample& before, const PoseSample& after, const std::vector<bool>& rows);
@@ -68,9 +69,10 @@ class PoseWatch {
   bool may_lose_rank_;
   std::unique_ptr<Overlap> overlap_;
   PoseSample last_;
-  VecX chosen_pivots_;      // where the rows in use were chosen
-  VecX largest_pivots_;     // so far
-  double rate_ = HUGE_VAL;  // of the change of pivots over the last step, relative [1/s]
+  VecX chosen_pivots_;       // where the rows in use were chosen
+  VecX largest_pivots_;      // so far
+  double least_left_ = 0.0;  // velocity residual at the last choice of rows on its account, of the largest speed
+  double rate_ = HUGE_VAL;   // of the change of pivots over the last step, relative [1/s]
   RowIndex weakest_row_;
 };
 

@@ -108,6 +108,7 @@ void Projection::project_velocities(PlacedConstraints& placed, const Equations& 
     placed.move(Y).write_velocity_residual(t, residual_);
     const double last = size;
     size = largest_velocity_residual(equations, residual_);
+    velocity_residual_left_ = size / speed;
     if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;
     solve_constraint_step(matrix);
     Y += step_;

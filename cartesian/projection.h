@@ -24,6 +24,9 @@ class Projection {
   /// units. Returns how often residuals hold their round-off there; overwritten by the next call.
   const RoundOffShares& project(const Equations& equations, AugmentedMatrix& matrix, double t, Eigen::Ref<VecX> q,
                                 Eigen::Ref<VecX> Y);
+  /// The largest velocity residual that the last projection left, of dependent rows too, of the largest speed: grows
+  /// with the condition of the rows in use.
+  [[nodiscard]] double velocity_residual_left() const { return velocity_residual_left_; }
 
  private:
   void factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix);
@@ -41,6 +44,7 @@ class Projection {
   bool has_new_rows_ = true;  // since the last factorization of the position matrix
   std::vector<bool> active_;
   RoundOffShares shares_;
+  double velocity_residual_left_ = 0.0;
   VecX residual_;
   VecX unknowns_;
   VecX step_;

@@ -38,25 +38,34 @@ double estimate_largest(const SparseMatrix& transposed) {
   return largest > 0.0 ? largest : 1.0;
 }
 
-/// The parts of the left-over rows that are independent of all others, and their singular values (C50).
-void decide_left_over(const SparseMatrix& transposed, const RowSelection& selection, double largest,
-                      RankDecision& decision) {
-  const Eigen::Index n = transposed.cols();
-  const Eigen::Index left_over = n - selection.live;
-  MatX Z = MatX::Zero(n, left_over);
-  for (Eigen::Index column = 0; column < left_over; ++column) {
+/// By left-over row the combination of rows that is it without what the live rows explain of it.
+MatX combinations_of(const RowSelection& selection) {
+  const auto n = static_cast<Eigen::Index>(selection.order.size());
+  MatX Z = MatX::Zero(n, n - selection.live);
+  for (Eigen::Index column = 0; column < Z.cols(); ++column) {
     for (Eigen::Index k = 0; k < selection.live; ++k) Z(selection.order[k], column) = -selection.dependence(k, column);
     Z(selection.order[selection.live + column], column) = 1.0;
+  }
+  return Z;
+}
+
+/// The parts of the left-over rows that are independent of all others, and their singular values (C50).
+void decide_left_over(const SparseMatrix& transposed, RowSelection& selection, double largest, RankDecision& decision) {
+  constexpr double kSurelyDependent = 1e-2 * kRankThreshold / kEitherWay;
+  const Eigen::Index left_over = transposed.cols() - selection.live;
+  MatX Z = combinations_of(selection);
+  if (!((transposed * Z).norm() <= kSurelyDependent * largest)) {
+    express_left_over(transposed, selection);
+    Z = combinations_of(selection);
   }
   const MatX rest = transposed * Z;
   Z = orthonormal_columns(Z);
   decision.near_values = VecX::Zero(left_over);
-  constexpr double kFarBelow = 1e-2;
   const double bound = rest.norm() / largest;  // of all of them: Z had unit vectors on the left-over rows
   decision.near_null_space = Z;
   decision.largest_dropped = bound;
   Eigen::Index added = 0;
-  if (!(bound <= kFarBelow * kRankThreshold / kEitherWay)) {
+  if (!(bound <= kSurelyDependent)) {
     const Eigen::JacobiSVD<MatX> svd(MatX(transposed * Z), Eigen::ComputeFullV);
     VecX values = VecX::Zero(left_over);
     values.head(svd.singularValues().size()) = svd.singularValues() / largest;
@@ -90,7 +99,8 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
         "cartesian: the Jacobian of the constraints holds an entry that is not a number: its rank cannot be decided");
   }
   const SparseMatrix transposed = matrix.transpose();
-  const RowSelection selection = select_rows(transposed, goes_first, kCandidate);
+  RowSelection selection = select_rows(transposed, goes_first, kCandidate);
+  if (selection.smallest_live <= kCandidate) leave_over_dependent(transposed, goes_first, kCandidate, selection);
   const double largest = estimate_largest(transposed);
   decision.rank = static_cast<int>(selection.live);
   decision.smallest_kept = selection.smallest_live / largest;

@@ -42,12 +42,20 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
 }
 
 RowChoice choose_rows(const Equations& equations, int expected) {
-  constexpr double kWell = 1e-2;  // what others leave of a row that is well independent of them
+  constexpr double kWell = 1e-2;   // what others leave of a row that is well independent of them
+  constexpr double kLeast = 1e-6;  // the same, of rows that are chosen by exchanges
+  constexpr Eigen::Index kMostDenseRows = 500;
   const SparseMatrix matrix = scaled_jacobian(equations).matrix;
   std::vector<bool> rows;
   const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);
   if (matrix.rows() > kDenseRows) {
-    const RowSelection selection = select_rows(matrix.transpose(), goes_first, kWell);
+    const SparseMatrix transposed = matrix.transpose();
+    RowSelection selection = select_rows(transposed, goes_first, kWell);
+    // A sparse QR may choose rows that together are nearly dependent, with which velocities do not close to round-off.
+    const bool may_be_exchanged = goes_first == nullptr && matrix.rows() <= kMostDenseRows;
+    if (may_be_exchanged && !(selection.live == expected && selection.smallest_live >= kWell)) {
+      selection = select_well(transposed, kLeast);
+    }
     if (selection.live == expected) {
       RowChoice choice{expected, std::vector<bool>(matrix.rows(), false)};
       for (int k = 0; k < expected; ++k) choice.independent[selection.order[k]] = true;

@@ -1,8 +1,11 @@
 #include "cartesian/row_selection.h"
 
 #include <Eigen/SPQRSupport>
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace concord::cartesian {
 
@@ -10,20 +13,29 @@ static_assert(std::is_same_v<SparseIndex, SuiteSparse_long>);
 
 namespace {
 
-/// Smallest singular value of an upper triangular matrix, by two rounds of inverse iteration; `solve` and
-/// `solve_transposed` apply its inverse in place.
+/// The smallest singular value of an upper triangular matrix, and its right singular vector: what the combination of
+/// columns with these weights leaves.
+struct SmallestSingularValue {
+  double value = HUGE_VAL;
+  VecX vector;
+};
+
+/// By three rounds of inverse iteration; `solve` and `solve_transposed` apply the inverse in place.
 template <class Solve, class SolveTransposed>
-double estimate_smallest(Eigen::Index size, const Solve& solve, const SolveTransposed& solve_transposed) {
-  if (size == 0) return 0.0;
+SmallestSingularValue estimate_smallest(Eigen::Index size, const Solve& solve,
+                                        const SolveTransposed& solve_transposed) {
+  SmallestSingularValue smallest;
+  if (size == 0) return {0.0, VecX()};
   VecX x = VecX::NullaryExpr(size, [](Eigen::Index k) { return k % 3 == 1 ? -1.0 : 1.0; }).normalized();
-  double smallest = HUGE_VAL;
   for (int round = 0; round < 3; ++round) {
+    smallest.vector = x;
     solve_transposed(x);
     solve(x);
     const double growth = x.norm();
     if (!(growth > 0.0) || !std::isfinite(growth)) break;
-    smallest = 1.0 / std::sqrt(growth);
+    smallest.value = 1.0 / std::sqrt(growth);
     x /= growth;
+    smallest.vector = x;
   }
   return smallest;
 }
@@ -36,8 +48,10 @@ void select_from(const Triangle& R, RowSelection& selection) {
   selection.dependence = R.topRightCorner(live, R.cols() - live);
   // Eigen's triangular solver reads the first entry of an empty matrix too.
   if (selection.dependence.size() > 0) triangle.solveInPlace(selection.dependence);
-  selection.smallest_live = estimate_smallest(
-      live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); });
+  selection.smallest_live =
+      estimate_smallest(
+          live, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { triangle.transpose().solveInPlace(x); })
+          .value;
 }
 
 Eigen::Index count_live(const VecX& diagonal, double tolerance) {
@@ -81,6 +95,16 @@ RowSelection select_dense_in_order(const MatX& transposed, const std::vector<boo
   return selection;
 }
 
+/// The sparse triangle of a factorization over its first `size` columns.
+SmallestSingularValue smallest_of(const SparseMatrix& R, Eigen::Index size) {
+  const SparseMatrix R11 = R.topLeftCorner(size, size);
+  const SparseMatrix R11_transposed = R11.transpose();
+  const auto triangle = R11.triangularView<Eigen::Upper>();
+  const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
+  return estimate_smallest(
+      size, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+}
+
 /// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
 RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   Eigen::SPQR<SparseMatrix> qr;
@@ -94,12 +118,22 @@ RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   const SparseMatrix R11 = R.topLeftCorner(selection.live, selection.live);
   const auto triangle = R11.triangularView<Eigen::Upper>();
   selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
-  const SparseMatrix R11_transposed = R11.transpose();
-  const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
-  selection.smallest_live = estimate_smallest(
-      selection.live, [&](VecX& x) { triangle.solveInPlace(x); },
-      [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+  selection.smallest_live = smallest_of(R, selection.live).value;
   return selection;
+}
+
+/// The columns `order[first]` to `order[first + count - 1]` of a matrix.
+SparseMatrix columns_of(const SparseMatrix& matrix, const std::vector<Eigen::Index>& order, Eigen::Index first,
+                        Eigen::Index count) {
+  std::vector<Eigen::Triplet<double, SparseIndex>> entries;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    for (SparseMatrix::InnerIterator entry(matrix, order[first + k]); entry; ++entry) {
+      entries.emplace_back(entry.row(), k, entry.value());
+    }
+  }
+  SparseMatrix columns(matrix.rows(), count);
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return columns;
 }
 
 }  // namespace
@@ -115,6 +149,45 @@ RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>
   if (goes_first != nullptr) return select_dense_in_order(MatX(transposed), *goes_first, tolerance);
   return transposed.cols() > kDenseRows ? select_sparse(transposed, tolerance)
                                         : select_dense(MatX(transposed), tolerance);
+}
+
+RowSelection select_well(const SparseMatrix& transposed, double tolerance) {
+  return select_dense(MatX(transposed), tolerance);
+}
+
+void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance,
+                          RowSelection& selection) {
+  const Eigen::Index live_before = selection.live;
+  while (selection.live > 0) {
+    Eigen::SPQR<SparseMatrix> qr;
+    qr.setPivotThreshold(0.0);
+    qr.compute(columns_of(transposed, selection.order, 0, selection.live));
+    if (qr.rank() < selection.live) break;
+    const SmallestSingularValue smallest = smallest_of(qr.matrixR(), selection.live);
+    selection.smallest_live = smallest.value;
+    if (smallest.value > tolerance) break;
+    const auto permuted = qr.colsPermutation().indices();
+    Eigen::Index most = 0;
+    double weight = -1.0;
+    for (Eigen::Index k = 0; k < selection.live; ++k) {
+      const auto place = static_cast<Eigen::Index>(permuted(k));
+      const bool is_first = goes_first != nullptr && (*goes_first)[selection.order[place]];
+      const double own = std::abs(smallest.vector(k)) * (is_first ? tolerance : 1.0);
+      if (own > weight) std::tie(most, weight) = std::pair(place, own);
+    }
+    std::rotate(selection.order.begin() + most, selection.order.begin() + most + 1,
+                selection.order.begin() + selection.live);
+    --selection.live;
+  }
+  if (selection.live < live_before) express_left_over(transposed, selection);
+}
+
+void express_left_over(const SparseMatrix& transposed, RowSelection& selection) {
+  Eigen::SPQR<SparseMatrix> qr;
+  qr.setPivotThreshold(0.0);
+  qr.compute(columns_of(transposed, selection.order, 0, selection.live));
+  const Eigen::Index left_over = transposed.cols() - selection.live;
+  selection.dependence = qr.solve(MatX(columns_of(transposed, selection.order, selection.live, left_over)));
 }
 
 }  // namespace concord::cartesian

@@ -29,6 +29,19 @@ struct RowSelection {
 /// and the QR is a dense one.
 RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance);
 
+/// The same by column exchanges, which give well-conditioned live rows; a dense factorization.
+RowSelection select_well(const SparseMatrix& transposed, double tolerance);
+
+/// Rows may leave each other more than the tolerance one by one and yet depend on each other together, which a sparse
+/// QR without column exchanges does not see: as long as they do, the one that has the largest part in it is left over,
+/// of those that need not go first if there is one. (Chan, Rank revealing QR factorizations, 1987.)
+void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance,
+                          RowSelection& selection);
+
+/// Sets `dependence` anew by least squares: a sparse QR that drops a row at its place does not know what later ones
+/// explain of it.
+void express_left_over(const SparseMatrix& transposed, RowSelection& selection);
+
 /// Order of the columns of a matrix by column pivoting, those above the tolerance first; returns how many these are.
 Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Eigen::Index>& order);
 
