@@ -1,11 +1,39 @@
 #include "common/decompositions.h"
 
+#include <algorithm>
+
 template class Eigen::BDCSVD<concord::MatX>;
 template class Eigen::ColPivHouseholderQR<concord::MatX>;
 template class Eigen::HouseholderQR<concord::MatX>;
 template class Eigen::JacobiSVD<concord::MatX>;
 
 namespace concord {
+
+namespace {
+
+bool gives_back(const Svd& found, const MatX& A) {
+  constexpr double kRoundOff = 1e-13;
+  MatX rest = A * found.V;
+  rest.leftCols(found.sigma.size()) -= found.U.leftCols(found.sigma.size()) * found.sigma.asDiagonal();
+  const double least = kRoundOff * std::max(found.sigma(0), 1.0);
+  if (!(rest.cwiseAbs().maxCoeff() <= least)) return false;
+  const Eigen::Index left_over = A.rows() - found.sigma.size();
+  return left_over == 0 || (found.U.rightCols(left_over).transpose() * A).cwiseAbs().maxCoeff() <= least;
+}
+
+}  // namespace
+
+Svd svd_of(const MatX& A) {
+  constexpr Eigen::Index kManyRows = 24;
+  constexpr unsigned kAll = Eigen::ComputeFullU | Eigen::ComputeFullV;
+  if (A.rows() >= kManyRows) {
+    const Eigen::BDCSVD<MatX> svd(A, kAll);
+    Svd found{svd.singularValues(), svd.matrixU(), svd.matrixV()};
+    if (gives_back(found, A)) return found;
+  }
+  const Eigen::JacobiSVD<MatX> svd(A, kAll);
+  return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
+}
 
 MatX solve_square(const MatX& A, const MatX& B) { return A.partialPivLu().solve(B); }
 

@@ -24,6 +24,15 @@ MatX least_squares(const MatX& A, const MatX& B);
 /// The smallest of the x with which A x comes closest to B. Pivots below `threshold` of the largest count as zero;
 /// without one, those of round-off.
 MatX smallest_least_squares(const MatX& A, const MatX& B, std::optional<double> threshold = {});
+/// A = U diag(sigma) V^T, sigma falling; U and V square.
+struct Svd {
+  VecX sigma;
+  MatX U;
+  MatX V;
+};
+/// By divide and conquer, which is the fastest for many rows; of some matrices with equal singular values Eigen 3.4's
+/// gives wrong vectors, and what does not give A back is decomposed by rotations.
+Svd svd_of(const MatX& A);
 /// Columns that span what A maps to zero; one column of zeros if there is nothing.
 MatX kernel_of(const MatX& A);
 Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A);

@@ -17,8 +17,8 @@ constexpr double kSurelyKept = 1e-8;
 constexpr double kUnmoved = 1e-8;
 /// A flag that changes when both thresholds move by this factor, one way or the other, is undecided.
 const double kHalfWay = std::sqrt(1000.0);
-/// From here on the bidiagonal divide-and-conquer method is the faster one, and a pivoted elimination that finds all
-/// rows independent, the smallest singular value above this, does without it.
+/// From here on a pivoted elimination that finds all rows independent, the smallest singular value above this, does
+/// without singular vectors.
 constexpr Eigen::Index kManyRows = 24;
 constexpr double kClearlyIndependent = 1e-5;
 
@@ -121,21 +121,6 @@ class Moved {
   double of_speed_constraints_ = 0.0;
 };
 
-/// Singular values, largest first, and all left singular vectors.
-struct Spectrum {
-  VecX sigma;
-  MatX U;
-};
-
-Spectrum decompose(const MatX& Phi) {
-  if (Phi.rows() < kManyRows) {
-    const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeFullU);
-    return {svd.singularValues(), svd.matrixU()};
-  }
-  const Eigen::BDCSVD<MatX> svd(Phi, Eigen::ComputeFullU);
-  return {svd.singularValues(), svd.matrixU()};
-}
-
 /// The largest singular value, by a few rounds of the power method: to some per cent.
 double largest_singular_value(const MatX& Phi) {
   constexpr int kRounds = 6;
@@ -175,7 +160,7 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
 /// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
 /// largest, one for each column of U that has one (R67), (R68).
 void decide_uniqueness(Equations& equations, const Motion& motion, const Scales& scales, const ScaledRows& rows,
-                       const Spectrum& spectrum, const VecX& relative, RankReport& report) {
+                       const Svd& spectrum, const VecX& relative, RankReport& report) {
   const auto n_rows = static_cast<int>(spectrum.U.rows());
   const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
   Moved moved(equations.model());
@@ -220,7 +205,7 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
     rank = n_rows;
   } else if (n_rows > 0) {
     // Where drivers hold every column, one of zeros stands for them: no row has rank, and all can carry self-stress.
-    const Spectrum spectrum = decompose(rows.free.empty() ? MatX::Zero(n_rows, 1) : rows.Phi);
+    const Svd spectrum = svd_of(rows.free.empty() ? MatX::Zero(n_rows, 1) : rows.Phi);
     // Rows of unit norm over speeds of unit size: where all of them vanish, the largest is round-off, and 1 the scale.
     const VecX relative = spectrum.sigma / std::max(spectrum.sigma(0), 1.0);
     rank = static_cast<int>((relative.array() > kThreshold).count());

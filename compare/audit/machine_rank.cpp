@@ -196,9 +196,8 @@ void MachineConstraints::normalize() {
 
 void MachineConstraints::decompose() {
   const Eigen::Index n = forces_.cols();
-  const Eigen::BDCSVD<MatX> svd(n > 0 ? forces_ : MatX::Zero(forces_.rows(), 1),
-                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const VecX sigma = svd.singularValues() / std::max(svd.singularValues().maxCoeff(), 1.0);
+  const Svd all = svd_of(n > 0 ? forces_ : MatX::Zero(forces_.rows(), 1));
+  const VecX sigma = all.sigma / std::max(all.sigma.maxCoeff(), 1.0);
   const auto rank = static_cast<Eigen::Index>((sigma.array() > kThreshold).count());
   report_.constraints = static_cast<int>(n);
   report_.rank = static_cast<int>(rank);
@@ -207,8 +206,8 @@ void MachineConstraints::decompose() {
   report_.smallest_kept = rank > 0 ? sigma(rank - 1) : 0.0;
   report_.largest_dropped = rank < sigma.size() ? sigma(rank) : 0.0;
   is_sure_ = is_sure_ && !report_.undecided && forces_.allFinite();
-  permitted_ = svd.matrixU().rightCols(forces_.rows() - rank);
-  const MatX self_stresses = n > 0 ? MatX(svd.matrixV().rightCols(n - rank)) : MatX::Zero(0, 0);
+  permitted_ = all.U.rightCols(forces_.rows() - rank);
+  const MatX self_stresses = n > 0 ? MatX(all.V.rightCols(n - rank)) : MatX::Zero(0, 0);
   mark_unique(self_stresses);
   name_self_stressed(self_stresses);
 }

@@ -87,5 +87,10 @@ TEST_CASE("A Bennett linkage turns through its whole cycle, opposite angles alik
   }
 }
 
+TEST_CASE("Engines whose parts are held many times over run, and both solvers find the same of their loads unique",
+          "[closure]") {
+  for (const std::string& name : machines_of("engines")) expect_to_agree(machine_of("engines", name), {});
+}
+
 }  // namespace
 }  // namespace concord::verification

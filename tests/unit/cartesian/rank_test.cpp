@@ -1,5 +1,6 @@
 #include "cartesian/rank.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "machines.h"
@@ -50,6 +51,24 @@ TEST(Rank, SmallSingularValuesAreFoundExactly) {
         EXPECT_NEAR(decision.near_values(0), smallest, 0.2 * smallest);
         EXPECT_LT((decision.near_null_space.transpose() * matrix).norm(), 1.1 * smallest * values(0));
       }
+    }
+  }
+}
+
+/// One row leaves another next to nothing, and that is what a third one says: two of the three are independent.
+TEST(Rank, WhatARowLeavesOfAnotherMayStandInAThird) {
+  testing::Numbers numbers(73);
+  for (const int rows : {9, 80, 300}) {
+    for (const int third : {0, rows / 2, rows - 1}) {
+      SCOPED_TRACE(fmt::format("{} rows, {}", rows, third));
+      MatX matrix = numbers.matrix(rows, rows + 20).rowwise().normalized();
+      const int one = third == 0 ? 1 : 0;
+      const int other = rows - 3;
+      matrix.row(other) = (matrix.row(one) + 1e-7 * matrix.row(third)).normalized();
+      const RankDecision decision = decide_rank(sparse(matrix));
+      EXPECT_EQ(decision.rank, rows - 1);
+      ASSERT_EQ(decision.left_null_space.cols(), 1);
+      EXPECT_LT((decision.left_null_space.transpose() * matrix).norm(), 1e-13);
     }
   }
 }
