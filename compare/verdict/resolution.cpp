@@ -59,10 +59,10 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
     const BodyState& b = other.bodies[i];
     take(a.r - b.r, sizes.place);
     largest = std::max(largest, std::min((a.p - b.p).norm(), (a.p + b.p).norm()));
-    take(a.v - b.v, sizes.velocity);
-    take(a.omega - b.omega, sizes.turning);
+    take(a.v - b.v, std::max(sizes.velocity, sizes.at_rest));
+    take(a.omega - b.omega, std::max(sizes.turning, sizes.at_rest / sizes.place));
     take((a.a - b.a).cwiseProduct(sizes.shapes[i]), sizes.place);
-    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), sizes.velocity);
+    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), std::max(sizes.velocity, sizes.at_rest));
   }
   return largest;
 }
@@ -94,6 +94,8 @@ StateSizes sizes_of(const Model& model, const State& state) {
   }
   sizes.velocity = std::max(fastest, turning * length);
   sizes.turning = std::max(turning, fastest / length);
+  constexpr double kHardly = 1e-6;  // of falling by the length, or of moving by it in the time of the run
+  sizes.at_rest = kHardly * std::max(std::sqrt(model.gravity.norm() * length), length / model.run.until);
   return sizes;
 }
 
@@ -149,10 +151,11 @@ class StateResolution {
   }
 
   /// How often the accelerations hold the round-off of the state, by the change over its draws: as often as the
-  /// constraints are nearer to losing rank than to being orthogonal.
+  /// constraints are nearer to losing rank than to being orthogonal. Of a machine at rest those count that gravity
+  /// would give it.
   [[nodiscard]] double amplification(const VecX& said, const VecX& change) const {
     const double length = layout_.model().length_scale();
-    double size = 0.0;
+    double size = layout_.model().gravity.norm();
     double moved = 0.0;
     for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
       const Quantity& one = layout_.quantities()[row];

@@ -51,6 +51,7 @@ struct StateSizes {
   double place = 0.0;
   double velocity = 0.0;
   double turning = 0.0;
+  double at_rest = 0.0;  // a velocity [m/s] below which the machine is as good as at rest
   std::vector<double> modal;
   std::vector<double> modal_rate;
   std::vector<VecX> shapes;
@@ -58,7 +59,7 @@ struct StateSizes {
 StateSizes sizes_of(const Model& model, const State& state);
 
 /// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
-/// as they may be nothing but round-off.
+/// as they may be nothing but round-off; velocities of a machine at rest by one that it hardly would be seen to have.
 double distance(const State& one, const State& other, const StateSizes& sizes);
 
 /// `state` with every number moved by at most so many units of round-off of its kind's size, the same for the same

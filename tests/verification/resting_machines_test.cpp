@@ -302,4 +302,25 @@ TEST_CASE("Torques that gears hold or pass on are judged though no bearing carri
   }
 }
 
+TEST_CASE("A structure at rest closes to itself: no closing of it is said to find another state", "[resting]") {
+  const Model model = parse(R"(format = 1
+gravity = [0.3, 0.2, -9.7]
+[[body]]
+name = "bracket"
+mass = 2.3
+center_of_mass = [0.2, 0.03, 0.01]
+inertia = [0.01, 0.02, 0.025]
+[[joint]]
+name = "foot"
+type = "weld"
+parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0.5], angle = "35 deg" }
+child = { body = "bracket", point = [0, 0.123, 0] }
+[run]
+until = 0.5
+)");
+  const compare::Verdict verdict = judged(model, in_short(model, 1.0));
+  CHECK(verdict.outcome == compare::Outcome::agree);
+  CHECK(verdict.notes == std::vector<std::string>{});
+}
+
 }  // namespace concord::verification
