@@ -462,5 +462,33 @@ free = 0.4
   }
 }
 
+TEST_CASE("Modes about an equilibrium are those of a machine at rest, whatever holds it there", "[analyses][quick]") {
+  const Model model = parse_model(R"toml(format = 1
+[[body]]
+name = "blade"
+[body.beam]
+length = 0.8
+section = { width_y = 0.03, width_z = 0.02 }
+youngs_modulus = 7e10
+density = 2700
+support = "cantilever"
+modes = { bending_xy = [1, 2] }
+[[joint]]
+name = "root"
+type = "weld"
+parent = { body = "ground", point = [0.1, 0.2, 0.3], axis = [1, 2, 0.5], angle = "35 deg" }
+child = { body = "blade", node = "first" }
+[[load]]
+name = "tip"
+body = "blade"
+node = "last"
+force = [3, -40, 11]
+)toml",
+                                  "blade.toml");
+  const AnalysisVerdict modes = judge_linearization(model, kMakers, true);
+  CHECK(modes.wrenches.outcome == Outcome::agree);
+  CHECK_THAT(modes.text, !Catch::Contains("accelerates"));
+}
+
 }  // namespace
 }  // namespace concord::verification
