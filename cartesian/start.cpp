@@ -10,6 +10,8 @@
 #include "cartesian/closing.h"
 #include "cartesian/evaluation.h"
 #include "cartesian/joint_coordinates.h"
+#include "cartesian/machine_rank.h"
+#include "cartesian/row_choice.h"
 #include "cartesian/start_search.h"
 #include "common/error.h"
 
@@ -54,15 +56,6 @@ bool is_right(const KeptCount& kept) {
   return kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom;
 }
 
-/// A driven machine is often written in a pose that is easy to write, in which fewer constraints are independent.
-const char* hint_at_singular_start(const Model& model) {
-  const auto is_driven = [](const Joint& joint) { return !joint.drivers.empty(); };
-  const bool has_drivers = std::any_of(model.joints.begin(), model.joints.end(), is_driven);
-  return has_drivers ? "; or the start is a singular pose, as a linkage that lies flat or stretched, and only seems to "
-                       "have more: start it elsewhere"
-                     : "";
-}
-
 /// A ball keeps three coordinates or none: of a rod between two balls nothing can keep how far it has turned about
 /// itself.
 const char* hint_at_rod_between_balls(const Model& model, const KeptCount& kept) {
@@ -80,10 +73,20 @@ const char* hint_at_rod_between_balls(const Model& model, const KeptCount& kept)
              : "";
 }
 
-void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing& closing) {
-  // Off the constraints redundant rows look independent: count only where the machine closed.
-  if (!closing.closed) return;
-  if (is_right(kept)) return;
+/// Whether the constraints lose rank at this closed pose: poses round about have more.
+bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const std::vector<VecX>& turns) {
+  equations.update(0.0, q, Y);
+  const int rank = choose_rows(equations, -1).rank;
+  State here = equations.layout().pack(0.0, q, Y);
+  here.q = turns;
+  return decide_for_the_machine(equations, here).generic > rank;
+}
+
+[[noreturn]] void refuse_wrong_count(const Model& model, const KeptCount& kept, bool is_singular) {
+  const char* const hint = is_singular
+                               ? "; but the start is a singular pose, as a linkage that lies flat or stretched, "
+                                 "where it only seems to have more: start it elsewhere"
+                               : "";
   const std::string found = fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has",
                                         kept.coordinates, kept.speeds);
   if (kept.coordinate_freedom == kept.speed_freedom) {
@@ -91,12 +94,12 @@ void refuse_wrong_count(const Model& model, const KeptCount& kept, const Closing
                      fmt::format("{} {} independent ones (rigid ones, beside those that drivers move): keep exactly "
                                  "{} of each{}{}",
                                  found, kept.coordinate_freedom, kept.coordinate_freedom,
-                                 hint_at_rod_between_balls(model, kept), hint_at_singular_start(model)));
+                                 hint_at_rod_between_balls(model, kept), hint));
   }
   throw InputError({model.file, 0, 0},
                    fmt::format("{} {} independent coordinates and {} independent speeds (rigid ones, beside those that "
                                "drivers move; what must not slip restricts speeds alone): keep exactly as many{}",
-                               found, kept.coordinate_freedom, kept.speed_freedom, hint_at_singular_start(model)));
+                               found, kept.coordinate_freedom, kept.speed_freedom, hint));
 }
 
 void refuse_dependent(const Model& model, const KeptCount& kept) {
@@ -131,7 +134,10 @@ Start assemble_start(Equations& equations) {
     const KeptCount coarse = count_kept(equations, 0.0, q, Y, true);
     if (is_right(coarse)) kept = coarse;
   }
-  refuse_wrong_count(model, kept, closed.closing);
+  // Off the constraints redundant rows look independent: count only where the machine closed.
+  if (closed.closing.closed && !is_right(kept)) {
+    refuse_wrong_count(model, kept, is_singular_pose(equations, q, Y, turns));
+  }
   if (!closed.closing.closed) refuse_open_start(model, closed.closing);
   refuse_dependent(model, kept);
   return {reported_state(equations, q, Y, turns), closed.searched};

@@ -112,7 +112,7 @@ TEST(StartSearch, StillRefusesWhatContradictsItself) {
 }
 
 /// A parallelogram written flat: four speeds, and closure rows of lower rank than anywhere else.
-TEST(StartSearch, SaysThatADrivenMachineMayStartInASingularPose) {
+TEST(StartSearch, SaysThatTheStartIsASingularPose) {
   Model model = crank_and_slider("", "drive.turn_z = { law = \"constant_speed\", speed = 2.0, start = 0 }");
   model.joints[3].type = model.joints[2].type;
   model.joints[3].start = model.joints[2].start;
@@ -122,7 +122,7 @@ TEST(StartSearch, SaysThatADrivenMachineMayStartInASingularPose) {
   model.joints[3].sides[1].body = 3;
   model.joints[3].sides[1].point_L = Vec3(-kCrank, 0.0, 0.0);
   const std::string refusal = refusal_of_start(model);
-  EXPECT_NE(refusal.find("or the start is a singular pose, as a linkage that lies flat or stretched"),
+  EXPECT_NE(refusal.find("but the start is a singular pose, as a linkage that lies flat or stretched"),
             std::string::npos)
       << refusal;
 }
