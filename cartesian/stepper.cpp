@@ -139,7 +139,7 @@ double Stepper::find_minimum(Eigen::Index function, double low, double high) {
 /// The time in the last step, which began at `from` with the event functions that looks_ has there, just past which a
 /// regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
 double Stepper::locate_event(double from, double stop) {  // (C59)
-  constexpr double kSharp = 1e-13;                        // of the time of the run
+  constexpr double kSharp = 1e-13;                        // of the time up to which the step may go
   const double value_before = looks_.col(0).minCoeff();
   if (!(value_before >= 0.0)) return from;
   if (reached_ - from <= kSharp * stop) return HUGE_VAL;

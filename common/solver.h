@@ -44,7 +44,7 @@ struct RankReport {
   int constraints = 0;  // rows, drivers included, Euler parameter norms not
   int rank = 0;
   int degrees_of_freedom = 0;  // rigid ones and modal ones
-  bool undecided = false;      // a singular value between 1e-12 and 1e-8 of the largest
+  bool undecided = false;      // a singular value between 1e-12 and 1e-8 of the largest: of the rank, beside `decided`
   double smallest_kept = 0.0;  // relative to the largest singular value
   double largest_dropped = 0.0;
   std::vector<JointUniqueness> joints;
@@ -81,7 +81,8 @@ class Solver {
 
   /// Accelerations, reactions, total wrenches and driver forces in a closed state. The state is taken as it is, not
   /// projected. Throws SolverError if it has not the machine's shape, if its own closure residual exceeds 1e-12, naming
-  /// the joint and the residual, and if a joint stands on another branch or turn; SingularPose where the constraints lose rank against the machine's generic one.
+  /// the joint and the residual, and if a joint stands on another branch or turn; SingularPose where the constraints
+  /// lose rank against the machine's generic one.
   virtual Evaluation evaluate(const State& state) = 0;
 
   /// Rank of the constraints and uniqueness of every reaction, total wrench, driver and coupling force in a closed

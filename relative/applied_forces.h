@@ -32,8 +32,8 @@ class AppliedForces {
   AppliedForces(const Kinematics& kinematics, const Closure& closure);
 
   /// Takes a motion, of which kinematics and closure hold the pose. Throws SolverError, naming the element, where a
-  /// line spring has no length, or where the frames of a turn spring or a bushing are turned by more than 175 deg, or
-  /// where a wheel lies flat on the road.
+  /// line spring's ends meet and its force jumps there, or where the frames of a turn spring or a bushing are turned by
+  /// more than 175 deg, or where a wheel lies flat on the road.
   void update(const Motion& motion);
 
   /// Tires and stops: each update takes the regime that a contact is in by itself, or keeps the regimes that the last
@@ -55,7 +55,7 @@ class AppliedForces {
   [[nodiscard]] int n_event_functions() const {
     return kTireEvents * static_cast<int>(tires_.size()) + kLawEvents * static_cast<int>(laws_.size());
   }
-  /// "tire 'left'", "stop of 'coil'": the contact with the smallest event function.
+  /// "tire 'left'", "law of 'coil'": of whom the smallest event function is.
   [[nodiscard]] std::string least_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.

@@ -23,7 +23,7 @@ class JointMeasure {
 
   /// What to do where Newton's method leaves a misfit above 1e-6 (displacements in parts of Mobilizer::length):
   /// nothing; or start from Mobilizer::trial values too and take a pose with less than a tenth of that misfit, so that
-  /// q chooses turns and branches wherever it can; or take the best pose.
+  /// q chooses turns and branches wherever it can; or take any pose with less of it by a tenth.
   enum class Restart { never, if_clearly_better, if_better };
 
   /// Finds the coordinates that are not prescribed so that the motion comes closest to the points: S^T e = 0 by
@@ -45,7 +45,7 @@ class JointMeasure {
   [[nodiscard]] const Vec6& position_residual() const { return position_residual_; }
   [[nodiscard]] const Vec6& velocity_residual() const { return velocity_residual_; }
 
-  /// Number of directions that are neither permitted nor free to move: 6 minus speeds that are not prescribed.
+  /// Number of directions that are forbidden or prescribed: 6 minus speeds that are not prescribed.
   [[nodiscard]] int n_rows() const { return 6 - static_cast<int>(free_.size()); }
   /// Of these, the ones in metres; they stand first.
   [[nodiscard]] int n_linear_rows() const {

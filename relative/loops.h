@@ -46,7 +46,7 @@ class Loops {
 
   /// Closes the loops of a tree that has been solved with free ones: finds lambda and solves the accelerations again,
   /// so that they obey the closure. Where a machine is redundant, the independent rows are chosen anew in each pose, by
-  /// the pose alone. Throws SingularPose if there are too few.
+  /// the pose alone, unless keep_rows() holds them. Throws SingularPose if there are too few.
   const LoopSolution& close(const ArticulatedInertias& tree, TreeAccelerations& accelerations);
 
   /// The last one.

@@ -42,7 +42,8 @@ void Pace::pass(double t, long evaluations, Equations& equations, const Coordina
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {
       throw TooManyEvaluations(
-          fmt::format("{} evaluations were needed for {:.1e} s: something there locks, or is too stiff for {}{}",
+          fmt::format("{} evaluations were needed for {:.1e} s: the run is long beside the motion, or the motion locks "
+                      "there, or is too stiff for {}{}",
                       count.most, t - count.from_t, integrator_, place_of(equations, coordinates)));
     }
     if (t - count.from_t <= count.part * until_) continue;

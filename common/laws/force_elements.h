@@ -28,8 +28,8 @@ struct Load {
 };
 
 /// A translational spring, damper and actuator along the line between two points, x = their distance. Tension (the law
-/// and the actuator) pulls each end towards the other. A distance below 1e-9 of the machine's length is refused: it has
-/// no direction (S33).
+/// and the actuator) pulls each end towards the other. Below 1e-9 of the machine's length the line
+/// has no direction (S33): refused where the force jumps there.
 struct LineSpring {
   std::array<Attachment, 2> ends;
   ForceLaw law;

@@ -73,7 +73,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   const Solvers solvers = make_solvers(driven, makers, result);
   std::array<Evaluation, 2> there;
   for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);
-  judge_wrenches(driven, solvers, {one_sample(start, there[0]), one_sample(start, there[1])}, false, result);
+  judge_wrenches(driven, solvers, {one_sample(start, there[0]), one_sample(start, there[1])}, Found::motion, result);
 
   Lines lines{{"driven", "acceleration", "tau by cartesian", "by relative", "unit", "digits"}};
   for (const Prescribed& one : coordinates) {

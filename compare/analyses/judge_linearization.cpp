@@ -199,8 +199,9 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
 }
 
 /// The equilibria that each solver finds, which must be the same rest.
-std::array<Trajectory, 2> rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result) {
+std::array<Trajectory, 2> rests(const Model& model, const Solvers& solvers, Found& kind, AnalysisVerdict& result) {
   auto [found, states] = find_rests(model, solvers);
+  kind = found[0].free.empty() ? Found::rest : Found::neutral_rest;
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
@@ -226,11 +227,12 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   AnalysisVerdict result;
   result.analysis = "linearize";
   const Solvers solvers = make_solvers(held, makers, result);
-  const std::array<Trajectory, 2> states = at_equilibrium ? rests(held, solvers, result) : starts(solvers);
+  Found kind = Found::motion;
+  const std::array<Trajectory, 2> states = at_equilibrium ? rests(held, solvers, kind, result) : starts(solvers);
   for (const Who who : kBothSolvers) {
     result.linearizations[index(who)] = linearize(held, *solvers[index(who)], states[index(who)].samples[0].state);
   }
-  judge_wrenches(held, solvers, states, at_equilibrium, result);
+  judge_wrenches(held, solvers, states, kind, result);
   // Where both have found their equilibrium, what is left of its accelerations is no motion.
   if (!at_equilibrium) measure_in_steady_axes(held, solvers, states, result);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");

@@ -143,7 +143,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   result.analysis = "statics";
   const Solvers solvers = make_solvers(held, makers, result);
   const auto [found, states] = find_rests(held, solvers);
-  judge_wrenches(held, solvers, states, true, result);
+  judge_wrenches(held, solvers, states, found[0].free.empty() ? Found::rest : Found::neutral_rest, result);
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }

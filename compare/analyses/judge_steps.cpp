@@ -102,6 +102,13 @@ void hold_vanishing_against_machine(const QuantityLayout& layout, const SharedSt
   }
 }
 
+void leave_out_global_axes(const QuantityLayout& layout, Mask& mask) {
+  for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
+    const Kind kind = layout.quantities()[row].kind;
+    if (kind == Kind::reaction_global || kind == Kind::body_sum) mask.row(static_cast<Eigen::Index>(row)) = false;
+  }
+}
+
 AuditReport audit(const Model& model, const Trajectory& found) {
   Auditor auditor(model);
   for (const Sample& sample : found.samples) auditor.add(sample.state, sample.evaluation);
@@ -110,8 +117,9 @@ AuditReport audit(const Model& model, const Trajectory& found) {
 
 }  // namespace
 
-void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, bool at_rest,
+void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, Found kind,
                     AnalysisVerdict& result) {
+  const bool at_rest = kind != Found::motion;
   Verdict& verdict = result.wrenches;
   const QuantityLayout layout(model);
   const std::array<Solver*, 2> both{solvers[0].get(), solvers[1].get()};
@@ -127,7 +135,8 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   same_state.judge_states(share(both, run_states(trajectories)));
 
   const auto samples = static_cast<int>(found[0].samples.size());
-  const WeighedRun own = weigh_run(same_state.weighed(), samples);
+  WeighedRun own = weigh_run(same_state.weighed(), samples);
+  if (kind == Found::neutral_rest) leave_out_global_axes(layout, own.mask);
   const Series series = align(layout, trajectories, samples);
   std::vector<Measured> measured = measure(layout, series, own.budget());
   if (at_rest) {

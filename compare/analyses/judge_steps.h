@@ -31,9 +31,14 @@ Rests find_rests(const Model& model, const Solvers& solvers);
 /// Digits that what each solver finds for itself needs: kOwnRigid or kOwnFlexible.
 double own_need(const Model& model);
 
+/// What both solvers found: states of a motion; a rest, where accelerations vanish and have no scale; or a rest that
+/// leaves a motion without stiffness, as the heading of a vehicle, so that components in global axes are not
+/// determined.
+enum class Found { motion, rest, neutral_rest };
+
 /// Judges the wrenches of what both solvers found: in the same states, and of each as it found them; and audits both.
-/// What they found stands in the verdict's trajectories. `at_rest`: accelerations vanish and have no scale.
-void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, bool at_rest,
+/// What they found stands in the verdict's trajectories.
+void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, Found kind,
                     AnalysisVerdict& result);
 
 /// A number that both solvers give, with its digits on a scale of its own.

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
+#include "judged_machines.h"
 #include "common/error.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/other_rests.h"
@@ -488,6 +489,13 @@ force = [3, -40, 11]
   const AnalysisVerdict modes = judge_linearization(model, kMakers, true);
   CHECK(modes.wrenches.outcome == Outcome::agree);
   CHECK_THAT(modes.text, !Catch::Contains("accelerates"));
+}
+
+TEST_CASE("A rest that may point anywhere is judged in the frames of its joints", "[analyses]") {
+  const AnalysisVerdict rest = judge_statics(machine_of("neutral", "bicycle"), kMakers);
+  INFO(rest.text);
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(rest.wrenches.judged == 42);
 }
 
 }  // namespace

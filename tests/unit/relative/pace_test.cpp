@@ -59,7 +59,8 @@ TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   } catch (const TooManyEvaluations& error) {
     const std::string text = error.what();
     EXPECT_TRUE(
-        text.starts_with("400000 evaluations were needed for 1.0e-02 s: something there locks, or is too stiff "
+        text.starts_with("400000 evaluations were needed for 1.0e-02 s: the run is long beside the motion, or the "
+                         "motion locks there, or is too stiff "
                          "for erk; the fastest motion there is that of joint 'elbow', at "))
         << text;
   }
