@@ -55,7 +55,7 @@ class RunRungs {
   void measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung);
   void widen_pair(RunPair& pair, WeighedRun weighed, Rung rung);
   std::optional<int> judge_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
-                           const WeighedStates& weighed);
+                                const WeighedStates& weighed);
   bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
   std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
   std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);

@@ -50,8 +50,8 @@ TEST_F(VerifyTest, AgreesAndClimbsEveryRung) {
   EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
   EXPECT_EQ(verdict.judged, 10);  // a hinge carries five components on each side
   EXPECT_EQ(verdict.total, 10);
-  EXPECT_TRUE(verdict.rank_agrees && verdict.same_state.passed && verdict.same_run.passed &&
-              verdict.refined.passed && verdict.audit.passed);
+  EXPECT_TRUE(verdict.rank_agrees && verdict.same_state.passed && verdict.same_run.passed && verdict.refined.passed &&
+              verdict.audit.passed);
   EXPECT_GE(verdict.same_state.samples, 251);
   EXPECT_EQ(verdict.same_run.samples, 201);
   EXPECT_DOUBLE_EQ(verdict.run.rtol, kRigidRtol);
