@@ -181,7 +181,7 @@ ConstraintRow read(const BearingOfGap& word, int, const RelativeMotion& motion) 
 
 ConstraintRow read(const ElevationOfGap& word, int, const RelativeMotion& motion) {
   const Vec3 e = unit(word.towards);
-  const ConstraintRow row = angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
+  ConstraintRow row = angle_row(gap_row(e, motion), distance_from_axis_row(e, motion), motion);
   if (!motion.is_beyond_upright) return row;
   return {static_cast<double>(EIGEN_PI) - row.value, -row.over_d, -row.over_rho, -row.bias};
 }

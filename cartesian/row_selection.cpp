@@ -187,7 +187,11 @@ void express_left_over(const SparseMatrix& transposed, RowSelection& selection) 
   qr.setPivotThreshold(0.0);
   qr.compute(columns_of(transposed, selection.order, 0, selection.live));
   const Eigen::Index left_over = transposed.cols() - selection.live;
-  selection.dependence = qr.solve(MatX(columns_of(transposed, selection.order, selection.live, left_over)));
+  const MatX rows = columns_of(transposed, selection.order, selection.live, left_over);
+  selection.dependence.resize(selection.live, left_over);
+  for (Eigen::Index k = 0; k < left_over; ++k) {  // Eigen's solves for one vector at a time
+    selection.dependence.col(k) = qr.solve(rows.col(k));
+  }
 }
 
 }  // namespace concord::cartesian

@@ -39,7 +39,7 @@ std::string names_of(const fs::path& folder) {
 DataJson read_document(const fs::path& file, std::string& text) {
   const auto refuse = [&](const std::string& reason) { throw InputError({file.string(), 0, 0}, reason); };
   text = read_text_file(file);
-  const DataJson document = DataJson::parse(text, nullptr, false);
+  DataJson document = DataJson::parse(text, nullptr, false);
   if (!document.is_object() || document.value("kind", DataJson()) != "concord result") {
     refuse("is no result that `concord compare --out` wrote: \"kind\": \"concord result\" was expected");
   }

@@ -244,7 +244,7 @@ std::string hint(const Model& model, const RunsAtTimes& runs, const Reference& r
                  double allowed) {
   const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));
-  const std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
+  std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
   if (peak <= 10.0 * allowed) return factor;
   if (is_inverse(runs, reference, column.column, allowed)) return "; it is the inverse rotation";
   if (fits(runs, column.values, column.column, -1.0, allowed)) return "; it has the other sign";

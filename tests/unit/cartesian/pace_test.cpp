@@ -53,7 +53,8 @@ TEST(Pace, SaysWhereAndOfWhichIntegrator) {
     FAIL() << "900000 evaluations for 9e-6 s";
   } catch (const TooManyEvaluations& error) {
     EXPECT_STREQ(error.what(),
-                 "cartesian: at t = 4e-06 s 300000 evaluations brought the run 4.0e-06 s further: the motion locks "
+                 "cartesian: at t = 4e-06 s 300000 evaluations advanced the run by 4.0e-06 s only: the run is long "
+                 "beside the motion, or the motion locks "
                  "there, or is too stiff for gbs");
   }
 }
