@@ -17,10 +17,8 @@ void Pace::require(double t, long evaluations) {
     const long taken = evaluations - window.evaluations_then;
     if (taken > window.most) {
       throw TooManyEvaluations(
-          fmt::format("cartesian: at t = {:.6g} s {} evaluations advanced the run by {:.1e} s only: it is long beside "
-                      "the motion, or "
-                      "the motion locks there, "
-                      "or is too stiff for {}",
+          fmt::format("cartesian: at t = {:.6g} s {} evaluations advanced the run by {:.1e} s only: the run is long "
+                      "beside the motion, or the motion locks there, or is too stiff for {}",
                       t, window.most, t - window.since, integrator_));
     }
     if (t - window.since > window.part * until_) {
