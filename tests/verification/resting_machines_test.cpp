@@ -320,7 +320,7 @@ until = 0.5
 )");
   const compare::Verdict verdict = judged(model, in_short(model, 1.0));
   CHECK(verdict.outcome == compare::Outcome::agree);
-  CHECK(verdict.notes == std::vector<std::string>{});
+  CHECK(verdict.notes.empty());
 }
 
 }  // namespace concord::verification

@@ -26,7 +26,7 @@ class StepTolerancesTest : public ::testing::Test {
   [[nodiscard]] VecX shares(const StepTolerances& tolerances) const {
     const VecX asked = absolute_tolerances(equations_, start_, kTolerance);
     const Layout& layout = equations_.layout();
-    const VecX needed = tolerances.absolute();
+    const VecX& needed = tolerances.absolute();
     return layout.a(needed.head(layout.n_q()), kFlexible).cwiseQuotient(layout.a(asked.head(layout.n_q()), kFlexible));
   }
 
