@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <vector>
 
 #include "cartesian/step_tolerances.h"

@@ -18,7 +18,6 @@ namespace {
 /// Rows that others leave less than this of are candidates of the null space: far above every threshold, far below
 /// what independent rows leave.
 constexpr double kCandidate = 1e-6;
-constexpr Eigen::Index kShortestDenseRows = 500;
 
 /// Largest singular value, by rounds of power iteration on the transposed matrix; a few per cent off.
 double estimate_largest(const SparseMatrix& transposed) {
@@ -130,7 +129,7 @@ VecX solve_truncated(const MatX& matrix, const VecX& right_side, Eigen::Index mo
 }  // namespace
 
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank) {
-  if (most_rank && *most_rank < matrix.rows() && matrix.rows() <= kShortestDenseRows) {
+  if (most_rank && *most_rank < matrix.rows() && matrix.rows() <= kMostDenseRows) {
     return solve_truncated(MatX(matrix), right_side, *most_rank);
   }
   constexpr int kPlaceOfRank = 4;  // in SuiteSparseQR's statistics
@@ -149,7 +148,7 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::opt
   }
   const bool has_full_rank = common.SPQR_istat[kPlaceOfRank] == matrix.rows();
   cholmod_l_finish(&common);
-  if (has_full_rank || matrix.rows() > kShortestDenseRows) return x;
+  if (has_full_rank || matrix.rows() > kMostDenseRows) return x;
   // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
   return smallest_least_squares(MatX(matrix), right_side, kDependent);
 }

@@ -44,7 +44,6 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
 RowChoice choose_rows(const Equations& equations, int expected) {
   constexpr double kWell = 1e-2;   // what others leave of a row that is well independent of them
   constexpr double kLeast = 1e-6;  // the same, of rows that are chosen by exchanges
-  constexpr Eigen::Index kMostDenseRows = 500;
   const SparseMatrix matrix = scaled_jacobian(equations).matrix;
   std::vector<bool> rows;
   const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);

@@ -95,14 +95,12 @@ RowSelection select_dense_in_order(const MatX& transposed, const std::vector<boo
   return selection;
 }
 
-/// The sparse triangle of a factorization over its first `size` columns.
-SmallestSingularValue smallest_of(const SparseMatrix& R, Eigen::Index size) {
-  const SparseMatrix R11 = R.topLeftCorner(size, size);
+SmallestSingularValue smallest_of(const SparseMatrix& R11) {
   const SparseMatrix R11_transposed = R11.transpose();
   const auto triangle = R11.triangularView<Eigen::Upper>();
   const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
   return estimate_smallest(
-      size, [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+      R11.cols(), [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
 }
 
 /// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
@@ -118,7 +116,7 @@ RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   const SparseMatrix R11 = R.topLeftCorner(selection.live, selection.live);
   const auto triangle = R11.triangularView<Eigen::Upper>();
   selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
-  selection.smallest_live = smallest_of(R, selection.live).value;
+  selection.smallest_live = smallest_of(R11).value;
   return selection;
 }
 
@@ -163,7 +161,7 @@ void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool
     qr.setPivotThreshold(0.0);
     qr.compute(columns_of(transposed, selection.order, 0, selection.live));
     if (qr.rank() < selection.live) break;
-    const SmallestSingularValue smallest = smallest_of(qr.matrixR(), selection.live);
+    const SmallestSingularValue smallest = smallest_of(qr.matrixR().topLeftCorner(selection.live, selection.live));
     selection.smallest_live = smallest.value;
     if (smallest.value > tolerance) break;
     const auto permuted = qr.colsPermutation().indices();

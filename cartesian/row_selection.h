@@ -15,6 +15,8 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
 
 /// Of more rows SuiteSparseQR makes the factorization.
 inline constexpr Eigen::Index kDenseRows = 60;
+/// Of more rows no dense factorization is made, however well it would exchange.
+inline constexpr Eigen::Index kMostDenseRows = 500;
 
 /// Rows in the order in which a QR factorization of the transposed matrix takes them: `live` ones first, then those
 /// that are left over. R11 over the live rows, and how the others depend on them: row = dependence^T live rows + rest.

@@ -199,16 +199,16 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
 }
 
 /// The equilibria that each solver finds, which must be the same rest.
-std::array<Trajectory, 2> rests(const Model& model, const Solvers& solvers, Found& kind, AnalysisVerdict& result) {
-  auto [found, states] = find_rests(model, solvers);
-  kind = found[0].free.empty() ? Found::rest : Found::neutral_rest;
+Rests rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result) {
+  Rests rests = find_rests(model, solvers);
+  const auto& [found, states] = rests;
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
   if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
     refuse_undetermined_rest(model, solvers, found);
   }
-  return states;
+  return rests;
 }
 
 std::array<Trajectory, 2> starts(const Solvers& solvers) {
@@ -228,7 +228,14 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   result.analysis = "linearize";
   const Solvers solvers = make_solvers(held, makers, result);
   Found kind = Found::motion;
-  const std::array<Trajectory, 2> states = at_equilibrium ? rests(held, solvers, kind, result) : starts(solvers);
+  std::array<Trajectory, 2> states;
+  if (at_equilibrium) {
+    Rests found = rests(held, solvers, result);
+    kind = found.kind();
+    states = std::move(found.states);
+  } else {
+    states = starts(solvers);
+  }
   for (const Who who : kBothSolvers) {
     result.linearizations[index(who)] = linearize(held, *solvers[index(who)], states[index(who)].samples[0].state);
   }

@@ -142,8 +142,9 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   AnalysisVerdict result;
   result.analysis = "statics";
   const Solvers solvers = make_solvers(held, makers, result);
-  const auto [found, states] = find_rests(held, solvers);
-  judge_wrenches(held, solvers, states, found[0].free.empty() ? Found::rest : Found::neutral_rest, result);
+  const Rests rests = find_rests(held, solvers);
+  const std::array<Equilibrium, 2>& found = rests.found;
+  judge_wrenches(held, solvers, rests.states, rests.kind(), result);
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
