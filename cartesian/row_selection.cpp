@@ -95,12 +95,12 @@ RowSelection select_dense_in_order(const MatX& transposed, const std::vector<boo
   return selection;
 }
 
-SmallestSingularValue smallest_of(const SparseMatrix& R11) {
-  const SparseMatrix R11_transposed = R11.transpose();
-  const auto triangle = R11.triangularView<Eigen::Upper>();
-  const auto transposed_triangle = R11_transposed.triangularView<Eigen::Lower>();
+SmallestSingularValue smallest_of(const SparseMatrix& square) {
+  const SparseMatrix square_transposed = square.transpose();
+  const auto triangle = square.triangularView<Eigen::Upper>();
+  const auto transposed_triangle = square_transposed.triangularView<Eigen::Lower>();
   return estimate_smallest(
-      R11.cols(), [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
+      square.cols(), [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
 }
 
 /// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
@@ -113,10 +113,10 @@ RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
   const auto indices = qr.colsPermutation().indices();
   selection.order.assign(indices.begin(), indices.end());
   const SparseMatrix R = qr.matrixR();
-  const SparseMatrix R11 = R.topLeftCorner(selection.live, selection.live);
-  const auto triangle = R11.triangularView<Eigen::Upper>();
+  const SparseMatrix live_square = R.topLeftCorner(selection.live, selection.live);
+  const auto triangle = live_square.triangularView<Eigen::Upper>();
   selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
-  selection.smallest_live = smallest_of(R11).value;
+  selection.smallest_live = smallest_of(live_square).value;
   return selection;
 }
 
