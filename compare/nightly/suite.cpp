@@ -15,6 +15,7 @@
 #include "common/reading/toml_reader.h"
 #include "compare/fuzz/generator.h"
 #include "compare/joint_check/coupling_check.h"
+#include "compare/nightly/case_keys.h"
 #include "compare/nightly/case_tables.h"
 #include "compare/nightly/variants.h"
 
@@ -98,12 +99,7 @@ class SuiteReader {
 
  private:
   void read_case(const toml::table& found) {
-    const TableReader table(
-        found, title_with_name(found, "case"),
-        {"name",      "work",      "models",   "except", "until",      "rtol",  "samples",       "states",    "at",
-         "poses",     "joints",    "seed",     "first",  "count",      "style", "accelerations", "seconds",   "need",
-         "known_red", "cartesian", "relative", "sweep",  "parameters", "cut",   "shares",        "megabytes", "judge"},
-        reading_);
+    const TableReader table(found, title_with_name(found, "case"), case_keys(), reading_);
     const Case base = read_common(table);
     const std::size_t before = suite_->cases.size();
     switch (base.work) {
@@ -139,6 +135,7 @@ class SuiteReader {
       table.complain("work", fmt::format("no work '{}': {}", work, suggestion(work, names, "kinds of work")));
     } else {
       base.work = static_cast<Work>(known - names.begin());
+      refuse_keys_without_meaning(table, base.work);
     }
     base.limits = limits_;
     base.limits.seconds = table.positive_number("seconds").value_or(limits_.seconds);
@@ -174,11 +171,13 @@ class SuiteReader {
     }
   }
 
+  /// A file that is not there is a case, too, which is refused as it is run: it does not cost the night.
   [[nodiscard]] std::vector<fs::path> models_of(const TableReader& table) const {
     std::set<fs::path> models;
     const fs::path folder = suite_->file.parent_path();
     for (const std::string& pattern : read_texts(table, "models").value_or(std::vector<std::string>())) {
-      const std::vector<fs::path> found = files_of(folder, pattern);
+      std::vector<fs::path> found = files_of(folder, pattern);
+      if (found.empty() && without_meaning(pattern) == pattern) found = {folder / pattern};
       if (found.empty()) table.complain("models", fmt::format("there is no file '{}'", pattern));
       models.insert(found.begin(), found.end());
     }
@@ -268,20 +267,26 @@ class SuiteReader {
     for (const auto& [name, value] : base.parameters) asked.push_back(name);
     for (const auto& [name, values] : sweep.parameters) asked.push_back(name);
     if (asked.empty()) return;
-    const std::vector<std::string> known = parameters_of(model);
+    const auto known = parameters_of(model);
+    if (!known) return;  // the case is refused as it is run
     for (const std::string& name : asked) {
-      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      if (std::find(known->begin(), known->end(), name) != known->end()) continue;
       table.complain(base.parameters.empty() ? "sweep" : "parameters",
                      fmt::format("'{}' has no parameter '{}': {}", model.generic_string(), name,
-                                 suggestion(name, known, "parameters")));
+                                 suggestion(name, *known, "parameters")));
     }
   }
 
-  static std::vector<std::string> parameters_of(const fs::path& model) {
+  /// Nothing if the model cannot be read.
+  static std::optional<std::vector<std::string>> parameters_of(const fs::path& model) {
     std::vector<std::string> names;
-    const toml::table root = parse_toml(read_text_file(model), model.generic_string());
-    if (const toml::table* found = root["parameters"].as_table()) {
-      for (const auto& [key, value] : *found) names.emplace_back(key.str());
+    try {
+      const toml::table root = parse_toml(read_text_file(model), model.generic_string());
+      if (const toml::table* found = root["parameters"].as_table()) {
+        for (const auto& [key, value] : *found) names.emplace_back(key.str());
+      }
+    } catch (const InputError&) {
+      return std::nullopt;
     }
     return names;
   }

@@ -152,6 +152,18 @@ TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
   EXPECT_THROW(read_suite(folder_.path() / "suite.toml"), InputError);
 }
 
+/// Finds one model that was moved away and takes the night of all the others with it.
+TEST_F(Suites, ModelThatIsNotThereIsRefusedAsACaseOfItsOwn) {
+  const Suite suite =
+      read("[[case]]\nmodels = [\"models/one.toml\", \"models/gone.toml\"]\nparameters = { mass = 2 }\n");
+  ASSERT_EQ(suite.cases.size(), 2U);
+  EXPECT_EQ(suite.cases.at(0).id, "gone");
+  const SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  const Result result = try_case(suite.cases.at(0), folder_.path(), makers);
+  EXPECT_EQ(result.ending, Ending::bad_input);
+  EXPECT_THAT(result.words, HasSubstr("gone.toml: error: cannot read the file"));
+}
+
 TEST_F(Suites, ParametersCutsNeedsAndStartsReachTheModel) {
   const Suite suite = read(
       "[[case]]\nmodels = [\"models/one.toml\"]\nparameters = { mass = 2.5 }\ncut = [\"hinge\"]\n"
