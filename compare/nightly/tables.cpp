@@ -22,19 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A text in one cell of a table.
-std::string cell(const std::string& text) {
-  std::string plain;
-  for (const char c : text) {
-    if (c == '|') {
-      plain += "\\|";
-    } else {
-      plain += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return plain;
-}
-
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
 std::string format_cases(const NightReport& report) {
@@ -42,7 +29,7 @@ std::string format_cases(const NightReport& report) {
   std::vector<std::vector<std::string>> lines{
       {"case", "ending", "judged", "same state", "same run", "refined", "evaluations", "steps", "past"}};
   for (const CaseLine& line : report.cases) {
-    lines.push_back({cell(line.id), to_string(line.ending), fmt::format("{} of {}", line.judged, line.total),
+    lines.push_back({line.id, to_string(line.ending), fmt::format("{} of {}", line.judged, line.total),
                      digits_cell(line.worst[0]), digits_cell(line.worst[1]), digits_cell(line.worst[2]),
                      pair_cell(line.evaluations), pair_cell(line.steps),
                      is_night || !line.changes.empty() ? past_words(line) : "same"});
@@ -52,14 +39,14 @@ std::string format_cases(const NightReport& report) {
 
 std::string component_cell(const Change& change) {
   if (change.component.empty()) return "-";
-  return cell(change.component) + (change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+  return change.component + (change.more > 0 ? fmt::format(" and {} more", change.more) : "");
 }
 
 std::string format_changes(const NightReport& report) {
   std::vector<std::vector<std::string>> lines{{"what", "case", "component", "measure", "was", "is", "against"}};
   for (const Change* change : all_changes(report)) {
-    lines.push_back({to_string(change->turn), cell(change->id), component_cell(*change), change->measure,
-                     change->was.empty() ? "-" : cell(change->was), cell(change->is),
+    lines.push_back({to_string(change->turn), change->id, component_cell(*change), change->measure,
+                     change->was.empty() ? "-" : change->was, change->is,
                      change->against.empty() ? "-" : change->against});
   }
   return lines.size() == 1 ? "" : format_table(lines, {false, false, false, false, false, false, false});
@@ -192,7 +179,7 @@ std::string format_headline(const NightReport& report) {
                        : report.code == 4    ? "no baseline"
                        : !report.is_finished ? "unfinished"
                                              : "red";
-  return fmt::format("{} {}: {}{}{}\n", colour, cell(report.title),
+  return fmt::format("{} {}: {}{}{}\n", colour, report.title,
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
                      turns_of(report));
 }

@@ -6,7 +6,23 @@
 
 namespace concord::compare {
 
-std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right) {
+namespace {
+
+/// A text as a cell of a Markdown table: bars are escaped; ends of lines and other control characters are spaces.
+std::string as_cell(const std::string& text) {
+  std::string cell;
+  for (const char c : text) {
+    if (c == '|') cell += '\\';
+    cell += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return cell;
+}
+
+}  // namespace
+
+std::string format_table(const std::vector<std::vector<std::string>>& texts, const std::vector<bool>& right) {
+  std::vector<std::vector<std::string>> lines = texts;
+  for (auto& line : lines) std::transform(line.begin(), line.end(), line.begin(), as_cell);
   std::vector<std::size_t> widths(right.size(), 0);
   for (const auto& line : lines) {
     for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());

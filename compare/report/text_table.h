@@ -5,9 +5,9 @@
 
 namespace concord::compare {
 
-/// Columns of one width each, `| a | b |`, under a rule; every line has as many cells as the first. The columns named
-/// in `right` are aligned right.
-std::string format_table(const std::vector<std::vector<std::string>>& lines, const std::vector<bool>& right);
+/// A Markdown table: columns of one width each, `| a | b |`, under a rule; every line has as many cells as the first.
+/// Bars in a text are escaped; control characters become spaces. The columns named in `right` are aligned right.
+std::string format_table(const std::vector<std::vector<std::string>>& texts, const std::vector<bool>& right);
 
 /// "1 loop", "2 loops".
 std::string plural(int count, const char* one, const char* many);
