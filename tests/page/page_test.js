@@ -182,7 +182,9 @@ async function tryPage(browser, file) {
   const paint = await page.evaluate(() => performance.getEntriesByType("paint")[0].startTime);
   const name = path.basename(file, ".html");
   assert((await text(page, "#sentence")).length > 20, "the verdict is a sentence");
-  if (await page.locator("#picture").isVisible()) {
+  const shows = await page.locator("#picture").isVisible();
+  assert(!(name === "refused" && shows), "no empty picture where there is no machine");
+  if (shows) {
     await fits(page);
     await sortAndFilter(page, "F_x");
     await hover(page);
