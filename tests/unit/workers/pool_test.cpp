@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -113,6 +114,17 @@ TEST(Workers, EatingMemoryIsReportedAndTheRestGoesOn) {
   EXPECT_EQ(described(reports[1]), "answered/did b");
 }
 #endif
+
+/// What starting a thread throws where its stack finds no room.
+TEST(Workers, ThreadWithoutRoomIsOutOfMemory) {
+  const Task starter = [](const std::string& input) {
+    if (input == "start") throw std::system_error(EAGAIN, std::generic_category());
+    return input;
+  };
+  const std::vector<Report> reports = do_all({"start", "b"}, 1, starter);
+  EXPECT_EQ(reports[0].end, End::out_of_memory);
+  EXPECT_EQ(described(reports[1]), "answered/b");
+}
 
 TEST(Workers, ExceptionIsAnAnswerOfItsOwn) {
   const std::vector<Report> reports = do_all({"throw", "b"}, 1);
