@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
 
 #include "compare/analyses/started_machine.h"
 #include "compare/python/bindings.h"
@@ -8,6 +11,7 @@
 #include "compare/python/run.h"
 #include "compare/report/report_json.h"
 #include "compare/report/table.h"
+#include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
 #include "compare/verdict/table_notes.h"
@@ -48,29 +52,36 @@ void take_runs(const std::shared_ptr<Model>& model, Verdict& verdict, Compared& 
 }
 
 /// As the program does it.
-Compared compare_model(const Model& model, const VerifyOptions& options, const SolverMakers& makers) {
+Compared compare_model(const Model& model, const VerifyOptions& options, const std::optional<Reference>& reference,
+                       const SolverMakers& makers) {
   const analyses::StartedMachine machine(model, makers);
   VerifyOptions own = options;
   own.makers = &makers;
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), own);
   verdict.notes.insert(verdict.notes.end(), machine.notes().begin(), machine.notes().end());
-  Compared compared;
-  take_words(machine.model(), verdict, compared);
   for (auto& run : verdict.trajectories) {
     if (run) run = machine.back(std::move(*run));
   }
+  if (reference) judge_reference(model, *reference, verdict);
+  Compared compared;
+  take_words(machine.model(), verdict, compared);
   take_runs(std::make_shared<Model>(model), verdict, compared);
   return compared;
 }
 
 Compared compare(const std::shared_ptr<Model>& model, std::optional<double> until, std::optional<double> rtol,
                  std::optional<long> samples, const std::string& cartesian, const std::string& relative,
-                 std::optional<std::uint64_t> seed) {
+                 std::optional<std::uint64_t> seed, const std::optional<std::filesystem::path>& reference) {
   VerifyOptions options = verify_options(*model, {until, rtol, samples}, {cartesian, relative});
   if (seed) options.seed = *seed;
+  std::optional<Reference> outside;
+  if (reference) {
+    outside = read_reference(*reference, *model);
+    check_times(*outside, run_options(*model, options));
+  }
   StopFlag stop{false};
   const SolverMakers makers = stoppable_makers(stop);
-  return interruptibly(stop, [&] { return compare_model(*model, options, makers); });
+  return interruptibly(stop, [&] { return compare_model(*model, options, outside, makers); });
 }
 
 /// As the program does it: a run that its own audit refutes is no result.
@@ -138,7 +149,7 @@ void bind_compare(py::module_& module) {
       });
   module.def("compare", compare, py::arg("model").none(false), py::kw_only(), py::arg("until") = py::none(),
              py::arg("rtol") = py::none(), py::arg("samples") = py::none(), py::arg("cartesian") = "",
-             py::arg("relative") = "", py::arg("seed") = py::none());
+             py::arg("relative") = "", py::arg("seed") = py::none(), py::arg("reference") = py::none());
   module.def("run", run, py::arg("model").none(false), py::arg("solver"), py::kw_only(), py::arg("until") = py::none(),
              py::arg("rtol") = py::none(), py::arg("samples") = py::none(), py::arg("integrator") = "");
 }

@@ -24,10 +24,11 @@ def wall_times_left_out(text):
     return re.sub(r'"wall_s": [^,}\n]+', '"wall_s": 0', text)
 
 
-def by_program(arguments, folder):
+def by_program(arguments, folder, code=0):
     """The text of --json."""
     file = pathlib.Path(folder) / "verdict.json"
-    subprocess.run([PROGRAM, "compare", *arguments, "--json", file], check=True, capture_output=True)
+    done = subprocess.run([PROGRAM, "compare", *arguments, "--json", file], check=False, capture_output=True)
+    assert done.returncode == code, done.stderr
     return file.read_text(encoding="utf-8")
 
 
@@ -101,6 +102,20 @@ class Comparing(unittest.TestCase):
         resolvable = [[row["same_state_resolvable_digits"] for row in one["joints"]]
                       for one in (verdict, concord.compare(model, until=0.1))]
         self.assertNotEqual(*resolvable)
+
+    def test_a_reference_is_judged(self):
+        """Detects a reference that is not read, or is held against another model than the program's."""
+        model = MODELS / "compound_pendulum.toml"
+        with tempfile.TemporaryDirectory() as folder:
+            off = pathlib.Path(folder) / "off.csv"
+            off.write_text("# another program\n# error = 0.1 %\nt [s],hinge.child.F_x [N]\n0,12345\n")
+            expected = by_program([model, "--until", "0.1", "--reference", off], folder, code=1)
+            verdict = concord.compare(model, until=0.1, reference=off)
+            self.assertEqual(wall_times_left_out(verdict.json), wall_times_left_out(expected))
+            self.assertEqual(verdict["verdict"], "differ")
+            with self.assertRaisesRegex(concord.InputError, "off.csv.*is no output time"):
+                off.write_text("# error = 0.1 %\nt [s],hinge.child.F_x [N]\n0.0123,12345\n")
+                concord.compare(model, until=0.1, reference=off)
 
     def test_a_chosen_integrator_runs(self):
         """Detects integrators that are exchanged or ignored."""

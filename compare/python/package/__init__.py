@@ -77,9 +77,10 @@ def load(path, parameters=None):
     return _native.load(path, parameters=parameters or {})
 
 
-def compare(model, *, until=None, rtol=None, samples=None, cartesian="", relative="", seed=None):
-    """Solves a model, or the model in a file, by both solvers and judges every joint reaction."""
-    asked = {"until": until, "rtol": rtol, "samples": samples, "seed": seed}
+def compare(model, *, until=None, rtol=None, samples=None, cartesian="", relative="", seed=None, reference=None):
+    """Solves a model, or the model in a file, by both solvers and judges every joint reaction; `reference` is a file
+    of values from another source that both are held against."""
+    asked = {"until": until, "rtol": rtol, "samples": samples, "seed": seed, "reference": reference}
     return Verdict(_native.compare(_model(model), cartesian=cartesian, relative=relative, **asked))
 
 

@@ -348,8 +348,10 @@ def compare(
     cartesian: str = "",
     relative: str = "",
     seed: Optional[int] = None,
+    reference: Optional[Union[str, PathLike[str]]] = None,
 ) -> Verdict:
-    """What `concord compare` does; `cartesian` and `relative` name integrators, `seed` is that of the random states.
+    """What `concord compare` does; `cartesian` and `relative` name integrators, `seed` is that of the random states,
+    `reference` a file as for `--reference`.
     Ctrl-C interrupts it."""
 
 def run(
