@@ -49,6 +49,14 @@ class Nights(unittest.TestCase):
         self.assertGreater(history.components["same_state"].min(), 12)
         self.assertEqual(str(history.nights["started"].dtype), "datetime64[ns]")
 
+    def test_nothing_is_left_beside_the_file(self):
+        """Detects the files of SQLite's log, and a reader that changes the history."""
+        before = sorted(os.listdir(self.folder.name))
+        content = self.file.read_bytes()
+        concord.history(self.file)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+        self.assertEqual(self.file.read_bytes(), content)
+
     def test_another_version_is_refused_by_name(self):
         """Detects a file of another layout that is read all the same."""
         for version in (1, 999):

@@ -28,14 +28,25 @@ def history(file):
     name = os.fspath(file)
     if not os.path.isfile(name):
         raise _input_error(name, "cannot be read: there is no such file")
-    uri = pathlib.Path(name).resolve().as_uri() + "?mode=ro"
     try:
-        with contextlib.closing(sqlite3.connect(uri, uri=True)) as database:
+        with contextlib.closing(sqlite3.connect(_uri(name), uri=True)) as database:
+            database.execute("PRAGMA query_only = TRUE")
             _require_format(name, database)
             database.execute("BEGIN")  # all tables as they are at one moment
             return _read(pandas, database)
     except sqlite3.Error as error:
         raise _input_error(name, f"cannot be read: {error}") from error
+
+
+def _uri(name):
+    """How SQLite opens the file so that nothing is left beside it: the files of its log are removed only by who may
+    write; without them it reads as if nobody wrote, unless somebody does."""
+    path = pathlib.Path(name).resolve()
+    if os.access(path, os.W_OK) and os.access(path.parent, os.W_OK):
+        return path.as_uri() + "?mode=rw"
+    log = path.with_name(path.name + "-wal")
+    is_written = log.is_file() and log.stat().st_size > 0
+    return path.as_uri() + ("?mode=ro" if is_written else "?immutable=1")
 
 
 def _require_format(name, database):
