@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 #include "cartesian/constraints.h"
 #include "cartesian/indices.h"
 #include "cartesian/layout.h"
@@ -15,7 +15,7 @@
 /// Generalized forces of force elements and of springs on joint coordinates.
 namespace concord::cartesian {
 
-/// The regimes of all tires and stops, by actor.
+/// The regimes of all tires and stops, by applied_force.
 struct RegimesOfAll {
   std::vector<TireRegime> of_tires;
   std::vector<std::vector<LawRegime>> of_stops;
@@ -26,12 +26,12 @@ class AppliedForces {
   /// Both must outlive this object.
   AppliedForces(const Model& model, const Layout& layout);
 
-  /// Wrenches and generalized forces of all actors at time t, positions q and velocities Y, which are those of the
-  /// constraints `at`: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
+  /// Wrenches and generalized forces of all applied forces at time t, positions q and velocities Y, which are those of
+  /// the constraints `at`: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
   /// element, where its law has no direction (exert).
   void update(const MovingConstraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
-  /// The same of one actor.
-  void update(const MovingConstraints& at, ActorIndex actor, double t, const Eigen::Ref<const VecX>& q,
+  /// The same of one applied_force.
+  void update(const MovingConstraints& at, AppliedForceIndex applied, double t, const Eigen::Ref<const VecX>& q,
               const Eigen::Ref<const VecX>& Y);
 
   /// Whether tires and stops keep the regimes that they are in (an integrator does so during a step); else every
@@ -46,10 +46,10 @@ class AppliedForces {
   const VecX& event_functions(const PlacedConstraints& near, double t, const Eigen::Ref<const VecX>& q,
                               const Eigen::Ref<const VecX>& Y);
   [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
-  /// The actor whose event function has a given index.
-  [[nodiscard]] ActorIndex owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
-  /// "tire 'left'", "the stop of 'coil'": what an actor's regimes belong to.
-  [[nodiscard]] std::string name_of_regime(ActorIndex actor) const;
+  /// The applied force whose event function has a given index.
+  [[nodiscard]] AppliedForceIndex owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
+  /// "tire 'left'", "the stop of 'coil'": what an applied force's regimes belong to.
+  [[nodiscard]] std::string name_of_regime(AppliedForceIndex applied) const;
 
   /// Adds the generalized forces to `forces` (n_Y numbers).
   void add_to(Eigen::Ref<VecX> forces) const;
@@ -58,9 +58,9 @@ class AppliedForces {
   [[nodiscard]] double power(const Eigen::Ref<const VecX>& Y) const;
 
   /// Elements in the order of the model, then joints with springs.
-  [[nodiscard]] const ByActor<Actor>& actors() const { return actors_; }
+  [[nodiscard]] const ByAppliedForce<AppliedForce>& applied_forces() const { return applied_forces_; }
   /// The springs of joint k; nullptr if it has none.
-  [[nodiscard]] const Actor* springs_of(JointIndex k) const;
+  [[nodiscard]] const AppliedForce* springs_of(JointIndex k) const;
   /// Wrenches of element e on both its ends.
   [[nodiscard]] ElementWrenches element(ElementIndex e) const;
 
@@ -73,27 +73,27 @@ class AppliedForces {
   void count_turns_and_hold_regimes_as(const AppliedForces& other);
 
  private:
-  Actor make_actor(const ForceElement& element, ElementIndex e) const;
-  Actor make_actor(const Joint& joint, JointIndex k) const;
-  void make_end(const Attachment& end, Side side, Actor& actor) const;
-  /// The element whose force an actor is; nullptr for springs of a joint.
-  [[nodiscard]] const ForceElement* element_of(const Actor& actor) const;
+  AppliedForce make_applied_force(const ForceElement& element, ElementIndex e) const;
+  AppliedForce make_applied_force(const Joint& joint, JointIndex k) const;
+  void make_end(const Attachment& end, Side side, AppliedForce& applied) const;
+  /// The element whose force an applied force is; nullptr for springs of a joint.
+  [[nodiscard]] const ForceElement* element_of(const AppliedForce& applied) const;
   [[nodiscard]] ForceInstant instant_of(const ForceElement& element, const Mat3& A_child, double t) const;
-  void place_end(Actor& actor, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
+  void place_end(AppliedForce& applied, Side side, const Mat3& A, const Eigen::Ref<const VecX>& q,
                  const Eigen::Ref<const VecX>& Y) const;
   /// Ends on moving bodies with these rotations, and the child's end seen from the parent's.
   template <class RotationOf>
-  void place_ends(Actor& actor, const RotationOf& rotation_of_body, const Eigen::Ref<const VecX>& q,
+  void place_ends(AppliedForce& applied, const RotationOf& rotation_of_body, const Eigen::Ref<const VecX>& q,
                   const Eigen::Ref<const VecX>& Y) const;
   void lay_out_events();
 
   const Model& model_;
   const Layout& layout_;
   double shortest_line_;
-  ByActor<Actor> actors_;
-  ByJoint<std::optional<ActorIndex>> springs_of_joint_;  // if the joint has springs
+  ByAppliedForce<AppliedForce> applied_forces_;
+  ByJoint<std::optional<AppliedForceIndex>> springs_of_joint_;  // if the joint has springs
   Regimes regimes_ = Regimes::own;
-  std::vector<ActorIndex> event_owners_;  // by event function
+  std::vector<AppliedForceIndex> event_owners_;  // by event function
   VecX event_values_;
 };
 

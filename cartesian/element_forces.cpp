@@ -36,53 +36,55 @@ Mat3 inverse_transposed_tangent(const Vec3& theta) {
   return Mat3::Identity() + 0.5 * theta_skew + c * theta_skew * theta_skew;
 }
 
-void exert(const Load& load, const ForceInstant& at, Actor& actor) {  // (S32)
+void exert(const Load& load, const ForceInstant& at, AppliedForce& applied) {  // (S32)
   const Mat3 axes = load.axes == LoadAxes::global ? Mat3(Mat3::Identity())
                     : load.axes == LoadAxes::body ? at.A_child
-                                                  : actor.child().A_joint;
+                                                  : applied.child().A_joint;
   const double size = evaluate(load.law, at.t).f;
-  actor.on_child() = {size * (axes * load.force), size * (axes * load.torque)};
+  applied.on_child() = {size * (axes * load.force), size * (axes * load.torque)};
 }
 
-void exert(const Bushing& bushing, const ForceInstant& at, Actor& actor) {  // (S35)
+void exert(const Bushing& bushing, const ForceInstant& at, AppliedForce& applied) {  // (S35)
   // A bearing that turns freely has no angle to be limited.
   const bool turns_freely = bushing.stiffness.bottomRows<3>().isZero(0.0) && bushing.preload.tail<3>().isZero(0.0);
-  const Vec3 theta = turns_freely ? Vec3(Vec3::Zero()) : rotation_vector(actor.motion.R, at.name, at.t);
+  const Vec3 theta = turns_freely ? Vec3(Vec3::Zero()) : rotation_vector(applied.motion.R, at.name, at.t);
   Vec6 displacement;
-  displacement << actor.motion.d, theta;
+  displacement << applied.motion.d, theta;
   Vec6 speed;
-  speed << actor.motion.ddot, actor.motion.omega;
+  speed << applied.motion.ddot, applied.motion.omega;
   Vec6 elastic = bushing.stiffness * displacement - bushing.preload;
   elastic.tail<3>() = inverse_transposed_tangent(theta) * elastic.tail<3>();
   const Vec6 in_C = -elastic - bushing.damping * speed;
-  const Mat3& axes = actor.parent().A_joint;
-  actor.on_child() = {axes * in_C.head<3>(), axes * in_C.tail<3>()};
-  actor.on_parent() = opposite(actor.on_child(), actor.child().point - actor.parent().point);
+  const Mat3& axes = applied.parent().A_joint;
+  applied.on_child() = {axes * in_C.head<3>(), axes * in_C.tail<3>()};
+  applied.on_parent() = opposite(applied.on_child(), applied.child().point - applied.parent().point);
 }
 
 int n_event_functions(const Load& /*load*/) { return 0; }
 int n_event_functions(const Bushing& /*bushing*/) { return 0; }
 
-double* write_event_functions(const Load& /*load*/, const ForceInstant& /*at*/, const Actor& /*actor*/, double* next) {
+double* write_event_functions(const Load& /*load*/, const ForceInstant& /*at*/, const AppliedForce& /*applied*/,
+                              double* next) {
   return next;
 }
-double* write_event_functions(const Bushing& /*bushing*/, const ForceInstant& /*at*/, const Actor& /*actor*/,
+double* write_event_functions(const Bushing& /*bushing*/, const ForceInstant& /*at*/, const AppliedForce& /*applied*/,
                               double* next) {
   return next;
 }
 
 }  // namespace
 
-void exert(const ForceElement& element, const ForceInstant& at, Actor& actor) {
-  std::visit([&](const auto& what) { exert(what, at, actor); }, element.what);
+void exert(const ForceElement& element, const ForceInstant& at, AppliedForce& applied) {
+  std::visit([&](const auto& what) { exert(what, at, applied); }, element.what);
 }
 
 int n_event_functions(const ForceElement& element) {
   return std::visit([](const auto& what) { return n_event_functions(what); }, element.what);
 }
 
-double* write_event_functions(const ForceElement& element, const ForceInstant& at, const Actor& actor, double* next) {
-  return std::visit([&](const auto& what) { return write_event_functions(what, at, actor, next); }, element.what);
+double* write_event_functions(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied,
+                              double* next) {
+  return std::visit([&](const auto& what) { return write_event_functions(what, at, applied, next); }, element.what);
 }
 
 }  // namespace concord::cartesian

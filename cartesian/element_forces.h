@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 
 /// Forces of the elements of a model, by kind: springs and tires, which have regimes, in files of their own; loads and
 /// bushings here.
@@ -9,16 +9,17 @@ namespace concord::cartesian {
 /// Bushings and turn springs are refused beyond it: their angles jump at half a turn.
 inline constexpr double kLargestAngle = 175.0 * EIGEN_PI / 180.0;
 
-/// Writes the wrenches at the ends of an element's actor, whose markers and motion are those of the instant. Throws
-/// SolverError, naming the element, where its law has no direction: a line spring whose force jumps where its ends
-/// meet, a turn spring or a bushing that resists turning beyond 175 deg, a turn spring whose axis x points along z, a
-/// tire whose axis stands upright on the road.
-void exert(const ForceElement& element, const ForceInstant& at, Actor& actor);
+/// Writes the wrenches at the ends of an element's applied force, whose markers and motion are those of the instant.
+/// Throws SolverError, naming the element, where its law has no direction: a line spring whose force jumps where its
+/// ends meet, a turn spring or a bushing that resists turning beyond 175 deg, a turn spring whose axis x points along
+/// z, a tire whose axis stands upright on the road.
+void exert(const ForceElement& element, const ForceInstant& at, AppliedForce& applied);
 
 /// How many event functions an element has; 0 if it has no regimes.
 int n_event_functions(const ForceElement& element);
 
-/// Writes how far an element is inside the regimes of its actor, and returns what comes after that.
-double* write_event_functions(const ForceElement& element, const ForceInstant& at, const Actor& actor, double* next);
+/// Writes how far an element is inside the regimes of its applied force, and returns what comes after that.
+double* write_event_functions(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied,
+                              double* next);
 
 }  // namespace concord::cartesian

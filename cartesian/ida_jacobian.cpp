@@ -27,16 +27,16 @@ IdaJacobian::IdaJacobian(const Dynamics& dynamics, const IdaUnknowns& places, co
   for (const RowBlock& block : own_.constraints().blocks()) {
     rates_over_q_.emplace_back(MatX::Zero(block.n_rows, layout_.size_Y(block.body)));
   }
-  for (const Actor& actor : own_.applied().actors()) slopes_.add(make_slopes(actor));
+  for (const AppliedForce& applied : own_.applied().applied_forces()) slopes_.add(make_slopes(applied));
   lay_out(q, Y);
 }
 
-IdaJacobian::ForceSlopes IdaJacobian::make_slopes(const Actor& actor) const {
+IdaJacobian::ForceSlopes IdaJacobian::make_slopes(const AppliedForce& applied) const {
   ForceSlopes slopes;
   for (const Side moved : {Side::parent, Side::child}) {
     for (const Side pushed : {Side::parent, Side::child}) {
-      if (!actor.sits_on_moving_body(moved) || !actor.sits_on_moving_body(pushed)) continue;
-      const MatX none = MatX::Zero(layout_.size_Y(actor.body(pushed)), layout_.size_Y(actor.body(moved)));
+      if (!applied.sits_on_moving_body(moved) || !applied.sits_on_moving_body(pushed)) continue;
+      const MatX none = MatX::Zero(layout_.size_Y(applied.body(pushed)), layout_.size_Y(applied.body(moved)));
       slopes.over_q[index(moved)][index(pushed)] = none;
       slopes.over_Y[index(moved)][index(pushed)] = none;
     }
@@ -73,26 +73,26 @@ void IdaJacobian::differentiate_rates(const RowBlock& block, const VecX& q, cons
   constraints.displace(block, q, Y);
 }
 
-/// How the forces of each actor change with positions and velocities of the bodies that it pushes on, by central
-/// differences of the actor alone.
+/// How the forces of each applied force change with positions and velocities of the bodies that it pushes on, by
+/// central differences of the applied force alone.
 void IdaJacobian::differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y) {
-  const ByActor<Actor>& actors = own_.applied().actors();
-  for (const ActorIndex a : actors.indices()) {
+  const ByAppliedForce<AppliedForce>& applied_forces = own_.applied().applied_forces();
+  for (const AppliedForceIndex a : applied_forces.indices()) {
     for (const Side moved : {Side::parent, Side::child}) {
-      if (!actors[a].sits_on_moving_body(moved)) continue;
+      if (!applied_forces[a].sits_on_moving_body(moved)) continue;
       differentiate_forces(a, moved, t, rate, q, Y, slopes_[a]);
     }
   }
 }
 
-void IdaJacobian::differentiate_forces(ActorIndex of, Side moved, double t, double rate, const VecX& q,
+void IdaJacobian::differentiate_forces(AppliedForceIndex of, Side moved, double t, double rate, const VecX& q,
                                        const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes) {
   constexpr double kStep = 1e-6;  // of the machine's units
-  const Actor& actor = own_.applied().actors()[of];
-  const BodyIndex body = actor.body(moved);
+  const AppliedForce& applied = own_.applied().applied_forces()[of];
+  const BodyIndex body = applied.body(moved);
   const auto units = own_.units().segment(layout_.first_Y(body), layout_.size_Y(body));
   const auto put = [&](const VecX& at, const VecX& speeds) {
-    if (const std::optional<JointIndex> joint = actor.joint()) {
+    if (const std::optional<JointIndex> joint = applied.joint()) {
       own_.moving_constraints().displace(*joint, body, at, speeds);
     } else {
       own_.moving_constraints().displace(body, at);
@@ -101,15 +101,15 @@ void IdaJacobian::differentiate_forces(ActorIndex of, Side moved, double t, doub
   };
   const auto add = [&](std::array<MatX, 2>& slope, int c, double over) {
     for (const Side pushed : {Side::parent, Side::child}) {
-      if (!actor.sits_on_moving_body(pushed)) continue;
-      slope[index(pushed)].col(c) += actor.forces[index(pushed)] / (2.0 * over);
+      if (!applied.sits_on_moving_body(pushed)) continue;
+      slope[index(pushed)].col(c) += applied.forces[index(pushed)] / (2.0 * over);
     }
   };
   displaced_q_ = q;
   displaced_Y_ = Y;
   for (int c = 0; c < layout_.size_Y(body); ++c) {
     for (const Side pushed : {Side::parent, Side::child}) {
-      if (!actor.sits_on_moving_body(pushed)) continue;
+      if (!applied.sits_on_moving_body(pushed)) continue;
       slopes.over_q[index(moved)][index(pushed)].col(c).setZero();
       slopes.over_Y[index(moved)][index(pushed)].col(c).setZero();
     }
@@ -141,8 +141,8 @@ void IdaJacobian::each_entry(double c, const Eigen::Ref<const VecX>& x, const Vi
   for (const BodyIndex i : layout_.moving_bodies()) each_body_entry(i, c, q, Y, visit);
   const auto& blocks = own_.constraints().blocks();
   for (std::size_t b = 0; b < blocks.size(); ++b) each_row_entry(blocks[b], rates_over_q_[b], q, visit);
-  const ByActor<Actor>& actors = own_.applied().actors();
-  for (const ActorIndex a : actors.indices()) each_force_entry(actors[a], slopes_[a], q, visit);
+  const ByAppliedForce<AppliedForce>& applied_forces = own_.applied().applied_forces();
+  for (const AppliedForceIndex a : applied_forces.indices()) each_force_entry(applied_forces[a], slopes_[a], q, visit);
   for (const RowIndex row : places_.rows()) {
     const double own = dynamics_.is_active(row) ? 0.0 : 1.0;
     visit(places_.at_lambda(row), places_.at_lambda(row), own);
@@ -226,17 +226,17 @@ void IdaJacobian::each_row_entry(const RowBlock& block, const MatX& rates, const
 }
 
 template <class Q, class Visit>
-void IdaJacobian::each_force_entry(const Actor& actor, const ForceSlopes& slopes, const Q& q,
+void IdaJacobian::each_force_entry(const AppliedForce& applied, const ForceSlopes& slopes, const Q& q,
                                    const Visit& visit) const {
   for (const Side moved : {Side::parent, Side::child}) {
-    if (!actor.sits_on_moving_body(moved)) continue;
-    const BodyIndex body = actor.body(moved);
+    if (!applied.sits_on_moving_body(moved)) continue;
+    const BodyIndex body = applied.body(moved);
     const int at_q = layout_.first_q(body);
     const int at_Y = places_.first_Y + layout_.first_Y(body);
     const Mat34 E = compute_E(layout_.p(q, body));
     for (const Side pushed : {Side::parent, Side::child}) {
-      if (!actor.sits_on_moving_body(pushed)) continue;
-      const int at_row = places_.first_Y + layout_.first_Y(actor.body(pushed));
+      if (!applied.sits_on_moving_body(pushed)) continue;
+      const int at_row = places_.first_Y + layout_.first_Y(applied.body(pushed));
       const MatX& over_q = slopes.over_q[index(moved)][index(pushed)];
       const MatX& over_Y = slopes.over_Y[index(moved)][index(pushed)];
       for (Eigen::Index row = 0; row < over_q.rows(); ++row) {

@@ -25,20 +25,20 @@ class IdaJacobian {
   void write(double t, double c, const Eigen::Ref<const VecX>& x, double rate, double* values);
 
  private:
-  /// Derivatives of an actor's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved and
-  /// pushed side.
+  /// Derivatives of an applied force's generalized forces over [r; pi; a] and over Y of the moved side's body, by moved
+  /// and pushed side.
   struct ForceSlopes {
     std::array<std::array<MatX, 2>, 2> over_q;
     std::array<std::array<MatX, 2>, 2> over_Y;
   };
 
-  ForceSlopes make_slopes(const Actor& actor) const;
+  ForceSlopes make_slopes(const AppliedForce& applied) const;
   void update(double t, const VecX& q, const Eigen::Ref<const VecX>& Y);
   void lay_out(const VecX& q, const VecX& Y);
   void differentiate_rates(const VecX& q, const Eigen::Ref<const VecX>& Y);
   void differentiate_rates(const RowBlock& block, const VecX& q, const Eigen::Ref<const VecX>& Y, MatX& rates);
   void differentiate_forces(double t, double rate, const VecX& q, const Eigen::Ref<const VecX>& Y);
-  void differentiate_forces(ActorIndex actor, Side moved, double t, double rate, const VecX& q,
+  void differentiate_forces(AppliedForceIndex applied, Side moved, double t, double rate, const VecX& q,
                             const Eigen::Ref<const VecX>& Y, ForceSlopes& slopes);
   template <class Visit>
   void each_entry(double c, const Eigen::Ref<const VecX>& x, const Visit& visit) const;
@@ -47,14 +47,14 @@ class IdaJacobian {
   template <class Q, class Visit>
   void each_row_entry(const RowBlock& block, const MatX& rates, const Q& q, const Visit& visit) const;
   template <class Q, class Visit>
-  void each_force_entry(const Actor& actor, const ForceSlopes& slopes, const Q& q, const Visit& visit) const;
+  void each_force_entry(const AppliedForce& applied, const ForceSlopes& slopes, const Q& q, const Visit& visit) const;
 
   const Dynamics& dynamics_;
-  Equations own_;  // whose joints and actors are displaced
+  Equations own_;  // whose joints and applied forces are displaced
   const Layout& layout_;
   const IdaUnknowns& places_;
   ByBody<MatX> mass_matrices_;
-  ByActor<ForceSlopes> slopes_;
+  ByAppliedForce<ForceSlopes> slopes_;
   std::vector<MatX> rates_over_q_;  // by block of rows: rows x (6 + m)
   VecX unit_q_;
   VecX displaced_q_;

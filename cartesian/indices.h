@@ -22,12 +22,12 @@ struct IndexOf {
   friend constexpr auto operator<=>(IndexOf, IndexOf) = default;  // NOLINT(modernize-use-nullptr): the compiler's own
 };
 
-using BodyIndex = IndexOf<Body>;                 // in Model::bodies, of which the first is ground
-using JointIndex = IndexOf<Joint>;               // in Model::joints
-using CouplingIndex = IndexOf<Coupling>;         // in Model::couplings
-using ElementIndex = IndexOf<ForceElement>;      // in Model::elements, tires among them
-using ActorIndex = IndexOf<struct Actor>;        // in AppliedForces::actors()
-using RowIndex = IndexOf<struct ConstraintRow>;  // in residuals, gamma and multipliers of the whole machine
+using BodyIndex = IndexOf<Body>;                         // in Model::bodies, of which the first is ground
+using JointIndex = IndexOf<Joint>;                       // in Model::joints
+using CouplingIndex = IndexOf<Coupling>;                 // in Model::couplings
+using ElementIndex = IndexOf<ForceElement>;              // in Model::elements, tires among them
+using AppliedForceIndex = IndexOf<struct AppliedForce>;  // in AppliedForces::applied_forces()
+using RowIndex = IndexOf<struct ConstraintRow>;          // in residuals, gamma and multipliers of the whole machine
 
 /// A row among those of the machine, from the first of its joint or block and its place among theirs, which is a plain
 /// number.
@@ -110,6 +110,6 @@ using ByJoint = Table<JointIndex, Value>;
 template <class Value>
 using ByCoupling = Table<CouplingIndex, Value>;
 template <class Value>
-using ByActor = Table<ActorIndex, Value>;
+using ByAppliedForce = Table<AppliedForceIndex, Value>;
 
 }  // namespace concord::cartesian

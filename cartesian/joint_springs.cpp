@@ -12,29 +12,30 @@ struct SprungCoordinate {
   double rate;
 };
 
-SprungCoordinate read_sprung(const Joint& stated, std::size_t k, const RelativeMotion& motion, const Actor& actor) {
+SprungCoordinate read_sprung(const Joint& stated, std::size_t k, const RelativeMotion& motion,
+                             const AppliedForce& applied) {
   const JointSpring& spring = stated.springs[k];
   const ConstraintRow row = evaluate_read(*read_of(*stated.type, spring.word), spring.component, motion);
-  const double known = actor.known_q(first_q(*stated.type, spring.word) + spring.component);
-  return {value_near(actor.spring_turns[k], row, known), rate_of(row, motion)};
+  const double known = applied.known_q(first_q(*stated.type, spring.word) + spring.component);
+  return {value_near(applied.spring_turns[k], row, known), rate_of(row, motion)};
 }
 
 }  // namespace
 
 /// tau = actuator - resistance for each sprung coordinate; the coordinate wrench acts like the joint's own (C38).
-void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, Actor& actor) {
-  actor.tau.setZero();
+void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, AppliedForce& applied) {
+  applied.tau.setZero();
   for (std::size_t k = 0; k < stated.springs.size(); ++k) {
     const JointSpring& spring = stated.springs[k];
-    const auto [x, rate] = read_sprung(stated, k, joint.motion, actor);
-    if (regimes == Regimes::own) actor.stop_regimes[k] = regime_at(spring.law, x, rate);
-    actor.tau(first_u(*stated.type, spring.word) + spring.component) +=
-        evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, actor.stop_regimes[k], x, rate).force;
+    const auto [x, rate] = read_sprung(stated, k, joint.motion, applied);
+    if (regimes == Regimes::own) applied.stop_regimes[k] = regime_at(spring.law, x, rate);
+    applied.tau(first_u(*stated.type, spring.word) + spring.component) +=
+        evaluate_actuator(spring.law, t) - evaluate_resistance(spring.law, applied.stop_regimes[k], x, rate).force;
   }
-  const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, actor.tau);
+  const Vec6 in_C = coordinate_wrench(*stated.type, joint.motion, applied.tau);
   const Mat3& A_joint = joint.marker(Side::parent).A_joint;
-  actor.on_child() = {A_joint * in_C.head<3>(), A_joint * in_C.tail<3>()};
-  actor.on_parent() = opposite(actor.on_child(), joint.gap);
+  applied.on_child() = {A_joint * in_C.head<3>(), A_joint * in_C.tail<3>()};
+  applied.on_parent() = opposite(applied.on_child(), joint.gap);
 }
 
 int n_event_functions(const Joint& stated) {
@@ -43,10 +44,11 @@ int n_event_functions(const Joint& stated) {
   return has_any ? kLawEvents * static_cast<int>(stated.springs.size()) : 0;
 }
 
-double* write_event_functions(const Joint& stated, const RelativeMotion& motion, const Actor& actor, double* next) {
+double* write_event_functions(const Joint& stated, const RelativeMotion& motion, const AppliedForce& applied,
+                              double* next) {
   for (std::size_t k = 0; k < stated.springs.size(); ++k) {
-    const auto [x, rate] = read_sprung(stated, k, motion, actor);
-    const auto values = event_functions_of(stated.springs[k].law, actor.stop_regimes[k], x, rate);
+    const auto [x, rate] = read_sprung(stated, k, motion, applied);
+    const auto values = event_functions_of(stated.springs[k].law, applied.stop_regimes[k], x, rate);
     next = std::copy(values.begin(), values.end(), next);
   }
   return next;

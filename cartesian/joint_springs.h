@@ -1,18 +1,20 @@
 #pragma once
 
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 #include "cartesian/joint_equations.h"
 
 /// Springs on the coordinates of one joint: their wrenches, and how far their stops are inside their regimes.
 namespace concord::cartesian {
 
 /// Writes coordinate forces and the wrenches on both sides, of a joint that is placed and moved.
-void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, Actor& actor);
+void exert_springs(const Joint& stated, const JointEquations& joint, double t, Regimes regimes, AppliedForce& applied);
 
 /// How many event functions the springs of a joint have; 0 if none has regimes.
 int n_event_functions(const Joint& stated);
 
-/// Writes how far the springs are inside the regimes of their actor for this motion, and returns what comes after that.
-double* write_event_functions(const Joint& stated, const RelativeMotion& motion, const Actor& actor, double* next);
+/// Writes how far the springs are inside the regimes of their applied force for this motion, and returns what comes
+/// after that.
+double* write_event_functions(const Joint& stated, const RelativeMotion& motion, const AppliedForce& applied,
+                              double* next);
 
 }  // namespace concord::cartesian

@@ -50,7 +50,7 @@ Wrench difference(const Wrench& total, const Wrench& part) {
 }  // namespace
 
 JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
-                               const Actor* springs) {
+                               const AppliedForce* springs) {
   const VecX none = VecX::Zero(stated.type->n_u());
   VecX row_tau = none;
   for (std::size_t k = 0; k < stated.drivers.size(); ++k) {

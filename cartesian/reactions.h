@@ -12,6 +12,6 @@ namespace concord::cartesian {
 /// drivers and couplings (tau = -lambda); the total is the wrench of the rows plus that of the joint's springs
 /// (nullptr: it has none).
 JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
-                               const Actor* springs);
+                               const AppliedForce* springs);
 
 }  // namespace concord::cartesian

@@ -9,9 +9,9 @@
 
 #include "cartesian/closing.h"
 #include "cartesian/evaluation.h"
+#include "cartesian/evaluation_limit.h"
 #include "cartesian/joint_coordinates.h"
 #include "cartesian/line_watch.h"
-#include "cartesian/pace.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/residual_measures.h"
 #include "cartesian/state_check.h"
@@ -104,7 +104,7 @@ class Run {
         stepper_(make_stepper(dynamics, options, motion_)),
         lines_(0.0, equations_.applied(), equations_.length()),
         watch_(dynamics, machine.generic, 0.0, motion_),
-        pace_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0),
+        evaluation_limit_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}
@@ -145,7 +145,7 @@ class Run {
   double step(double t) {
     try {
       const double reached = stepper_->step(t);
-      pace_.require(reached, stepper_->evaluations());
+      evaluation_limit_.require(reached, stepper_->evaluations());
       return reached;
     } catch (const SingularPose&) {
       throw;
@@ -210,7 +210,7 @@ class Run {
   std::unique_ptr<Stepper> stepper_;
   LineWatch lines_;
   PoseWatch watch_;
-  Pace pace_;
+  EvaluationLimit evaluation_limit_;
   std::vector<double> breaks_;  // times at which a law changes its formula
   std::vector<double>::const_iterator next_break_;
   RoundOffShares shares_;

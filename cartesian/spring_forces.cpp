@@ -15,30 +15,30 @@ namespace {
 /// What a turn spring takes for its angle.
 const joints::Read kSpringAngle = joints::TurnOfChildAxis{.about = Axis::z, .of_child_axis = Axis::x};
 
-/// Resistance of a spring's law, in the regime that the actor takes or keeps.
-double resistance(const ForceLaw& law, const ForceInstant& at, double x, double rate, Actor& actor) {
-  LawRegime& regime = actor.stop_regimes.front();
+/// Resistance of a spring's law, in the regime that the applied force takes or keeps.
+double resistance(const ForceLaw& law, const ForceInstant& at, double x, double rate, AppliedForce& applied) {
+  LawRegime& regime = applied.stop_regimes.front();
   if (at.regimes == Regimes::own) regime = regime_at(law, x, rate);
   return evaluate_resistance(law, regime, x, rate).force;
 }
 
 int n_event_functions(const ForceLaw& law) { return has_regimes(law) ? kLawEvents : 0; }
 
-double* write_event_functions(const ForceLaw& law, const Actor& actor, double x, double rate, double* next) {
-  const auto values = event_functions_of(law, actor.stop_regimes.front(), x, rate);
+double* write_event_functions(const ForceLaw& law, const AppliedForce& applied, double x, double rate, double* next) {
+  const auto values = event_functions_of(law, applied.stop_regimes.front(), x, rate);
   return std::copy(values.begin(), values.end(), next);
 }
 
 }  // namespace
 
-void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor) {  // (S33)
-  const Vec3 line = actor.child().point - actor.parent().point;
-  const Vec3 velocity = actor.child().velocity - actor.parent().velocity;
+void exert(const LineSpring& spring, const ForceInstant& at, AppliedForce& applied) {  // (S33)
+  const Vec3 line = applied.child().point - applied.parent().point;
+  const Vec3 velocity = applied.child().velocity - applied.parent().velocity;
   const double length = line.norm();
   Vec3 along = line / length;
   if (!(length > at.shortest_line)) {
     constexpr double kRoundOff = 1e-5;  // of the shortest line: less of it has no direction at all
-    if (line_of(spring, at.name, actor, at.t).is_reversed_with_a_jump) {
+    if (line_of(spring, at.name, applied, at.t).is_reversed_with_a_jump) {
       throw SolverError(
           fmt::format("cartesian: at t = {:.6g} s the ends of line spring '{}' meet: its force has no direction there",
                       at.t, at.name));
@@ -47,56 +47,58 @@ void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor) {  //
     if (!(length > kRoundOff * at.shortest_line)) along = velocity.stableNormalized();
   }
   const double rate = along.dot(velocity);
-  const double tension = resistance(spring.law, at, length, rate, actor) + evaluate_actuator(spring.law, at.t);
-  actor.on_child() = {-tension * along, Vec3::Zero()};
-  actor.on_parent() = {tension * along, Vec3::Zero()};
+  const double tension = resistance(spring.law, at, length, rate, applied) + evaluate_actuator(spring.law, at.t);
+  applied.on_child() = {-tension * along, Vec3::Zero()};
+  applied.on_parent() = {tension * along, Vec3::Zero()};
 }
 
-void exert(const TurnSpring& spring, const ForceInstant& at, Actor& actor) {  // (S34)
-  if (!(actor.motion.R.col(0).head<2>().norm() > 1e-6)) {
+void exert(const TurnSpring& spring, const ForceInstant& at, AppliedForce& applied) {  // (S34)
+  if (!(applied.motion.R.col(0).head<2>().norm() > 1e-6)) {
     throw SolverError(
         fmt::format("cartesian: at t = {:.6g} s turn spring '{}' has no angle: the child's x axis points along the "
                     "parent's z: turn the frames of its ends",
                     at.t, at.name));
   }
-  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
+  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
   if (!(std::abs(angle.value) <= kLargestAngle)) {
     throw SolverError(
         fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
                     "spring of a joint count turns instead",
                     at.t, at.name, angle.value * 180.0 / EIGEN_PI));
   }
-  const double rate = rate_of(angle, actor.motion);
-  const double torque = resistance(spring.law, at, angle.value, rate, actor) + evaluate_actuator(spring.law, at.t);
-  const Vec3 couple = actor.parent().A_joint * (-torque * angle.over_rho);
-  actor.on_child() = {Vec3::Zero(), couple};
-  actor.on_parent() = {Vec3::Zero(), -couple};
+  const double rate = rate_of(angle, applied.motion);
+  const double torque = resistance(spring.law, at, angle.value, rate, applied) + evaluate_actuator(spring.law, at.t);
+  const Vec3 couple = applied.parent().A_joint * (-torque * angle.over_rho);
+  applied.on_child() = {Vec3::Zero(), couple};
+  applied.on_parent() = {Vec3::Zero(), -couple};
 }
 
 int n_event_functions(const LineSpring& spring) { return n_event_functions(spring.law); }
 int n_event_functions(const TurnSpring& spring) { return n_event_functions(spring.law); }
 
-double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const Actor& actor, double* next) {
-  const Vec3 line = actor.child().point - actor.parent().point;
+double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied,
+                              double* next) {
+  const Vec3 line = applied.child().point - applied.parent().point;
   const double length = line.norm();
-  const Vec3 closing = actor.child().velocity - actor.parent().velocity;
+  const Vec3 closing = applied.child().velocity - applied.parent().velocity;
   const double rate = length > at.shortest_line ? line.dot(closing) / length : 0.0;
-  return write_event_functions(spring.law, actor, length, rate, next);
+  return write_event_functions(spring.law, applied, length, rate, next);
 }
 
-double* write_event_functions(const TurnSpring& spring, const ForceInstant& /*at*/, const Actor& actor, double* next) {
-  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, actor.motion);
-  return write_event_functions(spring.law, actor, angle.value, rate_of(angle, actor.motion), next);
+double* write_event_functions(const TurnSpring& spring, const ForceInstant& /*at*/, const AppliedForce& applied,
+                              double* next) {
+  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
+  return write_event_functions(spring.law, applied, angle.value, rate_of(angle, applied.motion), next);
 }
 
-SpringLine line_of(const LineSpring& spring, const std::string& name, const Actor& actor, double t) {
-  const Vec3 rate = actor.child().velocity - actor.parent().velocity;
+SpringLine line_of(const LineSpring& spring, const std::string& name, const AppliedForce& applied, double t) {
+  const Vec3 rate = applied.child().velocity - applied.parent().velocity;
   const double speed = rate.norm();
   const double actuator = evaluate_actuator(spring.law, t);
   // The tension of ends that come together, and of ends that go apart: continuous if it only changes its sign.
   const double before = evaluate_resistance(spring.law, 0.0, -speed).force + actuator;
   const double behind = evaluate_resistance(spring.law, 0.0, speed).force + actuator;
-  return {&name, actor.child().point - actor.parent().point, rate, before != -behind};
+  return {&name, applied.child().point - applied.parent().point, rate, before != -behind};
 }
 
 }  // namespace concord::cartesian

@@ -2,19 +2,21 @@
 
 #include <string>
 
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 
 /// Line springs and turn springs: their wrenches, and how far their stops are inside their regimes.
 namespace concord::cartesian {
 
-void exert(const LineSpring& spring, const ForceInstant& at, Actor& actor);
-void exert(const TurnSpring& spring, const ForceInstant& at, Actor& actor);
+void exert(const LineSpring& spring, const ForceInstant& at, AppliedForce& applied);
+void exert(const TurnSpring& spring, const ForceInstant& at, AppliedForce& applied);
 
 int n_event_functions(const LineSpring& spring);
 int n_event_functions(const TurnSpring& spring);
 
-double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const Actor& actor, double* next);
-double* write_event_functions(const TurnSpring& spring, const ForceInstant& at, const Actor& actor, double* next);
+double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied,
+                              double* next);
+double* write_event_functions(const TurnSpring& spring, const ForceInstant& at, const AppliedForce& applied,
+                              double* next);
 
 /// The line of a line spring at some time.
 struct SpringLine {
@@ -24,7 +26,7 @@ struct SpringLine {
   bool is_reversed_with_a_jump;  // the force jumps where the ends pass each other at the present speed
 };
 
-/// As its actor lies at time t.
-SpringLine line_of(const LineSpring& spring, const std::string& name, const Actor& actor, double t);
+/// As its applied force lies at time t.
+SpringLine line_of(const LineSpring& spring, const std::string& name, const AppliedForce& applied, double t);
 
 }  // namespace concord::cartesian

@@ -31,22 +31,22 @@ void set_guesses(Equations& equations, const Model& model, VecX& q, VecX& Y) {
 }
 
 /// Other guesses for the same machine; what is kept or driven stays.
-class GuessShaker {
+class GuessPerturbation {
  public:
-  explicit GuessShaker(const Model& model) : original_(model), shaken_(model), length_(model.length_scale()) {}
+  explicit GuessPerturbation(const Model& model) : original_(model), perturbed_(model), length_(model.length_scale()) {}
 
-  const Model& shake() {
+  const Model& perturb() {
     for (const JointIndex k : indices_of(original_.joints)) {
       const Joint& joint = pick(original_.joints, k);
       for (std::size_t word = 0; word < joint.start.size(); ++word) {
         if (joint.start[word].role_q == StartRole::keep) continue;
-        shaken_.joints[k.value].start[word].q = moved(joint.start[word], joint.type->permits[word]);
+        perturbed_.joints[k.value].start[word].q = moved(joint.start[word], joint.type->permits[word]);
       }
     }
     for (std::size_t i = 1; i < original_.bodies.size(); ++i) {
-      if (original_.bodies[i].pose_guess) shaken_.bodies[i].pose_guess = moved(*original_.bodies[i].pose_guess);
+      if (original_.bodies[i].pose_guess) perturbed_.bodies[i].pose_guess = moved(*original_.bodies[i].pose_guess);
     }
-    return shaken_;
+    return perturbed_;
   }
 
  private:
@@ -84,7 +84,7 @@ class GuessShaker {
   }
 
   const Model& original_;
-  Model shaken_;
+  Model perturbed_;
   double length_;
   std::mt19937 engine_{31};
   std::uniform_real_distribution<double> spread_{-1.0, 1.0};
@@ -145,11 +145,11 @@ Closing close_guesses(Equations& equations, const Model& guesses, VecX& q, VecX&
 std::optional<Model> best_further_start(Equations& equations, VecX q, VecX Y) {
   set_guesses(equations, equations.model(), q, Y);
   const std::vector<VecX> known = guessed_coordinates(equations, q, Y);
-  GuessShaker shaker(equations.model());
+  GuessPerturbation perturbation(equations.model());
   std::optional<Model> best;
   double least = HUGE_VAL;
   for (int k = 0; k < kFurtherStarts; ++k) {
-    const Model& guesses = shaker.shake();
+    const Model& guesses = perturbation.perturb();
     try {
       if (!close_guesses(equations, guesses, q, Y).places_closed) continue;
     } catch (const SolverError&) {

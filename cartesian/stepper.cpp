@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
 /// Into each step, for events.
-constexpr Eigen::Index kLooks = 16;
+constexpr Eigen::Index kEventSamples = 16;
 
 }  // namespace
 
@@ -25,7 +25,7 @@ Stepper::Stepper(Dynamics& dynamics, const MotionState& start)
       motion_(start),
       has_regimes_(equations_.applied().has_regimes()),
       event_(HUGE_VAL),
-      looks_(equations_.applied().n_event_functions(), kLooks + 1) {
+      event_samples_(equations_.applied().n_event_functions(), kEventSamples + 1) {
   constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
   const double rate = std::max(natural_rate(equations_), largest_rate(equations_, 0.0, start.Y));
   chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
@@ -34,7 +34,7 @@ Stepper::Stepper(Dynamics& dynamics, const MotionState& start)
 double Stepper::step(double stop) {
   if (reached_ <= time_) {
     const double from = time_;
-    if (has_regimes_) looks_.col(0) = event_functions(from, motion_);
+    if (has_regimes_) event_samples_.col(0) = event_functions(from, motion_);
     advance(stop);
     largest_work_ = std::max(largest_work_, std::abs(motion_.work));
     event_ = has_regimes_ ? locate_event(from, stop) : HUGE_VAL;
@@ -83,16 +83,18 @@ double Stepper::event_function_at(double t) {
 /// Looks at equal times, and for the minimum of each function that may dip below zero between two of them.
 double Stepper::find_outside(double from) {
   const double step = reached_ - from;
-  const auto time_of = [&](Eigen::Index k) { return k == kLooks ? reached_ : from + step * double(k) / kLooks; };
-  for (Eigen::Index k = 1; k <= kLooks; ++k) {
+  const auto time_of = [&](Eigen::Index k) {
+    return k == kEventSamples ? reached_ : from + step * double(k) / kEventSamples;
+  };
+  for (Eigen::Index k = 1; k <= kEventSamples; ++k) {
     const double t = time_of(k);
     const MotionState& motion = interpolate(t);
-    looks_.col(k) = event_functions(t, motion);
-    if (looks_.col(k).minCoeff() < 0.0) return t;
+    event_samples_.col(k) = event_functions(t, motion);
+    if (event_samples_.col(k).minCoeff() < 0.0) return t;
   }
-  for (Eigen::Index function = 0; function < looks_.rows(); ++function) {
-    for (Eigen::Index k = 1; k < kLooks; ++k) {
-      const auto values = looks_.row(function);
+  for (Eigen::Index function = 0; function < event_samples_.rows(); ++function) {
+    for (Eigen::Index k = 1; k < kEventSamples; ++k) {
+      const auto values = event_samples_.row(function);
       const double fall = values(k - 1) - values(k);
       const double rise = values(k + 1) - values(k);
       if (!(fall >= 0.0 && rise >= 0.0) || values(k) > std::max(fall, rise)) continue;
@@ -136,11 +138,11 @@ double Stepper::find_minimum(Eigen::Index function, double low, double high) {
   return HUGE_VAL;
 }
 
-/// The time in the last step, which began at `from` with the event functions that looks_ has there, just past which a
-/// regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
+/// The time in the last step, which began at `from` with the event functions that event_samples_ has there, just past
+/// which a regime has ended; HUGE_VAL if none does. Illinois' rule between times inside and outside.
 double Stepper::locate_event(double from, double stop) {  // (C59)
   constexpr double kSharp = 1e-13;                        // of the time up to which the step may go
-  const double value_before = looks_.col(0).minCoeff();
+  const double value_before = event_samples_.col(0).minCoeff();
   if (!(value_before >= 0.0)) return from;
   if (reached_ - from <= kSharp * stop) return HUGE_VAL;
   double inside = from;

@@ -74,10 +74,10 @@ class Stepper {
 
   bool has_regimes_;
   double time_ = 0.0;
-  double chatter_window_;     // s
-  double event_;              // in the last step, not yet passed; HUGE_VAL: none
-  ActorIndex nearest_event_;  // the actor whose event function was the smallest
-  MatX looks_;                // event functions at equal times of the last step, by column
+  double chatter_window_;            // s
+  double event_;                     // in the last step, not yet passed; HUGE_VAL: none
+  AppliedForceIndex nearest_event_;  // the applied force whose event function was the smallest
+  MatX event_samples_;               // event functions at equal times of the last step, by column
   double events_since_ = 0.0;
   int events_ = 0;
 };

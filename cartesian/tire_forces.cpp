@@ -53,20 +53,20 @@ TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, con
 
 }  // namespace
 
-void exert(const Tire& tire, const ForceInstant& at, Actor& actor) {  // (S39)
-  if (at.regimes == Regimes::own) actor.regime.stretch = stretch_at(*tire.road, actor.child().point.x());
-  const TireOnRoad on_road = place_on_road(tire, actor.regime.stretch, actor.child(), at.name, at.t);
-  if (at.regimes == Regimes::own) actor.regime = regime_at(tire, on_road.contact);
-  const TireForces forces = evaluate(tire, actor.regime, on_road.contact);
+void exert(const Tire& tire, const ForceInstant& at, AppliedForce& applied) {  // (S39)
+  if (at.regimes == Regimes::own) applied.regime.stretch = stretch_at(*tire.road, applied.child().point.x());
+  const TireOnRoad on_road = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
+  if (at.regimes == Regimes::own) applied.regime = regime_at(tire, on_road.contact);
+  const TireForces forces = evaluate(tire, applied.regime, on_road.contact);
   const Vec3 force = forces.N * on_road.normal + forces.F_x * on_road.forward + forces.F_y * on_road.sideways;
-  actor.on_child() = {force, -on_road.distance * on_road.normal.cross(force)};
+  applied.on_child() = {force, -on_road.distance * on_road.normal.cross(force)};
 }
 
 int n_event_functions(const Tire& /*tire*/) { return kTireEvents; }
 
-double* write_event_functions(const Tire& tire, const ForceInstant& at, const Actor& actor, double* next) {
-  const TireOnRoad on_road = place_on_road(tire, actor.regime.stretch, actor.child(), at.name, at.t);
-  const auto values = event_functions_of(tire, actor.regime, on_road.contact);
+double* write_event_functions(const Tire& tire, const ForceInstant& at, const AppliedForce& applied, double* next) {
+  const TireOnRoad on_road = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
+  const auto values = event_functions_of(tire, applied.regime, on_road.contact);
   return std::copy(values.begin(), values.end(), next);
 }
 

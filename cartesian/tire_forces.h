@@ -1,12 +1,12 @@
 #pragma once
 
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 
 /// Tires: their wrenches, and how far they are inside their regimes.
 namespace concord::cartesian {
 
-void exert(const Tire& tire, const ForceInstant& at, Actor& actor);
+void exert(const Tire& tire, const ForceInstant& at, AppliedForce& applied);
 int n_event_functions(const Tire& tire);
-double* write_event_functions(const Tire& tire, const ForceInstant& at, const Actor& actor, double* next);
+double* write_event_functions(const Tire& tire, const ForceInstant& at, const AppliedForce& applied, double* next);
 
 }  // namespace concord::cartesian

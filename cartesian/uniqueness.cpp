@@ -16,9 +16,9 @@ constexpr double kUndecidedAbove = 1e-12;
 
 /// How far multipliers of the null space move what a joint reports: rows are the reactions of both sides (12), totals
 /// of both sides (12), coordinate forces (C51).
-class Movement {
+class NullSpaceEffect {
  public:
-  Movement(const Equations& equations, JointIndex k, const ScaledJacobian& scaled, const MatX& null_space)
+  NullSpaceEffect(const Equations& equations, JointIndex k, const ScaledJacobian& scaled, const MatX& null_space)
       : n_u_(pick(equations.model().joints, k).type->n_u()) {
     const Joint& stated = pick(equations.model().joints, k);
     const JointEquations& joint = equations.moving_constraints().joint(k);
@@ -98,8 +98,8 @@ UniquenessAnswer decide_unique(const NullSpaceSizes& sizes, const VecX& moves, c
   return {is_unique, is_unique ? stays_unique : stays_moved};
 }
 
-void mark_joint(const Movement& movement, const NullSpaceSizes& sizes, const VecX& values, JointUniqueness& unique,
-                JointUniqueness& decided) {
+void mark_joint(const NullSpaceEffect& movement, const NullSpaceSizes& sizes, const VecX& values,
+                JointUniqueness& unique, JointUniqueness& decided) {
   const auto at = [&](int c) { return decide_unique(sizes, movement.of(c), values); };
   for (int c = 0; c < 12; ++c) {
     const UniquenessAnswer reaction = at(c);
@@ -142,7 +142,7 @@ RankReport report_rank(const Equations& equations) {
   if (sizes.perhaps == 0) return report;
   const MatX& null_space = decision.near_null_space;
   for (const JointIndex k : constraints.joints()) {
-    mark_joint(Movement(equations, k, scaled, null_space), sizes, decision.near_values, report.joints[k.value],
+    mark_joint(NullSpaceEffect(equations, k, scaled, null_space), sizes, decision.near_values, report.joints[k.value],
                report.decided[k.value]);
   }
   for (const CouplingIndex g : constraints.couplings()) {

@@ -34,7 +34,7 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      pace_(options.until, integrator),
+      evaluation_limit_(options.until, integrator),
       clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
   follow_lines();
@@ -76,7 +76,7 @@ bool IntegrationRun::count_turns(const Eigen::Ref<VecX>& y) {
 void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   variables_.unpack(y, coordinates_);
   coordinates_.t = t;
-  pace_.pass(t, evaluations_, *equations_, coordinates_);
+  evaluation_limit_.pass(t, evaluations_, *equations_, coordinates_);
   largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
   assembly_->project(coordinates_);
   variables_.pack(coordinates_.q, coordinates_.u, y);

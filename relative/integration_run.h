@@ -5,9 +5,9 @@
 #include "common/solver.h"
 #include "relative/assembly.h"
 #include "relative/clock_noise.h"
+#include "relative/evaluation_limit.h"
 #include "relative/integrated_variables.h"
 #include "relative/line_watch.h"
-#include "relative/pace.h"
 #include "relative/singularity_watch.h"
 #include "relative/states.h"
 #include "relative/stepper.h"
@@ -63,7 +63,7 @@ class IntegrationRun {
   VecX sizes_;
   SingularityWatch watch_;
   LineWatch lines_;
-  Pace pace_;
+  EvaluationLimit evaluation_limit_;
   ClockNoise clock_;
   double largest_work_ = 0.0;
   std::string last_reason_;

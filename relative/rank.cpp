@@ -53,9 +53,10 @@ int tree_rows(const Equations& equations) {
 /// What the self-stresses of a machine move: for each component the root of the sum of squares over an orthonormal set
 /// of them, so that it does not matter which set; forces times the length of the machine beside torques, and the forces
 /// of couplings as multipliers of their rows, which are free of units.
-class Moved {
+class SelfStressEffect {
  public:
-  explicit Moved(const Model& model) : joints_(model.joints.size()), couplings_(model.couplings.size(), 0.0) {}
+  explicit SelfStressEffect(const Model& model)
+      : joints_(model.joints.size()), couplings_(model.couplings.size(), 0.0) {}
 
   /// Adds the wrenches of one self-stress and its multipliers.
   void add(const Equations& equations, const JointReactions& stress, const VecX& lambda, double length) {
@@ -163,7 +164,7 @@ void decide_uniqueness(Equations& equations, const Motion& motion, const Scales&
                        const Svd& spectrum, const VecX& relative, RankReport& report) {
   const auto n_rows = static_cast<int>(spectrum.U.rows());
   const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
-  Moved moved(equations.model());
+  SelfStressEffect moved(equations.model());
   std::array<std::vector<JointUniqueness>, 3> joints;
   std::array<std::vector<bool>, 3> couplings;
   // Thresholds that grow take more self-stresses in, and what is gathered is judged before it grows.

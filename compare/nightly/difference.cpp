@@ -41,11 +41,12 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
     const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
     if (only_then) {
-      report.others.push_back({Turn::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
+      report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
       ++then;
     } else if (only_now) {
-      std::vector<Change> changes{{Turn::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0}};
-      if (!now->is_green()) changes.push_back({Turn::red, now->id, "", "ending", "-", red_words(*now), "", 1.0, 0});
+      std::vector<Change> changes{{ChangeKind::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0}};
+      if (!now->is_green())
+        changes.push_back({ChangeKind::red, now->id, "", "ending", "-", red_words(*now), "", 1.0, 0});
       report.cases.push_back(case_line_of(*now++, std::move(changes)));
     } else {
       std::vector<Change> changes = changes_between(*then++, *now, judging, "A");

@@ -87,7 +87,7 @@ class TrendJson {
 };
 
 NightJson step_json(const Change& change, std::size_t before, std::size_t night) {
-  return {{"what", to_string(change.turn)}, {"before", before},  {"night", night},  {"component", change.component},
+  return {{"what", to_string(change.kind)}, {"before", before},  {"night", night},  {"component", change.component},
           {"measure", change.measure},      {"was", change.was}, {"is", change.is}, {"more", change.more}};
 }
 
@@ -198,7 +198,7 @@ class PageData {
     NightJson list = NightJson::array();
     std::map<std::string, int> counts;
     for (const Change* change : all_changes(page_.report)) {
-      ++counts[to_string(change->turn)];
+      ++counts[to_string(change->kind)];
       list.size() < kMostChanges ? list.push_back(change_json(*change)) : static_cast<void>(++changes_left_out_);
     }
     for (const auto& [turn, count] : counts) turns[turn] = count;

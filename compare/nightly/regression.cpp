@@ -14,22 +14,22 @@ namespace concord::compare::nightly {
 
 namespace {
 
-constexpr std::array<std::string_view, 8> kTurns{"red",   "worse",     "gone",   "no baseline",
-                                                 "flaky", "known red", "better", "new"};
+constexpr std::array<std::string_view, 8> kChangeKinds{"red",   "worse",     "gone",   "no baseline",
+                                                       "flaky", "known red", "better", "new"};
 /// A difference within 20 resolutions is round-off (compare/resolution).
 const double kLuck = std::log10(20.0);
 /// Digits of runs beyond this are luck, too: steps are summed up.
 constexpr double kMostRunDigits = 13.0;
 constexpr int kMissingBaseline = 4;
 
-/// Collects the changes of one case: of each turn and measure the largest, and how many others there are.
+/// Collects the changes of one case: of each kind and measure the largest, and how many others there are.
 class ChangeList {
  public:
   explicit ChangeList(const std::string& id) : id_(id) {}
 
   void add(Change change) {
     change.id = id_;
-    const auto [entry, is_new] = changes_.try_emplace({change.turn, change.measure}, change);
+    const auto [entry, is_new] = changes_.try_emplace({change.kind, change.measure}, change);
     if (is_new) return;
     const int more = entry->second.more + 1;
     if (change.size > entry->second.size) entry->second = std::move(change);
@@ -44,7 +44,7 @@ class ChangeList {
 
  private:
   std::string id_;
-  std::map<std::pair<Turn, std::string>, Change> changes_;
+  std::map<std::pair<ChangeKind, std::string>, Change> changes_;
 };
 
 std::string words_for(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
@@ -76,7 +76,7 @@ class CaseComparison {
   std::vector<Change> run() {
     if (then_.ending != now_.ending) {
       const bool is_better = now_.is_green();
-      changes_.add({is_better ? Turn::better : Turn::worse, "", "", "ending", to_string(then_.ending),
+      changes_.add({is_better ? ChangeKind::better : ChangeKind::worse, "", "", "ending", to_string(then_.ending),
                     to_string(now_.ending), against_, 1.0, 0});
     }
     // A case that was lost has nothing else to be compared.
@@ -92,7 +92,7 @@ class CaseComparison {
   /// What was judged once and is not now was not agreed on.
   void compare_coverage() {
     if (now_.judged >= then_.judged) return;
-    changes_.add({Turn::worse, "", "", "judged", fmt::format("{} of {}", then_.judged, then_.total),
+    changes_.add({ChangeKind::worse, "", "", "judged", fmt::format("{} of {}", then_.judged, then_.total),
                   fmt::format("{} of {}", now_.judged, now_.total), against_,
                   static_cast<double>(then_.judged - now_.judged), 0});
   }
@@ -116,7 +116,7 @@ class CaseComparison {
     };
     const double up = rise(was, is);
     if (up <= allowance_.cost && rise(is, was) <= allowance_.cost) return;
-    changes_.add({up > 0.0 ? Turn::worse : Turn::better, "", "", measure, fmt::format("{}", was),
+    changes_.add({up > 0.0 ? ChangeKind::worse : ChangeKind::better, "", "", measure, fmt::format("{}", was),
                   fmt::format("{} ({:+.0f} %)", is, 100.0 * up), against_, std::abs(up), 0});
   }
 
@@ -127,10 +127,10 @@ class CaseComparison {
       const bool only_then = now == now_.components.end() || (then != then_.components.end() && then->name < now->name);
       const bool only_now = then == then_.components.end() || (now != now_.components.end() && now->name < then->name);
       if (only_then) {
-        changes_.add({Turn::gone, "", then->name, "component", "judged", "not judged", against_, 1.0, 0});
+        changes_.add({ChangeKind::gone, "", then->name, "component", "judged", "not judged", against_, 1.0, 0});
         ++then;
       } else if (only_now) {
-        changes_.add({Turn::fresh, "", now->name, "component", "not judged", "judged", against_, 1.0, 0});
+        changes_.add({ChangeKind::fresh, "", now->name, "component", "not judged", "judged", against_, 1.0, 0});
         ++now;
       } else {
         compare_component(*then++, *now++);
@@ -150,12 +150,12 @@ class CaseComparison {
 
   void compare_digits(const std::string& measure, const std::string& component, const std::optional<double>& then,
                       const std::optional<double>& now, const std::string& was, const std::string& is) {
-    if (then && !now) changes_.add({Turn::worse, "", component, measure, was, is, against_, *then, 0});
+    if (then && !now) changes_.add({ChangeKind::worse, "", component, measure, was, is, against_, *then, 0});
     if (!then || !now) return;
     const double fall = *then - *now;
     if (std::abs(fall) <= allowance_.margin) return;
-    changes_.add(
-        {fall > 0.0 ? Turn::worse : Turn::better, "", component, measure, was, is, against_, std::abs(fall), 0});
+    changes_.add({fall > 0.0 ? ChangeKind::worse : ChangeKind::better, "", component, measure, was, is, against_,
+                  std::abs(fall), 0});
   }
 
   void compare_peaks(const Component& then, const Component& now) {
@@ -163,7 +163,7 @@ class CaseComparison {
     const double scale = std::max({then.scale, now.scale, 0.0});
     const double change = std::abs(*now.peak - *then.peak);
     if (change <= allowance_.peak * scale) return;
-    changes_.add({Turn::worse, "", now.name, "peak", fmt::format("{:.6g}", *then.peak),
+    changes_.add({ChangeKind::worse, "", now.name, "peak", fmt::format("{:.6g}", *then.peak),
                   fmt::format("{:.6g}", *now.peak), against_, scale > 0.0 ? change / scale : 1.0, 0});
   }
 
@@ -226,18 +226,30 @@ std::optional<Change> own_change(const Case& one, const Result& now, const std::
   const bool is_known = one.known_red && today <= one.known_red->until && is_verdict;
   const std::string words = red_words(now);
   if (now.is_green() && one.known_red) {
-    return Change{
-        Turn::better, one.id, "", "ending", "known red: " + one.known_red->reason, "agree: take its known_red away",
-        "suite",      1.0,    0};
+    return Change{ChangeKind::better,
+                  one.id,
+                  "",
+                  "ending",
+                  "known red: " + one.known_red->reason,
+                  "agree: take its known_red away",
+                  "suite",
+                  1.0,
+                  0};
   }
   if (now.is_green()) return std::nullopt;
   if (is_known) {
-    return Change{
-        Turn::known, one.id,  "",  "ending", fmt::format("{} (until {})", one.known_red->reason, one.known_red->until),
-        words,       "suite", 1.0, 0};
+    return Change{ChangeKind::known,
+                  one.id,
+                  "",
+                  "ending",
+                  fmt::format("{} (until {})", one.known_red->reason, one.known_red->until),
+                  words,
+                  "suite",
+                  1.0,
+                  0};
   }
   const std::string was = one.known_red ? fmt::format("known red until {}, which is over", one.known_red->until) : "";
-  return Change{Turn::red, one.id, "", "ending", was, words, "", 1.0, 0};
+  return Change{ChangeKind::red, one.id, "", "ending", was, words, "", 1.0, 0};
 }
 
 std::string counts_words(const Result& result) {
@@ -257,7 +269,7 @@ std::optional<Change> flaky_change(const Case& one, const Result& now, const std
   for (const Entry& entry : earlier) {
     const bool is_same_program = entry.night.origin == origin && !origin.commit.ends_with("-dirty");
     if (!is_same_program || entry.result.definition != now.definition || has_same_counts(entry.result, now)) continue;
-    return Change{Turn::flaky,
+    return Change{ChangeKind::flaky,
                   one.id,
                   "",
                   "same program",
@@ -272,7 +284,7 @@ std::optional<Change> flaky_change(const Case& one, const Result& now, const std
 
 }  // namespace
 
-std::string to_string(Turn turn) { return std::string(kTurns.at(static_cast<std::size_t>(turn))); }
+std::string to_string(ChangeKind kind) { return std::string(kChangeKinds.at(static_cast<std::size_t>(kind))); }
 
 std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
                                     const std::string& against) {
@@ -321,7 +333,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   if (now.ending == Ending::not_run) return changes;
   if (judging.against_baseline && baseline == nullptr) {
     const char* advice = own ? "accept it when it is green" : "run concord accept";
-    changes.push_back({Turn::missing, one.id, "", "baseline", "-", advice, "baseline", 1.0, 0});
+    changes.push_back({ChangeKind::missing, one.id, "", "baseline", "-", advice, "baseline", 1.0, 0});
   } else if (judging.against_baseline) {
     take(changes_between(*baseline, now, judging, "baseline"));
   }
@@ -339,14 +351,14 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
 }
 
 int exit_code(const Change& change, Ending ending) {
-  switch (change.turn) {
-    case Turn::red:
+  switch (change.kind) {
+    case ChangeKind::red:
       return exit_code(ending);
-    case Turn::worse:
-    case Turn::gone:
-    case Turn::flaky:
+    case ChangeKind::worse:
+    case ChangeKind::gone:
+    case ChangeKind::flaky:
       return kDiffer;
-    case Turn::missing:
+    case ChangeKind::missing:
       return kMissingBaseline;
     default:
       return kAgree;

@@ -10,7 +10,7 @@
 /// What became worse, better, new, gone.
 namespace concord::compare::nightly {
 
-enum class Turn {
+enum class ChangeKind {
   red,      // differs, has no verdict or was lost, for no reason that is known
   worse,    // than what is accepted, or than the nights before
   gone,     // was there, and is not any more
@@ -21,17 +21,17 @@ enum class Turn {
   fresh  // was not there before
 };
 
-/// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
 /// Whether a result of an earlier night is one of the same case, asked the same, that agreed.
 bool counts_as_past(const Result& then, const Result& now);
 
 /// "differ: " and what it says first.
 std::string red_words(const Result& result);
 
-std::string to_string(Turn turn);
+/// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
+std::string to_string(ChangeKind kind);
 
 struct Change {
-  Turn turn = Turn::worse;
+  ChangeKind kind = ChangeKind::worse;
   std::string id;         // of the case
   std::string component;  // empty: the case as a whole
   std::string measure;    // "same state", "peak", "evaluations of relative", "ending"

@@ -45,7 +45,7 @@ std::string component_cell(const Change& change) {
 std::string format_changes(const NightReport& report) {
   std::vector<std::vector<std::string>> lines{{"what", "case", "component", "measure", "was", "is", "against"}};
   for (const Change* change : all_changes(report)) {
-    lines.push_back({to_string(change->turn), change->id, component_cell(*change), change->measure,
+    lines.push_back({to_string(change->kind), change->id, component_cell(*change), change->measure,
                      change->was.empty() ? "-" : change->was, change->is,
                      change->against.empty() ? "-" : change->against});
   }
@@ -64,17 +64,17 @@ std::string endings_of(const NightReport& report) {
 }
 
 std::string turns_of(const NightReport& report) {
-  std::map<Turn, int> counts;
-  for (const Change* change : all_changes(report)) ++counts[change->turn];
+  std::map<ChangeKind, int> counts;
+  for (const Change* change : all_changes(report)) ++counts[change->kind];
   std::string text;
-  for (const auto& [turn, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? "; " : ", ", count, to_string(turn));
+  for (const auto& [kind, count] : counts) {
+    text += fmt::format("{}{} {}", text.empty() ? "; " : ", ", count, to_string(kind));
   }
   return text;
 }
 
 std::string change_words(const Change& change) {
-  return fmt::format("{}: {}{}{}: {} -> {}{}", to_string(change.turn), change.component,
+  return fmt::format("{}: {}{}{}: {} -> {}{}", to_string(change.kind), change.component,
                      change.component.empty() ? "" : ", ", change.measure, change.was.empty() ? "-" : change.was,
                      change.is, change.more > 0 ? fmt::format(" and {} more", change.more) : "");
 }
@@ -96,7 +96,7 @@ std::string junit_case(const std::string& suite, const std::string& name, int co
 
 bool is_known_red(const CaseLine& line) {
   return std::any_of(line.changes.begin(), line.changes.end(),
-                     [](const Change& change) { return change.turn == Turn::known; });
+                     [](const Change& change) { return change.kind == ChangeKind::known; });
 }
 
 Json origin_json(const Origin& origin) {
@@ -130,8 +130,8 @@ std::string dumped(const Json& document, int indent) {
 
 std::string past_words(const CaseLine& line) {
   const auto gravest = std::min_element(line.changes.begin(), line.changes.end(),
-                                        [](const Change& a, const Change& b) { return a.turn < b.turn; });
-  return gravest == line.changes.end() ? (line.has_past ? "as accepted" : "no past") : to_string(gravest->turn);
+                                        [](const Change& a, const Change& b) { return a.kind < b.kind; });
+  return gravest == line.changes.end() ? (line.has_past ? "as accepted" : "no past") : to_string(gravest->kind);
 }
 
 std::vector<const Change*> all_changes(const NightReport& report) {
@@ -140,12 +140,12 @@ std::vector<const Change*> all_changes(const NightReport& report) {
     for (const Change& change : line.changes) all.push_back(&change);
   }
   for (const Change& change : report.others) all.push_back(&change);
-  std::stable_sort(all.begin(), all.end(), [](const Change* a, const Change* b) { return a->turn < b->turn; });
+  std::stable_sort(all.begin(), all.end(), [](const Change* a, const Change* b) { return a->kind < b->kind; });
   return all;
 }
 
 Json change_json(const Change& change) {
-  return {{"what", to_string(change.turn)}, {"case", change.id},  {"component", change.component},
+  return {{"what", to_string(change.kind)}, {"case", change.id},  {"component", change.component},
           {"measure", change.measure},      {"was", change.was},  {"is", change.is},
           {"against", change.against},      {"more", change.more}};
 }

@@ -57,7 +57,7 @@ nlohmann::ordered_json change_json(const Change& change);
 /// "812 / 1011", Cartesian and relative, in one cell; "-" of what integrates nothing.
 std::string pair_cell(const std::array<long, 2>& pair);
 
-/// The gravest turn of a case in one cell: "worse"; "as accepted" if there is none.
+/// The gravest kind of change of a case in one cell: "worse"; "as accepted" if there is none.
 std::string past_words(const CaseLine& line);
 
 /// The table of cases, the table of changes and the headline. Says nothing that changes from run to run.

@@ -110,7 +110,7 @@ std::string steps_of(const std::vector<Entry>& nights, const std::string& compon
     const Entry& now = nights[k];
     for (const Change& change : changes_between(then.result, now.result, judging, "")) {
       if (!component.empty() && !change.component.empty() && change.component != component) continue;
-      text += fmt::format("{} in night {}: {}{}{}: {} -> {}; commit {} before, {} after\n", to_string(change.turn),
+      text += fmt::format("{} in night {}: {}{}{}: {} -> {}; commit {} before, {} after\n", to_string(change.kind),
                           now.night.id, change.component, change.component.empty() ? "" : ", ", change.measure,
                           change.was, change.is, then.night.origin.commit, now.night.origin.commit);
       if (then.result.definition != now.result.definition) {

@@ -42,9 +42,9 @@ struct Pushed {
     Y = numbers.matrix(layout.n_Y(), 1, 1.5);
   }
 
-  const Actor& act(const VecX& at, double t = 0.3) {
+  const AppliedForce& act(const VecX& at, double t = 0.3) {
     applied.update(constraints->place(at).move(Y), t, at, Y);
-    return applied.actors()[ActorIndex(0)];
+    return applied.applied_forces()[AppliedForceIndex(0)];
   }
 
   VecX forces(const VecX& at) {
@@ -67,7 +67,7 @@ std::array<Attachment, 2> both_ends(Numbers& numbers, const Model& model) {
 }
 
 /// Q against the slope of -energy, energy computed from the ends' markers alone.
-void expect_conservative(Pushed& rig, const std::function<double(const Actor&)>& energy) {
+void expect_conservative(Pushed& rig, const std::function<double(const AppliedForce&)>& energy) {
   constexpr double kStep = 1e-5;
   const VecX forces = rig.forces(rig.q);
   ASSERT_GT(forces.norm(), 1.0);
@@ -91,8 +91,8 @@ TEST(AppliedForces, LineSpringFollowsFromItsEnergy) {
   Pushed rig(two_bodies_with([](Numbers& numbers, const Model& model) {
     return ForceElement{"strut", LineSpring{both_ends(numbers, model), spring_and_damper(300.0, 0.0, 0.4)}, {}};
   }));
-  expect_conservative(rig, [](const Actor& actor) {
-    const double length = (actor.markers[1].point - actor.markers[0].point).norm();
+  expect_conservative(rig, [](const AppliedForce& applied) {
+    const double length = (applied.markers[1].point - applied.markers[0].point).norm();
     return 0.5 * 300.0 * (length - 0.4) * (length - 0.4);
   });
 }
@@ -101,8 +101,8 @@ TEST(AppliedForces, TurnSpringFollowsFromItsEnergyWhereAxesDoNotCoincide) {
   Pushed rig(two_bodies_with([](Numbers& numbers, const Model& model) {
     return ForceElement{"torsion", TurnSpring{both_ends(numbers, model), spring_and_damper(50.0, 0.0, 0.2)}, {}};
   }));
-  expect_conservative(rig, [](const Actor& actor) {
-    const Mat3 R = actor.markers[0].A_joint.transpose() * actor.markers[1].A_joint;
+  expect_conservative(rig, [](const AppliedForce& applied) {
+    const Mat3 R = applied.markers[0].A_joint.transpose() * applied.markers[1].A_joint;
     const double angle = std::atan2(R(1, 0), R(0, 0));
     return 0.5 * 50.0 * (angle - 0.2) * (angle - 0.2);
   });
@@ -116,11 +116,11 @@ TEST(AppliedForces, BushingWithFullStiffnessAndPreloadFollowsFromItsEnergy) {
   Pushed rig(two_bodies_with([&](Numbers& own, const Model& model) {
     return ForceElement{"rubber", Bushing{both_ends(own, model), stiffness, Mat6::Zero(), preload}, {}};
   }));
-  expect_conservative(rig, [&](const Actor& actor) {
-    const Mat3& A_parent = actor.markers[0].A_joint;
-    const Eigen::AngleAxisd turn(Mat3(A_parent.transpose() * actor.markers[1].A_joint));
+  expect_conservative(rig, [&](const AppliedForce& applied) {
+    const Mat3& A_parent = applied.markers[0].A_joint;
+    const Eigen::AngleAxisd turn(Mat3(A_parent.transpose() * applied.markers[1].A_joint));
     Vec6 z;
-    z << A_parent.transpose() * (actor.markers[1].point - actor.markers[0].point), turn.angle() * turn.axis();
+    z << A_parent.transpose() * (applied.markers[1].point - applied.markers[0].point), turn.angle() * turn.axis();
     return 0.5 * z.dot(stiffness * z) - preload.dot(z);
   });
 }
@@ -129,7 +129,7 @@ TEST(AppliedForces, DampersTakeTheirPower) {
   Pushed strut(two_bodies_with([](Numbers& numbers, const Model& model) {
     return ForceElement{"strut", LineSpring{both_ends(numbers, model), spring_and_damper(0.0, 7.0, 0.0)}, {}};
   }));
-  const Actor& ends = strut.act(strut.q);
+  const AppliedForce& ends = strut.act(strut.q);
   const Vec3 along = (ends.markers[1].point - ends.markers[0].point).normalized();
   const double rate = along.dot(ends.markers[1].velocity - ends.markers[0].velocity);
   EXPECT_NEAR(strut.applied.power(strut.Y), -7.0 * rate * rate, 1e-12 * 7.0 * rate * rate);
@@ -139,9 +139,9 @@ TEST(AppliedForces, DampersTakeTheirPower) {
   Pushed rubber(two_bodies_with([&](Numbers& numbers, const Model& model) {
     return ForceElement{"rubber", Bushing{both_ends(numbers, model), Mat6::Zero(), damping, Vec6::Zero()}, {}};
   }));
-  const Actor& actor = rubber.act(rubber.q);
+  const AppliedForce& applied = rubber.act(rubber.q);
   Vec6 v_rel;
-  v_rel << actor.motion.ddot, actor.motion.omega;
+  v_rel << applied.motion.ddot, applied.motion.omega;
   const double lost = v_rel.dot(damping * v_rel);
   EXPECT_NEAR(rubber.applied.power(rubber.Y), -lost, 1e-12 * lost);
 }
@@ -154,15 +154,15 @@ TEST(AppliedForces, LoadIsSaidInGlobalBodyOrFollowingAxes) {
       return ForceElement{
           "push", Load{testing::make_attachment(numbers, model, 1), axes, force, torque, ConstantSpeed{0.0, 10.0}}, {}};
     }));
-    const Actor& actor = rig.act(rig.q);
-    const Marker& marker = actor.markers[1];
+    const AppliedForce& applied = rig.act(rig.q);
+    const Marker& marker = applied.markers[1];
     const Mat3 A = axes == LoadAxes::global ? Mat3(Mat3::Identity())
                    : axes == LoadAxes::body ? rig.constraints->place(rig.q).rotation(BodyIndex(1))
                                             : marker.A_joint;
-    EXPECT_LE((actor.wrenches[1].force - 3.0 * A * force).norm(), 1e-13);  // the law is 10 t, t = 0.3 s
-    EXPECT_LE((actor.wrenches[1].torque - 3.0 * A * torque).norm(), 1e-13);
+    EXPECT_LE((applied.wrenches[1].force - 3.0 * A * force).norm(), 1e-13);  // the law is 10 t, t = 0.3 s
+    EXPECT_LE((applied.wrenches[1].torque - 3.0 * A * torque).norm(), 1e-13);
     const double power =
-        actor.wrenches[1].force.dot(marker.velocity) + actor.wrenches[1].torque.dot(marker.angular_velocity);
+        applied.wrenches[1].force.dot(marker.velocity) + applied.wrenches[1].torque.dot(marker.angular_velocity);
     EXPECT_NEAR(rig.applied.power(rig.Y), power, 1e-12 * std::abs(power));
   }
 }
@@ -196,7 +196,7 @@ TEST(AppliedForces, SpringOnEveryCoordinateOfEveryTypePushesItAndCountsTurns) {
       equations.applied().count_turns_from({known});
       equations.update(0.0, q, Y);
       const double tau = -20.0 * (row.value + turns - 0.1) - 3.0 * rate;
-      const Actor& springs = *equations.applied().springs_of(JointIndex(0));
+      const AppliedForce& springs = *equations.applied().springs_of(JointIndex(0));
       EXPECT_NEAR(springs.tau(first_u(*type, static_cast<int>(word))), tau, 1e-11 * std::abs(tau));
       EXPECT_NEAR(equations.applied().power(Y), tau * rate, 1e-10 * (1.0 + std::abs(tau)));
     }
@@ -222,7 +222,7 @@ TEST(AppliedForces, EventsOfSpringsKnowTheSideThatAnArmStandsOn) {
     rig.constraints->count_turns_from({known});
     rig.applied.count_turns_from({known});
     rig.act(rig.q);
-    const Actor& springs = *rig.applied.springs_of(JointIndex(0));
+    const AppliedForce& springs = *rig.applied.springs_of(JointIndex(0));
     EXPECT_EQ(springs.stop_regimes[1].upper, elevation > 1.6 ? StopRegime::full : StopRegime::off);
     EXPECT_GE(rig.applied.event_functions(rig.constraints->place(rig.q), 0.3, rig.q, rig.Y).minCoeff(), 0.0);
   }

@@ -31,7 +31,7 @@ concept IsABodyOfALayout = requires(const Layout& layout, VecX q, At at) {
 TEST(Indices, OfOneKindAreTakenForNoOther) {
   static_assert(!becomes<JointIndex, BodyIndex> && !becomes<BodyIndex, JointIndex>);
   static_assert(!becomes<JointIndex, RowIndex> && !becomes<BodyIndex, RowIndex> && !becomes<RowIndex, BodyIndex>);
-  static_assert(!becomes<ActorIndex, ElementIndex> && !becomes<CouplingIndex, JointIndex>);
+  static_assert(!becomes<AppliedForceIndex, ElementIndex> && !becomes<CouplingIndex, JointIndex>);
   static_assert(!std::is_convertible_v<int, JointIndex> && !std::is_convertible_v<JointIndex, int>);
   static_assert(!std::is_assignable_v<JointIndex&, int>);
   static_assert(IsABodyOfALayout<BodyIndex> && !IsABodyOfALayout<JointIndex> && !IsABodyOfALayout<RowIndex>);

@@ -57,9 +57,9 @@ struct WheelRig {
     return model;
   }
 
-  const Actor& act(const VecX& at) {
+  const AppliedForce& act(const VecX& at) {
     applied.update(constraints->place(at).move(Y), 0.0, at, Y);
-    return applied.actors()[ActorIndex(0)];
+    return applied.applied_forces()[AppliedForceIndex(0)];
   }
 
   [[nodiscard]] VecX carried(double t) const {
@@ -87,11 +87,11 @@ TEST(Tires, WrenchAtTheCentreFollowsFromTheStatement) {
   const double h = 1e-6;
   const double rate = -(distance_at(rig.carried(h)) - distance_at(rig.carried(-h))) / (2 * h);
   const double distance = distance_at(rig.q);
-  const Actor& actor = rig.act(rig.q);
-  const Marker& wheel = actor.markers[1];
+  const AppliedForce& applied = rig.act(rig.q);
+  const Marker& wheel = applied.markers[1];
   ASSERT_GT(tire.radius, distance);
-  EXPECT_EQ(actor.regime.stretch, 1);
-  EXPECT_TRUE(actor.regime.pushes);
+  EXPECT_EQ(applied.regime.stretch, 1);
+  EXPECT_TRUE(applied.regime.pushes);
 
   const double slope = slope_at(wheel.point.x());
   const Vec3 n = Vec3(-slope, 0.0, 1.0).normalized();
@@ -104,11 +104,11 @@ TEST(Tires, WrenchAtTheCentreFollowsFromTheStatement) {
   const double F_y = -tire.cornering_stiffness * wheel.velocity.dot(sideways) / V;
   ASSERT_LT(std::hypot(F_x, F_y), tire.friction * N);
   const Vec3 force = N * n + F_x * forward + F_y * sideways;
-  EXPECT_LT((actor.wrenches[1].force - force).norm(), 1e-6 * force.norm());  // the rate is a difference
-  EXPECT_LT((actor.wrenches[1].torque + (distance * n).cross(force)).norm(), 1e-6 * force.norm());
+  EXPECT_LT((applied.wrenches[1].force - force).norm(), 1e-6 * force.norm());  // the rate is a difference
+  EXPECT_LT((applied.wrenches[1].torque + (distance * n).cross(force)).norm(), 1e-6 * force.norm());
   // Power of what acts at the contact, on the flexible body.
   const double power =
-      actor.wrenches[1].force.dot(wheel.velocity) + actor.wrenches[1].torque.dot(wheel.angular_velocity);
+      applied.wrenches[1].force.dot(wheel.velocity) + applied.wrenches[1].torque.dot(wheel.angular_velocity);
   EXPECT_NEAR(rig.applied.power(rig.Y), power, 1e-11 * std::abs(power));
 }
 

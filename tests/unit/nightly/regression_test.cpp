@@ -30,7 +30,7 @@ Result sound() {
 
 std::vector<std::string> told(const std::vector<Change>& changes) {
   std::vector<std::string> all;
-  for (const Change& change : changes) all.push_back(to_string(change.turn) + " " + change.measure);
+  for (const Change& change : changes) all.push_back(to_string(change.kind) + " " + change.measure);
   return all;
 }
 

@@ -76,7 +76,7 @@ TEST_F(VerdictFiles, FallOfDigitsIsFoundBetweenTwo) {
   EXPECT_EQ(then.night.results.at(0).id, now.night.results.at(0).id);
   const auto changes = changes_between(then.night.results[0], now.night.results[0], {}, "A");
   ASSERT_EQ(changes.size(), 1U);
-  EXPECT_EQ(changes[0].turn, Turn::worse);
+  EXPECT_EQ(changes[0].kind, ChangeKind::worse);
   EXPECT_EQ(changes[0].measure, "same run");
 }
 

@@ -9,10 +9,10 @@ namespace concord::relative {
 
 /// Counts what a run costs and refuses one that gets nowhere. Three counts begin anew after a thousandth, a hundredth
 /// and a tenth of the run; an event that is hard but short stays within them.
-class Pace {
+class EvaluationLimit {
  public:
   /// `until` [s]: the length of the run; `integrator`: its name, for the message.
-  Pace(double until, std::string integrator);
+  EvaluationLimit(double until, std::string integrator);
 
   /// Throws TooManyEvaluations where `evaluations` since the start of the run are too many for what it gained up to
   /// t [s]. The message names the loop with the largest multiplier, or the joint whose motion is the fastest.

@@ -1,4 +1,4 @@
-#include "relative/pace.h"
+#include "relative/evaluation_limit.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ FastestMotion fastest_of(const Model& model) {
   return fastest_motion(equations, assembly.start());
 }
 
-TEST(RelativePace, NamesTheJointThatIsTooStiff) {
+TEST(RelativeEvaluationLimit, NamesTheJointThatIsTooStiff) {
   const TwoOnHinges one(4e8, 0.0);
   const TwoOnHinges hundredfold(4e10, 0.0);
   const FastestMotion found = fastest_of(one.model);
@@ -45,16 +45,16 @@ TEST(RelativePace, NamesTheJointThatIsTooStiff) {
   EXPECT_NEAR(fastest_of(tenfold.model).rate / fastest_of(damped.model).rate, 10.0, 1e-3);
 }
 
-TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
+TEST(RelativeEvaluationLimit, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   const TwoOnHinges machine(4e8, 0.0);
   Equations equations(machine.model);
   Assembly assembly(equations);
   const Coordinates start = assembly.start();
-  Pace pace(2.0, "erk");
+  EvaluationLimit limit(2.0, "erk");
   long evaluations = 0;
   double t = 0.0;
   try {
-    for (; t < 2.0; t += 1e-4) pace.pass(t, evaluations += 4000, equations, start);  // 80 million in all
+    for (; t < 2.0; t += 1e-4) limit.pass(t, evaluations += 4000, equations, start);  // 80 million in all
     FAIL() << "80 million evaluations were let pass";
   } catch (const TooManyEvaluations& error) {
     const std::string text = error.what();
@@ -67,15 +67,15 @@ TEST(RelativePace, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   EXPECT_LT(t, 0.05);
 }
 
-TEST(RelativePace, LetsAShortHardPhasePass) {
+TEST(RelativeEvaluationLimit, LetsAShortHardPhasePass) {
   const TwoOnHinges machine(3.0, 0.1);
   Equations equations(machine.model);
   Assembly assembly(equations);
   const Coordinates start = assembly.start();
-  Pace pace(2.0, "erk");
+  EvaluationLimit limit(2.0, "erk");
   long evaluations = 250'000;
-  pace.pass(1e-5, evaluations, equations, start);
-  for (double t = 1e-3; t < 2.0; t += 1e-3) pace.pass(t, evaluations += 400, equations, start);
+  limit.pass(1e-5, evaluations, equations, start);
+  for (double t = 1e-3; t < 2.0; t += 1e-3) limit.pass(t, evaluations += 400, equations, start);
 }
 
 }  // namespace

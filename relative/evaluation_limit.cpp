@@ -1,4 +1,4 @@
-#include "relative/pace.h"
+#include "relative/evaluation_limit.h"
 
 #include <fmt/format.h>
 
@@ -36,9 +36,10 @@ std::string place_of(Equations& equations, const Coordinates& at) {
 
 }  // namespace
 
-Pace::Pace(double until, std::string integrator) : until_(until), integrator_(std::move(integrator)) {}
+EvaluationLimit::EvaluationLimit(double until, std::string integrator)
+    : until_(until), integrator_(std::move(integrator)) {}
 
-void Pace::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
+void EvaluationLimit::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {
       throw TooManyEvaluations(

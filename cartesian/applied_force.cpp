@@ -1,4 +1,4 @@
-#include "cartesian/actor.h"
+#include "cartesian/applied_force.h"
 
 namespace concord::cartesian {
 

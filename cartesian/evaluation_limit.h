@@ -7,11 +7,11 @@ namespace concord::cartesian {
 
 /// Refuses a run that would take hours: an explicit method on a stiff machine, or a motion into a pose that locks. A
 /// short hard phase, such as an impact, may take its part; a run that is hard throughout may not.
-class Pace {
+class EvaluationLimit {
  public:
   /// `until` [s] is the length of the run. An integrator whose evaluations cost `cost` times as much as those of an
   /// explicit one may make so many fewer.
-  Pace(double until, std::string integrator, double cost = 1.0);
+  EvaluationLimit(double until, std::string integrator, double cost = 1.0);
 
   /// Throws TooManyEvaluations if a thousandth, a hundredth or a tenth of the run took more evaluations than it may.
   /// `t` [s] has been reached, with so many evaluations since the start.

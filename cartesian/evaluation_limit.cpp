@@ -1,4 +1,4 @@
-#include "cartesian/pace.h"
+#include "cartesian/evaluation_limit.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,12 @@
 
 namespace concord::cartesian {
 
-Pace::Pace(double until, std::string integrator, double cost) : until_(until), integrator_(std::move(integrator)) {
+EvaluationLimit::EvaluationLimit(double until, std::string integrator, double cost)
+    : until_(until), integrator_(std::move(integrator)) {
   for (Window& window : windows_) window.most = static_cast<long>(double(window.most) / cost);
 }
 
-void Pace::require(double t, long evaluations) {
+void EvaluationLimit::require(double t, long evaluations) {
   for (Window& window : windows_) {
     const long taken = evaluations - window.evaluations_then;
     if (taken > window.most) {

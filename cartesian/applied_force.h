@@ -14,7 +14,7 @@
 
 namespace concord::cartesian {
 
-/// Whose forces an actor's are.
+/// Whose forces an applied force's are.
 struct OfElement {
   ElementIndex element;
 };
@@ -24,7 +24,7 @@ struct OfSprings {
 
 /// A force element, or the springs of one joint, in the current state: its ends on two bodies (of a load: on one, the
 /// child), its wrenches and its regimes.
-struct Actor {
+struct AppliedForce {
   std::variant<OfElement, OfSprings> owner;
   std::array<const Attachment*, 2> ends{nullptr, nullptr};
   std::array<Marker, 2> markers;  // of an element; a joint has its own
@@ -62,7 +62,7 @@ struct Actor {
 /// The opposite wrench on the parent at P_j, `gap` = r_Pi - r_Pj.
 Wrench opposite(const Wrench& on_child, const Vec3& gap);
 
-/// Whether tires and stops take the regime that they are in by themselves, or keep what the actor has.
+/// Whether tires and stops take the regime that they are in by themselves, or keep what the applied force has.
 enum class Regimes { own, kept };
 
 /// Where and when an element's force is asked for.

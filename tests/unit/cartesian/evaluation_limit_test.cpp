@@ -1,0 +1,63 @@
+#include "cartesian/evaluation_limit.h"
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace concord::cartesian {
+namespace {
+
+/// Steps of `step` [s] with `each` evaluations up to `until`; the time at which the limit refuses to go on, or `until`.
+double goes_to(EvaluationLimit& limit, double until, double step, long each, long already = 0) {
+  long evaluations = already;
+  for (double t = step; t < until; t += step) {
+    evaluations += each;
+    try {
+      limit.require(t, evaluations);
+    } catch (const TooManyEvaluations&) {
+      return t;
+    }
+  }
+  return until;
+}
+
+TEST(EvaluationLimit, LetsARunGoOnThatIsNotTooHard) {
+  EvaluationLimit limit(4.0, "gbs");
+  EXPECT_EQ(goes_to(limit, 4.0, 1e-4, 150), 4.0);  // 6 million in all
+}
+
+TEST(EvaluationLimit, RefusesARunThatIsHardThroughout) {
+  EvaluationLimit limit(4.0, "gbs");
+  EXPECT_LT(goes_to(limit, 4.0, 1e-4, 3000), 0.1);  // 120 million in all, a hundredth of it was seen
+  EvaluationLimit less(4.0, "gbs");
+  EXPECT_LT(goes_to(less, 4.0, 1e-4, 800), 0.5);  // 32 million: a tenth
+}
+
+TEST(EvaluationLimit, AllowsLessWhereEvaluationsCostMore) {
+  EvaluationLimit limit(4.0, "gbs", 3.0);
+  EXPECT_EQ(goes_to(limit, 4.0, 1e-4, 50), 4.0);  // 2 million in all
+  EvaluationLimit implicit(4.0, "gbs", 3.0);
+  EXPECT_LT(goes_to(implicit, 4.0, 1e-4, 300), 0.5);  // 12 million: a tenth
+}
+
+TEST(EvaluationLimit, LetsAShortHardPhasePass) {
+  EvaluationLimit limit(4.0, "gbs");
+  EXPECT_EQ(goes_to(limit, 0.003, 1e-6, 80), 0.003);  // 240000 within a thousandth
+  EXPECT_EQ(goes_to(limit, 4.0, 1e-3, 200, 240'000), 4.0);
+}
+
+TEST(EvaluationLimit, SaysWhereAndOfWhichIntegrator) {
+  EvaluationLimit limit(0.5, "gbs");
+  try {
+    for (long n = 1; n < 10; ++n) limit.require(1e-6 * double(n), 100'000 * n);
+    FAIL() << "900000 evaluations for 9e-6 s";
+  } catch (const TooManyEvaluations& error) {
+    EXPECT_STREQ(error.what(),
+                 "cartesian: at t = 4e-06 s 300000 evaluations advanced the run by 4.0e-06 s only: the run is long "
+                 "beside the motion, or the motion locks "
+                 "there, or is too stiff for gbs");
+  }
+}
+
+}  // namespace
+}  // namespace concord::cartesian
