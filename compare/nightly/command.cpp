@@ -22,6 +22,7 @@
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
+#include "compare/report/feed_command.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
 #include "compare/slurm/slurm.h"
@@ -258,11 +259,8 @@ class NightlyRun {
   /// A command that fails is reported, and changes no verdict.
   void notify(const NightReport& report) const {
     if (command_.notify.empty()) return;
-    FILE* pipe = popen(command_.notify.c_str(), "w");
-    if (pipe == nullptr) throw std::runtime_error("the command of --notify cannot be started");
-    const std::string text = format_markdown(report);
-    std::fwrite(text.data(), 1, text.size(), pipe);
-    const int status = pclose(pipe);
+    const int status = feed_command(command_.notify, format_markdown(report)).status;
+    if (status == -1) throw std::runtime_error("the command of --notify cannot be started");
     if (status == 0) return;
     console_.err << (WIFSIGNALED(status)
                          ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))

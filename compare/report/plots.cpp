@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 
+#include "compare/report/feed_command.h"
 #include "compare/report/files.h"
 #include "compare/verdict/observe.h"
 
@@ -120,25 +120,10 @@ std::string script_of(const std::filesystem::path& svg, const Page& page) {
   return text + "unset multiplot\nunset output\n";
 }
 
-/// While it lives, a process that closes its end of a pipe early costs a write error and not the program.
-class IgnoreBrokenPipe {
- public:
-  IgnoreBrokenPipe() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
-  ~IgnoreBrokenPipe() { std::signal(SIGPIPE, before_); }
-  IgnoreBrokenPipe(const IgnoreBrokenPipe&) = delete;
-  IgnoreBrokenPipe& operator=(const IgnoreBrokenPipe&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
 /// Feeds a script to gnuplot. False if it does not end well.
 bool run_gnuplot(const std::string& script) {
-  const IgnoreBrokenPipe guard;
-  std::FILE* pipe = popen("gnuplot 2>/dev/null", "w");
-  if (pipe == nullptr) return false;
-  const bool written = std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
-  return pclose(pipe) == 0 && written;
+  const FedCommand fed = feed_command("gnuplot 2>/dev/null", script);
+  return fed.status == 0 && fed.has_read;
 }
 
 bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
