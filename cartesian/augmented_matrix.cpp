@@ -93,14 +93,19 @@ void AugmentedMatrix::use_rows(const std::vector<bool>& active) {
 }
 
 void AugmentedMatrix::fill(const Equations& equations) {
+  constexpr double kLeastMomentOfInertia = 1e-6;  // of a body's three together
+  const Layout& layout = equations.layout();
   equations.write_mass_matrices(mass_matrices_);
   double* values = lu_.values();
-  for (const BodyIndex i : equations.layout().moving_bodies()) {
+  for (const BodyIndex i : layout.moving_bodies()) {
     const auto size = mass_entries_[i].size();
     for (std::size_t column = 0; column < size; ++column) {
       std::copy_n(mass_matrices_[i].col(static_cast<Eigen::Index>(column)).data(), size,
                   values + mass_entries_[i][column]);
     }
+    // A thin rod has no inertia about its axis, and in some poses round-off instead.
+    const double least = kLeastMomentOfInertia * mass_matrices_[i].diagonal().segment<3>(3).sum();
+    lu_.least_diagonal().segment<3>(layout.first_Y(i) + 3).setConstant(least);
   }
   const MovingConstraints& constraints = equations.moving_constraints();
   for (std::size_t b = 0; b < constraints.blocks().size(); ++b) {
@@ -116,6 +121,7 @@ void AugmentedMatrix::fill(const Equations& equations) {
 
 void AugmentedMatrix::copy_numbers_of(const AugmentedMatrix& other) {
   std::copy_n(other.lu_.values(), other.lu_.row_indices().size(), lu_.values());
+  lu_.least_diagonal() = other.lu_.least_diagonal();
 }
 
 void AugmentedMatrix::add_to_modes(BodyIndex body, double factor, const MatX& K) {

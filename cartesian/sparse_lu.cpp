@@ -51,6 +51,7 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
       row_indices_(std::move(row_indices)),
       values_(row_indices_.size(), 0.0),
       scaled_(row_indices_.size(), 0.0),
+      least_diagonal_(VecX::Zero(size())),
       pattern_(pattern),
       row_scales_(VecX::Ones(size())),
       column_scales_(VecX::Ones(size())),
@@ -86,13 +87,17 @@ int SparseLu::find(int row, int column) const {
 /// Columns with a diagonal entry by its root, the others by their largest entry after that: a saddle point matrix has
 /// the inertias on its diagonal and nothing where its constraints stand.
 void SparseLu::choose_symmetric_scales() {
-  const auto has_diagonal = [&](int column) { return diagonal_[column] >= 0 && values_[diagonal_[column]] != 0.0; };
+  const auto diagonal = [&](int column) {
+    const double own = diagonal_[column] >= 0 ? std::abs(values_[diagonal_[column]]) : 0.0;
+    return std::max(own, least_diagonal_(column));
+  };
+  const auto has_diagonal = [&](int column) { return diagonal(column) > 0.0; };
   for (int column = 0; column < size(); ++column) {
     double scale = 0.0;
     if (is_idle(column)) {
       scale = 1.0;
     } else if (has_diagonal(column)) {
-      scale = root_to_one(std::abs(values_[diagonal_[column]]) / diagonal_unit_);
+      scale = root_to_one(diagonal(column) / diagonal_unit_);
     }
     column_scales_(column) = scale;
   }

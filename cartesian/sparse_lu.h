@@ -34,6 +34,10 @@ class SparseLu {
   void set_idle(const std::vector<bool>& idle) { idle_ = idle; }
   /// Unit of the diagonal (a power of two) that a symmetric matrix is scaled with.
   void set_diagonal_unit(double unit) { diagonal_unit_ = unit; }
+  /// By column: what a symmetric matrix is scaled as if it had on its diagonal where it has less; 0: the column has no
+  /// diagonal entry of its own. An inertia that round-off alone keeps from zero is no scale.
+  [[nodiscard]] VecX& least_diagonal() { return least_diagonal_; }
+  [[nodiscard]] const VecX& least_diagonal() const { return least_diagonal_; }
 
   /// Factorizes with new pivots. False if the matrix is singular.
   bool factor();
@@ -70,6 +74,7 @@ class SparseLu {
   std::vector<double> scaled_;
   std::vector<bool> idle_;
   double diagonal_unit_ = 1.0;
+  VecX least_diagonal_;
   Pattern pattern_;
   VecX row_scales_;
   VecX column_scales_;
