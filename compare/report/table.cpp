@@ -354,12 +354,6 @@ std::string trouble(const Verdict& verdict, bool all_rows) {
 
 }  // namespace
 
-bool keeps_energy(const Verdict& verdict) {
-  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
-    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
-  });
-}
-
 bool agrees_with_reference(const Verdict& verdict) {
   const auto& rows = verdict.references;
   const auto is_judged = [](const ReferenceRow& row) { return row.is_judged; };

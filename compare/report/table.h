@@ -16,8 +16,6 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
 /// What became of a row, in words: "agree", "agree, judged by resolution (same run)", "not unique, not judged", ...
 std::string judgement_text(const QuantityRow& row);
 
-/// Whether both runs keep their energy as far as is asked.
-bool keeps_energy(const Verdict& verdict);
 /// Whether some column of a reference is judged, and all that are agree.
 bool agrees_with_reference(const Verdict& verdict);
 

@@ -67,6 +67,19 @@ void Judge::judge_audit(Who who, const AuditReport& found) {
                                "first"});
 }
 
+void Judge::judge_reported(Who who, const ReportedCoordinate& found) {
+  if (found.holds()) return;
+  SolverSummary& summary = verdict_.solvers[index(who)];
+  verdict_.audit.digits = std::min(verdict_.audit.digits.value_or(kMostDigits), found.digits);
+  if (summary.audit_digits.value_or(kMostDigits) >= summary.audit_need) {
+    summary.audit_digits = found.digits;
+    summary.audit_worst = found.text();
+    summary.audit_need = kAudit;
+  }
+  verdict_.findings.push_back({fmt::format("{} {}", summary.name, found.text()),
+                               "audit: joint coordinates and speeds read from the bodies; the wrenches may be right"});
+}
+
 void Judge::judge_rows() {
   judge(verdict_, rungs_);
   verdict_.audit.passed = std::all_of(

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "compare/audit/reported_coordinates.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/resolution.h"
 #include "compare/verdict/states.h"
@@ -73,6 +74,8 @@ RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajector
     check.failures.push_back(fmt::format("{} {}: {} (need {:g})", solver.name(), breach_of(check.audit.worst.rule),
                                          check.audit.worst.text(), need_of(check.audit.worst.rule)));
   }
+  const ReportedCoordinate reported = audit_reported_coordinates(layout.model(), trajectory);
+  if (!reported.holds()) check.failures.push_back(fmt::format("{} {}", solver.name(), reported.text()));
   if (!(check.energy.relative() <= check.energy_allowed)) {
     check.failures.push_back(fmt::format("energy is not kept: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}",
                                          check.energy.relative(), check.energy.t, check.energy_allowed));

@@ -59,4 +59,10 @@ void leave_out_repeated(std::vector<std::string>& lines) {
   lines = std::move(kept);
 }
 
+bool keeps_energy(const Verdict& verdict) {
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
+    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
+  });
+}
+
 }  // namespace concord::compare

@@ -212,4 +212,7 @@ ComponentCount count_components(const Verdict& verdict);
 /// Leaves the first of equal lines, and drops lines with which an earlier one ends, as after "same run: ".
 void leave_out_repeated(std::vector<std::string>& lines);
 
+/// Whether both runs keep their energy as far as is asked.
+bool keeps_energy(const Verdict& verdict);
+
 }  // namespace concord::compare

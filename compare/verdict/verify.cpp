@@ -252,6 +252,9 @@ class Verification {
         judge_energy(verdict_.solvers[index(who)], audit_energy(model_, *trajectory));
       }
       judge_.judge_audit(who, auditors_[index(who)].report());
+      if (const Trajectory* trajectory = trajectories[index(who)]) {
+        judge_.judge_reported(who, audit_reported_coordinates(model_, *trajectory));
+      }
     }
   }
 
@@ -362,6 +365,26 @@ class Verification {
     } else if (verdict_.total == 0 && model_.elements.empty()) {
       verdict_.notes.emplace_back("no joint constrains anything: judged are the forces on joint speeds");
     }
+    compare::conclude(verdict_);
+    require_passed_rungs();
+  }
+
+  /// No finding and a rung that is not passed contradict each other: then the comparator is at fault, and says so.
+  void require_passed_rungs() {
+    if (verdict_.outcome != Outcome::agree) return;
+    const auto require = [&](bool is_passed, const char* rung) {
+      if (is_passed) return;
+      verdict_.findings.push_back({fmt::format("{} is not passed, and nothing was found to differ there", rung),
+                                   "the comparator contradicts itself: this is a fault of the program, not of the "
+                                   "model"});
+    };
+    const auto passes = [](const RungSummary& rung) { return rung.passed || !rung.digits; };
+    require(verdict_.rank_agrees, "rank");
+    require(passes(verdict_.same_state), "same state");
+    require(passes(verdict_.same_run), "same run");
+    require(passes(verdict_.refined), "refined");
+    require(verdict_.audit.passed, "audit");
+    require(keeps_energy(verdict_), "energy");
     compare::conclude(verdict_);
   }
 

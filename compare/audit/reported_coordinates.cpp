@@ -1,0 +1,164 @@
+#include "compare/audit/reported_coordinates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "common/joints/named_coordinates.h"
+#include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
+#include "compare/audit/round_off.h"
+
+namespace concord::compare {
+
+namespace {
+
+constexpr double kNeed = 9.0;
+/// Runs close their joints to so many units of round-off.
+constexpr double kOpen = 1000.0;
+
+/// One number that a run reports of a joint.
+struct Entry {
+  std::string name;
+  bool turns = false;
+  bool is_speed = false;
+  double reported = 0.0;
+  double by_bodies = 0.0;
+};
+
+/// The entries of a joint in one state: its coordinates, and then its speeds. Of an orientation, what is left of the
+/// reported turn after that of the bodies, which should be none.
+class Entries {
+ public:
+  explicit Entries(const Joint& joint) : joint_(joint), names_(named_coordinates(*joint.type)) {}
+
+  [[nodiscard]] std::vector<Entry> in(const State& state, const VecX& q, const VecX& u) const {
+    const JointMotion motion = read_motion(*joint_.type, relative_in(state), q);
+    std::vector<Entry> entries;
+    Eigen::Index at_q = 0;
+    Eigen::Index at_u = 0;
+    for (const NamedCoordinate& one : names_) {
+      if (one.kind == joints::CoordinateKind::orientation) {
+        add_orientation(one.name, q.segment<4>(at_q), motion.q.segment<4>(at_q), entries);
+      } else {
+        entries.push_back({one.name, turns(one), false, q(at_q), motion.q(at_q)});
+      }
+      for (int c = 0; c < joints::n_u(one.kind); ++c) {
+        entries.push_back({"speed of " + one.name, turns(one), true, u(at_u + c), motion.u(at_u + c)});
+      }
+      at_q += joints::n_q(one.kind);
+      at_u += joints::n_u(one.kind);
+    }
+    return entries;
+  }
+
+ private:
+  static bool turns(const NamedCoordinate& one) { return one.kind != joints::CoordinateKind::length; }
+
+  [[nodiscard]] RelativeMotion relative_in(const State& state) const {
+    const auto at = [&](Side side) { return place(joint_.on(side), state.bodies[joint_.on(side).body]); };
+    return relative_motion(at(Side::parent), at(Side::child));
+  }
+
+  static void add_orientation(const std::string& name, const Vec4& reported, const Vec4& by_bodies,
+                              std::vector<Entry>& entries) {
+    const Vec3 left = rotation_vector_of(rotation_of(reported) * rotation_of(by_bodies).transpose());
+    entries.push_back({name, true, false, left.norm(), 0.0});
+  }
+
+  const Joint& joint_;
+  std::vector<NamedCoordinate> names_;
+};
+
+/// The largest speed of a body, and the largest of its angular speed, over a run.
+std::array<double, 2> largest_speeds(const Trajectory& run) {
+  std::array<double, 2> largest{};
+  for (const Sample& sample : run.samples) {
+    for (const BodyState& body : sample.state.bodies) {
+      largest[0] = std::max(largest[0], body.v.norm());
+      largest[1] = std::max(largest[1], body.omega.norm());
+    }
+  }
+  return largest;
+}
+
+class Audit {
+ public:
+  Audit(const Model& model, const Trajectory& run) : model_(model), length_(model.length_scale()) {
+    constexpr double kRest = 1e-12;  // of the length in the time of the run: a machine at rest has speeds of round-off
+    const auto [line, turn] = largest_speeds(run);
+    const double rest = kRest * length_ / std::max(model.run.until, std::numeric_limits<double>::min());
+    speed_ = std::max({line, turn * length_, rest});
+    for (const Joint& joint : model.joints) entries_.emplace_back(joint);
+  }
+
+  void add(const State& state) {
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const std::vector<Entry> found = entries_[k].in(state, state.q[k], state.u[k]);
+      std::vector<double> open;
+      for (std::size_t e = 0; e < found.size(); ++e) {
+        const double misfit = std::abs(found[e].reported - found[e].by_bodies);
+        const double scale = scale_of(found[e], state);
+        if (matching_digits(misfit, scale) >= worst_.digits) continue;
+        if (open.empty()) open = what_round_off_leaves(k, state, found);
+        const double digits = matching_digits(std::isnan(misfit) ? misfit : std::max(0.0, misfit - open[e]), scale);
+        if (digits >= worst_.digits) continue;
+        worst_ = {digits, fmt::format("joint '{}', {}", model_.joints[k].name, found[e].name), state.t,
+                  found[e].reported, found[e].by_bodies};
+      }
+    }
+  }
+
+  [[nodiscard]] const ReportedCoordinate& worst() const { return worst_; }
+
+ private:
+  [[nodiscard]] double scale_of(const Entry& entry, const State& state) const {
+    if (entry.is_speed) return std::max(std::abs(entry.by_bodies), entry.turns ? speed_ / length_ : speed_);
+    return std::max(std::abs(entry.by_bodies), entry.turns ? 1.0 : size_of_places(state, length_));
+  }
+
+  /// By entry: how far the reading of the bodies moves with the last digits of the state.
+  [[nodiscard]] std::vector<double> what_round_off_leaves(std::size_t k, const State& state,
+                                                          const std::vector<Entry>& found) const {
+    std::vector<double> open(found.size(), 0.0);
+    for (const State& moved : within_roundoff(state, length_)) {
+      const std::vector<Entry> there = entries_[k].in(moved, state.q[k], state.u[k]);
+      for (std::size_t e = 0; e < found.size(); ++e) {
+        const double of_reading = std::abs(there[e].by_bodies - found[e].by_bodies);
+        const double of_turn = found[e].is_speed ? 0.0 : std::abs(there[e].reported - found[e].reported);
+        open[e] = std::max(open[e], kOpen * std::max(of_reading, of_turn));
+      }
+    }
+    return open;
+  }
+
+  const Model& model_;
+  double length_;
+  double speed_ = 0.0;
+  std::vector<Entries> entries_;
+  ReportedCoordinate worst_;
+};
+
+}  // namespace
+
+bool ReportedCoordinate::holds() const { return digits >= kNeed; }
+
+std::string ReportedCoordinate::text() const {
+  return fmt::format(
+      "reports joint coordinates that its bodies do not have: {}, t = {:.6g} s: {:.6g} in place of {:.6g}, {} digits "
+      "(need {:g})",
+      what, t, reported, by_bodies, format_digits(digits), kNeed);
+}
+
+ReportedCoordinate audit_reported_coordinates(const Model& model, const Trajectory& run) {
+  Audit audit(model, run);
+  for (const Sample& sample : run.samples) audit.add(sample.state);
+  return audit.worst();
+}
+
+}  // namespace concord::compare
