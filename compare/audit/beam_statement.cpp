@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/flexible/beam.h"
+#include "compare/audit/beam_shapes.h"
 
 namespace concord::compare {
 
@@ -197,6 +198,15 @@ AuditEntity audit_beam(const Body& body) {
   for (std::size_t row = 0; row < misfit.size(); ++row) {
     entity.rows.push_back({AuditRule::modal_data, kBeamRows[row], AuditUnit::own});
     entity.rows.back().take(misfit[row], 1.0, 0.0);
+  }
+  if (body.modal->beam->elements > kMostElementsOfShapes) return entity;
+  // Eigenvectors of high modes, and of many elements, are known to so many digits; a wrong shape has few right.
+  constexpr double kKnown = 1e-7;
+  const ShapeMisfit shapes = compute_misfit_of_shapes(*body.modal);
+  for (const auto& [name, beyond] :
+       {std::pair{"shapes of modes", shapes.shape}, std::pair{"modal masses", shapes.mass}}) {
+    entity.rows.push_back({AuditRule::modal_data, name, AuditUnit::own});
+    entity.rows.back().take(beyond > kKnown ? beyond : 0.0, 1.0, 0.0);
   }
   return entity;
 }

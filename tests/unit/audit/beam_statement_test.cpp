@@ -121,7 +121,7 @@ TEST_F(BeamSlip, TheAuditNamesTheBody) {
   model.bodies = {Body{}, beam};
   const auto rule = static_cast<std::size_t>(AuditRule::modal_data);
   EXPECT_TRUE(Auditor(model).report().rules[rule].holds());
-  EXPECT_EQ(Auditor(model).report().rows[rule], 4);
+  EXPECT_EQ(Auditor(model).report().rows[rule], 6);
   model.bodies[1].modal->damping(2, 2) *= 1.01;
   const AuditFinding found = Auditor(model).report().rules[rule];
   EXPECT_FALSE(found.holds());
