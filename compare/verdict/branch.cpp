@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/law_of_time.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/states.h"
 
@@ -80,6 +81,31 @@ Apart apart(const Model& model, const State& one, const State& other) {
     if (at.name.starts_with("ball")) most.text = fmt::format("{} {:.6g} deg apart", name, a / kDegree);
   });
   return most;
+}
+
+/// Whether a start has the coordinates that the model keeps or drives. One that has not is a solver's mistake: branches
+/// differ in what is guessed.
+bool obeys_the_model(const Model& model, const State& state) {
+  constexpr double kKept = 1e-9;  // solvers keep them to round-off
+  const double length = model.length_scale();
+  std::vector<VecX> stated = state.q;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      const WordStart& start = joint.start[word];
+      const int first = first_q(*joint.type, static_cast<int>(word));
+      if (start.role_q == StartRole::keep) stated[k].segment(first, start.q.size()) = start.q;
+    }
+    for (const Driver& driver : joint.drivers) {
+      stated[k](first_q(*joint.type, driver.word) + driver.component) = LawOfTime(driver.law).at(0.0).value;
+    }
+  }
+  bool obeys = true;
+  for_each_pair(model, state.q, stated, [&](std::size_t k, const NamedCoordinate& at, const auto&, double a, double b) {
+    const double unit = is_turn(model, k, at) ? 1.0 : length;
+    if (std::abs(a - b) > kKept * std::max(unit, std::abs(b))) obeys = false;
+  });
+  return obeys;
 }
 
 /// Distances of a start from what the model guesses, and from zero where it says nothing.
@@ -164,6 +190,9 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   const bool both = starts[0].state && starts[1].state;
   const Apart between = both ? apart(model, *starts[0].state, *starts[1].state) : Apart{};
   if (both && between.size <= kOneBranch) return solvers;
+  for (const Assembled& start : starts) {
+    if (start.state && !obeys_the_model(model, *start.state)) return solvers;
+  }
   const auto closes_guesses = [&](std::size_t k) {
     return starts[k].state && !solvers[k]->has_searched_for_its_start();
   };

@@ -148,6 +148,16 @@ TEST_F(BranchTest, AStartThatTheOtherOneTakesForOpenIsNoBranch) {
   EXPECT_NEAR(solvers[1]->assemble().q[0](0), kFar, 1e-15);
 }
 
+/// What is kept is no guess: a solver that does not keep it is wrong, and the verdict has states to say so.
+TEST_F(BranchTest, AStartWithoutWhatIsKeptIsNoBranch) {
+  guess(kNear, StartRole::keep);
+  const auto off = [](double kept) { return 1.0001 * kept; };
+  const Solvers solvers = make(nearest, off);
+  EXPECT_EQ(note_, "");
+  EXPECT_NEAR(solvers[0]->assemble().q[0](0), kNear, 1e-15);
+  EXPECT_NEAR(solvers[1]->assemble().q[0](0), 1.0001 * kNear, 1e-15);
+}
+
 TEST_F(BranchTest, WholeTurnsAreBranchesToo) {
   guess(0.7);
   const auto turned = [](double guess) { return guess == kNear ? kNear : kNear - 4.0 * M_PI; };
