@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <numeric>
 #include <ostream>
 #include <thread>
 
@@ -99,6 +100,7 @@ class Fuzz {
     wipe_line();
     if (!command_.keep.empty()) keep_all();
     console_.out << format_outcomes() << '\n' << coverage_.format();
+    doubt_refusals();
     tell_speed();
     return code_;
   }
@@ -231,9 +233,7 @@ class Fuzz {
       lines.push_back({name, fmt::format("{}", met.count), share(met.count, tried_), fmt::format("{}", met.first)});
     }
     std::string text = format_table(lines, {false, true, true, true});
-    long refused = 0;
-    for (const auto& [kind, count] : regular_refused_) refused += count;
-    text += fmt::format("\nof {} regular machines {} refused\n", regular_, share(refused, regular_));
+    text += fmt::format("\nof {} regular machines {} refused\n", regular_, share(refused_of_regular(), regular_));
     for (const auto& [kind, count] : regular_refused_) text += fmt::format("  {}: {}\n", kind, share(count, regular_));
     if (ratios_.count() > 0) {
       text += fmt::format(
@@ -242,6 +242,24 @@ class Fuzz {
           ratios_.count(), ratios_.edge_of(0.99), ratios_.edge_of(0.9999), ratios_.largest, machine_of_largest_ratio_);
     }
     return text;
+  }
+
+  [[nodiscard]] long refused_of_regular() const {
+    return std::accumulate(regular_refused_.begin(), regular_refused_.end(), 0L,
+                           [](long sum, const auto& kind) { return sum + kind.second; });
+  }
+
+  /// Each refusal may be honest, but not so many: a solver that assembles wrong starts is refused, too.
+  void doubt_refusals() {
+    constexpr long kFewest = 10;
+    constexpr double kMost = 0.1;  // ten times what sound solvers refuse
+    const long refused = refused_of_regular();
+    if (refused < kFewest || static_cast<double>(refused) <= kMost * static_cast<double>(regular_)) return;
+    console_.out << fmt::format(
+        "\n{} of regular machines are refused, where sound solvers refuse about 1 %: one of them is at fault, or the "
+        "generator\n",
+        share(refused, regular_));
+    if (code_ == kAgree) code_ = kDiffer;
   }
 
   static std::string share(long part, long all) {

@@ -100,6 +100,15 @@ TEST(FuzzCommand, OnlyHonestRefusalsAreNoTrouble) {
   EXPECT_THAT(told.out, HasSubstr("stop: relative: is tired"));
 }
 
+/// Finds a fault that makes every start contradict itself, so that each machine alone is refused honestly.
+TEST(FuzzCommand, TooManyRefusalsAreTrouble) {
+  FuzzCommand command;
+  command.count = 40;
+  const Told told = fuzz_with(command, makers_that([](const Model&) {}));
+  EXPECT_EQ(told.code, 1);
+  EXPECT_THAT(told.out, HasSubstr("100.00 % of regular machines are refused, where sound solvers refuse about 1 %"));
+}
+
 TEST(FuzzCommand, WhatEndsWronglyIsKeptAndRepeatsIt) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "fuzz_keep";
   std::filesystem::remove_all(folder);
