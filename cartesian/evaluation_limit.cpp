@@ -8,12 +8,16 @@
 
 namespace concord::cartesian {
 
-EvaluationLimit::EvaluationLimit(double until, std::string integrator, double cost)
-    : until_(until), integrator_(std::move(integrator)) {
+EvaluationLimit::EvaluationLimit(double until, std::string integrator, double cost, std::optional<long> most)
+    : until_(until), integrator_(std::move(integrator)), most_(most) {
   for (Window& window : windows_) window.most = static_cast<long>(double(window.most) / cost);
 }
 
 void EvaluationLimit::require(double t, long evaluations) {
+  if (most_ && evaluations > *most_) {
+    throw TooManyEvaluations(fmt::format("cartesian: {} evaluations by {} were enough for {:.3g} s of {:.3g} s only",
+                                         *most_, integrator_, t, until_));
+  }
   for (Window& window : windows_) {
     const long taken = evaluations - window.evaluations_then;
     if (taken > window.most) {

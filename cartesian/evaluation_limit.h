@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace concord::cartesian {
@@ -10,10 +11,10 @@ namespace concord::cartesian {
 class EvaluationLimit {
  public:
   /// `until` [s] is the length of the run. An integrator whose evaluations cost `cost` times as much as those of an
-  /// explicit one may make so many fewer.
-  EvaluationLimit(double until, std::string integrator, double cost = 1.0);
+  /// explicit one may make so many fewer. `most`: of the whole run.
+  EvaluationLimit(double until, std::string integrator, double cost = 1.0, std::optional<long> most = std::nullopt);
 
-  /// Throws TooManyEvaluations if a thousandth, a hundredth or a tenth of the run took more evaluations than it may.
+  /// Throws TooManyEvaluations if the run, or a thousandth, a hundredth or a tenth of it, took more than it may.
   /// `t` [s] has been reached, with so many evaluations since the start.
   void require(double t, long evaluations);
 
@@ -28,6 +29,7 @@ class EvaluationLimit {
 
   double until_;
   std::string integrator_;
+  std::optional<long> most_;
   std::array<Window, 3> windows_{{{1e-3, 300'000}, {1e-2, 400'000}, {1e-1, 2'400'000}}};
 };
 

@@ -104,7 +104,8 @@ class Run {
         stepper_(make_stepper(dynamics, options, motion_)),
         lines_(0.0, equations_.applied(), equations_.length()),
         watch_(dynamics, machine.generic, 0.0, motion_),
-        evaluation_limit_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0),
+        evaluation_limit_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0,
+                          options.most_evaluations),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}

@@ -36,10 +36,14 @@ std::string place_of(Equations& equations, const Coordinates& at) {
 
 }  // namespace
 
-EvaluationLimit::EvaluationLimit(double until, std::string integrator)
-    : until_(until), integrator_(std::move(integrator)) {}
+EvaluationLimit::EvaluationLimit(double until, std::string integrator, std::optional<long> whole)
+    : until_(until), integrator_(std::move(integrator)), whole_(whole) {}
 
 void EvaluationLimit::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
+  if (whole_ && evaluations > *whole_) {
+    throw TooManyEvaluations(fmt::format("{} reached {:.3g} s of {:.3g} s in {} evaluations, more than it was given",
+                                         integrator_, t, until_, evaluations));
+  }
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {
       throw TooManyEvaluations(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "relative/coordinates.h"
@@ -11,8 +12,8 @@ namespace concord::relative {
 /// and a tenth of the run; an event that is hard but short stays within them.
 class EvaluationLimit {
  public:
-  /// `until` [s]: the length of the run; `integrator`: its name, for the message.
-  EvaluationLimit(double until, std::string integrator);
+  /// `until` [s]: the length of the run; `integrator`: its name, for the message; `whole`: what the whole run may take.
+  EvaluationLimit(double until, std::string integrator, std::optional<long> whole = std::nullopt);
 
   /// Throws TooManyEvaluations where `evaluations` since the start of the run are too many for what it gained up to
   /// t [s]. The message names the loop with the largest multiplier, or the joint whose motion is the fastest.
@@ -28,6 +29,7 @@ class EvaluationLimit {
 
   double until_;
   std::string integrator_;
+  std::optional<long> whole_;
   Count counts_[3] = {{1e-3, 300'000}, {1e-2, 400'000}, {0.1, 2'400'000}};
 };
 

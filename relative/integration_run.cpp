@@ -34,7 +34,7 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      evaluation_limit_(options.until, integrator),
+      evaluation_limit_(options.until, integrator, options.most_evaluations),
       clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
   follow_lines();

@@ -2,15 +2,73 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "common/error.h"
 
 namespace concord::compare {
+
+namespace {
+
+/// A run of so many evaluations by the first integrator is doubted: a tire at rest, whose slip settles in microseconds,
+/// takes ten times as many by it, and a hundredth by the second.
+constexpr long kPatience = 1'000'000;
+constexpr long kOfTheSecond = kPatience / 5;
+
+/// The second integrator's run, if it needs no more than it is given.
+std::optional<Trajectory> short_run(Solver& solver, const RunOptions& stiff, const Progress& progress) {
+  RunOptions own = stiff;
+  own.most_evaluations = kOfTheSecond;
+  try {
+    return solver.integrate(own, progress);
+  } catch (const SolverError&) {  // the first one is asked again
+    return std::nullopt;
+  }
+}
+
+std::string note_of(const Solver& solver, const std::string& first, const std::string& second, const std::string& why) {
+  return fmt::format("{} runs by {}, which is for stiff machines, because {} took too long: {}", solver.name(), second,
+                     first, why);
+}
+
+/// The first integrator gets nowhere.
+Trajectory integrate_stiff(Solver& solver, const RunOptions& stiff, const std::string& first,
+                           const Progress& progress) {
+  try {
+    return solver.integrate(stiff, progress);
+  } catch (const TooManyEvaluations& error) {
+    throw TooManyEvaluations(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
+  } catch (const SingularPose& error) {
+    throw SingularPose(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
+  } catch (const SolverError& error) {
+    throw SolverError(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
+  }
+}
+
+}  // namespace
 
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
                                MadeBy& made_by) {
   made_by = {run.integrator, {}};
   const std::vector<std::string> known = solver.integrators();
   const bool has_other = known.size() > 1 && run.integrator == known.front();
+  RunOptions stiff = run;
+  if (has_other) stiff.integrator = known[1];
+  const auto switch_because = [&](const std::string& why) {
+    made_by = {stiff.integrator, note_of(solver, run.integrator, stiff.integrator, why)};
+  };
+  if (has_other && may_switch) {
+    RunOptions first = run;
+    first.most_evaluations = kPatience;
+    try {
+      return solver.integrate(first, progress);
+    } catch (const TooManyEvaluations& error) {
+      if (auto trajectory = short_run(solver, stiff, progress)) {
+        switch_because(error.what());
+        return std::move(*trajectory);
+      }
+    }
+  }
   std::string first;
   try {
     return solver.integrate(run, progress);
@@ -19,20 +77,9 @@ Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_s
     if (!may_switch) throw TooManyEvaluations(fmt::format("{}; {} is for stiff machines", error.what(), known[1]));
     first = error.what();
   }
-  RunOptions stiff = run;
-  stiff.integrator = known[1];
-  try {
-    Trajectory trajectory = solver.integrate(stiff, progress);
-    made_by = {stiff.integrator, fmt::format("{} runs by {}, which is for stiff machines, because {} took too long: {}",
-                                             solver.name(), stiff.integrator, run.integrator, first)};
-    return trajectory;
-  } catch (const TooManyEvaluations& error) {
-    throw TooManyEvaluations(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
-  } catch (const SingularPose& error) {
-    throw SingularPose(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
-  } catch (const SolverError& error) {
-    throw SolverError(fmt::format("{}; then by {}: {}", first, stiff.integrator, error.what()));
-  }
+  Trajectory trajectory = integrate_stiff(solver, stiff, first, progress);
+  switch_because(first);
+  return trajectory;
 }
 
 }  // namespace concord::compare

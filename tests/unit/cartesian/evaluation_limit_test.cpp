@@ -40,6 +40,13 @@ TEST(EvaluationLimit, AllowsLessWhereEvaluationsCostMore) {
   EXPECT_LT(goes_to(implicit, 4.0, 1e-4, 300), 0.5);  // 12 million: a tenth
 }
 
+TEST(EvaluationLimit, HoldsTheWholeRunToWhatItWasGiven) {
+  EvaluationLimit limit(4.0, "gbs", 1.0, 100'000);
+  EXPECT_LT(goes_to(limit, 4.0, 1e-3, 50), 2.01);  // 200000 in all
+  EvaluationLimit enough(4.0, "gbs", 1.0, 300'000);
+  EXPECT_EQ(goes_to(enough, 4.0, 1e-3, 50), 4.0);
+}
+
 TEST(EvaluationLimit, LetsAShortHardPhasePass) {
   EvaluationLimit limit(4.0, "gbs");
   EXPECT_EQ(goes_to(limit, 0.003, 1e-6, 80), 0.003);  // 240000 within a thousandth

@@ -67,6 +67,16 @@ TEST(RelativeEvaluationLimit, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   EXPECT_LT(t, 0.05);
 }
 
+TEST(RelativeEvaluationLimit, HoldsTheWholeRunToWhatItWasGiven) {
+  const TwoOnHinges machine(3.0, 0.1);
+  Equations equations(machine.model);
+  Assembly assembly(equations);
+  const Coordinates start = assembly.start();
+  EvaluationLimit limit(2.0, "erk", 100'000);
+  EXPECT_NO_THROW(limit.pass(0.9, 100'000, equations, start));
+  EXPECT_THROW(limit.pass(0.91, 100'001, equations, start), TooManyEvaluations);
+}
+
 TEST(RelativeEvaluationLimit, LetsAShortHardPhasePass) {
   const TwoOnHinges machine(3.0, 0.1);
   Equations equations(machine.model);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "common/error.h"
 #include "tests/unit/fake_pendulum.h"
@@ -42,6 +43,36 @@ TEST(StiffChoice, TakesTheSecondIntegratorWhereTheFirstTakesTooLong) {
   EXPECT_EQ(made_by.integrator, "other");
   EXPECT_EQ(made_by.note,
             "slow runs by other, which is for stiff machines, because rk4 took too long: slow: rk4 gets nowhere");
+}
+
+/// Each integrator needs so many evaluations.
+class Counting : public FakePendulum {
+ public:
+  Counting(const Model& model, long first, long second) : FakePendulum(model, "counting"), needs_{first, second} {}
+
+  Trajectory integrate(const RunOptions& options, const Progress& progress) override {
+    const long needed = needs_.at(options.integrator == "rk4" ? 0 : 1);
+    if (options.most_evaluations && needed > *options.most_evaluations) throw TooManyEvaluations("counting: too many");
+    return FakePendulum::integrate(options, progress);
+  }
+
+ private:
+  std::array<long, 2> needs_;
+};
+
+TEST(StiffChoice, ALongRunByTheFirstIsLeftForAShortOneByTheSecond) {
+  const Model model = pendulum_model();
+  const auto chosen = [&](long first, long second) {
+    Counting solver(model, first, second);
+    MadeBy made_by;
+    EXPECT_EQ(integrate_or_switch(solver, by("rk4"), true, {}, made_by).samples.size(), 5U);
+    EXPECT_EQ(made_by.note.empty(), made_by.integrator == "rk4");
+    return made_by.integrator;
+  };
+  EXPECT_EQ(chosen(900'000, 1'000), "rk4");
+  EXPECT_EQ(chosen(3'000'000, 1'000), "other");
+  EXPECT_EQ(chosen(3'000'000, 150'000), "other");
+  EXPECT_EQ(chosen(3'000'000, 600'000), "rk4");
 }
 
 TEST(StiffChoice, StaysWhereTheFirstGetsThrough) {
