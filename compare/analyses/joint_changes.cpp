@@ -67,6 +67,37 @@ double gear_ratio(const std::vector<Shaft>& shafts, std::size_t joint, Eigen::In
   return 1.0;
 }
 
+/// Turns of a thread: a screw goes round many times while its nut has hardly moved, and so does the shaft that turns
+/// it.
+struct Threads {
+  struct Thread {
+    double turn;   // |speed| in the step [rad]
+    double ratio;  // the machine's length over what a radian moves along the axis
+  };
+  std::vector<Thread> all;
+
+  /// Of a joint's motion along the step: turns that move along their own axes.
+  void take(const JointMotion& motion, const std::vector<bool>& turns, double length) {
+    constexpr double kAlong = 0.9;  // cosine between the displacement and the axis
+    for (Eigen::Index c = 0; c < motion.u.size(); ++c) {
+      if (!turns[static_cast<std::size_t>(c)]) continue;
+      const Vec3 moved = motion.S.col(c).head<3>();
+      const Vec3 axis = motion.S.col(c).tail<3>();
+      if (!(std::abs(moved.dot(axis)) > kAlong * moved.norm() * axis.norm())) continue;
+      all.push_back({std::abs(motion.u(c)), length * axis.norm() / moved.norm()});
+    }
+  }
+  /// By how much a turn of this size counts less, at least 1: that of a thread, or of what turns as fast.
+  [[nodiscard]] double ratio(double turn) const {
+    constexpr double kAsFast = 1e-6;
+    double ratio = 1.0;
+    for (const Thread& thread : all) {
+      if (std::abs(turn - thread.turn) <= kAsFast * thread.turn) ratio = std::max(ratio, thread.ratio);
+    }
+    return ratio;
+  }
+};
+
 }  // namespace
 
 JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
@@ -78,14 +109,21 @@ JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   const State moving = chart.origin_moving(step);
   const std::vector<Shaft> shafts = geared_shafts(model);
+  std::vector<JointMotion> motions;
+  Threads threads;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    motions.push_back(motion_of(model, k, moving));
+    threads.take(motions.back(), turning_speeds(*model.joints[k].type), model.length_scale());
+  }
   JointStep largest;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const VecX u = motion_of(model, k, moving).u;
+    const VecX& u = motions[k].u;
     const std::vector<bool> turns = turning_speeds(*model.joints[k].type);
     for (Eigen::Index c = 0; c < u.size(); ++c) {
       if (turns[static_cast<std::size_t>(c)]) {
-        largest.fastest_turn = std::max(largest.fastest_turn, std::abs(u(c)));
-        largest.turn = std::max(largest.turn, std::abs(u(c)) / gear_ratio(shafts, k, c));
+        const double turn = std::abs(u(c));
+        largest.fastest_turn = std::max(largest.fastest_turn, turn);
+        largest.turn = std::max(largest.turn, turn / std::max(gear_ratio(shafts, k, c), threads.ratio(turn)));
       } else {
         largest.rest = std::max(largest.rest, std::abs(u(c)) / model.length_scale());
       }

@@ -38,7 +38,7 @@ void for_each_coordinate(const Model& model, const State& state, const Use& use)
       for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {
         const bool turn = turns[static_cast<std::size_t>(u + c)];
         use(fmt::format("{} of {}", names[static_cast<std::size_t>(u + c)], joint.name), turn ? "rad" : "m",
-            turn ? 1.0 : model.length_scale(), motion.q(q + c));
+            turn ? std::max(1.0, std::abs(motion.q(q + c))) : model.length_scale(), motion.q(q + c));
       }
     }
   }

@@ -199,6 +199,46 @@ terms = [
   }
 }
 
+/// By hand: the nut sinks until the spring carries it, by m g / k, and its screw goes round for that 490 rad.
+TEST_CASE("A nut on a fine thread comes to rest as far down as its spring says, after all the turns of its screw",
+          "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "screw"
+mass = 1.2
+inertia = [0.002, 0.003, 0.001]
+[[body]]
+name = "nut"
+mass = 0.6
+inertia = [0.001, 0.002, 0.001]
+[[joint]]
+name = "bearing"
+type = "revolute"
+parent = "ground"
+child = "screw"
+start.turn_z = { keep = 0, keep_speed = 0 }
+spring.turn_z = { damping = 0.02 }
+[[joint]]
+name = "thread"
+type = "screw"
+parent = "screw"
+child = "nut"
+lead = 0.0004
+[[joint]]
+name = "guide"
+type = "translational"
+parent = "ground"
+child = "nut"
+spring.slide_z = { stiffness = 30 }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "slide_z of guide") == Approx(-0.6 * 9.81 / 30.0).epsilon(1e-10));
+  CHECK(value_of(rest, "turn_z of bearing") == Approx(0.6 * 9.81 / 30.0 / 0.0004).epsilon(1e-10));
+}
+
 /// The stiffness of a swinging machine, kept for a step too long, had an upright spin held by what is round-off.
 TEST_CASE("A body on a massless rod below a link hangs and turns freely about its line", "[analyses]") {
   const Model model = parse(R"toml(format = 1
