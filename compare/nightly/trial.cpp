@@ -313,8 +313,8 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
   constexpr int kEnoughToDoubt = 50;
   if (result.ending == Ending::agree && result.total >= kEnoughToDoubt && 10 * result.judged < 8 * result.total) {
     result.ending = Ending::differ;
-    result.words = fmt::format("only {} of {} machines were judged: sound solvers refuse about 1 %", result.judged,
-                               result.total);
+    result.words =
+        fmt::format("only {} of {} machines were judged: sound solvers refuse about 1 %", result.judged, result.total);
   }
   if (result.judged == 0 && result.ending == Ending::agree) {
     result.ending = Ending::failed;

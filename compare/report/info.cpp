@@ -136,7 +136,7 @@ std::string format_info(const Model& model, const std::array<SolverView, 2>& sol
 }
 
 std::string format_peaks(const Model& model, const Trajectory& trajectory) {
-  Lines lines{{"joint", "on", "peak |F| [N]", "at t [s]", "peak |T| [N m]", "at t [s]"}};
+  Lines lines{{"joint", "on", "peak F [N]", "at t [s]", "peak T [N m]", "at t [s]"}};
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : {Side::parent, Side::child}) {
       std::array<double, 2> peaks{};

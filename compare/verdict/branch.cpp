@@ -108,6 +108,12 @@ bool obeys_the_model(const Model& model, const State& state) {
   return obeys;
 }
 
+/// Whether one of two starts drops what the model keeps or drives.
+bool one_disobeys(const Model& model, const std::array<Assembled, 2>& starts) {
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const Assembled& start) { return start.state && !obeys_the_model(model, *start.state); });
+}
+
 /// Distances of a start from what the model guesses, and from zero where it says nothing.
 struct FromGuesses {
   double said = 0.0;
@@ -190,9 +196,7 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   const bool both = starts[0].state && starts[1].state;
   const Apart between = both ? apart(model, *starts[0].state, *starts[1].state) : Apart{};
   if (both && between.size <= kOneBranch) return solvers;
-  for (const Assembled& start : starts) {
-    if (start.state && !obeys_the_model(model, *start.state)) return solvers;
-  }
+  if (one_disobeys(model, starts)) return solvers;
   const auto closes_guesses = [&](std::size_t k) {
     return starts[k].state && !solvers[k]->has_searched_for_its_start();
   };

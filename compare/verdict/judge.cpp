@@ -96,4 +96,21 @@ void conclude(Verdict& verdict) {
   }
 }
 
+void require_passed_rungs(Verdict& verdict) {
+  if (verdict.outcome != Outcome::agree) return;
+  const auto require = [&](bool is_passed, const char* rung) {
+    if (is_passed) return;
+    verdict.findings.push_back({fmt::format("{} is not passed, and nothing was found to differ there", rung),
+                                "the comparator contradicts itself: this is a fault of the program, not of the model"});
+  };
+  const auto passes = [](const RungSummary& rung) { return rung.passed || !rung.digits; };
+  require(verdict.rank_agrees, "rank");
+  require(passes(verdict.same_state), "same state");
+  require(passes(verdict.same_run), "same run");
+  require(passes(verdict.refined), "refined");
+  require(verdict.audit.passed, "audit");
+  require(keeps_energy(verdict), "energy");
+  conclude(verdict);
+}
+
 }  // namespace concord::compare

@@ -46,8 +46,8 @@ TEST(InfoTest, PeaksNameTheirTimes) {
   run.samples[5].evaluation.joints[0].reaction[1].in_C.force = {300.0, 0.0, 400.0};
   run.samples[7].evaluation.joints[0].reaction[0].in_C.torque = {0.0, -70.0, 0.0};
   const std::string text = format_peaks(model, run);
-  EXPECT_THAT(text, HasSubstr("| A     | bob    |          500 |     0.05 |"));
-  EXPECT_THAT(text, HasSubstr("|             70 |     0.07 |"));
+  EXPECT_THAT(text, HasSubstr("| A     | bob    |        500 |     0.05 |"));
+  EXPECT_THAT(text, HasSubstr("|           70 |     0.07 |"));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -85,6 +87,46 @@ TEST_F(JudgeTest, AFailureOutweighsADifference) {
   verdict_.failures.emplace_back("no verdict");
   conclude(verdict_);
   EXPECT_EQ(verdict_.outcome, Outcome::failed);
+}
+
+TEST_F(JudgeTest, ReportedCoordinatesThatAreNotTheBodiesAreAFinding) {
+  verdict_.solvers[1].name = "relative";
+  of_run_.judge_reported(Who::relative, {14.0, "joint 'A', turn_z", 0.1, 0.3, 0.3});
+  EXPECT_TRUE(verdict_.findings.empty());
+  of_run_.judge_reported(Who::relative, {2.0, "joint 'A', turn_z", 0.1, 0.3, 0.297});
+  ASSERT_EQ(verdict_.findings.size(), 1U);
+  EXPECT_EQ(verdict_.findings[0].what,
+            "relative reports joint coordinates that its bodies do not have: joint 'A', turn_z, t = 0.1 s: 0.3 in "
+            "place of 0.297, 2.0 digits (need 9)");
+  of_run_.judge_rows();
+  EXPECT_FALSE(verdict_.audit.passed);
+}
+
+/// Finds a comparator that agrees though one of its rungs is not passed.
+TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsOne) {
+  const auto agreeing = [] {
+    Verdict verdict;
+    verdict.outcome = Outcome::agree;
+    verdict.rank_agrees = true;
+    for (RungSummary* rung : {&verdict.same_state, &verdict.same_run, &verdict.refined, &verdict.audit}) {
+      rung->digits = 13.0;
+      rung->passed = true;
+    }
+    for (SolverSummary& solver : verdict.solvers) solver.energy_error = 0.0;
+    return verdict;
+  };
+  const auto outcome_with = [&](const std::function<void(Verdict&)>& spoil) {
+    Verdict verdict = agreeing();
+    spoil(verdict);
+    require_passed_rungs(verdict);
+    return verdict.outcome;
+  };
+  EXPECT_EQ(outcome_with([](Verdict&) {}), Outcome::agree);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.rank_agrees = false; }), Outcome::differ);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.same_run.passed = false; }), Outcome::differ);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.audit.passed = false; }), Outcome::differ);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.solvers[1].energy_error = 1.0; }), Outcome::differ);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.refined = RungSummary(); }), Outcome::agree);  // nothing was judged there
 }
 
 }  // namespace
