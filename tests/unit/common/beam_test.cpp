@@ -179,6 +179,26 @@ TEST(Beam, ModesOfAFewAndOfAllAreTheSame) {
   }
 }
 
+/// Finds an eigensolver whose thresholds have units: of a beam of half a millimetre it was wrong by 3 %.
+TEST(Beam, FrequenciesScaleWithTheLengthFromMicronsToKilometres) {
+  const std::vector<BeamMode> modes{
+      {BeamFamily::bending_xy, 1, false}, {BeamFamily::bending_xy, 2, false}, {BeamFamily::torsion, 2, false}};
+  for (const BeamSupport support : {BeamSupport::cantilever, BeamSupport::free_free}) {
+    const BeamSpecification beam = bar(support, modes, 20);
+    const VecX own = make_beam(beam).stiffness.diagonal();
+    for (const double size : {1e-6, 4e-4, 1e4}) {
+      BeamSpecification scaled = beam;
+      scaled.length *= size;
+      scaled.area *= std::pow(size, 2);
+      for (double* moment : {&scaled.second_moment_y, &scaled.second_moment_z, &scaled.torsion_constant}) {
+        *moment *= std::pow(size, 4);
+      }
+      const VecX found = std::pow(size, 2) * make_beam(scaled).stiffness.diagonal();
+      EXPECT_LT((found - own).cwiseQuotient(own).cwiseAbs().maxCoeff(), 1e-11) << size;
+    }
+  }
+}
+
 TEST(Beam, IntegralsHoldTheRigidInertiaOfARod) {
   const auto beam = generic_bar(BeamSupport::simply_supported, kOneOfEach);
   const ModalData data = make_beam(beam);
