@@ -15,7 +15,7 @@
 /// Generalized forces of force elements and of springs on joint coordinates.
 namespace concord::cartesian {
 
-/// The regimes of all tires and stops, by applied_force.
+/// The regimes of all tires and stops, by applied force.
 struct RegimesOfAll {
   std::vector<TireRegime> of_tires;
   std::vector<std::vector<LawRegime>> of_stops;
@@ -30,7 +30,7 @@ class AppliedForces {
   /// the constraints `at`: bodies' rotations and joints' motions come from there. Throws SolverError, naming the
   /// element, where its law has no direction (exert).
   void update(const MovingConstraints& at, double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y);
-  /// The same of one applied_force.
+  /// The same of one applied force.
   void update(const MovingConstraints& at, AppliedForceIndex applied, double t, const Eigen::Ref<const VecX>& q,
               const Eigen::Ref<const VecX>& Y);
 

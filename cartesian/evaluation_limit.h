@@ -11,10 +11,12 @@ namespace concord::cartesian {
 class EvaluationLimit {
  public:
   /// `until` [s] is the length of the run. An integrator whose evaluations cost `cost` times as much as those of an
-  /// explicit one may make so many fewer. `most`: of the whole run.
+  /// explicit one may make so many fewer. `most`: of the whole run,
+  /// of either kind alike.
   EvaluationLimit(double until, std::string integrator, double cost = 1.0, std::optional<long> most = std::nullopt);
 
-  /// Throws TooManyEvaluations if the run, or a thousandth, a hundredth or a tenth of it, took more than it may.
+  /// Throws TooManyEvaluations if a thousandth, a hundredth or a tenth of the run took more evaluations than it may,
+  /// EvaluationsSpent if the whole run did.
   /// `t` [s] has been reached, with so many evaluations since the start.
   void require(double t, long evaluations);
 

@@ -19,8 +19,8 @@ struct RunOptions {
   std::string integrator;  // empty: the solver's default for this model
   /// A closed state at t = 0 to start from instead of the model's start.
   std::optional<State> start = std::nullopt;
-  /// How many evaluations the whole run may take: a run that takes more ends as TooManyEvaluations, besides those that
-  /// get nowhere.
+  /// How many evaluations the whole run may take, whatever the integrator makes of them: a run that takes more ends as
+  /// EvaluationsSpent.
   std::optional<long> most_evaluations = std::nullopt;
 };
 

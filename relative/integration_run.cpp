@@ -149,6 +149,7 @@ void IntegrationRun::remember(const SolverError& error) {
   last_reason_ = error.what();
   is_singular_ = dynamic_cast<const SingularPose*>(&error) != nullptr;
   is_costly_ = dynamic_cast<const TooManyEvaluations*>(&error) != nullptr;
+  is_spent_ = dynamic_cast<const EvaluationsSpent*>(&error) != nullptr;
 }
 
 void IntegrationRun::throw_stopped(double t, const std::string& message) const {
@@ -157,6 +158,7 @@ void IntegrationRun::throw_stopped(double t, const std::string& message) const {
   const std::string text = fmt::format("relative: at t = {:.6g} s {}", t, plain);
   const std::string what = plain.starts_with("at t = ") ? "relative: " + plain : text;
   if (is_singular_ && !last_reason_.empty()) throw SingularPose(what);
+  if (is_spent_ && !last_reason_.empty()) throw EvaluationsSpent(what);
   if (is_costly_ && !last_reason_.empty()) throw TooManyEvaluations(what);
   throw SolverError(what);
 }

@@ -69,6 +69,7 @@ class IntegrationRun {
   std::string last_reason_;
   bool is_singular_ = false;  // whether that was a singular pose
   bool is_costly_ = false;    // whether too many evaluations were made
+  bool is_spent_ = false;
   long evaluations_ = 0;
 };
 

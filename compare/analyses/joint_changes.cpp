@@ -71,30 +71,38 @@ double gear_ratio(const std::vector<Shaft>& shafts, std::size_t joint, Eigen::In
 /// it.
 struct Threads {
   struct Thread {
+    const Joint* joint;
     double turn;   // |speed| in the step [rad]
     double ratio;  // the machine's length over what a radian moves along the axis
   };
   std::vector<Thread> all;
 
   /// Of a joint's motion along the step: turns that move along their own axes.
-  void take(const JointMotion& motion, const std::vector<bool>& turns, double length) {
+  void take(const Joint& joint, const JointMotion& motion, const std::vector<bool>& turns, double length) {
     constexpr double kAlong = 0.9;  // cosine between the displacement and the axis
     for (Eigen::Index c = 0; c < motion.u.size(); ++c) {
       if (!turns[static_cast<std::size_t>(c)]) continue;
       const Vec3 moved = motion.S.col(c).head<3>();
       const Vec3 axis = motion.S.col(c).tail<3>();
       if (!(std::abs(moved.dot(axis)) > kAlong * moved.norm() * axis.norm())) continue;
-      all.push_back({std::abs(motion.u(c)), length * axis.norm() / moved.norm()});
+      all.push_back({&joint, std::abs(motion.u(c)), length * axis.norm() / moved.norm()});
     }
   }
-  /// By how much a turn of this size counts less, at least 1: that of a thread, or of what turns as fast.
-  [[nodiscard]] double ratio(double turn) const {
+  /// By how much a turn of this size of a joint counts less, at least 1: that of a thread, or of what turns as fast on
+  /// one of its bodies.
+  [[nodiscard]] double ratio(const Joint& joint, double turn) const {
     constexpr double kAsFast = 1e-6;
     double ratio = 1.0;
     for (const Thread& thread : all) {
-      if (std::abs(turn - thread.turn) <= kAsFast * thread.turn) ratio = std::max(ratio, thread.ratio);
+      const bool is_as_fast = std::abs(turn - thread.turn) <= kAsFast * thread.turn;
+      if (is_as_fast && share_a_body(joint, *thread.joint)) ratio = std::max(ratio, thread.ratio);
     }
     return ratio;
+  }
+  static bool share_a_body(const Joint& one, const Joint& other) {
+    return std::any_of(one.sides.begin(), one.sides.end(), [&](const Attachment& side) {
+      return side.body != 0 && (side.body == other.sides[0].body || side.body == other.sides[1].body);
+    });
   }
 };
 
@@ -113,7 +121,7 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   Threads threads;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     motions.push_back(motion_of(model, k, moving));
-    threads.take(motions.back(), turning_speeds(*model.joints[k].type), model.length_scale());
+    threads.take(model.joints[k], motions.back(), turning_speeds(*model.joints[k].type), model.length_scale());
   }
   JointStep largest;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -123,7 +131,8 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
       if (turns[static_cast<std::size_t>(c)]) {
         const double turn = std::abs(u(c));
         largest.fastest_turn = std::max(largest.fastest_turn, turn);
-        largest.turn = std::max(largest.turn, turn / std::max(gear_ratio(shafts, k, c), threads.ratio(turn)));
+        largest.turn =
+            std::max(largest.turn, turn / std::max(gear_ratio(shafts, k, c), threads.ratio(model.joints[k], turn)));
       } else {
         largest.rest = std::max(largest.rest, std::abs(u(c)) / model.length_scale());
       }

@@ -10,7 +10,8 @@
 namespace concord::compare::analyses {
 
 /// The largest changes of coordinates in a step: of a joint's angles [rad], those of fast shafts by the ratio of their
-/// gears, those of threads by their lead; of its slides [of the machine's length] and of modes [modal_sizes()].
+/// gears, those of threads, and of what turns as fast on their bodies, by the lead; of its slides [of the machine's
+/// length] and of modes [modal_sizes()].
 struct JointStep {
   double turn = 0.0;
   double rest = 0.0;

@@ -83,19 +83,28 @@ std::vector<Eigen::Index> free_numbers(const ShapeFamily& of, BeamSupport suppor
   return free;
 }
 
+/// Shapes by rising frequency, and the eigenvalues of the inverse problem.
+struct Vibrations {
+  MatX shapes;
+  VecX mu;
+};
+
 /// Free vibrations of the line, by rising frequency, rigid ones left out. Of the inverse problem, whose largest
 /// eigenvalues belong to the slowest modes; a line that is held nowhere is held by its mass.
-MatX vibrations(const LineMatrices& line, const std::vector<Eigen::Index>& free, int rigid) {
+Vibrations vibrations(const LineMatrices& line, const std::vector<Eigen::Index>& free, int rigid) {
   const MatX K = line.K(free, free);
   const MatX M = line.M(free, free);
-  const double shift = rigid > 0 ? 10.0 * line.rate2 : 0.0;
+  const double shift = rigid > 0 ? 100.0 * line.rate2 : 0.0;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> solved(M, K + shift * M);
-  MatX shapes = MatX::Zero(line.K.rows(), K.cols() - rigid);
-  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
-    const VecX of_free = solved.eigenvectors().col(K.cols() - 1 - rigid - k);
-    for (std::size_t f = 0; f < free.size(); ++f) shapes(free[f], k) = of_free(static_cast<Eigen::Index>(f));
+  Vibrations found{MatX::Zero(line.K.rows(), K.cols() - rigid), VecX(K.cols() - rigid)};
+  for (Eigen::Index k = 0; k < found.mu.size(); ++k) {
+    const Eigen::Index own = K.cols() - 1 - rigid - k;
+    found.mu(k) = solved.eigenvalues()(own);
+    for (std::size_t f = 0; f < free.size(); ++f) {
+      found.shapes(free[f], k) = solved.eigenvectors()(static_cast<Eigen::Index>(f), own);
+    }
   }
-  return shapes;
+  return found;
 }
 
 /// The line at rest with one number of its last end moved by one and nothing else held but its ends.
@@ -134,25 +143,53 @@ MatX numbers_of(const ModalData& modal, const ShapeFamily& of, double h) {
   return numbers;
 }
 
-/// The stated shapes of a family, a column each; too few where a mode does not exist.
-MatX stated_shapes(const BeamSpecification& beam, const ShapeFamily& of, const LineMatrices& line) {
+/// How far an eigensolver may turn a shape, of modal mass 1, into those that are not stated: round-off of the largest
+/// eigenvalue over the distance to theirs. The two highest modes of a free beam have nearly one frequency.
+double doubt_of(const VecX& mu, const std::vector<bool>& is_stated, Eigen::Index k) {
+  constexpr double kTimes = 1e3;
+  double gap = std::numeric_limits<double>::infinity();
+  for (Eigen::Index j = 0; j < mu.size(); ++j) {
+    if (!is_stated[static_cast<std::size_t>(j)]) gap = std::min(gap, std::abs(mu(k) - mu(j)));
+  }
+  return kTimes * std::numeric_limits<double>::epsilon() * mu(0) / gap;
+}
+
+/// The stated shapes of a family, a column each, and the doubt of the least known one; too few where a mode does not
+/// exist.
+struct StatedShapes {
+  MatX columns;
+  double doubt = 0.0;
+};
+StatedShapes stated_shapes(const BeamSpecification& beam, const ShapeFamily& of, const LineMatrices& line) {
   const std::vector<Eigen::Index> free = free_numbers(of, beam.support, line.K.rows());
   const int rigid = beam.support == BeamSupport::free_free ? (of.bends ? 2 : 1) : 0;
   std::vector<VecX> shapes;
-  MatX vibrating;
+  std::vector<Eigen::Index> numbers;  // of vibrations, from 0
   for (const BeamMode& mode : beam.modes) {
     if (mode.family != of.family) continue;
     if (mode.is_static) {
       const Eigen::Index last_node = line.K.rows() - (of.bends ? 2 : 1);
       shapes.push_back(static_shape(line, free, last_node + mode.number - 1));
-      continue;
+    } else {
+      numbers.push_back(mode.number - 1);
     }
-    if (vibrating.size() == 0) vibrating = vibrations(line, free, rigid);
-    if (mode.number <= vibrating.cols()) shapes.emplace_back(vibrating.col(mode.number - 1));
   }
-  MatX columns(line.K.rows(), static_cast<Eigen::Index>(shapes.size()));
-  for (std::size_t k = 0; k < shapes.size(); ++k) columns.col(static_cast<Eigen::Index>(k)) = shapes[k];
-  return columns;
+  StatedShapes stated;
+  if (!numbers.empty()) {
+    const Vibrations all = vibrations(line, free, rigid);
+    std::vector<bool> is_stated(static_cast<std::size_t>(all.mu.size()), false);
+    for (const Eigen::Index number : numbers) {
+      if (number >= all.mu.size()) continue;
+      shapes.emplace_back(all.shapes.col(number));
+      is_stated[static_cast<std::size_t>(number)] = true;
+    }
+    for (const Eigen::Index number : numbers) {
+      if (number < all.mu.size()) stated.doubt = std::max(stated.doubt, doubt_of(all.mu, is_stated, number));
+    }
+  }
+  stated.columns.resize(line.K.rows(), static_cast<Eigen::Index>(shapes.size()));
+  for (std::size_t k = 0; k < shapes.size(); ++k) stated.columns.col(static_cast<Eigen::Index>(k)) = shapes[k];
+  return stated;
 }
 
 /// The largest entry; infinite if one is no number.
@@ -174,15 +211,16 @@ ShapeMisfit compute_misfit_of_shapes(const ModalData& modal) {
     if (numbers.isZero(0.0)) continue;
     const LineMatrices line = assemble_line(of, beam.elements, h);
     modal_mass += numbers.transpose() * line.M * numbers;
-    const MatX stated = stated_shapes(beam, of, line);
+    const StatedShapes stated = stated_shapes(beam, of, line);
     MatX rest = numbers;
-    if (stated.cols() > 0) {
-      const VecX sizes = (stated.transpose() * line.M * stated).diagonal().cwiseSqrt().cwiseInverse();
-      const MatX scaled = stated * sizes.asDiagonal();
+    if (stated.columns.cols() > 0) {
+      const VecX sizes = (stated.columns.transpose() * line.M * stated.columns).diagonal().cwiseSqrt().cwiseInverse();
+      const MatX scaled = stated.columns * sizes.asDiagonal();
       rest -= scaled * (scaled.transpose() * line.M * scaled).ldlt().solve(scaled.transpose() * line.M * numbers);
     }
+    const VecX squares = (rest.transpose() * line.M * rest).diagonal();
     beyond.row(static_cast<Eigen::Index>(of.family)) =
-        (rest.transpose() * line.M * rest).diagonal().cwiseAbs().cwiseSqrt();
+        (squares.cwiseAbs().cwiseSqrt().array() - stated.doubt).cwiseMax(0.0);
   }
   return {largest_of(beyond), largest_of(modal_mass - MatX::Identity(m, m))};
 }

@@ -10,8 +10,10 @@ namespace concord::compare {
 inline constexpr int kMostElementsOfShapes = 200;
 
 struct ShapeMisfit {
-  double shape = 0.0;  // the part of a mode that is no sum of the stated modes of its family, modal mass 1
-  double mass = 0.0;   // of the modal masses from 1, and of pairs of modes from 0
+  /// The part of a mode, of modal mass 1, that is no sum of the stated modes of its family, beyond what eigensolvers
+  /// know of them.
+  double shape = 0.0;
+  double mass = 0.0;  // of the modal masses from 1, and of pairs of modes from 0
 };
 
 /// Of modal data that were made from a beam of at most so many elements: `modal.beam` must be set.

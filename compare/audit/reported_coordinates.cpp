@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "common/joints/named_coordinates.h"
@@ -24,7 +23,7 @@ constexpr double kOpen = 1000.0;
 
 /// One number that a run reports of a joint.
 struct Entry {
-  std::string name;
+  const std::string* name = nullptr;
   bool turns = false;
   bool is_speed = false;
   double reported = 0.0;
@@ -32,24 +31,27 @@ struct Entry {
 };
 
 /// The entries of a joint in one state: its coordinates, and then its speeds. Of an orientation, what is left of the
-/// reported turn after that of the bodies, which should be none.
+/// reported turn after that of the bodies, or what its Euler parameters lack of unit length; both should be none.
 class Entries {
  public:
-  explicit Entries(const Joint& joint) : joint_(joint), names_(named_coordinates(*joint.type)) {}
+  explicit Entries(const Joint& joint) : joint_(joint), coordinates_(named_coordinates(*joint.type)) {
+    for (const NamedCoordinate& one : coordinates_) speeds_.push_back("speed of " + one.name);
+  }
 
   [[nodiscard]] std::vector<Entry> in(const State& state, const VecX& q, const VecX& u) const {
     const JointMotion motion = read_motion(*joint_.type, relative_in(state), q);
     std::vector<Entry> entries;
     Eigen::Index at_q = 0;
     Eigen::Index at_u = 0;
-    for (const NamedCoordinate& one : names_) {
+    for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+      const NamedCoordinate& one = coordinates_[k];
       if (one.kind == joints::CoordinateKind::orientation) {
         add_orientation(one.name, q.segment<4>(at_q), motion.q.segment<4>(at_q), entries);
       } else {
-        entries.push_back({one.name, turns(one), false, q(at_q), motion.q(at_q)});
+        entries.push_back({&one.name, turns(one), false, q(at_q), motion.q(at_q)});
       }
       for (int c = 0; c < joints::n_u(one.kind); ++c) {
-        entries.push_back({"speed of " + one.name, turns(one), true, u(at_u + c), motion.u(at_u + c)});
+        entries.push_back({&speeds_[k], turns(one), true, u(at_u + c), motion.u(at_u + c)});
       }
       at_q += joints::n_q(one.kind);
       at_u += joints::n_u(one.kind);
@@ -67,12 +69,13 @@ class Entries {
 
   static void add_orientation(const std::string& name, const Vec4& reported, const Vec4& by_bodies,
                               std::vector<Entry>& entries) {
-    const Vec3 left = rotation_vector_of(rotation_of(reported) * rotation_of(by_bodies).transpose());
-    entries.push_back({name, true, false, left.norm(), 0.0});
+    const Vec3 left = rotation_vector_of(rotation_of(reported.normalized()) * rotation_of(by_bodies).transpose());
+    entries.push_back({&name, true, false, std::max(left.norm(), std::abs(1.0 - reported.norm())), 0.0});
   }
 
   const Joint& joint_;
-  std::vector<NamedCoordinate> names_;
+  std::vector<NamedCoordinate> coordinates_;
+  std::vector<std::string> speeds_;
 };
 
 /// The largest speed of a body, and the largest of its angular speed, over a run.
@@ -90,10 +93,13 @@ std::array<double, 2> largest_speeds(const Trajectory& run) {
 class Audit {
  public:
   Audit(const Model& model, const Trajectory& run) : model_(model), length_(model.length_scale()) {
-    constexpr double kRest = 1e-12;  // of the length in the time of the run: a machine at rest has speeds of round-off
+    // A machine at rest has speeds of round-off: of what gravity gives along its length, or of it in the run's time.
+    constexpr double kRest = 1e-6;
     const auto [line, turn] = largest_speeds(run);
-    const double rest = kRest * length_ / std::max(model.run.until, std::numeric_limits<double>::min());
-    speed_ = std::max({line, turn * length_, rest});
+    const double until = run.samples.empty() ? 0.0 : run.samples.back().state.t;
+    const double of_run = until > 0.0 ? length_ / until : 0.0;
+    const double of_gravity = std::sqrt(model.gravity.norm() * length_);
+    speed_ = std::max({line, turn * length_, kRest * of_run, kRest * of_gravity});
     for (const Joint& joint : model.joints) entries_.emplace_back(joint);
   }
 
@@ -108,7 +114,7 @@ class Audit {
         if (open.empty()) open = what_round_off_leaves(k, state, found);
         const double digits = matching_digits(std::isnan(misfit) ? misfit : std::max(0.0, misfit - open[e]), scale);
         if (digits >= worst_.digits) continue;
-        worst_ = {digits, fmt::format("joint '{}', {}", model_.joints[k].name, found[e].name), state.t,
+        worst_ = {digits, fmt::format("joint '{}', {}", model_.joints[k].name, *found[e].name), state.t,
                   found[e].reported, found[e].by_bodies};
       }
     }

@@ -249,12 +249,9 @@ class Fuzz {
                            [](long sum, const auto& kind) { return sum + kind.second; });
   }
 
-  /// Each refusal may be honest, but not so many: a solver that assembles wrong starts is refused, too.
   void doubt_refusals() {
-    constexpr long kFewest = 10;
-    constexpr double kMost = 0.1;  // ten times what sound solvers refuse
     const long refused = refused_of_regular();
-    if (refused < kFewest || static_cast<double>(refused) <= kMost * static_cast<double>(regular_)) return;
+    if (!refuses_too_many(regular_, refused)) return;
     console_.out << fmt::format(
         "\n{} of regular machines are refused, where sound solvers refuse about 1 %: one of them is at fault, or the "
         "generator\n",

@@ -211,4 +211,10 @@ std::string format_outcome(const Outcome& outcome) {
                      format_ratios(outcome.ratios), outcome.text);
 }
 
+bool refuses_too_many(long regular, long refused) {
+  constexpr long kFewest = 10;
+  constexpr double kMost = 0.1;
+  return refused >= kFewest && static_cast<double>(refused) > kMost * static_cast<double>(regular);
+}
+
 }  // namespace concord::compare::fuzz

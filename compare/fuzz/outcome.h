@@ -34,6 +34,10 @@ struct ResolutionRatios {
   double largest = 0.0;
 };
 
+/// Whether more regular machines are refused than sound solvers refuse, which is about 1 %: each refusal may be honest,
+/// but a solver that assembles wrong starts is refused, too. A tenth, and ten at least.
+bool refuses_too_many(long regular, long refused);
+
 struct Outcome {
   Sort sort = Sort::agree;
   std::string kind;  // what a shrunk machine must keep; the same for machines with the same trouble

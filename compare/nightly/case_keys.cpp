@@ -68,7 +68,7 @@ bool is_for(const Works& works, Work work) { return std::find(works.begin(), wor
 
 const std::string& name_of(Work work) { return work_names()[static_cast<std::size_t>(work)]; }
 
-std::string without_meaning(std::string_view key, Work work, const Works& works) {
+std::string words_of_refusal(std::string_view key, Work work, const Works& works) {
   std::vector<std::string> names;
   for (const Work one : works) names.push_back('"' + name_of(one) + '"');
   return fmt::format("'{}' means nothing to the work \"{}\", only to {}", key, name_of(work), fmt::join(names, ", "));
@@ -84,12 +84,12 @@ KnownKeys case_keys() {
 
 void refuse_keys_without_meaning(const TableReader& table, Work work) {
   for (const auto& [key, works] : keys_of_works()) {
-    if (table.has(key) && !is_for(works, work)) table.complain(key, without_meaning(key, work, works));
+    if (table.has(key) && !is_for(works, work)) table.complain(key, words_of_refusal(key, work, works));
   }
   const toml::table* sweep = table.has("sweep") ? table.node("sweep")->as_table() : nullptr;
   if (sweep == nullptr || work == Work::compare) return;
   for (const std::string_view key : {"rtol", "integrators"}) {
-    if (sweep->contains(key)) table.complain("sweep", without_meaning(key, work, {Work::compare}));
+    if (sweep->contains(key)) table.complain("sweep", words_of_refusal(key, work, {Work::compare}));
   }
 }
 

@@ -259,8 +259,9 @@ class NightlyRun {
   /// A command that fails is reported, and changes no verdict.
   void notify(const NightReport& report) const {
     if (command_.notify.empty()) return;
-    const int status = feed_command(command_.notify, format_markdown(report)).status;
-    if (status == -1) throw std::runtime_error("the command of --notify cannot be started");
+    const FedCommand fed = feed_command(command_.notify, format_markdown(report));
+    const int status = fed.status;
+    if (!fed.has_started) throw std::runtime_error("the command of --notify cannot be started");
     if (status == 0) return;
     console_.err << (WIFSIGNALED(status)
                          ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))

@@ -29,7 +29,7 @@ constexpr int kSuiteFormat = 1;
 constexpr double kMostCases = 100000.0;
 
 /// Keeps the characters of a path from meaning anything in a pattern.
-std::string without_meaning(const std::string& path) {
+std::string escape_pattern(const std::string& path) {
   std::string text;
   for (const char c : path) {
     if (std::string_view("*?[\\").find(c) != std::string_view::npos) text += '\\';
@@ -38,10 +38,12 @@ std::string without_meaning(const std::string& path) {
   return text;
 }
 
+bool has_wildcards(const std::string& pattern) { return pattern.find_first_of("*?[\\") != std::string::npos; }
+
 /// Files that a pattern beside the suite means, sorted.
 std::vector<fs::path> files_of(const fs::path& folder, const std::string& pattern) {
   const std::string whole =
-      fs::path(pattern).is_absolute() || folder.empty() ? pattern : without_meaning(folder.string()) + '/' + pattern;
+      fs::path(pattern).is_absolute() || folder.empty() ? pattern : escape_pattern(folder.string()) + '/' + pattern;
   std::vector<fs::path> files;
   glob_t found{};
   if (glob(whole.c_str(), 0, nullptr, &found) == 0) {
@@ -177,7 +179,7 @@ class SuiteReader {
     const fs::path folder = suite_->file.parent_path();
     for (const std::string& pattern : read_texts(table, "models").value_or(std::vector<std::string>())) {
       std::vector<fs::path> found = files_of(folder, pattern);
-      if (found.empty() && without_meaning(pattern) == pattern) found = {folder / pattern};
+      if (found.empty() && !has_wildcards(pattern)) found = {folder / pattern};
       if (found.empty()) table.complain("models", fmt::format("there is no file '{}'", pattern));
       models.insert(found.begin(), found.end());
     }

@@ -22,11 +22,11 @@ class IgnoreBrokenPipe {
 }  // namespace
 
 FedCommand feed_command(const std::string& command, const std::string& text) {
-  const IgnoreBrokenPipe guard;
   std::FILE* pipe = popen(command.c_str(), "w");
-  if (pipe == nullptr) return {-1, false};
+  if (pipe == nullptr) return {};
+  const IgnoreBrokenPipe guard;  // not of the command, which would inherit it
   const bool written = std::fwrite(text.data(), 1, text.size(), pipe) == text.size() && std::fflush(pipe) == 0;
-  return {pclose(pipe), written};
+  return {true, pclose(pipe), written};
 }
 
 }  // namespace concord::compare

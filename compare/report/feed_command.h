@@ -6,7 +6,8 @@ namespace concord::compare {
 
 /// How a command of the shell ended that was given a text.
 struct FedCommand {
-  int status = 0;         // as of wait(2); -1: it could not be started
+  bool has_started = false;
+  int status = 0;         // as of wait(2)
   bool has_read = false;  // all of the text was taken
 };
 

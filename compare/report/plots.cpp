@@ -123,7 +123,7 @@ std::string script_of(const std::filesystem::path& svg, const Page& page) {
 /// Feeds a script to gnuplot. False if it does not end well.
 bool run_gnuplot(const std::string& script) {
   const FedCommand fed = feed_command("gnuplot 2>/dev/null", script);
-  return fed.status == 0 && fed.has_read;
+  return fed.has_started && fed.status == 0 && fed.has_read;
 }
 
 bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }

@@ -100,8 +100,8 @@ void require_passed_rungs(Verdict& verdict) {
   if (verdict.outcome != Outcome::agree) return;
   const auto require = [&](bool is_passed, const char* rung) {
     if (is_passed) return;
-    verdict.findings.push_back({fmt::format("{} is not passed, and nothing was found to differ there", rung),
-                                "the comparator contradicts itself: this is a fault of the program, not of the model"});
+    verdict.failures.push_back(fmt::format(
+        "{} is not passed, and nothing was found to differ there: a fault of the comparator, not of the model", rung));
   };
   const auto passes = [](const RungSummary& rung) { return rung.passed || !rung.digits; };
   require(verdict.rank_agrees, "rank");

@@ -57,7 +57,7 @@ class Judge {
 void conclude(Verdict& verdict);
 
 /// Of a comparison that agrees: a rung that is not passed though nothing was found to differ there is a fault of the
-/// comparator, and becomes a finding of its own. A rung on which nothing was judged counts as passed.
+/// comparator, and there is no verdict. A rung on which nothing was judged counts as passed.
 void require_passed_rungs(Verdict& verdict);
 
 }  // namespace concord::compare

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "common/error.h"
 
@@ -15,12 +17,17 @@ namespace {
 constexpr long kPatience = 1'000'000;
 constexpr long kOfTheSecond = kPatience / 5;
 
+/// No more evaluations than these, and than the caller gives.
+RunOptions with_at_most(long most, const RunOptions& run) {
+  RunOptions own = run;
+  own.most_evaluations = std::min(most, run.most_evaluations.value_or(most));
+  return own;
+}
+
 /// The second integrator's run, if it needs no more than it is given.
 std::optional<Trajectory> short_run(Solver& solver, const RunOptions& stiff, const Progress& progress) {
-  RunOptions own = stiff;
-  own.most_evaluations = kOfTheSecond;
   try {
-    return solver.integrate(own, progress);
+    return solver.integrate(with_at_most(kOfTheSecond, stiff), progress);
   } catch (const SolverError&) {  // the first one is asked again
     return std::nullopt;
   }
@@ -57,25 +64,27 @@ Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_s
   const auto switch_because = [&](const std::string& why) {
     made_by = {stiff.integrator, note_of(solver, run.integrator, stiff.integrator, why)};
   };
+  std::string first;
   if (has_other && may_switch) {
-    RunOptions first = run;
-    first.most_evaluations = kPatience;
     try {
-      return solver.integrate(first, progress);
-    } catch (const TooManyEvaluations& error) {
+      return solver.integrate(with_at_most(kPatience, run), progress);
+    } catch (const EvaluationsSpent& error) {
       if (auto trajectory = short_run(solver, stiff, progress)) {
         switch_because(error.what());
         return std::move(*trajectory);
       }
+    } catch (const TooManyEvaluations& error) {
+      first = error.what();
     }
   }
-  std::string first;
-  try {
-    return solver.integrate(run, progress);
-  } catch (const TooManyEvaluations& error) {
-    if (!has_other) throw;
-    if (!may_switch) throw TooManyEvaluations(fmt::format("{}; {} is for stiff machines", error.what(), known[1]));
-    first = error.what();
+  if (first.empty()) {
+    try {
+      return solver.integrate(run, progress);
+    } catch (const TooManyEvaluations& error) {
+      if (!has_other) throw;
+      if (!may_switch) throw TooManyEvaluations(fmt::format("{}; {} is for stiff machines", error.what(), known[1]));
+      first = error.what();
+    }
   }
   Trajectory trajectory = integrate_stiff(solver, stiff, first, progress);
   switch_because(first);

@@ -90,6 +90,7 @@ TEST(ReportedCoordinates, OfAnotherMotionAreNamed) {
   EXPECT_THAT(text_of([](State& s) { s.u[1](0) = -s.u[1](0); }), HasSubstr("joint 'guide', speed of slide_z, t = "));
   EXPECT_THAT(text_of([](State& s) { s.u[0].reverseInPlace(); }), HasSubstr("joint 'shoulder', speed of ball, t = "));
   EXPECT_THAT(text_of([](State& s) { s.q[0].tail<3>() *= -1.0; }), HasSubstr("joint 'shoulder', ball, t = "));
+  EXPECT_THAT(text_of([](State& s) { s.q[0] *= 1.001; }), HasSubstr("joint 'shoulder', ball, t = "));
 }
 
 TEST(ReportedCoordinates, MayHaveWholeTurnsAndEitherSignOfEulerParameters) {

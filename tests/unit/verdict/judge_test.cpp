@@ -103,7 +103,7 @@ TEST_F(JudgeTest, ReportedCoordinatesThatAreNotTheBodiesAreAFinding) {
 }
 
 /// Finds a comparator that agrees though one of its rungs is not passed.
-TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsOne) {
+TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsAFailure) {
   const auto agreeing = [] {
     Verdict verdict;
     verdict.outcome = Outcome::agree;
@@ -122,10 +122,10 @@ TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsOne) {
     return verdict.outcome;
   };
   EXPECT_EQ(outcome_with([](Verdict&) {}), Outcome::agree);
-  EXPECT_EQ(outcome_with([](Verdict& v) { v.rank_agrees = false; }), Outcome::differ);
-  EXPECT_EQ(outcome_with([](Verdict& v) { v.same_run.passed = false; }), Outcome::differ);
-  EXPECT_EQ(outcome_with([](Verdict& v) { v.audit.passed = false; }), Outcome::differ);
-  EXPECT_EQ(outcome_with([](Verdict& v) { v.solvers[1].energy_error = 1.0; }), Outcome::differ);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.rank_agrees = false; }), Outcome::failed);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.same_run.passed = false; }), Outcome::failed);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.audit.passed = false; }), Outcome::failed);
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.solvers[1].energy_error = 1.0; }), Outcome::failed);
   EXPECT_EQ(outcome_with([](Verdict& v) { v.refined = RungSummary(); }), Outcome::agree);  // nothing was judged there
 }
 

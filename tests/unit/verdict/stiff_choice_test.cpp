@@ -52,7 +52,7 @@ class Counting : public FakePendulum {
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
     const long needed = needs_.at(options.integrator == "rk4" ? 0 : 1);
-    if (options.most_evaluations && needed > *options.most_evaluations) throw TooManyEvaluations("counting: too many");
+    if (options.most_evaluations && needed > *options.most_evaluations) throw EvaluationsSpent("counting: too many");
     return FakePendulum::integrate(options, progress);
   }
 
