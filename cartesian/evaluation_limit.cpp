@@ -16,7 +16,7 @@ EvaluationLimit::EvaluationLimit(double until, std::string integrator, double co
 void EvaluationLimit::require(double t, long evaluations) {
   if (most_ && evaluations > *most_) {
     throw EvaluationsSpent(fmt::format("cartesian: {} evaluations by {} were enough for {:.3g} s of {:.3g} s only",
-                                         *most_, integrator_, t, until_));
+                                       *most_, integrator_, t, until_));
   }
   for (Window& window : windows_) {
     const long taken = evaluations - window.evaluations_then;

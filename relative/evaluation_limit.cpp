@@ -42,7 +42,7 @@ EvaluationLimit::EvaluationLimit(double until, std::string integrator, std::opti
 void EvaluationLimit::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
   if (whole_ && evaluations > *whole_) {
     throw EvaluationsSpent(fmt::format("{} reached {:.3g} s of {:.3g} s in {} evaluations, more than it was given",
-                                         integrator_, t, until_, evaluations));
+                                       integrator_, t, until_, evaluations));
   }
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {
