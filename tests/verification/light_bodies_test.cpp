@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_forms.h"
 #include "compare/audit/energy.h"
 #include "judged_machines.h"
 
