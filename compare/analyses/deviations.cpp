@@ -32,10 +32,6 @@ PlacedFrame place_of(const Joint& joint, Side side, const State& state) {
   return place(attachment, state.bodies[static_cast<std::size_t>(attachment.body)]);
 }
 
-RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
-  return relative_motion(place_of(joint, Side::parent, state), place_of(joint, Side::child, state));
-}
-
 }  // namespace
 
 Deviations::Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes)

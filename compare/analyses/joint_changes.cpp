@@ -110,8 +110,7 @@ struct Threads {
 
 JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
   const Joint& joint = model.joints[k];
-  const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
-  return read_motion(*joint.type, relative_motion(frame(Side::parent), frame(Side::child)), state.q[k]);
+  return read_motion(*joint.type, relative_motion_of(joint, state), state.q[k]);
 }
 
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {

@@ -150,6 +150,14 @@ MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S) {
   return nearest_speeds(type, S, possible);
 }
 
+RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
+  const auto at = [&](Side side) {
+    const Attachment& end = joint.on(side);
+    return place(end, state.bodies[static_cast<std::size_t>(end.body)]);
+  };
+  return relative_motion(at(Side::parent), at(Side::child));
+}
+
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint) {
   JointMotion motion;
   motion.q = VecX::Zero(type.n_q());

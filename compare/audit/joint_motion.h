@@ -27,6 +27,9 @@ struct JointMotion {
 /// JointMotion::free of a type where its child stands turned by R and its speeds have the columns S.
 MatX free_speeds(const joints::JointType& type, const Mat3& R, const Mat6X& S);
 
+/// The child's frame of a joint seen from the parent's.
+RelativeMotion relative_motion_of(const Joint& joint, const State& state);
+
 /// Reads a joint's motion from where its frames are. `hint`: coordinates near the wanted ones, which fix the number of
 /// turns; an empty one means none.
 JointMotion read_motion(const joints::JointType& type, const RelativeMotion& relative, const VecX& hint);

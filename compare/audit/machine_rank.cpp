@@ -102,8 +102,7 @@ void MachineConstraints::lay_out_owners(const State& state) {
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];
     AtJoint& at = joints_.emplace_back();
-    at.relative = relative_motion(place(joint.on(Side::parent), state.bodies[joint.on(Side::parent).body]),
-                                  place(joint.on(Side::child), state.bodies[joint.on(Side::child).body]));
+    at.relative = relative_motion_of(joint, state);
     motions_.push_back(read_motion(*joint.type, at.relative, k < state.q.size() ? state.q[k] : VecX()));
     owners_.insert(owners_.end(), static_cast<std::size_t>(6 - motions_.back().free.cols()), "joint " + joint.name);
   }

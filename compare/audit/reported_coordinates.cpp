@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/joints/named_coordinates.h"
+#include "compare/audit/audit_ledger.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
@@ -17,7 +18,6 @@ namespace concord::compare {
 
 namespace {
 
-constexpr double kNeed = 9.0;
 /// Runs close their joints to so many units of round-off.
 constexpr double kOpen = 1000.0;
 
@@ -39,7 +39,7 @@ class Entries {
   }
 
   [[nodiscard]] std::vector<Entry> in(const State& state, const VecX& q, const VecX& u) const {
-    const JointMotion motion = read_motion(*joint_.type, relative_in(state), q);
+    const JointMotion motion = read_motion(*joint_.type, relative_motion_of(joint_, state), q);
     std::vector<Entry> entries;
     Eigen::Index at_q = 0;
     Eigen::Index at_u = 0;
@@ -61,11 +61,6 @@ class Entries {
 
  private:
   static bool turns(const NamedCoordinate& one) { return one.kind != joints::CoordinateKind::length; }
-
-  [[nodiscard]] RelativeMotion relative_in(const State& state) const {
-    const auto at = [&](Side side) { return place(joint_.on(side), state.bodies[joint_.on(side).body]); };
-    return relative_motion(at(Side::parent), at(Side::child));
-  }
 
   static void add_orientation(const std::string& name, const Vec4& reported, const Vec4& by_bodies,
                               std::vector<Entry>& entries) {
@@ -90,9 +85,9 @@ std::array<double, 2> largest_speeds(const Trajectory& run) {
   return largest;
 }
 
-class Audit {
+class CoordinateAudit {
  public:
-  Audit(const Model& model, const Trajectory& run) : model_(model), length_(model.length_scale()) {
+  CoordinateAudit(const Model& model, const Trajectory& run) : model_(model), length_(model.length_scale()) {
     // A machine at rest has speeds of round-off: of what gravity gives along its length, or of it in the run's time.
     constexpr double kRest = 1e-6;
     const auto [line, turn] = largest_speeds(run);
@@ -152,17 +147,17 @@ class Audit {
 
 }  // namespace
 
-bool ReportedCoordinate::holds() const { return digits >= kNeed; }
+bool ReportedCoordinate::holds() const { return digits >= kAudit; }
 
 std::string ReportedCoordinate::text() const {
   return fmt::format(
       "reports joint coordinates that its bodies do not have: {}, t = {:.6g} s: {:.6g} in place of {:.6g}, {} digits "
       "(need {:g})",
-      what, t, reported, by_bodies, format_digits(digits), kNeed);
+      what, t, reported, by_bodies, format_digits(digits), kAudit);
 }
 
 ReportedCoordinate audit_reported_coordinates(const Model& model, const Trajectory& run) {
-  Audit audit(model, run);
+  CoordinateAudit audit(model, run);
   for (const Sample& sample : run.samples) audit.add(sample.state);
   return audit.worst();
 }

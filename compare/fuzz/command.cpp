@@ -134,7 +134,7 @@ class Fuzz {
       ratios_.add(outcome.ratios);
       const Machine drawn = machine(number);
       coverage_.add(drawn);
-      if (drawn.is_regular && !drawn.is_redundant) {
+      if (drawn.should_be_judged()) {
         ++regular_;
         if (outcome.sort == Sort::refusal) ++regular_refused_[outcome.kind];
       }

@@ -114,6 +114,9 @@ struct Machine {
   std::vector<JointPlan> joints;  // joint k ties body k + 1 to earlier ones; those that close loops stand last
   std::vector<CouplingPlan> couplings;
   std::vector<ElementPlan> elements;
+
+  /// Nothing in it is a reason to refuse it.
+  [[nodiscard]] bool should_be_judged() const { return is_regular && !is_redundant; }
 };
 
 }  // namespace concord::compare::fuzz

@@ -82,14 +82,6 @@ std::optional<Axis> arm_of_link(const joints::JointType& type) {
   return std::nullopt;
 }
 
-RelativeMotion relative_motion_of(const Joint& joint, const State& state) {
-  const auto placed = [&](Side side) {
-    const Attachment& at = joint.on(side);
-    return place(at, state.bodies[static_cast<std::size_t>(at.body)]);
-  };
-  return relative_motion(placed(Side::parent), placed(Side::child));
-}
-
 /// A rotation that leads an axis to a unit vector.
 Mat3 with_axis(Axis axis, const Vec3& to) {
   Mat3 G;

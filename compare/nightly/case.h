@@ -20,6 +20,7 @@ enum class Work { compare, statics, linearize, kinematics, inverse, joint, fuzz,
 
 /// "compare", "statics", ..., in the order of the enumeration.
 const std::vector<std::string>& work_names();
+const std::string& name_of(Work work);
 
 /// A case that is red for a reason that is known, until a day.
 struct KnownRed {

@@ -12,13 +12,13 @@ namespace concord::compare::nightly {
 
 namespace {
 
+using Works = std::vector<Work>;
+
 /// A key and the kinds of work that it means something to.
 struct KeyOfWork {
   std::string_view key;
-  std::vector<Work> works;
+  Works works;
 };
-
-using Works = std::vector<Work>;
 
 Works together(std::initializer_list<Works> parts) {
   Works all;
@@ -65,8 +65,6 @@ const std::vector<KeyOfWork>& keys_of_works() {
 }
 
 bool is_for(const Works& works, Work work) { return std::find(works.begin(), works.end(), work) != works.end(); }
-
-const std::string& name_of(Work work) { return work_names()[static_cast<std::size_t>(work)]; }
 
 std::string words_of_refusal(std::string_view key, Work work, const Works& works) {
   std::vector<std::string> names;

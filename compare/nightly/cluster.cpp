@@ -79,7 +79,7 @@ std::string words_of_lost(const fs::path& folder, int task, const std::optional<
 Result not_run(const Case& one, const std::string& words) {
   Result result;
   result.id = one.id;
-  result.work = work_names()[static_cast<std::size_t>(one.work)];
+  result.work = name_of(one.work);
   result.words = words;
   return result;
 }

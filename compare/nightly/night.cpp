@@ -123,7 +123,7 @@ namespace {
 Result not_run(const Case& one) {
   Result result;
   result.id = one.id;
-  result.work = work_names()[static_cast<std::size_t>(one.work)];
+  result.work = name_of(one.work);
   result.words = "the time of the night was up";
   return result;
 }
@@ -158,7 +158,7 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, cons
     progress.start(cases[k]->id);
   };
   watch.ended = [&](std::size_t k, const workers::Report& report) {
-    Result result = result_of(cases[k]->id, work_names()[static_cast<std::size_t>(cases[k]->work)], report);
+    Result result = result_of(cases[k]->id, name_of(cases[k]->work), report);
     is_complete = is_complete && result.ending != Ending::not_run;
     result.wall_s = seconds_from(begun[k]);
     result.definition = asked[k].empty() ? definition_of(*cases[k]) : asked[k];

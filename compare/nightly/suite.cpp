@@ -205,7 +205,7 @@ class SuiteReader {
       base.id = model.stem().string();
       if (!name.empty()) base.id = models.size() == 1 ? name : name + '/' + base.id;
       if (name.empty() && base.work != Work::compare) {
-        base.id = fmt::format("{}/{}", work_names()[static_cast<std::size_t>(base.work)], base.id);
+        base.id = fmt::format("{}/{}", name_of(base.work), base.id);
       }
       if (sweep.combinations() + static_cast<double>(suite_->cases.size()) > kMostCases) {
         return table.complain(fmt::format("more than {:g} cases in one suite", kMostCases));

@@ -179,7 +179,7 @@ std::string format_headline(const NightReport& report) {
                        : report.code == 4    ? "no baseline"
                        : !report.is_finished ? "unfinished"
                                              : "red";
-  return fmt::format("{} {}: {}{}{}\n", colour, report.title,
+  return fmt::format("{} {}: {}{}{}\n", colour, as_cell(report.title),
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
                      turns_of(report));
 }

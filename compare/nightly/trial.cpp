@@ -306,7 +306,7 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
     const fuzz::Machine machine = fuzz::draw_machine(one.fuzz.seed, k, style);
     const fuzz::Outcome outcome = fuzz::try_machine(fuzz::write_machine(machine), scratch, makers);
     if (outcome.sort == fuzz::Sort::agree) ++result.judged;
-    if (machine.is_regular && !machine.is_redundant) {
+    if (machine.should_be_judged()) {
       ++regular;
       if (outcome.sort == fuzz::Sort::refusal) ++refused;
     }
@@ -356,7 +356,7 @@ Model model_of(const Case& one) {
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers) {
   Result result;
   result.id = one.id;
-  result.work = work_names()[static_cast<std::size_t>(one.work)];
+  result.work = name_of(one.work);
   try {
     do_work(one, scratch, makers, result);
   } catch (const InputError& error) {

@@ -57,6 +57,8 @@ const std::vector<std::string>& work_names() {
   return names;
 }
 
+const std::string& name_of(Work work) { return work_names()[static_cast<std::size_t>(work)]; }
+
 double Sweep::combinations() const {
   double count = 1.0;
   const auto times = [&](std::size_t n) { count *= n == 0 ? 1.0 : static_cast<double>(n); };
@@ -99,7 +101,7 @@ std::vector<Case> variants_of(const Case& base, const Sweep& sweep) {
 }
 
 std::string definition_of(const Case& one) {
-  std::string text = work_names()[static_cast<std::size_t>(one.work)];
+  std::string text = name_of(one.work);
   if (!one.model.empty()) text += definition_of_model(one.model);
   text += fmt::format(" until={} rtol={} samples={} states={} {}+{}", words_of(one.options.until),
                       words_of(one.options.rtol), one.options.samples.value_or(0), one.options.states.value_or(0),

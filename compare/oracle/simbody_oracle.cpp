@@ -70,10 +70,9 @@ class SimbodyOracle final : public ThirdOpinion {
   /// there the spring is left out.
   [[nodiscard]] VecX tau_of(const SprungJoint& sprung, const State& state) const {
     const Joint& joint = model_.joints[sprung.joint];
-    const auto at = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
-    const RelativeMotion relative = relative_motion(at(Side::parent), at(Side::child));
     const VecX hint = state.q.empty() ? VecX() : state.q[sprung.joint];
-    VecX tau = tau_by_laws(joint, sprung.laws, read_motion(*joint.type, relative, hint), state.t);
+    const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, state), hint);
+    VecX tau = tau_by_laws(joint, sprung.laws, motion, state.t);
     return tau.unaryExpr([](double value) { return std::isnan(value) ? 0.0 : value; });
   }
 

@@ -6,9 +6,6 @@
 
 namespace concord::compare {
 
-namespace {
-
-/// A text as a cell of a Markdown table: bars are escaped; ends of lines and other control characters are spaces.
 std::string as_cell(const std::string& text) {
   std::string cell;
   for (const char c : text) {
@@ -17,8 +14,6 @@ std::string as_cell(const std::string& text) {
   }
   return cell;
 }
-
-}  // namespace
 
 std::string format_table(const std::vector<std::vector<std::string>>& texts, const std::vector<bool>& right) {
   std::vector<std::vector<std::string>> lines = texts;

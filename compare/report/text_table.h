@@ -9,6 +9,9 @@ namespace concord::compare {
 /// Bars in a text are escaped; control characters become spaces. The columns named in `right` are aligned right.
 std::string format_table(const std::vector<std::vector<std::string>>& texts, const std::vector<bool>& right);
 
+/// A text as a cell of such a table, in one line.
+std::string as_cell(const std::string& text);
+
 /// "1 loop", "2 loops".
 std::string plural(int count, const char* one, const char* many);
 

@@ -27,10 +27,8 @@ std::vector<Part> joint_parts(const Model& model, const State& state, double len
   std::vector<Part> parts;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
-    const auto frame = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
-    const RelativeMotion relative = relative_motion(frame(Side::parent), frame(Side::child));
     const VecX hint = k < state.q.size() ? state.q[k] : VecX();
-    const VecX u = read_motion(*joint.type, relative, hint).u;
+    const VecX u = read_motion(*joint.type, relative_motion_of(joint, state), hint).u;
     const std::vector<std::string> names = speed_names(*joint.type);
     const std::vector<bool> turns = turning_speeds(*joint.type);
     for (std::size_t c = 0; c < names.size(); ++c) {

@@ -54,6 +54,9 @@ int run_rows(int samples, int states) {
   return samples * std::max(1, parts);
 }
 
+/// The same for each solver: what is found out about a model's beams is found out once.
+std::array<Auditor, 2> two_of(const Auditor& auditor) { return {auditor, auditor}; }
+
 /// The verification of one model by runs, rung by rung.
 class Verification {
  public:
@@ -66,7 +69,7 @@ class Verification {
         judge_(layout_, {kRungs.begin(), kRungs.end()}, verdict_),
         same_state_(layout_, solvers_, options.seed, judge_, verdict_),
         runs_(layout_, solvers_, options.seed, judge_, progress_, verdict_),
-        auditors_{Auditor(model), Auditor(model)},
+        auditors_(two_of(Auditor(model))),
         redraws_{answers_within_roundoff(model, cartesian, options.seed),
                  answers_within_roundoff(model, relative, options.seed)} {}
 

@@ -27,6 +27,14 @@ struct TwoOnHinges {
   }
 };
 
+/// Such a machine at its start.
+struct Started {
+  TwoOnHinges machine;
+  Equations equations{machine.model};
+  Assembly assembly{equations};
+  Coordinates start = assembly.start();
+};
+
 FastestMotion fastest_of(const Model& model) {
   Equations equations(model);
   Assembly assembly(equations);
@@ -46,15 +54,12 @@ TEST(RelativeEvaluationLimit, NamesTheJointThatIsTooStiff) {
 }
 
 TEST(RelativeEvaluationLimit, RefusesARunThatIsHardThroughoutAndSaysWhere) {
-  const TwoOnHinges machine(4e8, 0.0);
-  Equations equations(machine.model);
-  Assembly assembly(equations);
-  const Coordinates start = assembly.start();
+  Started at{{4e8, 0.0}};
   EvaluationLimit limit(2.0, "erk");
   long evaluations = 0;
   double t = 0.0;
   try {
-    for (; t < 2.0; t += 1e-4) limit.pass(t, evaluations += 4000, equations, start);  // 80 million in all
+    for (; t < 2.0; t += 1e-4) limit.pass(t, evaluations += 4000, at.equations, at.start);  // 80 million in all
     FAIL() << "80 million evaluations were let pass";
   } catch (const TooManyEvaluations& error) {
     const std::string text = error.what();
@@ -68,24 +73,18 @@ TEST(RelativeEvaluationLimit, RefusesARunThatIsHardThroughoutAndSaysWhere) {
 }
 
 TEST(RelativeEvaluationLimit, HoldsTheWholeRunToWhatItWasGiven) {
-  const TwoOnHinges machine(3.0, 0.1);
-  Equations equations(machine.model);
-  Assembly assembly(equations);
-  const Coordinates start = assembly.start();
+  Started at{{3.0, 0.1}};
   EvaluationLimit limit(2.0, "erk", 100'000);
-  EXPECT_NO_THROW(limit.pass(0.9, 100'000, equations, start));
-  EXPECT_THROW(limit.pass(0.91, 100'001, equations, start), TooManyEvaluations);
+  EXPECT_NO_THROW(limit.pass(0.9, 100'000, at.equations, at.start));
+  EXPECT_THROW(limit.pass(0.91, 100'001, at.equations, at.start), TooManyEvaluations);
 }
 
 TEST(RelativeEvaluationLimit, LetsAShortHardPhasePass) {
-  const TwoOnHinges machine(3.0, 0.1);
-  Equations equations(machine.model);
-  Assembly assembly(equations);
-  const Coordinates start = assembly.start();
+  Started at{{3.0, 0.1}};
   EvaluationLimit limit(2.0, "erk");
   long evaluations = 250'000;
-  limit.pass(1e-5, evaluations, equations, start);
-  for (double t = 1e-3; t < 2.0; t += 1e-3) limit.pass(t, evaluations += 400, equations, start);
+  limit.pass(1e-5, evaluations, at.equations, at.start);
+  for (double t = 1e-3; t < 2.0; t += 1e-3) limit.pass(t, evaluations += 400, at.equations, at.start);
 }
 
 }  // namespace
