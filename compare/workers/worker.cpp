@@ -120,8 +120,8 @@ void limit_memory([[maybe_unused]] double megabytes) {
       break;
     } catch (const std::system_error& error) {
       // A thread that finds no room for its stack says that it should be tried again.
-      const bool no_memory = error.code() == std::errc::resource_unavailable_try_again ||
-                             error.code() == std::errc::not_enough_memory;
+      const bool no_memory =
+          error.code() == std::errc::resource_unavailable_try_again || error.code() == std::errc::not_enough_memory;
       told = send_message(socket, no_memory ? kNoMemory : kException, no_memory ? "" : error.what());
       if (no_memory) break;
     } catch (const std::exception& error) {
