@@ -100,7 +100,8 @@ std::string advice_on_standing(const RunPair& pair, std::size_t who) {
 }
 
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
-                                            Rung rung, double motion_need, Verdict& verdict) {
+                                            Rung rung, double motion_need, std::optional<std::size_t> standing,
+                                            Verdict& verdict) {
   const std::vector<QuantityRow*> missing = rows_that_miss(verdict, rung);
   // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
   double apart = 0.0;
@@ -113,13 +114,18 @@ std::optional<std::string> find_unconverged(const QuantityLayout& layout, const 
     for (std::size_t who = 0; who < 2; ++who) moved[who] = std::max(moved[who], own[who] / measured.scale);
   }
   if (apart > kOfOneDraw * (moved[0] + moved[1])) return std::nullopt;
-  if (std::max(moved[0], moved[1]) > kOneAlone * std::min(moved[0], moved[1])) return std::nullopt;
+  const auto may_move_alone = [standing](std::size_t who) { return standing == who; };
+  const std::size_t more = moved[0] > moved[1] ? 0 : 1;
+  if (moved[more] > kOneAlone * moved[1 - more] && !may_move_alone(more)) return std::nullopt;
   const std::array<double, 2> of_motions = own_motion_digits(layout.model(), looser, tighter);
   if (tighter.motion.digits < motion_need &&
       tighter.motion.digits < std::min(of_motions[0], of_motions[1]) - std::log10(kOfOneDraw)) {
     return std::nullopt;
   }
-  if (std::abs(of_motions[0] - of_motions[1]) > std::log10(kOneAlone)) return std::nullopt;
+  const std::size_t farther = of_motions[0] < of_motions[1] ? 0 : 1;
+  if (of_motions[1 - farther] - of_motions[farther] > std::log10(kOneAlone) && !may_move_alone(farther)) {
+    return std::nullopt;
+  }
   for (QuantityRow* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
   if (missing.empty()) {
     return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);

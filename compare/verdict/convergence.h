@@ -47,8 +47,9 @@ std::string advice_on_standing(const RunPair& pair, std::size_t who);
 /// from the looser tolerance to the tighter one, and the same holds for the motions, the integration has not converged,
 /// and the solvers cannot be told apart there: marks the rows as not converged and returns a sentence that names the
 /// worst. Returns nothing, and marks nothing, if the difference is larger, or if one solver alone moves: then its
-/// integration is at fault.
+/// integration is at fault. `standing`: the solver whose integrator holds its steps no tighter, and may move alone.
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
-                                            Rung rung, double motion_need, Verdict& verdict);
+                                            Rung rung, double motion_need, std::optional<std::size_t> standing,
+                                            Verdict& verdict);
 
 }  // namespace concord::compare

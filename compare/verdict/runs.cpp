@@ -205,8 +205,11 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
       looser = first_samples(layout_, *compared, samples);
       compared = &*looser;
     }
-    if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, verdict_)) {
-      if (standing) *why += advice_on_standing(pair, *standing);
+    if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, standing, verdict_)) {
+      if (standing) {
+        *why += advice_on_standing(pair, *standing);
+        stands_[*standing] = true;
+      }
       verdict_.failures.push_back(std::move(*why));
       return true;
     }

@@ -47,6 +47,9 @@ class RunRungs {
   /// What holds in the samples of a run; empty if no run was judged.
   [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
 
+  /// Whether a solver's runs were found not to converge because its integrator holds its steps no tighter.
+  [[nodiscard]] bool stands(Who who) const { return stands_[index(who)]; }
+
  private:
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
                    const std::array<bool, 2>& may_switch);
@@ -72,6 +75,7 @@ class RunRungs {
   std::array<std::string, 2> goes_on_by_;  // after a switch
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
+  std::array<bool, 2> stands_{};
   OrderStudy orders_;
 };
 

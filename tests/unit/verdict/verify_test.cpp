@@ -200,6 +200,19 @@ TEST_F(VerifyTest, ARunThatGetsNoTighterIsNoDifference) {
   for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
 }
 
+/// The same where the other solver's runs are the same at every tolerance: who moves alone is who holds its steps.
+TEST_F(VerifyTest, ARunThatGetsNoTighterAndMovesAloneIsNoDifference) {
+  model_.run.rtol = 1e-9;
+  cartesian_.drift = 1.1e3;
+  cartesian_.finest = 3.1e-11;
+  relative_.drift = 0.0;
+  const Verdict verdict = judge();
+  EXPECT_EQ(verdict.outcome, Outcome::failed);
+  EXPECT_THAT(verdict.failures, Contains(AllOf(HasSubstr("refined: the runs do not converge"),
+                                               HasSubstr("another integrator (--cartesian-integrator) may"))));
+  for (const QuantityRow& row : verdict.rows) EXPECT_NE(row.judgement, Judgement::differ);
+}
+
 /// Where one solver's run moves and the other's does not, the integration of the one is at fault.
 TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   relative_.drift = 1e9;
