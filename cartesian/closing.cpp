@@ -24,6 +24,7 @@ struct KeptRow {
   ConstraintRow row;  // gradient and, for coordinates, value less the kept value
   double target;      // of a speed
   double size;        // of the kept value, which the round-off of `row` is relative to
+  int component;      // of its word
 };
 
 /// The turn Q as axis times angle, angle in [0, pi]. Its rate is the angular velocity at Q = 1 and, for any Q, along
@@ -63,7 +64,7 @@ std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
         const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
         if (follows_law) continue;
         const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
-        kept.push_back({k, rows[c], start.u(c), size});
+        kept.push_back({k, rows[c], start.u(c), size, c});
       }
     }
   }
@@ -96,7 +97,7 @@ std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<Vec
   each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
     ConstraintRow row = evaluate_read(read, component, equations.moving_constraints().joint(k).motion);
     row.value -= known[k.value](place);
-    rows.push_back({k, row, 0.0, std::abs(known[k.value](place))});
+    rows.push_back({k, row, 0.0, std::abs(known[k.value](place)), component});
   });
   return rows;
 }
@@ -387,6 +388,8 @@ KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& 
   KeptCount count;
   count.coordinates = static_cast<int>(coordinates.size());
   count.speeds = static_cast<int>(speeds.size());
+  count.speeds_kept_as_wholes = static_cast<int>(
+      std::count_if(speeds.begin(), speeds.end(), [](const KeptRow& row) { return row.component > 0; }));
   count.coordinate_freedom = columns - constrained;
   count.speed_freedom = columns - speeds_constrained;
   count.independent_coordinates = rank_with(Kept::coordinates, coordinates) - constrained;

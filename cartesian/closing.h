@@ -62,6 +62,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
 struct KeptCount {
   int coordinates = 0;
   int speeds = 0;
+  int speeds_kept_as_wholes = 0;  // those beside the first of words with several, which nobody can leave out alone
   int coordinate_freedom = 0;  // rigid degrees of freedom at the state, modal coordinates held
   int speed_freedom = 0;
   int independent_coordinates = 0;

@@ -52,8 +52,11 @@ bool keeps_coordinates(const Model& model) {
   throw InputError(first_place(model, closing.joints_left_open), fmt::format(fmt::runtime(said), why));
 }
 
+/// A ball keeps three speeds or none, also where fewer are free, as on slides that are driven: the others only have to
+/// agree with what is free, which closing decides.
 bool is_right(const KeptCount& kept) {
-  return kept.coordinates == kept.coordinate_freedom && kept.speeds == kept.speed_freedom;
+  const int surplus = kept.speeds - kept.speed_freedom;
+  return kept.coordinates == kept.coordinate_freedom && surplus >= 0 && surplus <= kept.speeds_kept_as_wholes;
 }
 
 /// A ball keeps three coordinates or none: of a rod between two balls nothing can keep how far it has turned about

@@ -24,6 +24,17 @@ const char* name_of(ClosureRows rows) { return rows == ClosureRows::of_positions
 constexpr const char* kMayBeSingular =
     "; a start in a singular pose, such as a linkage lying flat or stretched, seems to have more: start it elsewhere";
 
+/// Speeds that nobody can leave out: of each word that keeps several at once, all but one.
+int count_speeds_kept_as_wholes(const Model& model) {
+  int count = 0;
+  for (const Joint& joint : model.joints) {
+    for (std::size_t word = 0; word < joint.start.size(); ++word) {
+      if (joint.start[word].role_u == StartRole::keep) count += n_u(joint.type->permits[word]) - 1;
+    }
+  }
+  return count;
+}
+
 std::string degrees(int n) { return fmt::format("{} degree{} of freedom", n, n == 1 ? "" : "s"); }
 
 }  // namespace
@@ -170,7 +181,12 @@ void Start::require_number_of_kept(const Coordinates& coordinates, const Prescri
   int n_kept = 0;
   for (std::size_t c = 0; c < prescribed.size(); ++c)
     n_kept += prescribed[c] != 0 && scaled_->equations().driven()[c] == 0 ? 1 : 0;
-  if (n_kept == freedom) return;
+  const int surplus = n_kept - freedom;
+  // Balls are kept as wholes: of their speeds more may be kept than are free, if they agree.
+  const bool is_enough = rows == ClosureRows::of_positions
+                             ? surplus == 0
+                             : surplus >= 0 && surplus <= count_speeds_kept_as_wholes(scaled_->equations().model());
+  if (is_enough) return;
   throw InputError(
       where_kept(prescribed),
       fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
