@@ -1,13 +1,14 @@
 #include "compare/audit/beam_shapes.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "common/decompositions.h"
+#include "common/error.h"
 #include "common/flexible/beam.h"
 
 namespace concord::compare {
@@ -95,13 +96,14 @@ Vibrations vibrations(const LineMatrices& line, const std::vector<Eigen::Index>&
   const MatX K = line.K(free, free);
   const MatX M = line.M(free, free);
   const double shift = rigid > 0 ? 100.0 * line.rate2 : 0.0;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> solved(M, K + shift * M);
+  const std::optional<SymmetricEigenpairs> solved = symmetric_eigenpairs(M, K + shift * M);
+  if (!solved) throw SolverError("audit: the stiffness of a beam's line is not positive definite");
   Vibrations found{MatX::Zero(line.K.rows(), K.cols() - rigid), VecX(K.cols() - rigid)};
   for (Eigen::Index k = 0; k < found.mu.size(); ++k) {
     const Eigen::Index own = K.cols() - 1 - rigid - k;
-    found.mu(k) = solved.eigenvalues()(own);
+    found.mu(k) = solved->values(own);
     for (std::size_t f = 0; f < free.size(); ++f) {
-      found.shapes(free[f], k) = solved.eigenvectors()(static_cast<Eigen::Index>(f), own);
+      found.shapes(free[f], k) = solved->vectors(static_cast<Eigen::Index>(f), own);
     }
   }
   return found;
@@ -111,7 +113,7 @@ Vibrations vibrations(const LineMatrices& line, const std::vector<Eigen::Index>&
 VecX static_shape(const LineMatrices& line, const std::vector<Eigen::Index>& free, Eigen::Index moved) {
   VecX shape = VecX::Unit(line.K.rows(), moved);
   if (free.empty()) return shape;
-  const VecX inside = line.K(free, free).ldlt().solve(-line.K(free, Eigen::all).col(moved));
+  const VecX inside = solve_square(line.K(free, free), -line.K(free, Eigen::all).col(moved));
   for (std::size_t f = 0; f < free.size(); ++f) shape(free[f]) = inside(static_cast<Eigen::Index>(f));
   return shape;
 }
@@ -216,7 +218,7 @@ ShapeMisfit compute_misfit_of_shapes(const ModalData& modal) {
     if (stated.columns.cols() > 0) {
       const VecX sizes = (stated.columns.transpose() * line.M * stated.columns).diagonal().cwiseSqrt().cwiseInverse();
       const MatX scaled = stated.columns * sizes.asDiagonal();
-      rest -= scaled * (scaled.transpose() * line.M * scaled).ldlt().solve(scaled.transpose() * line.M * numbers);
+      rest -= scaled * solve_square(scaled.transpose() * line.M * scaled, scaled.transpose() * line.M * numbers);
     }
     const VecX squares = (rest.transpose() * line.M * rest).diagonal();
     beyond.row(static_cast<Eigen::Index>(of.family)) =

@@ -1,6 +1,6 @@
 #include "compare/invariance/modes.h"
 
-#include <Eigen/LU>
+#include "common/decompositions.h"
 
 namespace concord::compare::invariance {
 
@@ -24,8 +24,8 @@ Body with_modes(Body body, const MatX& T) {
     node.Psi_r_L = node.Psi_r_L * T;
   }
   for (MassPoint& point : modal.mass_points) point.Psi_t_L = point.Psi_t_L * T;
-  body.a_start = T.lu().solve(body.a_start);
-  body.adot_start = T.lu().solve(body.adot_start);
+  body.a_start = solve_square(T, body.a_start);
+  body.adot_start = solve_square(T, body.adot_start);
   return body;
 }
 
@@ -48,8 +48,8 @@ Change with_modes(const std::vector<MatX>& T) {
   change.state = [T](State state) {
     for (std::size_t i = 1; i < T.size(); ++i) {
       if (T[i].size() == 0) continue;
-      state.bodies[i].a = T[i].lu().solve(state.bodies[i].a);
-      state.bodies[i].adot = T[i].lu().solve(state.bodies[i].adot);
+      state.bodies[i].a = solve_square(T[i], state.bodies[i].a);
+      state.bodies[i].adot = solve_square(T[i], state.bodies[i].adot);
     }
     return state;
   };

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
+#include "common/decompositions.h"
 #include "compare/audit/balance.h"
 #include "compare/verdict/verify.h"
 #include "relative/assembly.h"
@@ -158,7 +159,7 @@ class BelievesThePrint : public Solver {
       if (motion.a.size() == 0) continue;
       VecX load = VecX::Zero(6 + motion.a.size());
       load.tail(motion.a.size()) = sum_over_joints(model_, i, motion, evaluation, printed_extra);
-      const VecX change = mass_matrix(model_.bodies[i], motion).llt().solve(load);
+      const VecX change = solve_square(mass_matrix(model_.bodies[i], motion), load);
       evaluation.bodies[i].vdot += change.head<3>();
       evaluation.bodies[i].omegadot += change.segment<3>(3);
       evaluation.bodies[i].addot += change.tail(motion.a.size());
@@ -278,9 +279,9 @@ TEST_CASE("The right side of (22) needs M Bdot u; with M B udot, as printed, the
     load.segment<6>(row) = -inertia_rows(model.bodies[i], state.bodies[i], VecX::Zero(6), model.gravity);
   }
   const MatX Mbar = B.transpose() * M * B;
-  const VecX as_derived = Mbar.llt().solve(B.transpose() * (load - M * Bdot_u));
+  const VecX as_derived = solve_square(Mbar, B.transpose() * (load - M * Bdot_u));
   // Mbar udot = B^T (Q - S - U - M B udot): udot stands on both sides.
-  const VecX as_printed = (2.0 * Mbar).llt().solve(B.transpose() * load);
+  const VecX as_printed = solve_square(2.0 * Mbar, B.transpose() * load);
   const VecX& udot = evaluated.udot();
   fmt::print("(22) on double_pendulum_3d: udot with M Bdot u {:.1e} off, with M B udot {:.2f} off, of its size\n",
              (as_derived - udot).norm() / udot.norm(), (as_printed - udot).norm() / udot.norm());

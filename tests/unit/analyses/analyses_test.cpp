@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/decompositions.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
@@ -174,7 +174,7 @@ class OddPendulum : public FakePendulum {
     const MatX swing = FakePendulum::tangent(state);
     MatX all = MatX::Identity(6, 3);
     all.col(0) = swing;
-    all = MatX(Eigen::HouseholderQR<MatX>(all).householderQ() * MatX::Identity(6, 3));
+    all = orthonormal_columns(all);
     return all.leftCols(is_start ? counts_[0] : counts_[1]);
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "common/decompositions.h"
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
 #include "compare/audit/energy.h"
@@ -251,7 +252,7 @@ struct Bench {
       const ModalData& modal = *model.bodies[body].modal;
       force.tail(size - 6) -= modal.stiffness * motion.a + modal.damping * motion.adot;
     }
-    const VecX Ydot = mass.ldlt().solve(force);
+    const VecX Ydot = solve_square(mass, force);
     evaluation.bodies[body] = {Ydot.head<3>(), Ydot.segment<3>(3), Ydot.tail(size - 6)};
   }
 

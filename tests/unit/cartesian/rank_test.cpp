@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/decompositions.h"
 #include "machines.h"
 
 namespace concord::cartesian {
@@ -39,10 +40,10 @@ TEST(Rank, SmallSingularValuesAreFoundExactly) {
       SCOPED_TRACE(apart);
       MatX matrix = numbers.matrix(rows, 2 * rows).rowwise().normalized();
       VecX off = numbers.matrix(2 * rows, 1);
-      off -= matrix.transpose() * (matrix * matrix.transpose()).ldlt().solve(matrix * off);
+      off -= matrix.transpose() * solve_square(matrix * matrix.transpose(), matrix * off);
       matrix.row(rows - 1) = (matrix.row(2) + apart * off.normalized().transpose()).normalized();
       const RankDecision decision = decide_rank(sparse(matrix));
-      const VecX values = matrix.jacobiSvd().singularValues();
+      const VecX values = singular_values(matrix);
       const double smallest = values(rows - 1) / values(0);
       EXPECT_EQ(decision.rank, smallest > 1e-10 ? rows : rows - 1);
       EXPECT_EQ(decision.left_null_space.cols(), rows - decision.rank);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/decompositions.h"
 #include "machines.h"
 #include "relative/assembly.h"
 #include "relative/solver.h"
@@ -289,7 +290,7 @@ TEST_P(SprungType, PushesTheSameInTheTreeAndCut) {
     MatX free = MatX::Identity(joint.type->n_u(), joint.type->n_u());
     if (speeds.n_rows() > 0) {
       speeds.evaluate(motion, joint.name);
-      free = MatX(speeds.C().transpose()).fullPivLu().kernel();
+      free = kernel_of(speeds.C().transpose());
     }
     const Mat6X S = motion.S.leftCols(joint.type->n_u()) * free;
     for (const Evaluation* evaluation : {&by_tree, &by_cut}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/decompositions.h"
 #include "machines.h"
 #include "relative/solver.h"
 
@@ -28,7 +29,7 @@ class RollingType : public ::testing::TestWithParam<const joints::JointType*> {
     mobilizer_.evaluate(q.data(), u.data(), at);
     speeds_.evaluate(at, "J");
     const MatX C = speeds_.C();
-    return C * (C.transpose() * C).inverse() * C.transpose() * u;
+    return C * least_squares(C, u);
   }
 
   Mobilizer mobilizer_;
@@ -47,7 +48,7 @@ TEST_P(RollingType, StaysPermittedAlongItsMotion) {
   speeds_.evaluate(at, "J");
   const MatX C = speeds_.C();
   VecX udot = numbers_.vector(mobilizer_.n_u(), 2.0);
-  udot -= C * (C.transpose() * C).inverse() * (C.transpose() * udot + speeds_.bias());
+  udot -= C * solve_square(C.transpose() * C, C.transpose() * udot + speeds_.bias());
   const auto slip_at = [&](double h) {
     VecX q = q_;
     const VecX step = h * u + 0.5 * h * h * udot;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/decompositions.h"
 #include "machines.h"
 
 namespace concord::relative {
@@ -22,7 +23,7 @@ TEST(RowFactors, FindTheSmallestStepOfIndependentRows) {
   const VecX misfit = (VecX(4) << 0.3, -0.2, 0.7, 0.1).finished();
   const VecX step = factors.smallest_step(misfit);
   EXPECT_LT((Phi * step + misfit).norm(), 1e-14);
-  const VecX least = -Phi.completeOrthogonalDecomposition().solve(misfit);
+  const VecX least = -smallest_least_squares(Phi, misfit);
   EXPECT_LT((step - least).norm(), 1e-13);
 }
 
@@ -34,7 +35,7 @@ TEST(RowFactors, MeasureTheSmallestSingularValueThatCounts) {
     RowFactors factors;
     factors.compute(Phi);
     EXPECT_EQ(factors.rank(), 4);
-    const VecX sigma = Phi.jacobiSvd().singularValues();
+    const VecX sigma = singular_values(Phi);
     const double found = factors.singular_value(4);
     EXPECT_GT(found, 0.2 * sigma(3)) << size;
     EXPECT_LT(found, 1.5 * sigma(3)) << size;
