@@ -1,6 +1,7 @@
 #include "relative/integration_run.h"
 
 #include <fmt/format.h>
+#include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +48,22 @@ void IntegrationRun::evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::
   equations_->compute_qdot(equations_->motion(), qdot_);
   variables_.pack(qdot_, evaluated.udot(), ydot);
   ydot(variables_.work()) = has_work_ ? equations_->power(evaluated) : 0.0;
+}
+
+void IntegrationRun::differentiate(double t, const Eigen::Ref<const VecX>& y, const Eigen::Ref<const VecX>& ydot,
+                                   Eigen::Ref<MatX> J) {
+  constexpr double kRootOfRoundOff = 1.5e-8;
+  beside_ = y;
+  for (Eigen::Index k = 0; k < y.size(); ++k) {
+    if (k == variables_.work()) {
+      J.col(k).setZero();  // nothing depends on it
+      continue;
+    }
+    beside_(k) += kRootOfRoundOff * (sizes_(k) + std::abs(y(k)));
+    evaluate(t, beside_, J.col(k));
+    J.col(k) = (J.col(k) - ydot) / (beside_(k) - y(k));
+    beside_(k) = y(k);
+  }
 }
 
 /// Error weights: rtol of the size for coordinates, so that a tolerance does not grow with the number of turns; of
@@ -176,6 +193,19 @@ int right_side(realtype t, N_Vector y, N_Vector ydot, void* user_data) {
   }
 }
 
+int jacobian(realtype t, N_Vector y, N_Vector ydot, SUNMatrix matrix, void* user_data, N_Vector /*unused*/,
+             N_Vector /*unused*/, N_Vector /*unused*/) {
+  auto& run = *static_cast<IntegrationRun*>(user_data);
+  Eigen::Map<MatX> J(SUNDenseMatrix_Data(matrix), SUNDenseMatrix_Rows(matrix), SUNDenseMatrix_Columns(matrix));
+  try {
+    run.differentiate(t, sundials::view(y), sundials::view(ydot), J);
+    return J.allFinite() ? 0 : 1;
+  } catch (const SolverError& error) {
+    run.remember(error);
+    return 1;
+  }
+}
+
 int project_step(realtype t, N_Vector y, void* user_data) {
   auto& run = *static_cast<IntegrationRun*>(user_data);
   try {
@@ -194,6 +224,6 @@ int error_weights(N_Vector y, N_Vector weights, void* user_data) {
 
 }  // namespace
 
-StepperCallbacks callbacks_of(IntegrationRun& run) { return {right_side, project_step, error_weights, &run}; }
+StepperCallbacks callbacks_of(IntegrationRun& run) { return {right_side, project_step, error_weights, jacobian, &run}; }
 
 }  // namespace concord::relative

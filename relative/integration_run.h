@@ -26,6 +26,9 @@ class IntegrationRun {
 
   /// ydot(t, y).
   void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot);
+  /// J = d ydot / dy at (t, y), by differences over what is small beside the machine's own sizes: over what is small
+  /// beside a state at rest, rates have more round-off than change.
+  void differentiate(double t, const Eigen::Ref<const VecX>& y, const Eigen::Ref<const VecX>& ydot, Eigen::Ref<MatX> J);
   /// The factors of errors in y by which an integrator judges them.
   void weigh(const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> weights) const;
   /// Projects the state that a step has reached onto the closure, and looks at what the step has passed.
@@ -58,6 +61,7 @@ class IntegrationRun {
   IntegratedVariables variables_;
   Coordinates coordinates_;
   VecX qdot_;
+  VecX beside_;  // a state beside the one that is differentiated at
   bool has_work_;
   double rtol_;
   VecX sizes_;

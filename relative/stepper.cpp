@@ -44,6 +44,7 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
   check(ARKStepWFtolerances(memory, calls.weigh), "ARKStepWFtolerances");
   check(ARKStepSetTableNum(memory, ARKODE_ESDIRK547L2SA2_7_4_5, ARKODE_ERK_NONE), "ARKStepSetTableNum");
   check(ARKStepSetLinearSolver(memory, linear, matrix), "ARKStepSetLinearSolver");
+  check(ARKStepSetJacFn(memory, calls.jacobian), "ARKStepSetJacFn");
   check(ARKStepSetMaxNumSteps(memory, kMostSteps), "ARKStepSetMaxNumSteps");
   check(ARKStepSetNonlinConvCoef(memory, 1e-3), "ARKStepSetNonlinConvCoef");
   check(ARKStepSetMaxNonlinIters(memory, 8), "ARKStepSetMaxNonlinIters");
@@ -57,7 +58,7 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
 Stepper::Stepper(const std::string& name, N_Vector y, const StepperCallbacks& callbacks,
                  const sundials::Context& context, sundials::MessageRecord& messages)
     : calls_(name == "dirk" ? &kArk : &kErk), callbacks_(callbacks), before_(N_VClone(y)) {
-  const StepperCallbacks own{right_side, project, weigh, this};
+  const StepperCallbacks own{right_side, project, weigh, jacobian, this};
   if (name != "dirk") {
     memory_ = make_erk(y, own, context, messages);
     return;
@@ -113,6 +114,12 @@ int Stepper::project(realtype t, N_Vector y, void* stepper) {
 int Stepper::weigh(N_Vector y, N_Vector weights, void* stepper) {
   const auto& self = *static_cast<const Stepper*>(stepper);
   return self.callbacks_.weigh(y, weights, self.callbacks_.user_data);
+}
+
+int Stepper::jacobian(realtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* stepper, N_Vector a, N_Vector b,
+                      N_Vector c) {
+  const auto& self = *static_cast<const Stepper*>(stepper);
+  return self.callbacks_.jacobian(t + self.beyond_, y, ydot, J, self.callbacks_.user_data, a, b, c);
 }
 
 int Stepper::try_step(double t_end, N_Vector y, double& t) {

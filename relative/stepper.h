@@ -1,6 +1,7 @@
 #pragma once
 
 #include <arkode/arkode.h>
+#include <arkode/arkode_ls.h>
 
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@ struct StepperCallbacks {
   ARKRhsFn right_side;
   ARKPostProcessFn project;
   ARKEwtFn weigh;
+  ARKLsJacFn jacobian;  // of the right side
   void* user_data;
 };
 
@@ -70,6 +72,7 @@ class Stepper {
   static int right_side(realtype t, N_Vector y, N_Vector ydot, void* stepper);
   static int project(realtype t, N_Vector y, void* stepper);
   static int weigh(N_Vector y, N_Vector weights, void* stepper);
+  static int jacobian(realtype t, N_Vector y, N_Vector ydot, SUNMatrix J, void* stepper, N_Vector, N_Vector, N_Vector);
 
   const Calls* calls_;
   StepperCallbacks callbacks_;
