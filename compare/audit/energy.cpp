@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kEnergyRoundOff = 1e-15;  // of the terms of an energy
 constexpr double kHalfAUnit = 1.2e-16;     // of a number: what a step may lose of it
-constexpr double kSmallestScale = 1e-6;    // of what the largest force would do
+/// Of what the largest force would do along the length: the part of it that a place off by its tolerance does, where a
+/// thousand times the tolerance of energy is allowed, is no error.
+constexpr double kSmallestScale = 1e-3;
 
 struct Energies {
   double kinetic = 0.0;
