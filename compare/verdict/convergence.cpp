@@ -18,6 +18,9 @@ constexpr double kOfOneDraw = 10.0;
 /// Where one solver's run moves by so many times more than the other's, it is not the motion that is sensitive.
 constexpr double kOneAlone = 1e4;
 
+/// Runs whose motions agree to so many digits are the same.
+constexpr double kTheSame = 14.0;
+
 /// Rows that are judged on a rung and miss their need, those with the fewest digits first.
 std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Rung rung) {
   std::vector<QuantityRow*> missing;
@@ -82,8 +85,11 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
+bool stands(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who) {
+  return own_motion_digits(model, looser, tighter)[who] >= kTheSame;
+}
+
 std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter) {
-  constexpr double kTheSame = 14.0;  // digits
   if (!looser.is_complete() || !tighter.is_complete()) return std::nullopt;
   if (looser.run.samples != tighter.run.samples) return std::nullopt;
   const std::array<double, 2> digits = own_motion_digits(model, looser, tighter);

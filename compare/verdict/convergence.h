@@ -35,6 +35,9 @@ RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int sam
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
 
+/// Whether a solver's run is the same at both tolerances.
+bool stands(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who);
+
 /// The solver whose run is the same at both tolerances though one is tighter: its integrator holds its steps no tighter
 /// than a limit of its own, and what tolerance changes is not seen between these two. Of both the first.
 std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter);

@@ -256,6 +256,13 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
   verdict_.refined.samples = *judged;
 }
 
+bool RunRungs::stands(Who who, const RunPair& of_same_run) {
+  if (stands_[index(who)] || !of_same_run.is_complete()) return stands_[index(who)];
+  const std::optional<RunPair> looser = run_looser(of_same_run.run, Rung::same_run);
+  stands_[index(who)] = looser && compare::stands(layout_.model(), *looser, of_same_run, index(who));
+  return stands_[index(who)];
+}
+
 /// A run of which nothing was judged has not passed its rung, and the reader wants to know why.
 void RunRungs::tell_if_unresolved() {
   const auto is_open = [](const QuantityRow& row) {

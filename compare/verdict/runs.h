@@ -47,8 +47,9 @@ class RunRungs {
   /// What holds in the samples of a run; empty if no run was judged.
   [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
 
-  /// Whether a solver's runs were found not to converge because its integrator holds its steps no tighter.
-  [[nodiscard]] bool stands(Who who) const { return stands_[index(who)]; }
+  /// Whether a solver's runs do not converge because its integrator holds its steps no tighter. `of_same_run`: runs
+  /// that are repeated at a looser tolerance to find out.
+  bool stands(Who who, const RunPair& of_same_run);
 
  private:
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,

@@ -104,7 +104,7 @@ class Verification {
     ask_in_same_states(view(pair.trajectories));
     runs_.judge_same_run(pair, same_state_.weighed());
     if (options_.refines) runs_.refine(pair, same_state_.weighed());
-    audit(view(pair.trajectories));
+    audit(pair);
     note_geometric_stiffness(view(pair.trajectories));
     keep(view(pair.trajectories));
     attribute();
@@ -245,14 +245,15 @@ class Verification {
   }
 
   /// The third opinion on each solver alone: every sample of its own run and every state that was handed to it.
-  void audit(const std::array<const Trajectory*, 2>& trajectories) {
+  void audit(const RunPair& pair) {
     progress_.begin("audit");
+    const std::array<const Trajectory*, 2> trajectories = view(pair.trajectories);
     for (const Who who : kBothSolvers) {
       if (const Trajectory* trajectory = trajectories[index(who)]) {
         for (const Sample& sample : trajectory->samples) {
           auditors_[index(who)].add(sample.state, sample.evaluation, redraws_[index(who)]);
         }
-        judge_energy(who, audit_energy(model_, *trajectory));
+        judge_energy(who, audit_energy(model_, *trajectory), pair);
       }
       judge_.judge_audit(who, auditors_[index(who)].report());
       if (const Trajectory* trajectory = trajectories[index(who)]) {
@@ -262,15 +263,15 @@ class Verification {
   }
 
   /// A run whose integrator holds its steps no tighter keeps no energy as far as is asked: no difference, but no answer.
-  void judge_energy(Who who, const EnergyReport& found) {
+  void judge_energy(Who who, const EnergyReport& found, const RunPair& pair) {
     SolverSummary& summary = verdict_.solvers[index(who)];
     summary.energy_error = found.relative();
     if (found.relative() <= verdict_.energy_allowed) return;
     std::string what =
         fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}", summary.name,
                     found.relative(), found.t, verdict_.energy_allowed);
-    if (runs_.stands(who)) {
-      verdict_.failures.push_back(std::move(what));
+    if (runs_.stands(who, pair)) {
+      verdict_.failures.push_back(what + advice_on_standing(pair, index(who)));
       return;
     }
     verdict_.findings.push_back(
