@@ -19,11 +19,28 @@ namespace concord::cartesian {
 
 namespace {
 
+/// Of the first of these joints, or of the model's first joint.
 SourceLocation first_place(const Model& model, const std::vector<std::string>& joints) {
   for (const Joint& joint : model.joints) {
-    if (!joints.empty() && joint.name == joints.front()) return joint.where;
+    const bool is_sought = joints.empty() || joint.name == joints.front();
+    if (is_sought && !joint.where.file.empty()) return joint.where;
   }
   return {model.file, 0, 0};
+}
+
+bool keeps_something(const Joint& joint) {
+  return std::any_of(joint.start.begin(), joint.start.end(), [](const WordStart& word) {
+    return word.role_q == StartRole::keep || word.role_u == StartRole::keep;
+  });
+}
+
+/// Names of the joints of which the start keeps something.
+std::vector<std::string> keeping_joints(const Model& model) {
+  std::vector<std::string> names;
+  for (const Joint& joint : model.joints) {
+    if (keeps_something(joint)) names.push_back(joint.name);
+  }
+  return names;
 }
 
 bool keeps_coordinates(const Model& model) {
@@ -49,7 +66,7 @@ bool keeps_coordinates(const Model& model) {
                          : "the guesses do not lead to a pose that closes: with what is driven, {}, and other "
                            "starts round about do no better; give better guesses of joint coordinates or body "
                            "poses";
-  throw InputError(first_place(model, closing.joints_left_open), fmt::format(fmt::runtime(said), why));
+  throw StartNotFound(first_place(model, closing.joints_left_open), fmt::format(fmt::runtime(said), why));
 }
 
 /// A ball keeps three speeds or none, also where fewer are free, as on slides that are driven: the others only have to
@@ -90,16 +107,17 @@ bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const 
                                ? "; but the start is a singular pose, as a linkage that lies flat or stretched, "
                                  "where it only seems to have more: start it elsewhere"
                                : "";
+  const SourceLocation where = first_place(model, keeping_joints(model));
   const std::string found = fmt::format("the start keeps {} joint coordinates and {} joint speeds, but the machine has",
                                         kept.coordinates, kept.speeds);
   if (kept.coordinate_freedom == kept.speed_freedom) {
-    throw InputError({model.file, 0, 0},
+    throw InputError(where,
                      fmt::format("{} {} independent ones (rigid ones, beside those that drivers move): keep exactly "
                                  "{} of each{}{}",
                                  found, kept.coordinate_freedom, kept.coordinate_freedom,
                                  hint_at_rod_between_balls(model, kept), hint));
   }
-  throw InputError({model.file, 0, 0},
+  throw InputError(where,
                    fmt::format("{} {} independent coordinates and {} independent speeds (rigid ones, beside those that "
                                "drivers move; what must not slip restricts speeds alone): keep exactly as many{}",
                                found, kept.coordinate_freedom, kept.speed_freedom, hint));
@@ -108,13 +126,7 @@ bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const 
 void refuse_dependent(const Model& model, const KeptCount& kept) {
   const bool fixes_places = kept.independent_coordinates == kept.coordinate_freedom;
   if (fixes_places && kept.independent_speeds == kept.speed_freedom) return;
-  std::vector<std::string> names;
-  for (const Joint& joint : model.joints) {
-    const auto keeps = [](const WordStart& word) {
-      return word.role_q == StartRole::keep || word.role_u == StartRole::keep;
-    };
-    if (std::any_of(joint.start.begin(), joint.start.end(), keeps)) names.push_back(joint.name);
-  }
+  const std::vector<std::string> names = keeping_joints(model);
   throw InputError(first_place(model, names),
                    fmt::format("the coordinates that the start keeps in joints {} depend on each other: {} of {} "
                                "coordinates and {} of {} speeds are independent",

@@ -33,6 +33,12 @@ class InputError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
+/// Start values that contradict each other, or near which nothing closes: not a start that is found and refused.
+class StartNotFound : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A statement that cannot be solved with the joints that are cut; with others it might be.
 class UnsuitableCut : public InputError {
  public:

@@ -133,7 +133,7 @@ SourceLocation Start::where_kept(const PrescribedMask& prescribed) const {
       if (prescribed[c] != 0 && scaled_->equations().driven()[c] == 0) return model.joints[k].where;
     }
   }
-  return {model.file, 0, 0};
+  return model.joints.empty() ? SourceLocation{model.file, 0, 0} : model.joints.front().where;
 }
 
 /// The couplings that relate nothing but kept and driven values, for the end of a message about the former.
@@ -237,15 +237,16 @@ void Start::require_inertia(const Coordinates& coordinates) const {
 
 void Start::throw_not_closing(const PrescribedMask& prescribed) const {
   if (prescribed == scaled_->equations().driven()) {
-    throw InputError(where_kept(prescribed),
-                     fmt::format("start: the loops of {} cannot be closed near the start values: give "
-                                 "better guesses of joint coordinates or body poses{}",
-                                 scaled_->equations().model().name, couplings_of_kept(prescribed)));
+    throw StartNotFound(where_kept(prescribed),
+                        fmt::format("start: the loops of {} cannot be closed near the start values: give "
+                                    "better guesses of joint coordinates or body poses{}",
+                                    scaled_->equations().model().name, couplings_of_kept(prescribed)));
   }
-  throw InputError(where_kept(prescribed),
-                   fmt::format("start: the kept joint coordinates ({}) contradict each other, or the guesses are too "
-                               "far off: the loops do not close with them{}",
-                               names_of_kept(prescribed), couplings_of_kept(prescribed)));
+  throw StartNotFound(
+      where_kept(prescribed),
+      fmt::format("start: the kept joint coordinates ({}) contradict each other, or the guesses are too "
+                  "far off: the loops do not close with them{}",
+                  names_of_kept(prescribed), couplings_of_kept(prescribed)));
 }
 
 namespace {
@@ -311,10 +312,10 @@ void Start::require_kept(const Coordinates& closed, const Coordinates& said) con
   const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
                            const VecX& left_out) {
     if ((found - kept).cwiseAbs().maxCoeff() <= allowed) return;
-    throw InputError(joint.where, fmt::format("start: joint '{}' keeps the {} ({:.9g}), but the machine closes with "
-                                              "({:.9g}): keep others",
-                                              joint.name, what, fmt::join(VecX(kept + left_out), ", "),
-                                              fmt::join(VecX(found + left_out), ", ")));
+    throw StartNotFound(joint.where, fmt::format("start: joint '{}' keeps the {} ({:.9g}), but the machine closes with "
+                                                 "({:.9g}): keep others",
+                                                 joint.name, what, fmt::join(VecX(kept + left_out), ", "),
+                                                 fmt::join(VecX(found + left_out), ", ")));
   };
   const VecX angles = static_cast<double>(kWholeTurn) * scaled_->equations().kinematics().turns();
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -372,9 +373,9 @@ Coordinates Start::find() const {
   require_independent(closed, prescribed_u, ClosureRows::of_velocities);
   require_inertia(closed);
   if (!close_velocities(*scaled_, closed, prescribed_u, Modes::kept)) {
-    throw InputError(where_kept(prescribed_u),
-                     fmt::format("start: the kept joint speeds ({}) contradict each other{}",
-                                 names_of_kept(prescribed_u), couplings_of_kept(prescribed_u)));
+    throw StartNotFound(where_kept(prescribed_u),
+                        fmt::format("start: the kept joint speeds ({}) contradict each other{}",
+                                    names_of_kept(prescribed_u), couplings_of_kept(prescribed_u)));
   }
   scaled_->move(closed);
   require_kept(closed, start);

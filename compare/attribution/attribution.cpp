@@ -17,7 +17,7 @@ namespace {
 
 /// So many digits worse than the other solver, a solver breaks a rule even where it reaches the rule's need.
 constexpr double kClearlyWorse = 2.5;
-constexpr std::array kNames{"cartesian", "relative", "both solvers"};
+constexpr std::array kNames{"cartesian", "relative", "both solvers, or the audit itself"};
 constexpr int kBoth = 2;
 
 /// A rule that is broken at one place.
@@ -49,7 +49,8 @@ std::vector<Breach> breaches_of(const Evidence& evidence, AuditRule rule) {
     const std::array<const AuditFinding*, 2> found{&places[0]->by(rule), &places[1]->by(rule)};
     const int worse = found[0]->digits <= found[1]->digits ? 0 : 1;
     if (found[worse]->row.empty()) continue;
-    const bool is_clear = found[worse]->digits + kClearlyWorse < found[1 - worse]->digits;
+    const bool may_be_small = evidence.answers_differ || !found[worse]->holds();
+    const bool is_clear = may_be_small && found[worse]->digits + kClearlyWorse < found[1 - worse]->digits;
     const bool does_other_hold = found[1 - worse]->holds();
     if (!is_clear && found[worse]->holds()) continue;
     breaches.push_back({is_clear || does_other_hold ? worse : kBoth, places[worse], found[worse]});
@@ -299,7 +300,7 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
   using Rule = std::function<std::optional<Attribution>(const Evidence&)>;
   const Rule sharp = [](const Evidence& all) { return blame_dynamics(all, true); };
   const Rule blunt = [](const Evidence& all) { return blame_dynamics(all, false); };
-  const bool alike = !evidence.states.empty() && move_alike(evidence.states);
+  const bool alike = evidence.answers_differ && !evidence.states.empty() && move_alike(evidence.states);
   // From causes to what follows from them. Where the bodies move alike, it is the report that differs.
   const std::vector<Rule> where_alike{blame_count, blame_modal_data,   blame_element, blame_report,
                                       blame_page,  blame_joint_motion, blame_driver,  blame_joint_law,

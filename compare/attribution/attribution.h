@@ -27,6 +27,8 @@ struct Evidence {
   std::vector<bool> ambiguous = {};
   /// Where each solver starts.
   std::array<const State*, 2> starts{};
+  /// Whether answers in the same states differ: else a rule that both solvers obey tells nothing.
+  bool answers_differ = true;
   /// What the solvers say of their constraints in some states, where they contradict each other in that.
   std::vector<AskedState> constraints = {};
 };

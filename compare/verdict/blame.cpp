@@ -88,4 +88,17 @@ std::vector<AskedState> ask_of_constraints(const std::array<Solver*, 2>& solvers
   return asked;
 }
 
+std::vector<OwnedState> owned_starts(const std::array<State, 2>& starts) {
+  std::vector<OwnedState> owned;
+  for (const Who who : kBothSolvers) {
+    if (!starts[index(who)].bodies.empty()) owned.push_back({starts[index(who)], who});
+  }
+  return owned;
+}
+
+std::optional<Attribution> cause_of_stop(const Model& model, const std::array<Solver*, 2>& solvers,
+                                         const std::vector<OwnedState>& found, std::uint64_t seed) {
+  return find_cause_of_stop(model, ask_of_constraints(solvers, states_of_ranks(model, solvers, found, seed)));
+}
+
 }  // namespace concord::compare

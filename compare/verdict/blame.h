@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/attribution/attribution.h"
 #include "compare/attribution/ranks.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -30,5 +32,12 @@ std::vector<OwnedState> states_of_ranks(const Model& model, const std::array<Sol
 /// Asks both in every state. What stops a solver is its answer.
 std::vector<AskedState> ask_of_constraints(const std::array<Solver*, 2>& solvers,
                                            const std::vector<OwnedState>& states);
+
+/// The starts that solvers found; states without bodies are none.
+std::vector<OwnedState> owned_starts(const std::array<State, 2>& starts);
+
+/// Why a solver stops where the other one goes on, from what both say of their constraints in states that they found.
+std::optional<Attribution> cause_of_stop(const Model& model, const std::array<Solver*, 2>& solvers,
+                                         const std::vector<OwnedState>& found, std::uint64_t seed);
 
 }  // namespace concord::compare

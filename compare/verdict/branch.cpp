@@ -83,8 +83,8 @@ Apart apart(const Model& model, const State& one, const State& other) {
   return most;
 }
 
-/// Whether a start has the coordinates that the model keeps or drives. One that has not is a solver's mistake: branches
-/// differ in what is guessed.
+}  // namespace
+
 bool obeys_the_model(const Model& model, const State& state) {
   constexpr double kKept = 1e-7;  // solvers keep them to round-off, which a fine thread far away magnifies
   const double length = model.length_scale();
@@ -107,6 +107,8 @@ bool obeys_the_model(const Model& model, const State& state) {
   });
   return obeys;
 }
+
+namespace {
 
 /// Whether one of two starts drops what the model keeps or drives.
 bool one_disobeys(const Model& model, const std::array<Assembled, 2>& starts) {

@@ -15,6 +15,10 @@ using Solvers = std::array<std::unique_ptr<Solver>, 2>;  // by Who
 /// the others are guesses near it. Speeds stay what the model says.
 Model started_at(const Model& model, const State& state);
 
+/// Whether a start has the coordinates that the model keeps or drives. One that has not is a solver's mistake: branches
+/// differ in what is guessed.
+bool obeys_the_model(const Model& model, const State& state);
+
 /// Both solvers for a model. Where they assemble different branches from its guesses, or where one of them finds none,
 /// `model` gets the better start as its guess, and both are made anew: the branch that is nearer to the guesses, and if
 /// those do not tell, nearer to zero in the coordinates of which nothing is said. `note` then says so. Throws

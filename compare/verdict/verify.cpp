@@ -14,6 +14,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
+#include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
 #include "compare/verdict/one_start.h"
@@ -77,7 +78,8 @@ class Verification {
     check_needs(model_);
     describe_case();
     try {
-      if (!assemble()) {
+      starts_ = assemble_both(model_, solvers_, options_.seed, options_.explains, verdict_);
+      if (!verdict_.failures.empty()) {
         attribute_stop();
         return std::move(verdict_);
       }
@@ -127,44 +129,6 @@ class Verification {
     }
     runs_.allow_switching({options_.integrators[0].empty(), options_.integrators[1].empty()});
     for (std::string& note : notes_on_tables(model_, verdict_.run.until)) verdict_.notes.push_back(std::move(note));
-  }
-
-  bool assemble() {
-    std::array<std::optional<InputError>, 2> refusals;
-    for (const Who who : kBothSolvers) {
-      Solver& solver = *solvers_[index(who)];
-      try {
-        starts_[index(who)] = solver.assemble();
-        verdict_.solvers[index(who)].rank = solver.rank(starts_[index(who)]);
-        verdict_.solvers[index(who)].cut_joints = solver.cut_joints();
-      } catch (const SolverError& error) {
-        verdict_.failures.emplace_back(error.what());
-      } catch (const InputError& error) {
-        refusals[index(who)] = error;
-      }
-    }
-    judge_refusals(refusals);
-    return verdict_.failures.empty();
-  }
-
-  /// A start that one solver finds and the other one refuses is bad input, unless it is the latter that is wrong.
-  void judge_refusals(const std::array<std::optional<InputError>, 2>& refusals) {
-    for (const Who who : kBothSolvers) {
-      const std::optional<InputError>& refusal = refusals[index(who)];
-      if (!refusal) continue;
-      const State& other = starts_[1 - index(who)];
-      std::optional<Attribution> cause;
-      try {
-        if (!other.bodies.empty() && options_.explains) cause = cause_of_stop();
-      } catch (const SolverError&) {  // nothing is known of the state: the refusal stands
-      }
-      if (cause && cause->solver == index(who)) {
-        verdict_.failures.push_back(fmt::format("{} refuses the start that {} finds: {}", solvers_[index(who)]->name(),
-                                                solvers_[1 - index(who)]->name(), refusal->what()));
-        continue;
-      }
-      throw *refusal;
-    }
   }
 
   /// What must hold at the start before anything else is asked. Uniqueness is compared state by state later.
@@ -262,14 +226,14 @@ class Verification {
     }
   }
 
-  /// A run whose integrator holds its steps no tighter keeps no energy as far as is asked: no difference, but no answer.
+  /// A run whose integrator holds its steps no tighter keeps no energy as far as is asked: no difference, but no
+  /// answer.
   void judge_energy(Who who, const EnergyReport& found, const RunPair& pair) {
     SolverSummary& summary = verdict_.solvers[index(who)];
     summary.energy_error = found.relative();
     if (found.relative() <= verdict_.energy_allowed) return;
-    std::string what =
-        fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}", summary.name,
-                    found.relative(), found.t, verdict_.energy_allowed);
+    std::string what = fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}",
+                                   summary.name, found.relative(), found.t, verdict_.energy_allowed);
     if (runs_.stands(who, pair)) {
       verdict_.failures.push_back(what + advice_on_standing(pair, index(who)));
       return;
@@ -305,12 +269,19 @@ class Verification {
   void attribute() {
     if (verdict_.findings.empty() || !options_.explains) return;
     progress_.begin("attribution");
+    judge_.judge_rows();  // which rungs are passed
     try {
       find_who_is_to_blame();
     } catch (const std::exception& error) {  // the difference stands without its explanation
       verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
+    if (!verdict_.attribution && verdict_.same_state.passed && verdict_.audit.passed) {
+      verdict_.notes.emplace_back(
+          "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds, so look "
+          "at "
+          "steps, projections, events, and at the joint accelerations and the power that are integrated");
+    }
     if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
   }
 
@@ -327,7 +298,8 @@ class Verification {
                       evaluated(same_state_.weighed().states),
                       evaluated(drawn),
                       ambiguous_joints(layout_, same_state_.weighed().mask),
-                      {&starts_[0], &starts_[1]}};
+                      {&starts_[0], &starts_[1]},
+                      !verdict_.same_state.passed};
     if (!verdict_.rank_agrees) {
       evidence.constraints = ask_of_constraints(solvers_, states_of_ranks(model_, solvers_, run, options_.seed));
     }
@@ -343,20 +315,13 @@ class Verification {
     const bool is_well = verdict_.failures.empty() && verdict_.findings.empty();
     if (is_well || verdict_.attribution || !options_.explains) return;
     try {
-      verdict_.attribution = cause_of_stop();
+      std::vector<OwnedState> found = run_states(view(verdict_.trajectories), kStatesOfRanks);
+      for (OwnedState& start : owned_starts(starts_)) found.push_back(std::move(start));
+      verdict_.attribution = cause_of_stop(model_, solvers_, found, options_.seed);
     } catch (const std::exception& error) {  // the failure stands without its explanation
       verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
-  }
-
-  std::optional<Attribution> cause_of_stop() const {
-    std::vector<OwnedState> found = run_states(view(verdict_.trajectories), kStatesOfRanks);
-    for (const Who who : kBothSolvers) {
-      if (!starts_[index(who)].bodies.empty()) found.push_back({starts_[index(who)], who});
-    }
-    return find_cause_of_stop(model_,
-                              ask_of_constraints(solvers_, states_of_ranks(model_, solvers_, found, options_.seed)));
   }
 
   void conclude() {

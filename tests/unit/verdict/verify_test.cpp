@@ -220,6 +220,8 @@ TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   EXPECT_EQ(verdict.outcome, Outcome::differ);
   EXPECT_TRUE(verdict.same_state.passed);
   EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
+  EXPECT_FALSE(verdict.attribution);
+  EXPECT_THAT(verdict.notes, Contains(HasSubstr("to blame: a run, not what is answered")));
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
