@@ -29,7 +29,11 @@ std::string quoted(const KnownKeys& keys, std::string_view last_separator) {
 
 TableReader::TableReader(const toml::table& table, std::string title, const KnownKeys& known, FileReading& reading)
     : table_(&table), title_(std::move(title)), reading_(&reading) {
-  const std::vector<std::string> names(known.begin(), known.end());
+  std::vector<std::string> names;
+  for (const auto& key : known) {
+    const std::string name(key);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
   for (const auto& [key, value] : table) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     complain_at(reading_->at(key.source()),

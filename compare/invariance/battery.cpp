@@ -174,7 +174,7 @@ class BatteryRun {
 
   void refuse(Who who, const Variant& variant, const std::string& what, const std::string& words) {
     row_of(who).outcome = Outcome::differ;
-    tell(row_of(who), variant, fmt::format("{} is refused: {}", what, words));
+    tell(row_of(who), variant, fmt::format("refused: {}: {}", what, words));
   }
 
   static void tell(MoveRow& row, const Variant& variant, const std::string& words) {

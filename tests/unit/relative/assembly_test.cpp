@@ -154,9 +154,10 @@ TEST(Assembly, FollowsDriversOnTreeAndCutJoints) {
 TEST(Assembly, AsksForAsManyKeptValuesAsDegreesOfFreedom) {
   Model none = test::spatial_slider_crank(false);
   test::release(none.joints[0]);
-  EXPECT_EQ(complaint_about(none),
-            "slider_crank.toml: error: start: the machine has 1 degree of freedom beside its drivers and modes, so 1 "
-            "joint coordinates must be kept, but 0 are (none)");
+  EXPECT_EQ(
+      complaint_about(none),
+      "slider_crank.toml:10:1: error: start: the machine has 1 degree of freedom beside its drivers and modes, so 1 "
+      "joint coordinates must be kept, but 0 are (none)");
   Model two = test::spatial_slider_crank(false);
   test::keep_first_word(two.joints[3], 0.1);
   EXPECT_EQ(
@@ -165,9 +166,10 @@ TEST(Assembly, AsksForAsManyKeptValuesAsDegreesOfFreedom) {
       "1 joint coordinates must be kept, but 2 are (1 of joint 'A', 1 of joint 'D')");
   Model only_position = test::spatial_slider_crank(false);
   only_position.joints[0].start[0].role_u = StartRole::guess;
-  EXPECT_EQ(complaint_about(only_position),
-            "slider_crank.toml: error: start: the machine has 1 degree of freedom beside its drivers and modes, so 1 "
-            "joint speeds must be kept, but 0 are (none)");
+  EXPECT_EQ(
+      complaint_about(only_position),
+      "slider_crank.toml:10:1: error: start: the machine has 1 degree of freedom beside its drivers and modes, so 1 "
+      "joint speeds must be kept, but 0 are (none)");
 }
 
 TEST(Assembly, NamesJointsWhoseKeptValuesCannotBeReached) {
