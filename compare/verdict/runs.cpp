@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <future>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -270,12 +271,17 @@ void RunRungs::tell_if_unresolved() {
     return !row.unique || (detail.samples == 0 && detail.too_coarse > 0);
   };
   const auto is_unique = [](const QuantityRow& row) { return row.unique; };
-  const auto& rows = verdict_.rows;
+  const bool has_reactions = !verdict_.rows.empty();
+  std::vector<QuantityRow> rows = verdict_.rows;
+  if (!has_reactions) {
+    std::copy_if(verdict_.others.begin(), verdict_.others.end(), std::back_inserter(rows),
+                 [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
+  }
   if (!std::all_of(rows.begin(), rows.end(), is_open) || std::none_of(rows.begin(), rows.end(), is_unique)) return;
   verdict_.notes.push_back(
-      fmt::format("no reaction of the runs is judged: what they leave open of places makes forces of more than {:g} of "
+      fmt::format("no {} of the runs is judged: what they leave open of places makes forces of more than {:g} of "
                   "those in this motion, as where a loop holds stiff bodies; the states are judged",
-                  kCoarsest));
+                  has_reactions ? "reaction" : "force element", kCoarsest));
 }
 
 void RunRungs::study_orders(bool further) {
