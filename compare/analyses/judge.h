@@ -19,6 +19,8 @@ inline constexpr double kOwnRigid = 10.0;
 inline constexpr double kOwnFlexible = 8.0;
 inline constexpr double kEigenvalue = 8.0;
 inline constexpr double kRoundTrip = 10.0;
+/// Of the accelerations that are asked for, as differences read them from the bodies.
+inline constexpr double kAsAsked = 9.0;
 
 /// A number that both solvers give, beside wrenches: a coordinate of an equilibrium, an eigenvalue, a driver force; or,
 /// without values, what has many numbers, as the shape of a mode.

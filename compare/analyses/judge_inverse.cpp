@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,8 @@
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
+#include "compare/audit/joint_kinematics.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -18,6 +21,30 @@ namespace concord::compare::analyses {
 
 namespace {
 
+/// What accelerations are held against [1/s2]: those of the bodies, what forces cause, and of what moves though nothing
+/// acts on it, as a balanced rotor or a sledge, a part of its speed's square, of which round-off is left.
+/// Where motors hold springs and nothing else acts, there is round-off of the springs' terms.
+double scale_of(const QuantityLayout& layout, const State& state, const std::array<Evaluation, 2>& found) {
+  constexpr double kPartOfSpin = 1e-3;
+  constexpr double kPartOfSpeed = 1e-5;
+  const Model& model = layout.model();
+  const Evaluation& there = found[0];
+  double scale = std::max(scaled_accelerations(model, there).lpNorm<Eigen::Infinity>(),
+                          reference_acceleration(model, state, there));
+  for (const BodyState& body : state.bodies) {
+    const double of_speed = body.v.squaredNorm() / (model.length_scale() * model.length_scale());
+    scale = std::max({scale, kPartOfSpin * body.omega.squaredNorm(), kPartOfSpeed * of_speed});
+  }
+  const VecX terms = term_sizes(layout, {state, found});
+  for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
+    const Quantity& quantity = layout.quantities()[row];
+    if (quantity.kind != Kind::acceleration || quantity.component >= 6) continue;
+    const double size = kScaleFloor * terms(static_cast<Eigen::Index>(row));
+    scale = std::max(scale, quantity.component < 3 ? size / model.length_scale() : size);
+  }
+  return scale;
+}
+
 /// Accelerations of all bodies by the actuated machine, and the loads on them, against those of the driven one.
 double round_trip_digits(const Model& model, const State& state, const Evaluation& there, const Evaluation& back) {
   const QuantityLayout layout(model);
@@ -25,17 +52,7 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
   const std::vector<Measured> measured = measure(layout, series);
   const VecX asked = scaled_accelerations(model, there);
   const VecX reached = scaled_accelerations(model, back);
-  constexpr double kPartOfSpin = 1e-3;  // of a balanced rotor, on which nothing acts, that is what is left to compare
-  double scale = std::max(asked.lpNorm<Eigen::Infinity>(), reference_acceleration(model, state, there));
-  for (const BodyState& body : state.bodies) scale = std::max(scale, kPartOfSpin * body.omega.squaredNorm());
-  // Where motors hold springs and nothing else acts, asked and reached are round-off of the springs' terms.
-  const VecX terms = term_sizes(layout, {state, {there, back}});
-  for (std::size_t row = 0; row < measured.size(); ++row) {
-    const Quantity& quantity = layout.quantities()[row];
-    if (quantity.kind != Kind::acceleration || quantity.component >= 6) continue;
-    const double size = kScaleFloor * terms(static_cast<Eigen::Index>(row));
-    scale = std::max(scale, quantity.component < 3 ? size / model.length_scale() : size);
-  }
+  const double scale = scale_of(layout, state, {there, back});
   double mass = 0.0;
   for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
   double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);
@@ -48,6 +65,25 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
     worst = std::min(worst, matching_digits(measured[row].difference, std::max(measured[row].scale, load)));
   }
   return worst;
+}
+
+/// Of the driven coordinates the accelerations that bodies have, read by the third opinion, against those asked for,
+/// relative to what accelerations are held against.
+NumberRow as_asked(const Model& driven, const State& state, const Evaluation& there,
+                   const std::vector<Prescribed>& coordinates, std::string_view solver) {
+  const double length = driven.length_scale();
+  const double scale = scale_of(QuantityLayout(driven), state, {there, there});
+  double worst = kMostDigits;
+  for (const Prescribed& one : coordinates) {
+    const Joint& joint = driven.joints[one.joint];
+    const auto speed = static_cast<std::size_t>(one.speed(driven));
+    const VecX udot = joint_accelerations(joint, state, there, state.q[one.joint], length);
+    const double unit = turning_speeds(*joint.type).at(speed) ? 1.0 : length;
+    const double found = udot(static_cast<Eigen::Index>(speed));
+    worst =
+        std::min(worst, matching_digits(found - one.acceleration, std::max(scale * unit, std::abs(one.acceleration))));
+  }
+  return {fmt::format("as asked: accelerations by {}, read from the bodies", solver), "", {}, worst, kAsAsked};
 }
 
 bool starts(const SolverMakers& makers, const Model& model) {
@@ -89,6 +125,9 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   result.text += "forces that make the machine move as asked:\n" +
                  format_table(lines, {false, true, true, true, false, true}) + '\n';
   for (const Who who : kBothSolvers) {
+    result.numbers.push_back(as_asked(driven, start, there[index(who)], coordinates, solvers[index(who)]->name()));
+    result.text +=
+        fmt::format("{}: {} digits\n", result.numbers.back().name, format_digits(result.numbers.back().digits));
     const Model actuated = actuated_by(begun, there[index(who)], coordinates);
     for (const Who by : kBothSolvers) {
       const auto solver = (by == Who::cartesian ? makers.cartesian : makers.relative)(actuated);

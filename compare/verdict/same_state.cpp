@@ -85,13 +85,15 @@ void SameState::note_singular_start() {
 void SameState::note_refusals(const std::vector<RefusedState>& refused) {
   const std::array<int, 2> general = general_ranks(weighed_.reports);
   std::vector<std::string> elsewhere;
+  std::vector<std::string> there;
   for (const RefusedState& one : refused) {
-    if (is_at_singular_pose(one.state, general[index(one.state.owner)])) {
-      ++verdict_.singular_states;
-      verdict_.failures.push_back(fmt::format("the pose is singular: {}", one.why));
-    } else {
-      elsewhere.push_back(one.why);
-    }
+    const bool is_singular = is_at_singular_pose(one.state, general[index(one.state.owner)]);
+    (is_singular ? there : elsewhere).push_back(one.why);
+  }
+  if (!there.empty()) {
+    verdict_.singular_states += static_cast<int>(there.size());
+    const std::string more = there.size() > 1 ? fmt::format("; so are {} more states", there.size() - 1) : "";
+    verdict_.failures.push_back(fmt::format("the pose is singular: {}{}", there.front(), more));
   }
   if (elsewhere.empty()) return;
   verdict_.findings.push_back(
