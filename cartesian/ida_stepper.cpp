@@ -69,7 +69,7 @@ class IdaStepper : public Stepper {
     check(IDAGetLastStep(memory_.get(), &last_step_), "IDAGetLastStep", messages_);
     write_start(t, motion_);
     check(IDAReInit(memory_.get(), t, x_.get(), xdot_.get()), "IDAReInit", messages_);
-    set_first_step();
+    check(IDASetInitStep(memory_.get(), 0.0), "IDASetInitStep", messages_);  // IDA's own: an event may follow at once
   }
 
  private:
