@@ -48,6 +48,9 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
   check(ARKStepSetMaxNumSteps(memory, kMostSteps), "ARKStepSetMaxNumSteps");
   check(ARKStepSetNonlinConvCoef(memory, 1e-3), "ARKStepSetNonlinConvCoef");
   check(ARKStepSetMaxNonlinIters(memory, 8), "ARKStepSetMaxNonlinIters");
+  // The rate at which Newton's method converged in earlier steps says nothing of a step of another length that uses
+  // their matrix: no iterate is accepted for it.
+  check(ARKStepSetNonlinCRDown(memory, 1.0), "ARKStepSetNonlinCRDown");
   check(ARKStepSetPostprocessStepFn(memory, calls.project), "ARKStepSetPostprocessStepFn");
   check(ARKStepSetInterpolantDegree(memory, 3), "ARKStepSetInterpolantDegree");
   return memory;

@@ -47,6 +47,49 @@ start.slide_z = { keep = 0.0, keep_speed = 0.0 }
 spring.slide_z = { stiffness = 2e7, damping = 4e5 }
 )";
 
+/// An engine on a light bracket, between bushings with strong dampers, that is let go and settles.
+const std::string kEngineOnABracket = R"(format = 1
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "engine"
+mass = 90
+inertia = [3.1, 4.2, 5.3]
+[[body]]
+name = "bracket"
+mass = 0.06
+inertia = [0.0001, 0.00012, 0.00014]
+[[joint]]
+name = "of engine"
+type = "free"
+parent = "ground"
+child = "engine"
+start.slide_x = { keep = 0, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = 0.1, keep_speed = 0 }
+start.ball = { keep = { axis = [0, 0, 1], angle = 0.0 }, keep_speed = [0.0, 0.0, 0.0] }
+[[joint]]
+name = "of bracket"
+type = "free"
+parent = "ground"
+child = "bracket"
+start.slide_x = { keep = 0, keep_speed = 0 }
+start.slide_y = { keep = 0, keep_speed = 0 }
+start.slide_z = { keep = 0, keep_speed = 0 }
+start.ball = { keep = { axis = [0, 0, 1], angle = 0.0 }, keep_speed = [0.0, 0.0, 0.0] }
+[[bushing]]
+name = "below"
+parent = "ground"
+child = "bracket"
+stiffness = [1.1e7, 1.1e7, 1.1e7, 1e4, 1e4, 1e4]
+damping = [1e4, 1e4, 1e4, 10, 10, 10]
+[[bushing]]
+name = "above"
+parent = { body = "bracket", point = [0.0, 0.0, 0.05] }
+child = { body = "engine", point = [0.0, 0.0, -0.05] }
+stiffness = [1e6, 1e6, 1e6, 1e4, 1e4, 1e4]
+damping = [3e3, 3e3, 3e3, 30, 30, 30]
+)";
+
 compare::VerifyOptions by_stiff_integrators() {
   compare::VerifyOptions options;
   options.integrators = {"ida", "dirk"};
@@ -82,6 +125,25 @@ TEST_CASE("Both integrators for stiff machines follow a sinking block to its res
       CHECK(trajectory.statistics.evaluations < 20000);
     }
     ++who;
+  }
+}
+
+TEST_CASE("What the implicit integrator of relative leaves falls with the tolerance until round-off is left",
+          "[quick]") {
+  const Model model = parse(kEngineOnABracket);
+  const auto solver = relative::make_solver(model);
+  const auto heights = [&](double rtol) {
+    const Trajectory trajectory = run(*solver, 2.0, rtol, 300, "dirk");
+    VecX z(static_cast<Eigen::Index>(trajectory.samples.size()));
+    for (Eigen::Index k = 0; k < z.size(); ++k)
+      z(k) = trajectory.samples[static_cast<std::size_t>(k)].state.bodies[1].r.z();
+    return z;
+  };
+  const VecX reference = heights(2e-14);
+  for (const double rtol : {1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 2e-13, 1e-13, 7e-14, 5e-14, 3e-14}) {
+    const double error = (heights(rtol) - reference).lpNorm<Eigen::Infinity>();
+    INFO("rtol " << rtol << ", error " << error << " m");
+    CHECK(error < 0.1 * rtol + 1e-14);
   }
 }
 
