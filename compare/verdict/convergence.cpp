@@ -97,12 +97,15 @@ std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& lo
   return digits[nearer] >= kTheSame ? std::optional(nearer) : std::nullopt;
 }
 
+std::string advice_on_integrator(const RunPair& pair, std::size_t who) {
+  return fmt::format("{} holds its steps no tighter, another integrator (--{}-integrator) may",
+                     pair.integrators[who].empty() ? "its integrator" : pair.integrators[who],
+                     who == 0 ? "cartesian" : "relative");
+}
+
 std::string advice_on_standing(const RunPair& pair, std::size_t who) {
-  const char* solver = who == 0 ? "cartesian" : "relative";
-  return fmt::format(
-      "; the {} run is the same at rtol {:g} as at a looser one: {} holds its steps no tighter, another "
-      "integrator (--{}-integrator) may",
-      solver, pair.run.rtol, pair.integrators[who].empty() ? "its integrator" : pair.integrators[who], solver);
+  return fmt::format("; the {} run is the same at rtol {:g} as at a looser one: {}",
+                     who == 0 ? "cartesian" : "relative", pair.run.rtol, advice_on_integrator(pair, who));
 }
 
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,

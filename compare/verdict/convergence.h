@@ -42,7 +42,8 @@ bool stands(const Model& model, const RunPair& looser, const RunPair& tighter, s
 /// than a limit of its own, and what tolerance changes is not seen between these two. Of both the first.
 std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter);
 
-/// What to do about it: the end of a sentence on runs that do not converge.
+/// What to do about it: the end of a sentence on runs that do not converge, and of one on what a run loses.
+std::string advice_on_integrator(const RunPair& pair, std::size_t who);
 std::string advice_on_standing(const RunPair& pair, std::size_t who);
 
 /// Looks at the rows that miss their need on a rung where the same state agrees. If the largest difference among them,

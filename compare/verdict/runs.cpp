@@ -128,7 +128,6 @@ std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
   return horizon;
 }
 
-/// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish.
 std::optional<RunPair> RunRungs::run_looser(const RunOptions& run, Rung rung) {
   RunOptions loose = run;
   loose.rtol = run.rtol * kTighter;
@@ -255,13 +254,6 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;
-}
-
-bool RunRungs::stands(Who who, const RunPair& of_same_run) {
-  if (stands_[index(who)] || !of_same_run.is_complete()) return stands_[index(who)];
-  const std::optional<RunPair> looser = run_looser(of_same_run.run, Rung::same_run);
-  stands_[index(who)] = looser && compare::stands(layout_.model(), *looser, of_same_run, index(who));
-  return stands_[index(who)];
 }
 
 /// A run of which nothing was judged has not passed its rung, and the reader wants to know why.

@@ -47,9 +47,11 @@ class RunRungs {
   /// What holds in the samples of a run; empty if no run was judged.
   [[nodiscard]] const WeighedRun& weighed_run() const { return weighed_run_; }
 
-  /// Whether a solver's runs do not converge because its integrator holds its steps no tighter. `of_same_run`: runs
-  /// that are repeated at a looser tolerance to find out.
-  bool stands(Who who, const RunPair& of_same_run);
+  /// Whether a solver's runs were found not to converge because its integrator holds its steps no tighter.
+  [[nodiscard]] bool stands(Who who) const { return stands_[index(who)]; }
+
+  /// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish.
+  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
 
  private:
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
@@ -62,7 +64,6 @@ class RunRungs {
                                 const WeighedStates& weighed);
   bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
   std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
-  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
   void tell_if_unresolved();
   bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need);
   void judge_motion(const MotionAgreement& motion, Rung rung, double need);
