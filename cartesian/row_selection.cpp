@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/decompositions.h"
+
 namespace concord::cartesian {
 
 static_assert(std::is_same_v<SparseIndex, SuiteSparse_long>);

@@ -289,8 +289,7 @@ class Verification {
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
     if (!verdict_.attribution && verdict_.same_state.passed && verdict_.audit.passed) {
       verdict_.notes.emplace_back(
-          "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds, so look "
-          "at "
+          "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds; look at "
           "steps, projections, events, and at the joint accelerations and the power that are integrated");
     }
     if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
