@@ -63,7 +63,7 @@ struct KeptCount {
   int coordinates = 0;
   int speeds = 0;
   int speeds_kept_as_wholes = 0;  // those beside the first of words with several, which nobody can leave out alone
-  int coordinate_freedom = 0;  // rigid degrees of freedom at the state, modal coordinates held
+  int coordinate_freedom = 0;     // rigid degrees of freedom at the state, modal coordinates held
   int speed_freedom = 0;
   int independent_coordinates = 0;
   int independent_speeds = 0;

@@ -205,7 +205,7 @@ std::optional<Attribution> blame_report(const Evidence& evidence) {
   const ReportFault* fault = &faults.front();
   if (fault->term != Term::subtraction && faults.back().term == Term::reaction) {
     // Wrenches that are found one from the other are wrong together: the body that is out of balance knows the first.
-    const std::optional<Attribution> of_body = blame_dynamics(evidence, true);
+    std::optional<Attribution> of_body = blame_dynamics(evidence, true);
     if (of_body && of_body->term == Term::reaction) return of_body;
     if (auto own = blame_own_report(evidence)) return own;
     fault = &faults.back();
