@@ -10,12 +10,13 @@ namespace concord::relative {
 
 namespace {
 
-/// |udot_c| changes by so much where entry k of `moved`, the coordinates or the speeds, changes by `step`.
-double change(Equations& equations, const Coordinates& at, VecX Coordinates::*moved, int k, int c, double step) {
-  Coordinates there = at;
+/// |udot_c| changes by so much where `move` moves the coordinates by `step`.
+template <class Move>
+double change(Equations& equations, const Coordinates& at, int c, double step, const Move& move) {
   double udot[2];
   for (const int side : {0, 1}) {
-    (there.*moved)(k) = (at.*moved)(k) + (side == 0 ? step : -step);
+    Coordinates there = at;
+    move(there, side == 0 ? step : -step);
     udot[side] = equations.compute_accelerations(there.t, there.q, there.u).udot()(c);
   }
   return 0.5 * std::abs(udot[0] - udot[1]);
@@ -70,11 +71,14 @@ FastestMotion fastest_motion(Equations& equations, const Coordinates& at) {
       if (place >= topology.n_tree_u || equations.driven()[place] != 0) continue;
       const double step = kStep * (mobilizer.kind(c).is_length ? length : 1.0);
       try {
-        double rate = change(equations, at, &Coordinates::u, place, place, step) / step;
-        if (span.n_q == span.n_u) {
-          const double of_place = change(equations, at, &Coordinates::q, span.first_q + c, place, step) / step;
-          rate = std::max(rate, std::sqrt(of_place));
-        }
+        const auto speed_up = [&](Coordinates& there, double by) { there.u(place) += by; };
+        const auto displace = [&](Coordinates& there, double by) {
+          const VecX along = by * VecX::Unit(span.n_u, c);
+          mobilizer.advance(there.q.data() + span.first_q, along.data());
+        };
+        const double damped = change(equations, at, place, step, speed_up) / step;
+        const double sprung = change(equations, at, place, step, displace) / step;
+        const double rate = std::max(damped, std::sqrt(sprung));
         if (rate > fastest.rate) fastest = {fmt::format("joint '{}'", equations.model().joints[k].name), rate};
       } catch (const SolverError&) {  // not defined so near to here
       }

@@ -53,6 +53,25 @@ TEST(RelativeEvaluationLimit, NamesTheJointThatIsTooStiff) {
   EXPECT_NEAR(fastest_of(tenfold.model).rate / fastest_of(damped.model).rate, 10.0, 1e-3);
 }
 
+/// A ball has four coordinates to three speeds: the slides beside it are displaced all the same.
+TEST(RelativeEvaluationLimit, SeesTheSpringOfAFreeBody) {
+  const auto rate_of = [](double stiffness) {
+    test::Numbers numbers(72);
+    Model model;
+    model.file = "one.toml";
+    model.bodies = {test::ground(), test::rigid_body("body", numbers)};
+    model.joints = {test::joint(model, "loose", "free", 0, 1, numbers)};
+    JointSpring spring;
+    spring.law.stiffness = stiffness;
+    model.joints[0].springs = {spring};
+    const FastestMotion found = fastest_of(model);
+    EXPECT_EQ(found.of, "joint 'loose'");
+    return found.rate;
+  };
+  EXPECT_GT(rate_of(4e8), 1e3);
+  EXPECT_NEAR(rate_of(4e10) / rate_of(4e8), 10.0, 1e-3);
+}
+
 TEST(RelativeEvaluationLimit, RefusesARunThatIsHardThroughoutAndSaysWhere) {
   Started at{{4e8, 0.0}};
   EvaluationLimit limit(2.0, "erk");
