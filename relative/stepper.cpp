@@ -46,7 +46,7 @@ void* make_dirk(N_Vector y, const StepperCallbacks& calls, const sundials::Conte
   check(ARKStepSetLinearSolver(memory, linear, matrix), "ARKStepSetLinearSolver");
   check(ARKStepSetJacFn(memory, calls.jacobian), "ARKStepSetJacFn");
   check(ARKStepSetMaxNumSteps(memory, kMostSteps), "ARKStepSetMaxNumSteps");
-  check(ARKStepSetNonlinConvCoef(memory, 1e-3), "ARKStepSetNonlinConvCoef");
+  check(ARKStepSetNonlinConvCoef(memory, 1e-2), "ARKStepSetNonlinConvCoef");
   check(ARKStepSetMaxNonlinIters(memory, 8), "ARKStepSetMaxNonlinIters");
   // The rate at which Newton's method converged in earlier steps says nothing of a step of another length that uses
   // their matrix: no iterate is accepted for it.
