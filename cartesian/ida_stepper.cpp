@@ -33,8 +33,6 @@ class IdaStepper : public Stepper {
         places_(equations_),
         jacobian_(dynamics, places_, start.q, start.Y),
         linear_solver_(jacobian_.column_starts(), jacobian_.row_indices(), context_),
-        rtol_(tolerance.rtol),
-        until_(tolerance.until),
         mass_matrices_(make_mass_matrices(layout_)),
         interpolated_(start) {
     all_rows_ = VecX::Zero(places_.n_rows);
@@ -113,21 +111,22 @@ class IdaStepper : public Stepper {
     // Constraint rows do not depend on c: scaling their correction by the change of c would spoil it.
     check(IDASetLinearSolutionScaling(ida, SUNFALSE), "IDASetLinearSolutionScaling", messages_);
     check(IDASetJacFn(ida, &IdaStepper::jacobian), "IDASetJacFn", messages_);
-    set_first_step();
+    set_first_step(tolerance);
   }
 
   /// IDA itself begins with a step that moves the motion by half its tolerance. Where strong dampers act that is so
   /// short that the round-off of places over the step is larger than any speed, and Newton's method does not converge.
   /// A first step of the first order leaves half its square: it may move the motion by the root of the tolerance.
-  void set_first_step() {
+  void set_first_step(Tolerance tolerance) {
+    constexpr double kOfRun = 1e-3;  // the longest
     const auto x = view(x_.get());
     const auto xdot = view(xdot_.get());
     const auto is_differential = view(id_.get()).array();
-    const VecX allowed = rtol_ * x.cwiseAbs() + view(tolerances_.get());
+    const VecX allowed = tolerance.rtol * x.cwiseAbs() + view(tolerances_.get());
     const double rate = (is_differential * xdot.array() / allowed.array()).matrix().norm() / std::sqrt(places_.size);
     if (!(rate > 0.0) || !std::isfinite(rate)) return;
-    const double step = 0.5 / (rate * std::sqrt(rtol_));
-    check(IDASetInitStep(memory_.get(), std::min(step, kOfRun * until_)), "IDASetInitStep", messages_);
+    const double step = 0.5 / (rate * std::sqrt(tolerance.rtol));
+    check(IDASetInitStep(memory_.get(), std::min(step, kOfRun * tolerance.until)), "IDASetInitStep", messages_);
   }
 
   void make_matrix() {
@@ -260,9 +259,6 @@ class IdaStepper : public Stepper {
   sundials::Matrix matrix_;
   RefinedLu linear_solver_;
   std::unique_ptr<void, FreeMemory> memory_;
-  static constexpr double kOfRun = 1e-3;  // the longest first step
-  double rtol_;
-  double until_;       // s
   double rate_ = 0.0;  // of the machine [1/s]: its speeds in its units
   ByBody<MatX> mass_matrices_;
   VecX all_rows_;

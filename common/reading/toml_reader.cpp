@@ -25,19 +25,23 @@ std::string quoted(const KnownKeys& keys, std::string_view last_separator) {
   return text;
 }
 
+/// Each key once: those of several kinds of joints stand in the list of each kind.
+std::vector<std::string> distinct(const KnownKeys& keys) {
+  std::vector<std::string> names;
+  for (const auto& key : keys) {
+    if (std::find(names.begin(), names.end(), key) == names.end()) names.emplace_back(key);
+  }
+  return names;
+}
+
 }  // namespace
 
 TableReader::TableReader(const toml::table& table, std::string title, const KnownKeys& known, FileReading& reading)
     : table_(&table), title_(std::move(title)), reading_(&reading) {
-  std::vector<std::string> names;
-  for (const auto& key : known) {
-    const std::string name(key);
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
   for (const auto& [key, value] : table) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     complain_at(reading_->at(key.source()),
-                fmt::format("unknown key '{}': {}", key.str(), suggestion(key.str(), names, "keys")));
+                fmt::format("unknown key '{}': {}", key.str(), suggestion(key.str(), distinct(known), "keys")));
   }
 }
 

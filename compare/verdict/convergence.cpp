@@ -85,7 +85,7 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
-bool stands(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who) {
+bool is_the_same_run(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who) {
   return own_motion_digits(model, looser, tighter)[who] >= kTheSame;
 }
 

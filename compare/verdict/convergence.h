@@ -36,7 +36,7 @@ RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int sam
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
 
 /// Whether a solver's run is the same at both tolerances.
-bool stands(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who);
+bool is_the_same_run(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who);
 
 /// The solver whose run is the same at both tolerances though one is tighter: its integrator holds its steps no tighter
 /// than a limit of its own, and what tolerance changes is not seen between these two. Of both the first.

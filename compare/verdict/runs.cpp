@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <future>
-#include <iterator>
 #include <string>
 #include <utility>
 
@@ -23,6 +22,11 @@ namespace {
 
 RungSummary& summary_of_runs(Verdict& verdict, Rung rung) {
   return rung == Rung::same_run ? verdict.same_run : verdict.refined;
+}
+
+RunOptions looser_than(RunOptions run) {
+  run.rtol *= kTighter;
+  return run;
 }
 
 }  // namespace
@@ -128,11 +132,21 @@ std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
   return horizon;
 }
 
+/// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish, which is a
+/// failure.
 std::optional<RunPair> RunRungs::run_looser(const RunOptions& run, Rung rung) {
-  RunOptions loose = run;
-  loose.rtol = run.rtol * kTighter;
-  RunPair pair = integrate(loose, rung);
-  if (!pair.is_complete()) return std::nullopt;
+  RunPair pair = integrate(looser_than(run), rung);
+  return pair.is_complete() ? std::optional(aligned(std::move(pair))) : std::nullopt;
+}
+
+std::optional<RunPair> RunRungs::try_looser(const RunOptions& run, const char* what) {
+  std::vector<std::string> stopped;
+  RunPair pair = run_both(looser_than(run), what, stopped, {false, false});
+  return pair.is_complete() ? std::optional(aligned(std::move(pair))) : std::nullopt;
+}
+
+/// Complete runs side by side, which tell of the observed order, too.
+RunPair RunRungs::aligned(RunPair pair) {
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
   orders_.add(pair);
   return pair;
@@ -258,17 +272,15 @@ void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) 
 
 /// A run of which nothing was judged has not passed its rung, and the reader wants to know why.
 void RunRungs::tell_if_unresolved() {
-  const auto is_open = [](const QuantityRow& row) {
-    const RungDetail& detail = detail_of(row, Rung::same_run);
-    return !row.unique || (detail.samples == 0 && detail.too_coarse > 0);
-  };
-  const auto is_unique = [](const QuantityRow& row) { return row.unique; };
   const bool has_reactions = !verdict_.rows.empty();
-  std::vector<QuantityRow> rows = verdict_.rows;
-  if (!has_reactions) {
-    std::copy_if(verdict_.others.begin(), verdict_.others.end(), std::back_inserter(rows),
-                 [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
-  }
+  const std::vector<QuantityRow>& rows = has_reactions ? verdict_.rows : verdict_.others;
+  const auto is_unique = [has_reactions](const QuantityRow& row) {
+    return row.unique && (has_reactions || row.quantity.kind == Kind::element);
+  };
+  const auto is_open = [&](const QuantityRow& row) {
+    const RungDetail& detail = detail_of(row, Rung::same_run);
+    return !is_unique(row) || (detail.samples == 0 && detail.too_coarse > 0);
+  };
   if (!std::all_of(rows.begin(), rows.end(), is_open) || std::none_of(rows.begin(), rows.end(), is_unique)) return;
   verdict_.notes.push_back(
       fmt::format("no {} of the runs is judged: what they leave open of places makes forces of more than {:g} of "
@@ -280,13 +292,9 @@ void RunRungs::study_orders(bool further) {
   constexpr std::size_t kEnough = 4;
   constexpr double kLoosest = 1e-3;
   while (further && orders_.size() > 0 && orders_.size() < kEnough && orders_.loosest() * kTighter <= kLoosest) {
-    RunOptions loose = verdict_.run;
-    loose.rtol = orders_.loosest() * kTighter;
-    std::vector<std::string> stopped;  // too loose to follow the motion, which is no failure of the verdict
-    RunPair pair = run_both(loose, "observed order", stopped, {false, false});
-    if (!pair.is_complete()) break;
-    pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
-    orders_.add(pair);
+    RunOptions loosest = verdict_.run;
+    loosest.rtol = orders_.loosest();
+    if (!try_looser(loosest, "observed order")) break;
   }
   verdict_.orders = orders_.orders(weighed_run_.mask);
   if (!verdict_.orders) {

@@ -50,8 +50,9 @@ class RunRungs {
   /// Whether a solver's runs were found not to converge because its integrator holds its steps no tighter.
   [[nodiscard]] bool stands(Who who) const { return stands_[index(who)]; }
 
-  /// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish.
-  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
+  /// Runs at a looser tolerance that judge nothing; nothing, and no failure, if they are too loose to follow the
+  /// motion.
+  std::optional<RunPair> try_looser(const RunOptions& run, const char* what);
 
  private:
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
@@ -64,6 +65,8 @@ class RunRungs {
                                 const WeighedStates& weighed);
   bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
   std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
+  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
+  RunPair aligned(RunPair pair);
   void tell_if_unresolved();
   bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need);
   void judge_motion(const MotionAgreement& motion, Rung rung, double need);

@@ -231,9 +231,9 @@ class Verification {
   bool is_left_by_integrator(Who who, const EnergyReport& found, const RunPair& pair) {
     constexpr double kClearly = 3.0;
     if (runs_.stands(who) || !pair.is_complete()) return runs_.stands(who);
-    const std::optional<RunPair> looser = runs_.run_looser(pair.run, Rung::same_run);
-    if (!looser || !stands(model_, *looser, pair, index(who))) return false;
-    const std::optional<RunPair> loosest = runs_.run_looser(looser->run, Rung::same_run);
+    const std::optional<RunPair> looser = runs_.try_looser(pair.run, "energy");
+    if (!looser || !is_the_same_run(model_, *looser, pair, index(who))) return false;
+    const std::optional<RunPair> loosest = runs_.try_looser(looser->run, "energy");
     return loosest && audit_energy(model_, *loosest->trajectories[index(who)]).relative() > kClearly * found.relative();
   }
 
