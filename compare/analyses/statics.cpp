@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <optional>
+#include <utility>
+#include <variant>
 
 #include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/growth.h"
-#include "compare/analyses/joint_changes.h"
 #include "compare/analyses/step_length.h"
+#include "compare/analyses/steps_back.h"
 #include "compare/analyses/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
@@ -54,24 +57,25 @@ class PseudoTransientContinuation {
         start_(solver.assemble()),
         state_(displaced(start_)),
         evaluation_(solver.evaluate(state_)),
-        length_(model, search.longest_step) {}
+        length_(model, search.longest_step),
+        steps_back_(model, start_) {}
 
   Equilibrium run() {
     int iteration = 1;
     for (; iteration <= kMostIterations + iterations_more(); ++iteration) {
       if (advance(iteration)) return conclude(iteration);
     }
-    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
-                                  iteration - 1, describe_motion(model_, state_, last_force_)));
+    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates{}", name(),
+                                  iteration - 1, describe_motion(model_, state_, last_force_), jump_on_the_way()));
   }
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
 
-  /// Those that fast shafts made short, and those that lead back over many turns, each with its corrections.
+  /// Those that fast shafts made short, and those that steps back need, each with its corrections.
   [[nodiscard]] int iterations_more() const {
     return std::min(length_.cut_by_shafts(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
-           3 * far_back_;
+           steps_back_.iterations();
   }
 
   [[nodiscard]] State displaced(const State& start) {
@@ -204,27 +208,18 @@ class PseudoTransientContinuation {
     return evaluation ? std::optional(chart.accelerations(*state, *evaluation)) : std::nullopt;
   }
 
-  /// Of the equilibria that directions without stiffness lead to, the one nearest to the start is meant: a step towards
-  /// it, by least squares of the joints' coordinates. False where there is none to make.
+  /// False where there is no step back to make.
   bool step_back(Chart& chart, const MatX& directions) {
-    if (directions.cols() == 0 || steps_back_ == kMostStepsBack) return false;
-    const VecX moved = joint_displacements(model_, start_, state_);
-    MatX rates(moved.size(), directions.cols());
-    for (Eigen::Index k = 0; k < directions.cols(); ++k) {
-      const VecX of_one = joint_speeds(model_, chart.origin_moving(directions.col(k)));
-      // What round-off of the directions mixes in must not count the ways of joints that do not move along them.
-      const double seen = kLeastSpeed * of_one.lpNorm<Eigen::Infinity>();
-      rates.col(k) = (of_one.array().abs() < seen).select(0.0, of_one);
+    StepsBack::Next next = steps_back_.next(chart, directions, {state_, evaluation_}, length_.longest());
+    if (const auto* step = std::get_if<VecX>(&next)) {
+      last_step_ = 0.0;
+      move(chart, *step);
+    } else if (auto* nearest = std::get_if<Rest>(&next)) {
+      last_step_ = 0.0;
+      state_ = std::move(nearest->state);
+      evaluation_ = std::move(nearest->evaluation);
     }
-    VecX step = -directions * smallest_least_squares(rates, moved, kRoundOffStep);
-    const double size = step.norm();
-    if (size <= kRoundOffStep || (size <= kSmallStep && size >= kNoNearer * last_back_)) return false;
-    last_back_ = size;
-    const bool is_far = size > length_.longest() && far_back_ < kMostFarBack;  // over many turns
-    ++(is_far ? far_back_ : steps_back_);
-    last_step_ = 0.0;
-    move(chart, std::move(step));
-    return true;
+    return !std::holds_alternative<std::monostate>(next);
   }
 
   /// Newton's steps have become round-off; short ones that do not shrink may also lead along a force that bends within
@@ -281,13 +276,28 @@ class PseudoTransientContinuation {
                     name(), describe_motion(model_, state_, pushed)));
   }
 
+  /// A machine that is pushed to an edge from both sides rests on it, where no step arrives.
+  [[nodiscard]] std::string jump_on_the_way() const {
+    for (const auto& [from, step] : last_moves_) {
+      const Chart chart(model_, solver_, from);
+      const auto accelerations = [&](const VecX& delta) { return at_rest(chart, delta); };
+      if (const auto jump = find_jump(accelerations, step, scale_)) {
+        return "; " + rests_on_jump(describe_motion(model_, from, chart.velocities(*jump)));
+      }
+    }
+    return "";
+  }
+
   void move(Chart& chart, VecX step) {
     length_.shorten(chart, is_cautious_, step);
     if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
     constexpr int kTries = 20;
     std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
+      const State from = state_;
       if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
+      last_moves_.push_back({from, step});
+      if (last_moves_.size() > kLastMoves) last_moves_.pop_front();
       reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
       return;
     }
@@ -333,15 +343,12 @@ class PseudoTransientContinuation {
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
-  static constexpr int kMostStepsBack = 100;
   static constexpr int kMostShortSteps = 20;
   static constexpr int kMostByShafts = 400000;  // over the number of rates: some ten seconds
-  static constexpr int kMostFarBack = 300;
+  static constexpr std::size_t kLastMoves = 10;
   static constexpr double kMoreReach = 1.3;
   static constexpr double kNearRest = 1e-6;  // of the length, rad
   static constexpr double kSameDirections = 1e-12;
-  static constexpr double kNoNearer = 0.9;
-  static constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
   static constexpr double kOfFirstReference = 1e-3;
   static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
@@ -362,6 +369,7 @@ class PseudoTransientContinuation {
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
+  std::deque<std::pair<State, VecX>> last_moves_;
   StepLength length_;
   /// Longer steps would hardly end in a closed state.
   double reach_ = std::numeric_limits<double>::infinity();
@@ -369,9 +377,7 @@ class PseudoTransientContinuation {
   int long_steps_ = 0;
   int pushed_ = 0;
   int short_steps_ = 0;
-  int steps_back_ = 0;
-  double last_back_ = std::numeric_limits<double>::infinity();
-  int far_back_ = 0;
+  StepsBack steps_back_;
   int unstable_directions_ = 0;
   std::string kink_;
 };

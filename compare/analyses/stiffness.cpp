@@ -193,6 +193,37 @@ std::string rests_at_kink(const std::string& motion) {
       motion);
 }
 
+std::optional<VecX> find_jump(const AccelerationsAt& accelerations, const VecX& step, const AccelerationScale& scale) {
+  constexpr double kJump = 1e-3;  // of what forces cause
+  constexpr int kHalvings = 35;   // what is smooth has become a small part of that
+  double from = 0.0;
+  double to = 1.0;
+  std::optional<VecX> before = accelerations(from * step);
+  std::optional<VecX> behind = accelerations(to * step);
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (from + to);
+    const std::optional<VecX> there = accelerations(middle * step);
+    if (!before || !behind || !there) return std::nullopt;
+    if ((*there - *before).norm() > (*behind - *there).norm()) {
+      to = middle;
+      behind = there;
+    } else {
+      from = middle;
+      before = there;
+    }
+  }
+  VecX jump = *behind - *before;
+  if (jump.norm() <= kJump * scale.reference) return std::nullopt;
+  return jump;
+}
+
+std::string rests_on_jump(const std::string& motion) {
+  return fmt::format(
+      "the search crosses a place where a force jumps, as that of a wheel at an edge of its road: it pushes {} one way "
+      "before it and another way behind it, and the machine may rest on that very edge, where no force is defined",
+      motion);
+}
+
 StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale,
                                const VecX& f, double strictness)
     : clearly_(kClearly * strictness) {

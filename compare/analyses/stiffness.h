@@ -45,6 +45,13 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
 /// What to say of an equilibrium with a kink along such a motion, where it cannot be told.
 std::string rests_at_kink(const std::string& motion);
 
+/// A force that jumps on the way from the chart's origin to a step: by how much accelerations do, where they do so
+/// most. Nothing where they change smoothly.
+std::optional<VecX> find_jump(const AccelerationsAt& accelerations, const VecX& step, const AccelerationScale& scale);
+
+/// What to say of a search for an equilibrium that crosses such a jump, which pushes a motion.
+std::string rests_on_jump(const std::string& motion);
+
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {
  public:

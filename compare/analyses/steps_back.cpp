@@ -1,0 +1,67 @@
+#include "compare/analyses/steps_back.h"
+
+#include <utility>
+
+#include "common/decompositions.h"
+#include "compare/analyses/joint_changes.h"
+
+namespace concord::compare::analyses {
+
+namespace {
+
+constexpr int kMostNear = 100;
+constexpr int kMostFar = 300;
+constexpr double kRoundOffStep = 1e-14;
+constexpr double kSmallStep = 1e-9;
+constexpr double kNoNearer = 0.9;
+constexpr double kPartOfTheWay = 0.1;
+constexpr double kShorter = 0.25;
+constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
+
+}  // namespace
+
+int StepsBack::iterations() const {
+  constexpr int kPerFarStep = 3;
+  constexpr int kPerReturn = 25;
+  return kPerFarStep * far_ + kPerReturn * returns_;
+}
+
+bool StepsBack::has_come_back(double distance) const {
+  return made_ && made_->distance - distance < kPartOfTheWay * (made_->distance - made_->expected);
+}
+
+MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
+  MatX rates;
+  for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+    const VecX of_one = joint_speeds(model_, chart.origin_moving(directions.col(k)));
+    // What round-off of the directions mixes in must not count the ways of joints that do not move along them.
+    const double seen = kLeastSpeed * of_one.lpNorm<Eigen::Infinity>();
+    rates.conservativeResize(of_one.size(), directions.cols());
+    rates.col(k) = (of_one.array().abs() < seen).select(0.0, of_one);
+  }
+  return rates;
+}
+
+StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest& here, double longest) {
+  if (directions.cols() == 0 || near_ == kMostNear) return {};
+  const VecX moved = joint_displacements(model_, start_, here.state);
+  if (has_come_back(moved.norm())) {
+    share_ *= kShorter;
+    ++returns_;
+    Rest nearest = std::move(made_->rest);
+    made_.reset();
+    return nearest;
+  }
+  const MatX rates = joint_rates(chart, directions);
+  const VecX along = share_ * smallest_least_squares(rates, moved, kRoundOffStep);
+  VecX step = -directions * along;
+  const double size = step.norm();
+  if (size <= kRoundOffStep || (size <= kSmallStep && (share_ < 1.0 || size >= kNoNearer * last_size_))) return {};
+  last_size_ = size;
+  made_ = Made{here, moved.norm(), (moved - rates * along).norm()};
+  const bool is_far = size > longest && far_ < kMostFar;  // over many turns
+  ++(is_far ? far_ : near_);
+  return step;
+}
+
+}  // namespace concord::compare::analyses
