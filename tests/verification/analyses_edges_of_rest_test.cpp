@@ -1,0 +1,137 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "closed_forms.h"
+#include "common/error.h"
+#include "compare/analyses/judge.h"
+#include "compare/analyses/report.h"
+#include "judged_machines.h"
+
+/// Places of rest that end where something begins to push: a stop, or the slope of a road.
+namespace concord::verification {
+namespace {
+
+using compare::Outcome;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
+using compare::analyses::judge_statics;
+
+AnalysisVerdict rest_of(const std::string& text) {
+  const Model model = parse(text);
+  AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  return rest;
+}
+
+double value_of(const AnalysisVerdict& found, const std::string& name) {
+  const auto row =
+      std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });
+  REQUIRE(row != found.numbers.end());
+  return row->values[0];
+}
+
+TEST_CASE("A slide that starts pressed into a stop rests at its edge, where nothing pushes it any more",
+          "[analyses][quick]") {
+  const AnalysisVerdict rest = rest_of(R"toml(format = 1
+[[body]]
+name = "bolt"
+mass = 0.7
+center_of_mass = [0.01, -0.02, 0.03]
+inertia = [0.002, 0.003, 0.004]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = { body = "ground", point = [0.3, -0.1, 0.2], axis = [1, 2, -1], angle = 0.7 }
+child = { body = "bolt", point = [0.02, 0.01, -0.03], axis = [2, -1, 1], angle = 0.4 }
+start.slide_z = { keep = 0.01, keep_speed = 0.0 }
+spring.slide_z = { upper_stop = { at = 0.004, stiffness = 3e4, width = 0.005 } }
+)toml");
+  CHECK(value_of(rest, "directions without stiffness") == 1.0);
+  CHECK_THAT(value_of(rest, "slide_z of guide"), Catch::WithinAbs(0.004, 1e-5));
+}
+
+TEST_CASE("A valve between two stops, pressed into the one, rests at that one's edge and not within its play",
+          "[analyses][quick]") {
+  const AnalysisVerdict rest = rest_of(R"toml(format = 1
+gravity = [0, -9.81, 0]
+[[body]]
+name = "valve"
+mass = 0.2
+inertia = [2e-4, 3e-4, 4e-4]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = { body = "ground", point = [0.1, 0.2, -0.3], x = [0, 1, 0], z = [3, 0, -4] }
+child = { body = "valve", point = [0.01, 0, 0], x = [0, 1, 0], z = [1, 0, 0] }
+start.slide_z = { keep = -0.002, keep_speed = 0.0 }
+spring.slide_z = { damping = 2.0, lower_stop = { at = -0.0015, stiffness = 2e5, width = 0.0002 }, upper_stop = { at = 0.001, stiffness = 2e5, width = 0.0002 } }
+)toml");
+  CHECK(value_of(rest, "directions without stiffness") == 1.0);
+  CHECK_THAT(value_of(rest, "slide_z of guide"), Catch::WithinAbs(-0.0015, 1e-6));
+}
+
+/// A wheel on a column that slides along x, over a road with a bump from `first` on; `spring` pulls the column.
+std::string wheel_on_bump(double first, double length, double height, double x, double z, const char* spring) {
+  return fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[road]]
+name = "road"
+profile = "half_sine"
+start = {}
+length = {}
+height = {}
+[[body]]
+name = "column"
+mass = 2.0
+inertia = [0.8, 0.9, 1.1]
+[[body]]
+name = "wheel"
+mass = 15
+inertia = [0.7, 0.9, 0.8]
+[[joint]]
+name = "along"
+type = "translational"
+parent = {{ body = "ground", x = [0, 1, 0], z = [1, 0, 0] }}
+child = {{ body = "column", x = [0, 1, 0], z = [1, 0, 0] }}
+start.slide_z = {{ keep = {}, keep_speed = 0.0 }}
+{}
+[[joint]]
+name = "up"
+type = "translational"
+parent = {{ body = "column", x = [1, 0, 0], z = [0, 0, 1] }}
+child = {{ body = "wheel", x = [1, 0, 0], z = [0, 0, 1] }}
+start.slide_z = {{ keep = {}, keep_speed = 0.0 }}
+[[tire]]
+name = "tire"
+body = "wheel"
+road = "road"
+radius = 0.35
+stiffness = 8e4
+damping = 150.0
+slip_stiffness = 2.5e4
+cornering_stiffness = 1.5e4
+friction = 0.8
+)toml",
+                     first, length, height, x, spring, z);
+}
+
+TEST_CASE("A wheel that rolls off a bump rests where the bump ends, the nearest place on the level road",
+          "[analyses][quick]") {
+  const AnalysisVerdict rest = rest_of(wheel_on_bump(-0.8, 1.6, 0.03, 0.3, 0.4, ""));
+  CHECK_THAT(value_of(rest, "slide_z of along"), Catch::WithinAbs(0.8, 1e-6));
+  CHECK_THAT(value_of(rest, "slide_z of up"), Catch::WithinAbs(0.35 - 15 * 9.81 / 8e4, 1e-9));
+}
+
+TEST_CASE("Of a wheel that a weak spring presses against the edge of a bump statics says that a force jumps there",
+          "[analyses]") {
+  const Model model =
+      parse(wheel_on_bump(0.0, 0.9, 0.12, -0.4, 0.35, "spring.slide_z = { stiffness = 12.0, free = 1.8 }"));
+  CHECK_THROWS_WITH(judge_statics(model, kMakers),
+                    Catch::Contains("a force jumps") && Catch::Contains("slide_z of along"));
+}
+
+}  // namespace
+}  // namespace concord::verification
