@@ -153,15 +153,18 @@ RunPair RunRungs::aligned(RunPair pair) {
 }
 
 /// While runs miss the needs although the same state agrees, both solvers run again at a tighter tolerance: the needs
-/// stay. `looser`: the runs before the last ones, if there were any. False if a solver did not finish.
+/// stay. Ends where a solver does not finish, which `stopped_` tells. `looser`: the runs before the last ones, if there
+/// were any. False if a solver did not finish the first ones.
 bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need) {
+  stopped_.clear();
   if (!set_side_by_side(pair, rung)) return false;
   const double first = pair.run.rtol;
   while (!reaches_needs(verdict_, rung, pair, motion_need) && verdict_.findings.empty() &&
          0.5 * pair.run.rtol > kTightestRepeat) {
     RunOptions tight = pair.run;
     tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
-    RunPair tighter = integrate(tight, rung);
+    RunPair tighter = run_both(tight, name_of(rung), stopped_, may_switch_);
+    if (!tighter.is_complete()) break;
     looser = std::move(pair);
     pair = std::move(tighter);
     if (!set_side_by_side(pair, rung)) return false;
@@ -224,9 +227,15 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
         *why += advice_on_standing(pair, *standing);
         stands_[*standing] = true;
       }
+      if (!stopped_.empty())
+        *why += fmt::format("; at a tighter tolerance a solver does not finish: {}", fmt::join(stopped_, "; "));
       verdict_.failures.push_back(std::move(*why));
       return true;
     }
+  }
+  if (!stopped_.empty()) {  // a tighter run would tell what the difference is
+    verdict_.failures.insert(verdict_.failures.end(), stopped_.begin(), stopped_.end());
+    return false;
   }
   judge_.find_differences_on(pair.series, pair.measured, rung);
   judge_motion(pair.motion, rung, motion_need);

@@ -81,6 +81,7 @@ class RunRungs {
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
   std::array<bool, 2> stands_{};
+  std::vector<std::string> stopped_;  // why runs at a tighter tolerance did not finish
   OrderStudy orders_;
 };
 
