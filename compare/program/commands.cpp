@@ -21,6 +21,7 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/near_parallel.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
@@ -333,17 +334,34 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   });
 }
 
+namespace {
+
+State assemble_explained(Solver& solver, const Model& model) {
+  try {
+    return solver.assemble();
+  } catch (const InputError& error) {
+    throw explained(error, model);
+  }
+}
+
+}  // namespace
+
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     const analyses::StartedMachine machine(read_model(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);
-      const State start = solver.assemble();
+      const State start = assemble_explained(solver, machine.model());
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
     console.out << format_info(machine.model(), views);
     tell(machine.notes(), console);
+    const bool is_doubtful = std::any_of(views.begin(), views.end(), [](const SolverView& view) {
+      return view.rank.undecided || view.rank.degrees_of_freedom == 0;
+    });
+    const std::string note = is_doubtful ? note_on_near_parallel_axes(machine.model()) : "";
+    if (!note.empty()) tell({note}, console);
     return static_cast<int>(kAgree);
   });
 }

@@ -186,7 +186,7 @@ std::optional<int> RunRungs::judge_runs(RunPair& pair, const RunPair* before, Ru
   const int samples = pair.run.samples + 1;
   if (reaches_needs(verdict_, rung, pair, motion_need)) return samples;
   const RunPair* compared = looser ? &*looser : before;
-  const std::optional<Horizon> horizon = seek_horizon(pair, rung);
+  const std::optional<Horizon> horizon = stopped_.empty() ? seek_horizon(pair, rung) : std::nullopt;
   if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
   measure_pair(up_to, weigh_run(weighed, horizon->samples), rung);
