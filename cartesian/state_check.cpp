@@ -45,11 +45,14 @@ void refuse_open(const Equations& equations, const State& state, const VecX& q, 
   for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));
   if (position_residual <= kClosureAllowed && rate <= allowed_rate && stretch <= kClosureAllowed) return;
   const bool moves = position_residual <= kClosureAllowed;
-  throw SolverError(fmt::format(
-      "cartesian: the state at t = {:.6g} s is not closed: {} residual {:.2g} (of the machine's length, or rad), "
-      "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
-      state.t, name_of_largest(equations, moves ? equations.velocity_residual() : equations.residual()),
-      position_residual, rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch, kClosureAllowed));
+  const std::string place = name_of_largest(equations, moves ? equations.velocity_residual() : equations.residual());
+  throw OpenState(
+      fmt::format(
+          "cartesian: the state at t = {:.6g} s is not closed: {} residual {:.2g} (of the machine's length, or rad), "
+          "velocities {:.2g} of the largest, Euler parameters {:.2g} off unit length; allowed {:.0e}",
+          state.t, place, position_residual, rate == 0.0 ? 0.0 : kClosureAllowed * rate / allowed_rate, stretch,
+          kClosureAllowed),
+      place);
 }
 
 bool is_turned_beyond(const Equations& equations, double allowed, const std::vector<VecX>& q) {

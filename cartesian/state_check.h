@@ -14,7 +14,7 @@ void require_shape(const Model& model, const State& state);
 
 /// Refuses a state, to which the equations are updated, that its own constraints do not call closed: rows in the
 /// machine's units, far from the origin relative to the distance, whose round-off they carry; velocities relative to
-/// the largest. `q`, `Y`: its numbers. Throws SolverError.
+/// the largest. `q`, `Y`: its numbers. Throws SolverError, OpenState if it is open.
 void refuse_open(const Equations& equations, const State& state, const VecX& q, const VecX& Y);
 
 inline constexpr double kHalfTurn = EIGEN_PI;

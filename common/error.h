@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace concord {
@@ -49,6 +50,18 @@ class UnsuitableCut : public InputError {
 class SolverError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A state that somebody hands over and that a solver's own constraints do not call closed; `place`: where it is open
+/// most ("joint 'A'").
+class OpenState : public SolverError {
+ public:
+  OpenState(const std::string& message, std::string place) : SolverError(message), place_(std::move(place)) {}
+
+  [[nodiscard]] const std::string& place() const { return place_; }
+
+ private:
+  std::string place_;
 };
 
 /// A pose where the constraints, or the motion that a joint permits, lose rank: motion may branch there and reactions

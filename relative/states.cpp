@@ -169,10 +169,10 @@ Coordinates States::read_closed(const State& state) {
   StateMisfit misfit;
   Coordinates coordinates = read(state, misfit);
   if (!(misfit.largest <= kLargestMisfit)) {
-    throw SolverError(
-        fmt::format("relative: at t = {:.6g} s the state is not closed: residual {:.1e} at {}, allowed "
-                    "{:.0e}: close it first",
-                    state.t, misfit.largest, misfit.where, kLargestMisfit));
+    throw OpenState(fmt::format("relative: at t = {:.6g} s the state is not closed: residual {:.1e} at {}, allowed "
+                                "{:.0e}: close it first",
+                                state.t, misfit.largest, misfit.where, kLargestMisfit),
+                    misfit.where);
   }
   if (misfit.joint_off_branch) throw_off_branch(state, coordinates, *misfit.joint_off_branch);
   return coordinates;

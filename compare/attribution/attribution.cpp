@@ -336,6 +336,7 @@ std::optional<Attribution> find_cause(const Evidence& evidence) {
 std::optional<Attribution> find_cause_of_stop(const Model& model, const std::vector<AskedState>& asked) {
   ConstraintOpinion opinion(model, asked);
   auto fault = opinion.wrongly_closed();
+  if (!fault) fault = opinion.refuses_closed();
   if (!fault) fault = opinion.wrong_velocities();
   if (!fault) fault = opinion.wrong_count();
   if (!fault) fault = opinion.wrongly_singular();

@@ -56,9 +56,10 @@ class Contradictions {
       const int s = index(side);
       const std::string on = fmt::format("joint {} on {}", joint.name, model_.bodies[joint.on(side).body].name);
       for (int c = 0; c < 6; ++c) {
-        if (!joints::carries(*joint.type, side, c)) continue;
-        take(fmt::format("{} of {}", kComponents[c], on),
-             [=](const RankReport& report, bool decided) { return of(report, decided).unique[s][c]; });
+        if (joints::carries(*joint.type, side, c)) {
+          take(fmt::format("{} of {}", kComponents[c], on),
+               [=](const RankReport& report, bool decided) { return of(report, decided).unique[s][c]; });
+        }
         take(fmt::format("{} of the total of {}", kComponents[c], on),
              [=](const RankReport& report, bool decided) { return of(report, decided).unique_total[s][c]; });
       }
@@ -172,6 +173,26 @@ std::optional<ConstraintFault> ConstraintOpinion::wrongly_closed() {
       const std::string open = place_left_open(model_, *closed);
       if (!open.empty()) return fault(solver, open, closed->t);
     }
+  }
+  return std::nullopt;
+}
+
+std::optional<ConstraintFault> ConstraintOpinion::refuses_closed() const {
+  using Answer = StatedConstraints::Answer;
+  for (int solver = 0; solver < 2; ++solver) {
+    std::vector<std::size_t> refused;
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+      const auto& by = asked_[k].by;
+      if (!left_open_[k].empty() || by[1 - solver].answer != Answer::given) continue;
+      if (by[solver].answer == Answer::open) refused.push_back(k);
+    }
+    if (2 * refused.size() <= asked_.size()) continue;
+    const StatedConstraints& first = asked_[refused.front()].by[solver];
+    std::string place = first.place;
+    place.erase(std::remove(place.begin(), place.end(), '\''), place.end());
+    return ConstraintFault{solver, Term::jacobian, place,
+                           fmt::format("calls {} of {} states open that the joints themselves call closed: {}",
+                                       refused.size(), asked_.size(), first.words)};
   }
   return std::nullopt;
 }

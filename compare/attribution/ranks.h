@@ -15,7 +15,7 @@ namespace concord::compare {
 
 /// What one solver says of its constraints in a state.
 struct StatedConstraints {
-  enum class Answer { given, singular, out_of_balance, none };
+  enum class Answer { given, singular, out_of_balance, open, none };
 
   /// Missing where it stops.
   std::optional<RankReport> rank;
@@ -26,7 +26,8 @@ struct StatedConstraints {
   /// What Solver::evaluate() comes to, in its words where it stops.
   Answer answer = Answer::none;
   std::string words;
-  std::string body;  // that is out of balance by its own check
+  std::string body;   // that is out of balance by its own check
+  std::string place;  // where the state is open by its own constraints
 };
 
 /// A state that a solver closed, and what both say there.
@@ -56,6 +57,8 @@ class ConstraintOpinion {
   [[nodiscard]] std::optional<ConstraintFault> wrong_velocities();
   /// Who closes a state so that a joint or a coupling is left open.
   [[nodiscard]] std::optional<ConstraintFault> wrongly_closed();
+  /// Who calls states open that are closed, and that the other one answers.
+  [[nodiscard]] std::optional<ConstraintFault> refuses_closed() const;
   /// Who calls poses singular that are clearly not, and that the other one answers.
   [[nodiscard]] std::optional<ConstraintFault> wrongly_singular();
   /// Whose own check finds a body out of balance in states that the other one answers.

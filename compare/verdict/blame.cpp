@@ -1,5 +1,7 @@
 #include "compare/verdict/blame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <exception>
 #include <utility>
@@ -32,6 +34,10 @@ StatedConstraints ask(Solver& solver, const State& state) {
   } catch (const SingularPose& error) {
     stated.answer = Answer::singular;
     stated.words = error.what();
+  } catch (const OpenState& error) {
+    stated.answer = Answer::open;
+    stated.words = error.what();
+    stated.place = error.place();
   } catch (const UnbalancedBody& error) {
     stated.answer = Answer::out_of_balance;
     stated.words = error.what();
@@ -99,6 +105,33 @@ std::vector<OwnedState> owned_starts(const std::array<State, 2>& starts) {
 std::optional<Attribution> cause_of_stop(const Model& model, const std::array<Solver*, 2>& solvers,
                                          const std::vector<OwnedState>& found, std::uint64_t seed) {
   return find_cause_of_stop(model, ask_of_constraints(solvers, states_of_ranks(model, solvers, found, seed)));
+}
+
+bool answers_hold(const Verdict& verdict) {
+  return verdict.same_state.passed && verdict.audit.passed && verdict.rank_agrees;
+}
+
+std::string blame_of_run(const Verdict& verdict) {
+  const auto keeps_its_energy = [&verdict](std::size_t who) {
+    return verdict.solvers[who].energy_error.value_or(0.0) <= verdict.energy_allowed;
+  };
+  for (std::size_t who = 0; who < 2; ++who) {
+    if (keeps_its_energy(who) || !keeps_its_energy(1 - who) || !verdict.same_run.passed) continue;
+    return fmt::format(
+        "to blame: {}, in the power that it integrates: both runs agree and the audit holds, and the work of its "
+        "drivers, springs, dampers and forces is not what the motion gains",
+        verdict.solvers[who].name);
+  }
+  return "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds; look at "
+         "steps, projections, events, and at the joint accelerations and the power that are integrated";
+}
+
+std::string blame_of_stop(const Verdict& verdict) {
+  return fmt::format(
+      "to blame: the run of {}, not what it answers: in the same states both solvers agree and the audit holds; look "
+      "at "
+      "its steps, projections and events, or take another integrator",
+      verdict.solvers[verdict.trajectories[0] ? 1 : 0].name);
 }
 
 }  // namespace concord::compare

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/solver.h"
@@ -11,6 +12,7 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/states.h"
+#include "compare/verdict/verdict.h"
 
 /// What both solvers say of their constraints, for compare/attribution to judge: also where one of them stops.
 namespace concord::compare {
@@ -39,5 +41,14 @@ std::vector<OwnedState> owned_starts(const std::array<State, 2>& starts);
 /// Why a solver stops where the other one goes on, from what both say of their constraints in states that they found.
 std::optional<Attribution> cause_of_stop(const Model& model, const std::array<Solver*, 2>& solvers,
                                          const std::vector<OwnedState>& found, std::uint64_t seed);
+
+/// In the same states both solvers agree, in their ranks too, and the audit holds.
+bool answers_hold(const Verdict& verdict);
+
+/// A note where answers hold and runs do not. Where both runs agree, it is the power that one solver integrates.
+std::string blame_of_run(const Verdict& verdict);
+
+/// The same where one solver's run stops, and the other one's goes on to its end.
+std::string blame_of_stop(const Verdict& verdict);
 
 }  // namespace concord::compare

@@ -292,11 +292,7 @@ class Verification {
       verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
-    if (!verdict_.attribution && verdict_.same_state.passed && verdict_.audit.passed) {
-      verdict_.notes.emplace_back(
-          "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds; look at "
-          "steps, projections, events, and at the joint accelerations and the power that are integrated");
-    }
+    if (!verdict_.attribution && answers_hold(verdict_)) verdict_.notes.push_back(blame_of_run(verdict_));
     if (verdict_.two_by_two) verdict_.notes.push_back("the difference of " + describe(*verdict_.two_by_two));
   }
 
@@ -337,6 +333,9 @@ class Verification {
       verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
+    judge_.judge_rows();
+    const bool one_stops = verdict_.trajectories[0].has_value() != verdict_.trajectories[1].has_value();
+    if (!verdict_.attribution && one_stops && answers_hold(verdict_)) verdict_.notes.push_back(blame_of_stop(verdict_));
   }
 
   void conclude() {

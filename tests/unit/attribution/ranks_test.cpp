@@ -1,5 +1,6 @@
 #include "compare/attribution/ranks.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/joints/spherical.h"
@@ -112,6 +113,28 @@ TEST_F(RanksTest, ASelfStressOverlookedIsARankOfItsJoints) {
   expect(fault, Term::rank, "joint A, joint ball");
   EXPECT_TRUE(fault->because.starts_with("calls F_z of joint A on ground unique, which a self-stress of the joints"))
       << fault->because;
+}
+
+TEST_F(RanksTest, ClosedStatesCalledOpenAreAJacobian) {
+  for (AskedState& one : asked_) {
+    one.by[1].answer = StatedConstraints::Answer::open;
+    one.by[1].place = "joint 'A'";
+  }
+  expect(ConstraintOpinion(model_, asked_).refuses_closed(), Term::jacobian, "joint A");
+  for (AskedState& one : asked_) one.by[0].answer = StatedConstraints::Answer::open;
+  EXPECT_FALSE(ConstraintOpinion(model_, asked_).refuses_closed());
+}
+
+TEST_F(RanksTest, TotalsThatOnlyACouplingMovesAreFlagsToo) {
+  add_ball();
+  for (AskedState& one : asked_) {
+    for (auto& by : one.by) by.rank->joints[0].unique_total[0][5] = true;  // a hinge carries no T_z, its coupling may
+    one.by[1].rank->joints[0].unique_total[0][5] = false;
+  }
+  const auto fault = ConstraintOpinion(model_, asked_).wrong_uniqueness();
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->solver, 1);
+  EXPECT_THAT(fault->because, testing::HasSubstr("T_z of the total of joint A on ground"));
 }
 
 TEST_F(RanksTest, ItsOwnCheckNamesABody) {

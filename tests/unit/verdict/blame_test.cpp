@@ -92,5 +92,42 @@ TEST_F(BlameTest, ABodyThatASolversOwnCheckFindsOutOfBalanceIsNamed) {
   expect_blamed(found, Term::reaction, "body bob");
 }
 
+/// A verdict whose answers hold.
+Verdict with_answers_that_hold() {
+  Verdict verdict;
+  verdict.solvers[0].name = "cartesian";
+  verdict.solvers[1].name = "relative";
+  verdict.same_state.passed = verdict.same_run.passed = verdict.audit.passed = verdict.rank_agrees = true;
+  verdict.energy_allowed = 1e-8;
+  return verdict;
+}
+
+TEST(BlameOfRuns, NoRunIsToBlameWhereRanksDiffer) {
+  Verdict verdict = with_answers_that_hold();
+  EXPECT_TRUE(answers_hold(verdict));
+  verdict.rank_agrees = false;
+  EXPECT_FALSE(answers_hold(verdict));
+}
+
+TEST(BlameOfRuns, EnergyThatOneRunLosesAloneIsItsPower) {
+  Verdict verdict = with_answers_that_hold();
+  verdict.solvers[0].energy_error = 1e-12;
+  verdict.solvers[1].energy_error = 1e-2;
+  EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: relative, in the power that it integrates"));
+  verdict.same_run.passed = false;
+  EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: a run"));
+  verdict.same_run.passed = true;
+  verdict.solvers[0].energy_error = 1e-2;
+  EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: a run"));
+}
+
+TEST(BlameOfRuns, TheRunThatStopsIsNamed) {
+  Verdict verdict = with_answers_that_hold();
+  verdict.trajectories[1].emplace();
+  EXPECT_THAT(blame_of_stop(verdict), HasSubstr("to blame: the run of cartesian"));
+  verdict.trajectories[0].swap(verdict.trajectories[1]);
+  EXPECT_THAT(blame_of_stop(verdict), HasSubstr("to blame: the run of relative"));
+}
+
 }  // namespace
 }  // namespace concord::compare
