@@ -1,0 +1,72 @@
+#include <stdexcept>
+
+#include "common/joints/catalogue.h"
+#include "common/joints/facts.h"
+#include "compare/reread/joints.h"
+
+namespace concord::compare::reread {
+
+namespace {
+
+using Numbers = std::vector<double>;
+
+template <class List>
+void append(Numbers& all, const List& list) {
+  for (Eigen::Index k = 0; k < list.size(); ++k) all.push_back(list(k));
+}
+
+/// What functions of (d, R) and of q give in a pose that no symmetry marks out.
+void append_function(Numbers& all, const joints::FunctionOfPlacement* function) {
+  if (function == nullptr) return;
+  joints::Placement at;
+  at.d = Vec3(0.013, -0.021, 0.034);
+  joints::FunctionOfPlacement::Rows rows;
+  function->evaluate(at, Vec6::Zero(), rows);
+  append(all, rows.value);
+}
+
+void append_function(Numbers& all, const joints::FunctionOfCoordinates* function) {
+  if (function == nullptr) return;
+  const std::array<double, 6> q{0.31, 0.23, 0.17, 0.13, 0.11, 0.07};
+  const std::array<double, 6> u{};
+  joints::FunctionOfCoordinates::Motion motion;
+  function->evaluate(q.data(), u.data(), motion);
+  append(all, motion.placement.d);
+  append(all, motion.placement.R.reshaped());
+}
+
+/// Every number that the words of a type state.
+Numbers numbers_of(const joints::JointType& type) {
+  Numbers all;
+  for (const joints::Forbid& word : type.forbids) {
+    all.push_back(joints::stated_length(word));
+    append_function(all, joints::function_of(word));
+  }
+  for (const joints::Permit& word : type.permits) {
+    all.push_back(joints::stated_length(word));
+    append_function(all, joints::function_of(word));
+  }
+  for (const joints::Read& word : type.reads) append_function(all, joints::function_of(word));
+  for (const joints::ForbidSpeed& word : type.forbids_speeds) all.push_back(joints::stated_length(word));
+  for (const joints::PermitSpeed& word : type.permits_speeds) {
+    if (const auto* about = std::get_if<joints::SpeedAbout>(&word)) all.push_back(about->below);
+  }
+  return all;
+}
+
+}  // namespace
+
+void hold_joint_type(const Joint& joint, const StatedTable& table) {
+  const std::string name = table.text("type").value_or("");
+  table.ledger().word(table.entry("type"), joint.type->name, name);
+  const joints::JointType* stated = joints::find(name);
+  if (stated == nullptr) throw std::runtime_error("no joint type " + name);
+  if (stated->parameters.empty()) return;
+  Numbers values;
+  for (const joints::Parameter& parameter : stated->parameters) values.push_back(table.number(parameter.name).value());
+  const std::string key = stated->parameters.size() == 1 ? stated->parameters.front().name : "parameters";
+  table.ledger().numbers(table.entry(key), column_of(numbers_of(*joint.type)),
+                         column_of(numbers_of(stated->with_parameters(values))));
+}
+
+}  // namespace concord::compare::reread
