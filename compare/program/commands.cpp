@@ -7,7 +7,6 @@
 #include <set>
 #include <sstream>
 
-#include "common/reading/model_file.h"
 #include "compare/analyses/started_machine.h"
 #include "compare/audit/digits.h"
 #include "compare/page/page.h"
@@ -27,6 +26,7 @@
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
 #include "compare/verdict/table_notes.h"
+#include "compare/verdict/two_readings.h"
 
 namespace concord::compare {
 
@@ -104,15 +104,7 @@ std::unique_ptr<ThirdOpinion> ask_for_third(const CompareCommand& command, const
   }
 }
 
-/// `names` holds the models compared so far.
-Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
-                 const Console& console, std::set<std::string>& names) {
-  Case one{read_model(file), {}};
-  if (!names.insert(one.model.name).second) {
-    throw InputError({file.string(), 0, 0},
-                     fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
-                                 one.model.name));
-  }
+void solve_both(const CompareCommand& command, const SolverMakers& makers, const Console& console, Case& one) {
   std::optional<Reference> reference;
   if (!command.reference.empty()) {
     reference = read_reference(command.reference, one.model);
@@ -141,6 +133,25 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   if (silent) one.verdict.third = silent;
   one.verdict.notes.insert(one.verdict.notes.end(), machine.notes().begin(), machine.notes().end());
   if (reference) judge_reference(one.model, *reference, one.verdict);
+}
+
+/// `names` holds the models compared so far.
+Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
+                 const Console& console, std::set<std::string>& names) {
+  Case one;
+  std::optional<MisreadModel> misread;
+  try {
+    one.model = read_twice(file);
+  } catch (const MisreadModel& error) {
+    misread = error;
+    one = {error.model(), verdict_on(error)};
+  }
+  if (!names.insert(one.model.name).second) {
+    throw InputError({file.string(), 0, 0},
+                     fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
+                                 one.model.name));
+  }
+  if (!misread) solve_both(command, makers, console, one);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -297,7 +308,7 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
-    const Model given = read_model(command.model);
+    const Model given = read_twice(command.model);
     const analyses::StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
@@ -348,7 +359,7 @@ State assemble_explained(Solver& solver, const Model& model) {
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    const analyses::StartedMachine machine(read_model(file), makers);
+    const analyses::StartedMachine machine(read_twice(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);
