@@ -113,17 +113,20 @@ std::optional<RegimeEvents::Bracket> RegimeEvents::find_dip(double t_before) {
   return std::nullopt;
 }
 
-/// Where the chords that reach in from both sides meet between the two points in the middle, if that is below zero: a
-/// convex function is nowhere lower (R76).
+/// Where the chords that reach in from both sides meet between the two points in the middle, and not too near to
+/// either, if that is below zero but for what such functions bend the other way (R76).
 std::optional<RegimeEvents::Point> RegimeEvents::lowest_possible(const std::array<Point, 4>& around) {
+  constexpr double kBend = 0.05;      // of the larger value beside
+  constexpr double kNotNearer = 0.1;  // of the way between them: both sides come nearer
   const auto& [a, b, c, d] = around;
   const double fall = (b.value - a.value) / (b.at - a.at);
   const double rise = (d.value - c.value) / (d.at - c.at);
   if (!(fall < 0.0 && rise > 0.0)) return std::nullopt;
   const double at = (b.value - c.value - fall * b.at + rise * c.at) / (rise - fall);
   const double value = b.value + fall * (at - b.at);
-  if (!(at > b.at && at < c.at && value < 0.0)) return std::nullopt;
-  return Point{at, value};
+  if (!(at > b.at && at < c.at && value < kBend * std::max(b.value, c.value))) return std::nullopt;
+  const double margin = kNotNearer * (c.at - b.at);
+  return Point{std::clamp(at, b.at + margin, c.at - margin), value};
 }
 
 /// Whether one event function dips below zero between the two points in the middle: looks there as long as it may.
