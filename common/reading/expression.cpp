@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "common/reading/magnitude.h"
 #include "common/reading/spelling.h"
@@ -57,8 +58,23 @@ std::string with_products_before_deg(const std::string& expression) {
 constexpr std::size_t kLongestExpression = 10000;
 constexpr std::size_t kLongestName = 100;  // muParser's own limit
 
+double least(const double* values, int count) { return *std::min_element(values, values + count); }
+double largest(const double* values, int count) { return *std::max_element(values, values + count); }
+
+/// Knows what data/format/files.md lists, and nothing else: of muParser's own constants one has 13 digits, and its
+/// `log` is read as the logarithm to either base.
 mu::Parser make_parser() {
   mu::Parser parser;
+  parser.ClearConst();
+  parser.ClearFun();
+  using Function = double (*)(double);
+  const std::pair<const char*, Function> functions[] = {
+      {"sin", std::sin},   {"cos", std::cos},   {"tan", std::tan}, {"asin", std::asin}, {"acos", std::acos},
+      {"atan", std::atan}, {"sqrt", std::sqrt}, {"exp", std::exp}, {"ln", std::log},    {"abs", std::fabs}};
+  for (const auto& [name, function] : functions) parser.DefineFun(name, function);
+  parser.DefineFun("atan2", static_cast<double (*)(double, double)>(std::atan2));
+  parser.DefineFun("min", least);
+  parser.DefineFun("max", largest);
   parser.DefineConst("pi", std::numbers::pi);
   parser.DefineConst("deg", std::numbers::pi / 180.0);
   return parser;

@@ -31,9 +31,8 @@ struct ParameterDefinition {
 /// "inf", "-inf" or "nan" (of either sign), for messages about numbers that are not finite.
 std::string not_finite_text(double value);
 
-/// Named numbers. Expressions know + - * / ^ ( ), the functions of muParser (sin, cos, tan, asin, acos, atan, atan2,
-/// sqrt, exp, ln, abs, min, max, ...), `pi`, `deg` (pi / 180, also written after a number: "20 deg") and the
-/// parameters.
+/// Named numbers. Expressions know + - * / ^ ( ), the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, ln,
+/// abs, min and max, `pi`, `deg` (pi / 180, also written after a number: "20 deg") and the parameters.
 class Parameters {
  public:
   Parameters() = default;

@@ -24,6 +24,16 @@ RungSummary& summary_of_runs(Verdict& verdict, Rung rung) {
   return rung == Rung::same_run ? verdict.same_run : verdict.refined;
 }
 
+/// More evaluations than tolerance alone asks for, from the loosest to the tightest: beyond, steps are made against
+/// round-off.
+long most_evaluations_beside(const RunPair& pair) {
+  constexpr long kTimes = 30;
+  constexpr long kAlways = 1'000'000;
+  long most = 0;
+  for (const auto& trajectory : pair.trajectories) most = std::max(most, trajectory->statistics.evaluations);
+  return std::max(kAlways, kTimes * most);
+}
+
 RunOptions looser_than(RunOptions run) {
   run.rtol *= kTighter;
   return run;
@@ -118,6 +128,9 @@ void RunRungs::widen_pair(RunPair& pair, WeighedRun weighed, Rung rung) {
 std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
   if (!verdict_.findings.empty()) return std::nullopt;
   const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+  // Runs that could not be repeated at a tight tolerance part early, without being sensitive.
+  constexpr double kClearlySensitive = 100.0;
+  if (!stopped_.empty() && allowed_growth(pair.run.rtol, need) < kClearlySensitive) return std::nullopt;
   if (!sensitivity_.is_measured()) {
     progress_.begin("sensitivity");
     sensitivity_.measure(pair, pair.integrators, need);
@@ -159,12 +172,15 @@ bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Run
   stopped_.clear();
   if (!set_side_by_side(pair, rung)) return false;
   const double first = pair.run.rtol;
+  const long most_evaluations = most_evaluations_beside(pair);
   while (!reaches_needs(verdict_, rung, pair, motion_need) && verdict_.findings.empty() &&
          0.5 * pair.run.rtol > kTightestRepeat) {
     RunOptions tight = pair.run;
     tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
+    tight.most_evaluations = most_evaluations;
     RunPair tighter = run_both(tight, name_of(rung), stopped_, may_switch_);
     if (!tighter.is_complete()) break;
+    tighter.run.most_evaluations.reset();
     looser = std::move(pair);
     pair = std::move(tighter);
     if (!set_side_by_side(pair, rung)) return false;
@@ -186,7 +202,7 @@ std::optional<int> RunRungs::judge_runs(RunPair& pair, const RunPair* before, Ru
   const int samples = pair.run.samples + 1;
   if (reaches_needs(verdict_, rung, pair, motion_need)) return samples;
   const RunPair* compared = looser ? &*looser : before;
-  const std::optional<Horizon> horizon = stopped_.empty() ? seek_horizon(pair, rung) : std::nullopt;
+  const std::optional<Horizon> horizon = seek_horizon(pair, rung);
   if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
   measure_pair(up_to, weigh_run(weighed, horizon->samples), rung);

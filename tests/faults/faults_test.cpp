@@ -17,6 +17,7 @@
 #include "compare/report/text_table.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/refinement.h"
+#include "compare/verdict/two_readings.h"
 #include "compare/verdict/verify.h"
 #include "relative/solver.h"
 #include "tests/faults/catalogue.h"
@@ -80,6 +81,7 @@ bool misses_reference(const Verdict& verdict) {
 }
 
 std::string first_rung_below_need(const Verdict& verdict) {
+  if (is_told_of(verdict, "the model is not what its file says")) return "reading";
   if (!verdict.failures.empty()) return "refused";
   if (is_told_of(verdict, "rank")) return "rank";
   if (!verdict.same_state.passed || is_told_of(verdict, "same state")) return "same state";
@@ -90,23 +92,30 @@ std::string first_rung_below_need(const Verdict& verdict) {
   return verdict.outcome == Outcome::agree ? kNotCaught : "energy";
 }
 
-/// A machine of this folder. Read anew with every fault, which may sit in the reader.
-Model read_machine(const std::string& name) { return read_model(CONCORD_FAULTS "/" + name + ".toml"); }
-
-Verdict judge_machine(const Model& model, const VerifyOptions& options) {
+struct Judged {
+  Model model;
   Verdict verdict;
+};
+
+/// A machine of this folder. Read anew with every fault, which may sit in the reader.
+Judged judge_machine(const std::string& name, const VerifyOptions& options) {
+  Judged judged;
+  auto& [model, verdict] = judged;
   try {
+    model = read_twice(CONCORD_FAULTS "/" + name + ".toml");
     const auto cartesian = cartesian::make_solver(model);
     const auto relative = relative::make_solver(model);
     verdict = verify(model, *cartesian, *relative, options);
     const std::filesystem::path reference = std::filesystem::path(model.file).replace_extension(".csv");
     if (exists(reference)) judge_reference(model, read_reference(reference, model), verdict);
+  } catch (const MisreadModel& error) {
+    judged = {error.model(), verdict_on(error)};
   } catch (const InputError& error) {
     verdict.failures.emplace_back(error.what());
   } catch (const SolverError& error) {
     verdict.failures.emplace_back(error.what());
   }
-  return verdict;
+  return judged;
 }
 
 /// With fewer states than a model that somebody cares about has: a fault that a few show, all of them show.
@@ -114,8 +123,7 @@ Detection detect(const std::string& machine) {
   constexpr int kStates = 40;
   VerifyOptions options;
   options.states = kStates;
-  const Model model = read_machine(machine);
-  const Verdict verdict = judge_machine(model, options);
+  const auto [model, verdict] = judge_machine(machine, options);
   Detection found;
   found.rung = first_rung_below_need(verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
@@ -244,8 +252,7 @@ TEST_CASE("What is to blame is named, by solver, place and term") {
     options.states = 40;
     const SolverMakers makers{cartesian::make_solver, relative::make_solver};
     options.makers = &makers;
-    const Model model = read_machine(fault.machine);
-    const Verdict verdict = judge_machine(model, options);
+    const auto [model, verdict] = judge_machine(fault.machine, options);
     const std::string solver = fault.is_in("common") ? "both" : fault.is_in("cartesian") ? "cartesian" : "relative";
     std::string blamed = "-";
     std::string where = "-";

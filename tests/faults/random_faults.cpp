@@ -168,7 +168,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
       acts = acts || (holds_it && is_exercised(subject, layout, *solvers.both()[index(who)], who));
     }
     // What is read wrongly states another machine, which has states of its own.
-    if (acts && fault.rung == "reference") {
+    if (acts && fault.rung == "reading") {
       return draw(subject.seed, subject.number, subject.file.parent_path()) ? kAgree : "refused";
     }
     // A fault in the rank shows in what is called unique, not in any number.
@@ -245,7 +245,7 @@ class Scan {
   [[nodiscard]] bool is_each_caught() const {
     return std::all_of(all_.begin(), all_.end(), [&](const Fault& fault) {
       const Rate& rate = rates_[static_cast<std::size_t>(fault.number)];
-      return rate.exercised == 0 || rate.caught > 0 || fault.rung == "reference";
+      return rate.exercised == 0 || rate.caught > 0 || fault.rung == "reading";
     });
   }
 

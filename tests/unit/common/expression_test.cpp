@@ -37,6 +37,16 @@ TEST(Expression, KnowsFunctionsAndPi) {
   EXPECT_DOUBLE_EQ(none.evaluate("2*pi"), 2.0 * std::numbers::pi);
   EXPECT_DOUBLE_EQ(none.evaluate("sin(30 deg) + sqrt(9)^2"), 9.5);
   EXPECT_DOUBLE_EQ(none.evaluate("atan2(1, -1)"), std::atan2(1.0, -1.0));
+  EXPECT_DOUBLE_EQ(none.evaluate("cos(1) + tan(0.5) + asin(0.3) + acos(0.2) + atan(2) + exp(0.1) + ln(3) + abs(-4)"),
+                   std::cos(1.0) + std::tan(0.5) + std::asin(0.3) + std::acos(0.2) + std::atan(2.0) + std::exp(0.1) +
+                       std::log(3.0) + 4.0);
+  EXPECT_DOUBLE_EQ(none.evaluate("min(3, 1, 2) + 10 * max(1, 7)"), 71.0);
+}
+
+TEST(Expression, KnowsNoNumberOrFunctionBesides) {
+  for (const char* other : {"_pi", "_e", "log(10)", "rint(2.5)", "sinh(1)", "sum(1, 2)"}) {
+    EXPECT_NE(expression_complaint(other), "none") << other;
+  }
 }
 
 TEST(Parameters, ResolveInAnyOrder) {
