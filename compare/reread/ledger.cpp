@@ -15,7 +15,7 @@ VecX column_of(const std::vector<double>& numbers) {
 
 void Ledger::numbers(const Entry& entry, const MatX& read, const MatX& stated, double allowed, double scale) {
   found_.held += static_cast<int>(stated.size());
-  StatedValue value{entry.where, entry.key, 0.0, 1.0, "", entry.line};
+  StatedValue value{entry.where, entry.key, 0.0, 1.0, "", entry.line, entry.file};
   if (read.rows() != stated.rows() || read.cols() != stated.cols()) {
     value.text =
         fmt::format("read {} x {} numbers, stated {} x {}", read.rows(), read.cols(), stated.rows(), stated.cols());
@@ -39,8 +39,8 @@ void Ledger::number(const Entry& entry, double read, double stated) {
 void Ledger::word(const Entry& entry, const std::string& read, const std::string& stated) {
   ++found_.held;
   if (read == stated) return;
-  found_.differing.push_back(
-      {entry.where, entry.key, 1.0, 1.0, fmt::format("read as '{}', stated '{}'", read, stated), entry.line});
+  found_.differing.push_back({entry.where, entry.key, 1.0, 1.0, fmt::format("read as '{}', stated '{}'", read, stated),
+                              entry.line, entry.file});
 }
 
 bool Ledger::both_have(const Entry& entry, bool read, bool stated) {

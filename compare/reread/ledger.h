@@ -13,6 +13,7 @@ struct Entry {
   std::string where;
   std::string key;
   int line = 0;
+  std::string file = {};
 };
 
 /// What two evaluations of the same expressions may differ by, in parts of the largest number of a group.

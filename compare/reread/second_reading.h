@@ -21,6 +21,7 @@ struct StatedValue {
   double scale = 1.0;     // what round-off is held against; positive
   std::string text;       // of what is no number, or of another count: "read as 'B', stated 'A'"; else empty
   int line = 0;           // of the file that states it; 0: not known
+  std::string file = {};  // that states it: the model's, an include or a modes file; empty: not known
 };
 
 /// What a model does not have as the file says, worst first, and how many numbers and words were held.

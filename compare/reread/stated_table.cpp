@@ -31,7 +31,8 @@ StatedTable::StatedTable(const toml::table& table, const StatedFile& file, Ledge
 Entry StatedTable::entry(const std::string& key) const {
   const toml::node* node = state_->table.get(key);
   const toml::node& place = node != nullptr ? *node : state_->table;
-  return {state_->where, state_->path + key, static_cast<int>(place.source().begin.line)};
+  const toml::source_region& source = place.source();
+  return {state_->where, state_->path + key, static_cast<int>(source.begin.line), source.path ? *source.path : ""};
 }
 
 std::vector<std::string> StatedTable::keys() const {

@@ -19,7 +19,8 @@ std::string describe(const StatedValue& value, const std::string& file) {
   const std::string line = value.line > 0 ? fmt::format(" in line {}", value.line) : "";
   const std::string how =
       value.text.empty() ? fmt::format("off by {:.2e}, of {:.3g}", value.residual, value.scale) : value.text;
-  return fmt::format("{}, {}: was not read as {} says{}: {}", value.where, value.key, file, line, how);
+  return fmt::format("{}, {}: was not read as {} says{}: {}", value.where, value.key,
+                     value.file.empty() ? file : value.file, line, how);
 }
 
 Attribution cause_of(const StatedValue& value) {

@@ -20,6 +20,7 @@
 #include "compare/fuzz/writer.h"
 #include "compare/report/files.h"
 #include "compare/report/text_table.h"
+#include "compare/reread/second_reading.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/weighed_states.h"
@@ -167,9 +168,8 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
       const bool holds_it = fault.is_in("common") || fault.is_in(kSolverNames[index(who)]);
       acts = acts || (holds_it && is_exercised(subject, layout, *solvers.both()[index(who)], who));
     }
-    // What is read wrongly states another machine, which has states of its own.
     if (acts && fault.rung == "reading") {
-      return draw(subject.seed, subject.number, subject.file.parent_path()) ? kAgree : "refused";
+      return read_again_text(model, subject.text, subject.file).differing.empty() ? kAgree : "reading";
     }
     // A fault in the rank shows in what is called unique, not in any number.
     const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
@@ -241,11 +241,11 @@ class Scan {
     std::filesystem::remove_all(scratch_);
   }
 
-  /// Whether every fault that acts on machines was caught on some, but for those that only a reference can tell.
+  /// Whether every fault that acts on machines was caught on some.
   [[nodiscard]] bool is_each_caught() const {
     return std::all_of(all_.begin(), all_.end(), [&](const Fault& fault) {
       const Rate& rate = rates_[static_cast<std::size_t>(fault.number)];
-      return rate.exercised == 0 || rate.caught > 0 || fault.rung == "reading";
+      return rate.exercised == 0 || rate.caught > 0;
     });
   }
 
