@@ -296,7 +296,7 @@ class PseudoTransientContinuation {
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
       const State from = state_;
       if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
-      last_moves_.push_back({from, step});
+      last_moves_.emplace_back(from, step);
       if (last_moves_.size() > kLastMoves) last_moves_.pop_front();
       reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
       return;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -168,7 +170,7 @@ void hold_nodes(const ModalData& modal, const StatedTable& top, const std::strin
   ledger.number(top.entry("node"), static_cast<double>(modal.nodes.size()), static_cast<double>(stated.size()));
   for (const StatedTable& node : stated) {
     const std::string name = node.text("name").value_or("");
-    node.rename(where + ", node " + name);
+    node.rename(fmt::format("{}, node {}", where, name));
     const ModalNode* read = nullptr;
     for (const ModalNode& one : modal.nodes) {
       if (one.name == name) read = &one;
@@ -188,7 +190,7 @@ MatX hold_mass(const ModalData& modal, const StatedTable& top, int m) {
   const auto integrals = top.matrix("inertia_integrals");
   Factors factors;
   for (const StatedTable& point : top.tables("mass_point")) add_point(point, factors);
-  const MatX G = integrals ? symmetric_part_of(*integrals) : factors.product(4 + 3 * m);
+  MatX G = integrals ? symmetric_part_of(*integrals) : factors.product(4 + 3 * m);
   const Entry entry = top.entry(integrals ? "inertia_integrals" : "mass_point");
   hold_integrals(top.ledger(), entry, modal.G, G, integrals ? kRoundOff : 1e-11);
   Entry of_points = entry;

@@ -1,5 +1,7 @@
 #include "compare/reread/second_reading.h"
 
+#include <fmt/format.h>
+
 #include <exception>
 #include <functional>
 #include <optional>
@@ -47,7 +49,7 @@ int hold_named(const Files& files, const std::string& key, const std::string& ki
     for (const StatedTable& table : file->top->tables(key)) {
       ++count;
       const std::string name = table.own_name();
-      table.rename(kind + " " + name);
+      table.rename(fmt::format("{} {}", kind, name));
       const Item* item = find_named(items, name);
       table.ledger().word(table.entry("name"), item != nullptr ? name : "", name);
       if (item == nullptr) table.pass_over();
