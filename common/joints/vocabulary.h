@@ -116,6 +116,7 @@ using ForbidSpeed = std::variant<NoSlip>;
 // What a joint then permits of the velocity: directions that span all v_rel that are possible in a pose. Needed only
 // with a ForbidSpeed; the motion below says the places that can be reached. Facts:
 //   kind            of the direction's speed: an angle's [rad/s] or a length's [m/s]
+//   stated_length   length [m] that the word states; zero: none
 
 /// v_rel = [e; 0], e an axis of the parent or of the child.
 struct SpeedAlong {
@@ -123,6 +124,7 @@ struct SpeedAlong {
   Axis axis;
 
   static constexpr CoordinateKind kind() { return CoordinateKind::length; }
+  static constexpr double stated_length() { return 0.0; }
 };
 
 /// Rotation about e, an axis of the parent or of the child, through the point d - below e_z, which rests:
@@ -133,6 +135,7 @@ struct SpeedAbout {
   double below = 0.0;  // m
 
   static constexpr CoordinateKind kind() { return CoordinateKind::angle; }
+  [[nodiscard]] constexpr double stated_length() const { return below; }
 };
 
 using PermitSpeed = std::variant<SpeedAlong, SpeedAbout>;  // (S15)

@@ -1,5 +1,6 @@
 #include "compare/analyses/steps_back.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/decompositions.h"
@@ -26,8 +27,8 @@ int StepsBack::iterations() const {
   return kPerFarStep * far_ + kPerReturn * returns_;
 }
 
-bool StepsBack::has_come_back(double distance) const {
-  return made_ && made_->distance - distance < kPartOfTheWay * (made_->distance - made_->expected);
+bool StepsBack::has_come_back(const VecX& moved) const {
+  return made_ && (moved - made_->moved).dot(made_->step) < kPartOfTheWay * made_->step.squaredNorm();
 }
 
 MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
@@ -45,7 +46,7 @@ MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
 StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest& here, double longest) {
   if (directions.cols() == 0 || near_ == kMostNear) return {};
   const VecX moved = joint_displacements(model_, start_, here.state);
-  if (has_come_back(moved.norm())) {
+  if (has_come_back(moved)) {
     share_ *= kShorter;
     ++returns_;
     Rest nearest = std::move(made_->rest);
@@ -58,7 +59,7 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
   const double size = step.norm();
   if (size <= kRoundOffStep || (size <= kSmallStep && (share_ < 1.0 || size >= kNoNearer * last_size_))) return {};
   last_size_ = size;
-  made_ = Made{here, moved.norm(), (moved - rates * along).norm()};
+  made_ = Made{here, moved, -std::min(1.0, longest / size) * (rates * along)};
   const bool is_far = size > longest && far_ < kMostFar;  // over many turns
   ++(is_far ? far_ : near_);
   return step;

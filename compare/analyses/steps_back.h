@@ -32,13 +32,13 @@ class StepsBack {
   [[nodiscard]] int iterations() const;
 
  private:
-  /// Where the last step was made, its distance to the start, and the one that is expected of the step.
+  /// Where the last step was made, what the joints had moved by then, and what they move by the step, at least.
   struct Made {
     Rest rest;
-    double distance;
-    double expected;
+    VecX moved;
+    VecX step;
   };
-  [[nodiscard]] bool has_come_back(double distance) const;
+  [[nodiscard]] bool has_come_back(const VecX& moved) const;
   [[nodiscard]] MatX joint_rates(const Chart& chart, const MatX& directions) const;
 
   const Model& model_;

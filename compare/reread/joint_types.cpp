@@ -48,9 +48,7 @@ Numbers numbers_of(const joints::JointType& type) {
   }
   for (const joints::Read& word : type.reads) append_function(all, joints::function_of(word));
   for (const joints::ForbidSpeed& word : type.forbids_speeds) all.push_back(joints::stated_length(word));
-  for (const joints::PermitSpeed& word : type.permits_speeds) {
-    if (const auto* about = std::get_if<joints::SpeedAbout>(&word)) all.push_back(about->below);
-  }
+  for (const joints::PermitSpeed& word : type.permits_speeds) all.push_back(joints::stated_length(word));
   return all;
 }
 

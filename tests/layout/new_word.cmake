@@ -41,7 +41,8 @@ set(facts_of_Permit [[
   static constexpr std::optional<Axis> arm() { return {}; }
   static constexpr const FunctionOfCoordinates* function() { return nullptr; }]])
 set(facts_of_PermitSpeed [[
-  static constexpr CoordinateKind kind() { return CoordinateKind::angle; }]])
+  static constexpr CoordinateKind kind() { return CoordinateKind::angle; }
+  static constexpr double stated_length() { return 0.0; }]])
 set(facts_of_Read [[
   static constexpr CoordinateKinds kinds() { return CoordinateKinds(CoordinateKind::angle); }
   static constexpr Push pushed_by() { return Push::torque; }
