@@ -141,6 +141,14 @@ RunSettings read_run(const TableReader& document) {
   return run;
 }
 
+/// A force element of the file, or of one that includes it.
+std::string element_in_model(const FileReading& reading, const std::string& name) {
+  for (const std::string_view table : force_element_keys()) {
+    if (const std::string full = reading.name_in_model(table, name); full != name) return full;
+  }
+  return name;
+}
+
 void check_component(const TableReader& need, const std::string& name) {
   static const std::vector<std::string> kComponents{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
   if (std::find(kComponents.begin(), kComponents.end(), name) != kComponents.end()) return;
@@ -167,7 +175,7 @@ std::vector<NeedOverride> read_needs(const TableReader& document, const std::vec
     const std::string joint = table.text("joint").value_or("");
     if (!joint.empty()) check_joint_name(table, joint, joints);
     need.joint = document.reading().name_in_model("joint", joint);
-    if (const auto element = table.text("element")) need.element = document.reading().prefix + *element;
+    need.element = element_in_model(document.reading(), table.text("element").value_or(""));
     need.body = document.reading().name_in_model("body", table.text("body").value_or(""));
     need.component = table.text("component").value_or("");
     if (!need.component.empty()) check_component(table, need.component);

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <set>
 
+#include "common/reading/force_element_reader.h"
 #include "common/reading/spelling.h"
 #include "common/reading/text_file.h"
 #include "common/reading/toml_document.h"
@@ -110,14 +111,17 @@ class PartsReader {
     check_format(*part.document, kFormat);
     read_parameters(inclusion.parameters, part);
     require_use(text, inclusion, part);
-    for (const std::string_view kind : kNamedKinds) {
-      for (const NamedPlace& one : names_in(part, kind)) part.reading.own_names[std::string(kind)].insert(one.name);
-    }
+    for (const std::string_view kind : kNamedKinds) take_names(part, kind);
+    for (const std::string_view kind : force_element_keys()) take_names(part, kind);
     for (const toml::table* table : part.document->tables("include")) read_include(*table, inclusion, part);
     return part;
   }
 
  private:
+  static void take_names(ModelPart& part, std::string_view kind) {
+    for (const NamedPlace& one : names_in(part, kind)) part.reading.own_names[std::string(kind)].insert(one.name);
+  }
+
   /// A parameter that is said where a file is included and of which the file says nothing is a slip. What the file
   /// includes itself may use it.
   static void require_use(std::string_view text, const Inclusion& inclusion, ModelPart& part) {

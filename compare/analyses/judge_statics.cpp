@@ -135,6 +135,18 @@ void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict&
   result.numbers.push_back(number("unstable directions", "", found[0].unstable, found[1].unstable, 1.0, kMostDigits));
 }
 
+/// Forces that vanish towards the edge of what pushes leave its place open by more than solvers may differ by.
+void refuse_edge(const std::array<Equilibrium, 2>& found) {
+  for (const Equilibrium& one : found) {
+    if (!one.is_at_edge) continue;
+    throw SolverError(fmt::format(
+        "statics: the machine rests at the edge of what pushes, as where a stop begins to press, and nothing resists "
+        "{} "
+        "from there on: where that is, forces that vanish leave open; start it within its play, or give it a spring",
+        one.free.empty() ? std::string("the motion") : one.free.front().name));
+  }
+}
+
 }  // namespace
 
 AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
@@ -160,6 +172,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   }
   require_unique(result);
   conclude(result);
+  if (result.wrenches.outcome == Outcome::differ) refuse_edge(found);
   return result;
 }
 

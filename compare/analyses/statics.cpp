@@ -335,8 +335,8 @@ class PseudoTransientContinuation {
   }
 
   Equilibrium conclude(int iterations) {
-    return {std::move(state_), std::move(evaluation_), iterations,      last_step_,
-            std::move(free_),  unstable_directions_,   std::move(kink_)};
+    return {std::move(state_), std::move(evaluation_), iterations,       last_step_,
+            std::move(free_),  unstable_directions_,   std::move(kink_), steps_back_.is_at_edge()};
   }
 
   static constexpr int kPushes = 25;

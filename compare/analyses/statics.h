@@ -31,6 +31,8 @@ struct Equilibrium {
   /// A motion along which a force has a kink there, as that of a tire that just leaves its road: equilibria begin there
   /// that reach on into the air, and which of them is found hangs by round-off. Empty where the machine started there.
   std::string kink;
+  /// It lies where places of rest end on the way to the start, as where a stop begins to press.
+  bool is_at_edge = false;
 };
 
 /// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler

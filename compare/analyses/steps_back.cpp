@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMostNear = 100;
 constexpr int kMostFar = 300;
+constexpr int kMostReturns = 15;
 constexpr double kRoundOffStep = 1e-14;
 constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
@@ -44,7 +45,7 @@ MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
 }
 
 StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest& here, double longest) {
-  if (directions.cols() == 0 || near_ == kMostNear) return {};
+  if (directions.cols() == 0 || near_ == kMostNear || (returns_ == kMostReturns && !made_)) return {};
   const VecX moved = joint_displacements(model_, start_, here.state);
   if (has_come_back(moved)) {
     share_ *= kShorter;

@@ -29,10 +29,12 @@ void hold_quarters(const StatedTable& table, const std::string& key, const Mat6&
   const MatX stated = table.matrix(key).value_or(MatX::Zero(6, 6));
   if (stated.rows() != 6 || stated.cols() != 6) throw std::runtime_error(key + ": not six numbers");
   const MatX symmetric = 0.5 * (stated + stated.transpose());
+  const auto size_of = [&](int row, int column) { return stated.block<3, 3>(row, column).cwiseAbs().maxCoeff(); };
   for (int row = 0; row < 6; row += 3) {
     for (int column = 0; column < 6; column += 3) {
+      const double size = std::max(size_of(row, column), std::sqrt(size_of(row, row) * size_of(column, column)));
       table.ledger().numbers(table.entry(key), MatX(read.block<3, 3>(row, column)),
-                             MatX(symmetric.block<3, 3>(row, column)));
+                             MatX(symmetric.block<3, 3>(row, column)), kRoundOff, size);
     }
   }
 }

@@ -142,7 +142,7 @@ void hold_coupling(const Model& model, const Coupling& coupling, const StatedTab
   const std::vector<StatedTable> terms = table.tables("terms");
   ledger.number(table.entry("terms"), static_cast<double>(coupling.terms.size()), static_cast<double>(terms.size()));
   for (std::size_t k = 0; k < terms.size(); ++k) {
-    const std::string joint = terms[k].reference(Names::links, "joint");
+    const std::string joint = terms[k].reference(Names::joints, "joint");
     const std::string coordinate = terms[k].text("coordinate").value_or("");
     const double factor = terms[k].number("factor").value();
     if (k >= coupling.terms.size()) continue;

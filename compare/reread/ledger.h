@@ -14,10 +14,13 @@ struct Entry {
   std::string key;
   int line = 0;
   std::string file = {};
+  double terms = 0.0;  // the largest number in the expressions that state it: their sums know no more
 };
 
-/// What two evaluations of the same expressions may differ by, in parts of the largest number of a group.
-inline constexpr double kRoundOff = 1e-12;
+/// What two evaluations of the same expressions may differ by, in parts of the largest number of a group, and of the
+/// largest number in an expression.
+inline constexpr double kRoundOff = 1e-11;
+inline constexpr double kRoundOffOfTerms = 1e-14;
 
 /// A list of numbers as a column.
 VecX column_of(const std::vector<double>& numbers);

@@ -159,9 +159,10 @@ void hold_damping(const ModalData& modal, const StatedTable& top, const Undamped
   const MatX stated = 2.0 * across * ratios.cwiseProduct(modes.frequencies).asDiagonal() * across.transpose();
   const MatX doubt =
       across.cwiseAbs() * doubts_of(ratios, modes.frequencies).asDiagonal() * across.cwiseAbs().transpose();
+  constexpr double kKnown = 1e-4;  // what eigenvectors leave open is none of the reading's: it is held to four digits
   const double largest = stated.cwiseAbs().maxCoeff();
-  const double part = largest > 0.0 ? doubt.maxCoeff() / largest * 1e5 : 0.0;
-  hold_of_modes(top.ledger(), top.entry("damping_ratios"), modal.damping, stated, kRoundOffOfSums + part);
+  if (!(doubt.maxCoeff() < kKnown * largest)) return;
+  top.ledger().numbers(top.entry("damping_ratios"), modal.damping, stated, kKnown, largest);
 }
 
 void hold_nodes(const ModalData& modal, const StatedTable& top, const std::string& where) {

@@ -54,8 +54,8 @@ void hold_need(const NeedOverride& need, const StatedTable& table) {
   const auto hold_name = [&](const char* key, Names kind, const std::string& read) {
     ledger.word(table.entry(key), read, table.has(key) ? table.reference(kind, key) : "");
   };
-  hold_name("joint", Names::links, need.joint);
-  hold_name("element", Names::links, need.element);
+  hold_name("joint", Names::joints, need.joint);
+  hold_name("element", Names::elements, need.element);
   hold_name("body", Names::bodies, need.body);
   table.hold_word("component", need.component, "");
   hold_optional(table, "same_state", need.same_state);

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -69,6 +72,16 @@ std::vector<std::string> names_in(const std::string& expression) {
   }
 }
 
+/// Of the numbers that are written out in an expression.
+double largest_literal(const std::string& text) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const bool starts = std::isdigit(static_cast<unsigned char>(text[k])) != 0 && (k == 0 || !is_of_word(text[k - 1]));
+    if (starts) largest = std::max(largest, std::strtod(text.c_str() + k, nullptr));
+  }
+  return largest;
+}
+
 }  // namespace
 
 Scope::Scope(const toml::table* own, std::map<std::string, double> given, const Scope* outer)
@@ -105,6 +118,10 @@ double Scope::evaluate(const std::string& expression) const {
   std::vector<Wanted> wanted = unknown_in(expression);
   while (!wanted.empty() && wanted.size() < kCircle) {
     const Wanted last = wanted.back();
+    if (last.owner->known_.contains(last.name)) {
+      wanted.pop_back();
+      continue;
+    }
     const toml::node& node = *last.owner->own_->get(last.name);
     const auto text = node.value_exact<std::string>();
     const std::vector<Wanted> before = text ? last.owner->unknown_in(*text) : std::vector<Wanted>();
@@ -122,6 +139,28 @@ double Scope::evaluate(const toml::node& node) const {
   if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
   if (const auto* number = node.as_floating_point()) return number->get();
   throw std::runtime_error("no number");
+}
+
+double Scope::size_of_terms(const std::string& text) const {
+  constexpr std::size_t kMost = 1000;  // texts that are looked at
+  double size = 0.0;
+  std::vector<std::pair<const Scope*, std::string>> texts{{this, text}};
+  std::set<std::pair<const Scope*, std::string>> seen;
+  for (std::size_t k = 0; k < texts.size() && k < kMost; ++k) {
+    const auto [scope, expression] = texts[k];
+    size = std::max(size, largest_literal(expression));
+    for (const std::string& name : names_in(expression)) {
+      const Wanted wanted = scope->find(name);
+      if (!seen.emplace(wanted.owner, name).second) continue;
+      if (const auto known = wanted.owner->known_.find(name); known != wanted.owner->known_.end()) {
+        size = std::max(size, std::abs(known->second));
+      }
+      const toml::node* stated = wanted.owner->own_ != nullptr ? wanted.owner->own_->get(name) : nullptr;
+      const auto inner = stated != nullptr ? stated->value_exact<std::string>() : std::nullopt;
+      if (inner) texts.emplace_back(wanted.owner, *inner);
+    }
+  }
+  return size;
 }
 
 }  // namespace concord::compare::reread

@@ -17,6 +17,9 @@ class Scope {
   [[nodiscard]] double evaluate(const std::string& expression) const;
   /// A number, or an expression in quotes.
   [[nodiscard]] double evaluate(const toml::node& node) const;
+  /// The largest number in an expression that was evaluated, and in those of its parameters: what it may be known to.
+  /// Throws std::runtime_error for a text that is no expression.
+  [[nodiscard]] double size_of_terms(const std::string& text) const;
 
  private:
   /// A parameter and the file whose table states it.

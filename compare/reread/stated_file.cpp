@@ -19,9 +19,9 @@ void collect_names(StatedFile& file) {
   };
   collect("body", Names::bodies);
   collect("road", Names::roads);
-  for (const char* table : {"joint", "coupling", "load", "line_spring", "turn_spring", "bushing", "tire"}) {
-    collect(table, Names::links);
-  }
+  collect("joint", Names::joints);
+  collect("coupling", Names::couplings);
+  for (const char* table : {"load", "line_spring", "turn_spring", "bushing", "tire"}) collect(table, Names::elements);
 }
 
 std::unique_ptr<StatedFile> make_file(toml::table root, const std::filesystem::path& path, const Given& given,

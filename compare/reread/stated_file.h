@@ -23,7 +23,7 @@ struct StatedFile {
   std::unique_ptr<StatedTable> top;
   std::vector<std::unique_ptr<StatedFile>> includes;
   /// For each kind of names: those that it and its includes define, as it says them.
-  std::array<std::set<std::string>, 3> names;
+  std::array<std::set<std::string>, kNames> names;
 
   /// The name in the model of what this file calls `name`.
   [[nodiscard]] std::string full_name(Names kind, const std::string& name) const;

@@ -1,5 +1,6 @@
 #include "compare/reread/stated_table.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "compare/reread/stated_file.h"
@@ -13,6 +14,22 @@ std::vector<double> numbers_of(const toml::node& node, const Scope& scope) {
   std::vector<double> numbers;
   for (const toml::node& item : *node.as_array()) numbers.push_back(scope.evaluate(item));
   return numbers;
+}
+
+/// The largest number in the expressions of a value; zero if it is stated outright.
+double size_of_terms(const toml::node& node, const Scope& scope) {
+  if (const auto text = node.value_exact<std::string>()) {
+    try {
+      return scope.size_of_terms(*text);
+    } catch (const std::runtime_error&) {
+      return 0.0;  // a word
+    }
+  }
+  double size = 0.0;
+  if (const toml::array* items = node.as_array()) {
+    for (const toml::node& item : *items) size = std::max(size, size_of_terms(item, scope));
+  }
+  return size;
 }
 
 }  // namespace
@@ -32,7 +49,9 @@ Entry StatedTable::entry(const std::string& key) const {
   const toml::node* node = state_->table.get(key);
   const toml::node& place = node != nullptr ? *node : state_->table;
   const toml::source_region& source = place.source();
-  return {state_->where, state_->path + key, static_cast<int>(source.begin.line), source.path ? *source.path : ""};
+  Entry entry{state_->where, state_->path + key, static_cast<int>(source.begin.line), source.path ? *source.path : ""};
+  if (node != nullptr) entry.terms = size_of_terms(*node, *state_->file.scope);
+  return entry;
 }
 
 std::vector<std::string> StatedTable::keys() const {

@@ -15,7 +15,8 @@ namespace concord::compare::reread {
 struct StatedFile;
 
 /// Lists of names: joints, couplings and force elements share one.
-enum class Names { bodies, roads, links };
+enum class Names { bodies, roads, joints, couplings, elements };
+inline constexpr std::size_t kNames = 5;
 
 /// A table of a file. What is asked for is taken as known; keys that nobody has asked for when the last copy of the
 /// table goes are told to the ledger. A value that is not of the asked type throws std::runtime_error.

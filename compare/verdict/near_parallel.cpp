@@ -38,6 +38,10 @@ std::string note_on_near_parallel_axes(const Model& model) {
   constexpr double kMeantToBeParallel = 1e-4;
   double largest = kRoundOff;
   std::string note;
+  const bool has_loops = model.joints.size() + 1 > model.bodies.size();
+  const bool is_driven =
+      std::any_of(model.joints.begin(), model.joints.end(), [](const Joint& joint) { return !joint.drivers.empty(); });
+  if (!has_loops || is_driven) return note;
   const std::vector<Hinge> hinges = hinges_of(model);
   for (const Hinge& one : hinges) {
     for (const Hinge& other : hinges) {

@@ -49,7 +49,7 @@ ForceLaw& law_of_cross(Model& model) { return joint(model, "cross").springs[0].l
 
 std::vector<Spoil> of_bodies() {
   return {
-      {"body rod", "mass", [](Model& m) { body(m, "rod").mass *= 1.0 + 1e-11; }},
+      {"body rod", "mass", [](Model& m) { body(m, "rod").mass *= 1.0 + 1e-10; }},
       {"body rod", "inertia", [](Model& m) { body(m, "rod").inertia_L(0, 1) *= -1.0; }},
       {"body rod", "inertia", [](Model& m) { body(m, "rod").inertia_L.row(0).swap(body(m, "rod").inertia_L.row(1)); }},
       {"body rod", "center_of_mass", [](Model& m) { body(m, "rod").center_of_mass_L.y() *= -1.0; }},

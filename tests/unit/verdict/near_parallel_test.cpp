@@ -36,6 +36,12 @@ name = "D"
 type = "revolute"
 parent = {{ body = "ground", point = [1, 0, 0], z = {}, x = [0, 1, 1] }}
 child = {{ body = "rocker" }}
+[[joint]]
+name = "rod"
+type = "distance"
+length = 0.9
+parent = {{ body = "crank", point = [0, 0.3, 0] }}
+child = {{ body = "rocker", point = [0, 0.4, 0] }}
 )toml",
                                  type, axis_of_second),
                      "two_hinges.toml");
@@ -52,6 +58,15 @@ TEST(NearParallel, SaysNothingOfAxesThatAreParallelOrAslant) {
   EXPECT_THAT(note_on_near_parallel_axes(two_hinges("revolute", "[0.1, 0.2, -0.2]")), IsEmpty());
   EXPECT_THAT(note_on_near_parallel_axes(two_hinges("revolute", "[1.01, 2, -2]")), IsEmpty());
   EXPECT_THAT(note_on_near_parallel_axes(two_hinges("spherical", "[1.000003, 2, -2]")), IsEmpty());
+}
+
+TEST(NearParallel, SaysNothingOfTreesAndOfMachinesThatDriversMove) {
+  Model tree = two_hinges("revolute", "[1.000003, 2, -2]");
+  tree.joints.pop_back();
+  EXPECT_THAT(note_on_near_parallel_axes(tree), IsEmpty());
+  Model driven = two_hinges("revolute", "[1.000003, 2, -2]");
+  driven.joints[0].drivers.push_back({0, ConstantSpeed{0.0, 1.0}});
+  EXPECT_THAT(note_on_near_parallel_axes(driven), IsEmpty());
 }
 
 TEST(NearParallel, SpeaksBesideTheReasonOfARefusal) {
