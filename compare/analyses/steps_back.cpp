@@ -29,7 +29,10 @@ int StepsBack::iterations() const {
 }
 
 bool StepsBack::has_come_back(const VecX& moved) const {
-  return made_ && (moved - made_->moved).dot(made_->step) < kPartOfTheWay * made_->step.squaredNorm();
+  if (!made_ || (moved - made_->moved).dot(made_->step) >= kPartOfTheWay * made_->step.squaredNorm()) return false;
+  // Where skates or rolling wheels lead elsewhere, it may have come nearer all the same.
+  const double before = made_->moved.norm();
+  return before - moved.norm() < -kPartOfTheWay * made_->moved.dot(made_->step) / before;
 }
 
 MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
