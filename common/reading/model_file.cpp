@@ -144,7 +144,7 @@ RunSettings read_run(const TableReader& document) {
 /// A force element of the file, or of one that includes it.
 std::string element_in_model(const FileReading& reading, const std::string& name) {
   for (const std::string_view table : force_element_keys()) {
-    if (const std::string full = reading.name_in_model(table, name); full != name) return full;
+    if (std::string full = reading.name_in_model(table, name); full != name) return full;
   }
   return name;
 }
