@@ -62,10 +62,7 @@ void hold_tire(const Model& model, const Tire& tire, const StatedTable& table) {
   table.ledger().word(table.entry("road"), tire.road ? tire.road->name : "", road);
 }
 
-std::string kind_of(const ForceElement& element) {
-  constexpr std::array kinds{"load", "line_spring", "turn_spring", "bushing", "tire"};
-  return kinds.at(element.what.index());
-}
+std::string kind_of(const ForceElement& element) { return kElementTables.at(element.what.index()); }
 
 }  // namespace
 

@@ -27,7 +27,8 @@ void Ledger::numbers(const Entry& entry, const MatX& read, const MatX& stated, d
   value.residual = (read - stated).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
   value.scale = scale > 0.0 ? scale : std::max(read.cwiseAbs().maxCoeff(), stated.cwiseAbs().maxCoeff());
   if (!(value.scale > 0.0)) value.scale = 1.0;
-  if (value.residual <= allowed * value.scale + kRoundOffOfTerms * entry.terms) return;
+  if (value.residual <= allowed * value.scale) return;
+  if (entry.terms && value.residual <= kRoundOffOfTerms * entry.terms()) return;
   if (std::isnan(value.residual)) value.residual = std::numeric_limits<double>::infinity();
   found_.differing.push_back(value);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct Entry {
   std::string key;
   int line = 0;
   std::string file = {};
-  double terms = 0.0;  // the largest number in the expressions that state it: their sums know no more
+  /// The largest number in the expressions that state it, whose sums know no more; asked where something differs.
+  std::function<double()> terms = {};
 };
 
 /// What two evaluations of the same expressions may differ by, in parts of the largest number of a group, and of the

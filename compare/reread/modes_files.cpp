@@ -99,12 +99,12 @@ void hold_integrals(Ledger& ledger, const Entry& entry, const MatX& read, const 
 }
 
 /// Numbers of pairs of modes: the sizes are the roots of the diagonal, as far as that is known.
-void hold_of_modes(Ledger& ledger, const Entry& entry, const MatX& read, const MatX& stated, double doubt = 0.0) {
+void hold_of_modes(Ledger& ledger, const Entry& entry, const MatX& read, const MatX& stated) {
+  constexpr double kKnown = 1e-12;
   const double largest = stated.cwiseAbs().maxCoeff();
-  const double known = largest * (doubt > 0.0 ? 1e-5 : 1e-12);
-  VecX sizes = stated.diagonal().cwiseMax(known).cwiseSqrt();
+  VecX sizes = stated.diagonal().cwiseMax(kKnown * largest).cwiseSqrt();
   if (!(largest > 0.0)) sizes.setOnes();
-  hold_by_sizes(ledger, entry, read, stated, sizes, kRoundOff + doubt);
+  hold_by_sizes(ledger, entry, read, stated, sizes, kRoundOff);
 }
 
 MatX symmetric_part_of(const MatX& A) { return 0.5 * (A + A.transpose()); }

@@ -21,8 +21,6 @@ using namespace reread;
 
 using Files = std::vector<const StatedFile*>;
 
-constexpr std::array kElementTables{"load", "line_spring", "turn_spring", "bushing", "tire"};
-
 /// What a table says that cannot be read is told, and the rest of the file is held.
 void guarded(Ledger& ledger, const std::string& where, const std::function<void()>& hold) {
   try {

@@ -21,7 +21,7 @@ void collect_names(StatedFile& file) {
   collect("road", Names::roads);
   collect("joint", Names::joints);
   collect("coupling", Names::couplings);
-  for (const char* table : {"load", "line_spring", "turn_spring", "bushing", "tire"}) collect(table, Names::elements);
+  for (const char* table : kElementTables) collect(table, Names::elements);
 }
 
 std::unique_ptr<StatedFile> make_file(toml::table root, const std::filesystem::path& path, const Given& given,

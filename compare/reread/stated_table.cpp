@@ -50,7 +50,9 @@ Entry StatedTable::entry(const std::string& key) const {
   const toml::node& place = node != nullptr ? *node : state_->table;
   const toml::source_region& source = place.source();
   Entry entry{state_->where, state_->path + key, static_cast<int>(source.begin.line), source.path ? *source.path : ""};
-  if (node != nullptr) entry.terms = size_of_terms(*node, *state_->file.scope);
+  if (node != nullptr) {
+    entry.terms = [node, scope = state_->file.scope.get()] { return size_of_terms(*node, *scope); };
+  }
   return entry;
 }
 
@@ -66,7 +68,6 @@ const toml::node* StatedTable::ask(const std::string& key) const {
 }
 
 bool StatedTable::has_table(const std::string& key) const { return has(key) && state_->table.get(key)->is_table(); }
-bool StatedTable::has_text(const std::string& key) const { return has(key) && state_->table.get(key)->is_string(); }
 
 std::optional<double> StatedTable::number(const std::string& key) const {
   const toml::node* node = ask(key);

@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,9 +15,12 @@ namespace concord::compare::reread {
 
 struct StatedFile;
 
-/// Lists of names: joints, couplings and force elements share one.
+/// Kinds of names, each with a list of its own in every file.
 enum class Names { bodies, roads, joints, couplings, elements };
 inline constexpr std::size_t kNames = 5;
+
+/// The tables of force elements, in the order of ForceElement::what.
+inline constexpr std::array kElementTables{"load", "line_spring", "turn_spring", "bushing", "tire"};
 
 /// A table of a file. What is asked for is taken as known; keys that nobody has asked for when the last copy of the
 /// table goes are told to the ledger. A value that is not of the asked type throws std::runtime_error.
@@ -33,7 +37,6 @@ class StatedTable {
   [[nodiscard]] std::vector<std::string> keys() const;
   [[nodiscard]] bool has(const std::string& key) const { return state_->table.contains(key); }
   [[nodiscard]] bool has_table(const std::string& key) const;
-  [[nodiscard]] bool has_text(const std::string& key) const;
 
   [[nodiscard]] std::optional<double> number(const std::string& key) const;
   [[nodiscard]] std::optional<std::vector<double>> numbers(const std::string& key) const;
