@@ -141,8 +141,8 @@ void refuse_edge(const std::array<Equilibrium, 2>& found) {
     if (!one.is_at_edge) continue;
     throw SolverError(fmt::format(
         "statics: the machine rests at the edge of what pushes, as where a stop begins to press, and nothing resists "
-        "{} "
-        "from there on: where that is, forces that vanish leave open; start it within its play, or give it a spring",
+        "{} from there on: where that is, forces that vanish leave open; start it within its play, or give it a "
+        "spring",
         one.free.empty() ? std::string("the motion") : one.free.front().name));
   }
 }

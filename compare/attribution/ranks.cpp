@@ -189,7 +189,7 @@ std::optional<ConstraintFault> ConstraintOpinion::refuses_closed() const {
     if (2 * refused.size() <= asked_.size()) continue;
     const StatedConstraints& first = asked_[refused.front()].by[solver];
     std::string place = first.place;
-    place.erase(std::remove(place.begin(), place.end(), '\''), place.end());
+    std::erase(place, '\'');
     return ConstraintFault{solver, Term::jacobian, place,
                            fmt::format("calls {} of {} states open that the joints themselves call closed: {}",
                                        refused.size(), asked_.size(), first.words)};

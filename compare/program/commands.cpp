@@ -139,11 +139,11 @@ void solve_both(const CompareCommand& command, const SolverMakers& makers, const
 Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
                  const Console& console, std::set<std::string>& names) {
   Case one;
-  std::optional<MisreadModel> misread;
+  bool is_misread = false;
   try {
     one.model = read_twice(file);
   } catch (const MisreadModel& error) {
-    misread = error;
+    is_misread = true;
     one = {error.model(), verdict_on(error)};
   }
   if (!names.insert(one.model.name).second) {
@@ -151,7 +151,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
                      fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
                                  one.model.name));
   }
-  if (!misread) solve_both(command, makers, console, one);
+  if (!is_misread) solve_both(command, makers, console, one);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -368,9 +368,8 @@ int show_info(const std::filesystem::path& file, const SolverMakers& makers, con
     }
     console.out << format_info(machine.model(), views);
     tell(machine.notes(), console);
-    const bool is_doubtful = std::any_of(views.begin(), views.end(), [](const SolverView& view) {
-      return view.rank.undecided || view.rank.degrees_of_freedom == 0;
-    });
+    const bool is_doubtful =
+        std::any_of(views.begin(), views.end(), [](const SolverView& view) { return is_motion_doubtful(view.rank); });
     const std::string note = is_doubtful ? note_on_near_parallel_axes(machine.model()) : "";
     if (!note.empty()) tell({note}, console);
     return static_cast<int>(kAgree);

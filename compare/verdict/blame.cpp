@@ -112,15 +112,12 @@ bool answers_hold(const Verdict& verdict) {
 }
 
 std::string blame_of_run(const Verdict& verdict) {
-  const auto keeps_its_energy = [&verdict](std::size_t who) {
-    return verdict.solvers[who].energy_error.value_or(0.0) <= verdict.energy_allowed;
-  };
-  for (std::size_t who = 0; who < 2; ++who) {
-    if (keeps_its_energy(who) || !keeps_its_energy(1 - who) || !verdict.same_run.passed) continue;
+  const auto& [one, other] = verdict.solvers;
+  if (verdict.same_run.passed && keeps_energy(verdict, one) != keeps_energy(verdict, other)) {
     return fmt::format(
         "to blame: {}, in the power that it integrates: both runs agree and the audit holds, and the work of its "
         "drivers, springs, dampers and forces is not what the motion gains",
-        verdict.solvers[who].name);
+        keeps_energy(verdict, one) ? other.name : one.name);
   }
   return "to blame: a run, not what is answered: in the same states both solvers agree and the audit holds; look at "
          "steps, projections, events, and at the joint accelerations and the power that are integrated";
@@ -129,8 +126,7 @@ std::string blame_of_run(const Verdict& verdict) {
 std::string blame_of_stop(const Verdict& verdict) {
   return fmt::format(
       "to blame: the run of {}, not what it answers: in the same states both solvers agree and the audit holds; look "
-      "at "
-      "its steps, projections and events, or take another integrator",
+      "at its steps, projections and events, or take another integrator",
       verdict.solvers[verdict.trajectories[0] ? 1 : 0].name);
 }
 

@@ -58,6 +58,8 @@ std::string note_on_near_parallel_axes(const Model& model) {
   return note;
 }
 
+bool is_motion_doubtful(const RankReport& rank) { return rank.undecided || rank.degrees_of_freedom == 0; }
+
 InputError explained(const InputError& error, const Model& model) {
   std::vector<Diagnostic> diagnostics = error.diagnostics();
   const std::string note = note_on_near_parallel_axes(model);

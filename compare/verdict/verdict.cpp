@@ -60,9 +60,12 @@ void leave_out_repeated(std::vector<std::string>& lines) {
 }
 
 bool keeps_energy(const Verdict& verdict) {
-  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(), [&](const SolverSummary& solver) {
-    return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
-  });
+  return std::all_of(verdict.solvers.begin(), verdict.solvers.end(),
+                     [&](const SolverSummary& solver) { return keeps_energy(verdict, solver); });
+}
+
+bool keeps_energy(const Verdict& verdict, const SolverSummary& solver) {
+  return solver.energy_error && *solver.energy_error <= verdict.energy_allowed;
 }
 
 }  // namespace concord::compare

@@ -214,5 +214,6 @@ void leave_out_repeated(std::vector<std::string>& lines);
 
 /// Whether both runs keep their energy as far as is asked.
 bool keeps_energy(const Verdict& verdict);
+bool keeps_energy(const Verdict& verdict, const SolverSummary& solver);  // one of them
 
 }  // namespace concord::compare

@@ -140,7 +140,7 @@ class Verification {
         throw IncompleteResult(fmt::format("{}: the rank report has {} joints, the model {}", solver.name,
                                            solver.rank.joints.size(), model_.joints.size()));
       }
-      is_doubtful = is_doubtful || solver.rank.undecided || solver.rank.degrees_of_freedom == 0;
+      is_doubtful = is_doubtful || is_motion_doubtful(solver.rank);
       if (!solver.rank.undecided) continue;
       verdict_.notes.push_back(fmt::format(
           "{}: the rank of the constraints is undecided at the start: relative singular values {:.1e} kept, {:.1e} "
@@ -333,9 +333,10 @@ class Verification {
       verdict_.notes.push_back(fmt::format("who is to blame was not found: {}", error.what()));
     }
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
-    judge_.judge_rows();
     const bool one_stops = verdict_.trajectories[0].has_value() != verdict_.trajectories[1].has_value();
-    if (!verdict_.attribution && one_stops && answers_hold(verdict_)) verdict_.notes.push_back(blame_of_stop(verdict_));
+    if (verdict_.attribution || !one_stops) return;
+    judge_.judge_rows();  // which rungs are passed
+    if (answers_hold(verdict_)) verdict_.notes.push_back(blame_of_stop(verdict_));
   }
 
   void conclude() {
