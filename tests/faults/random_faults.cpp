@@ -168,9 +168,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
       const bool holds_it = fault.is_in("common") || fault.is_in(kSolverNames[index(who)]);
       acts = acts || (holds_it && is_exercised(subject, layout, *solvers.both()[index(who)], who));
     }
-    if (acts && fault.rung == "reading") {
-      return read_again_text(model, subject.text, subject.file).differing.empty() ? kAgree : "reading";
-    }
+    if (acts && !read_again_text(model, subject.text, subject.file).differing.empty()) return "reading";
     // A fault in the rank shows in what is called unique, not in any number.
     const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
     return fault.rung == "rank" && found == kAgree ? kIdle : found;
