@@ -46,7 +46,7 @@ void draw_line_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pos
   plan.child = ends.child;
   plan.has_frame = false;
   const double length = (position_of(ends.child, poses) - position_of(ends.parent, poses)).norm();
-  plan.entries = draw_force_law(length, units.length, 2.0 * units.force(), units.time, true, random);
+  plan.entries = draw_force_law(length, units.length, 2.0 * units.force(), units, true, random);
 }
 
 /// A rotation by less than `most` about any axis.
@@ -61,7 +61,7 @@ void draw_turn_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pos
   const double angle = random.between(-1.5, 1.5);
   turn_to(plan.child, axes_of(ends.parent, poses) * small_rotation(0.5, random) * rotation_about(Axis::z, angle),
           poses);
-  plan.entries = draw_force_law(angle, 1.0, units.force() * units.length, units.time, false, random);
+  plan.entries = draw_force_law(angle, 1.0, units.force() * units.length, units, false, random);
 }
 
 std::string matrix_text(const Mat6& matrix) {
@@ -95,11 +95,16 @@ void draw_bushing(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& 
                   Random& random) {
   plan.parent = ends.parent;
   plan.child = ends.child;
-  turn_to(plan.child, axes_of(ends.parent, poses) * small_rotation(1.3, random), poses);
-  const double stiffness = units.force() / units.length * random.log_between(0.3, 20.0);
+  turn_to(plan.child, axes_of(ends.parent, poses) * small_rotation(1.3 / units.stiffer, random), poses);
+  if (units.stiffer > 1.0) {  // joins what is nearly there
+    const Vec3 near = position_of(ends.parent, poses) + random.vector(0.5 * units.length / units.stiffer);
+    plan.child.point = poses[plan.child.body].A.transpose() * (near - poses[plan.child.body].r);
+  }
+  const double soft = units.force() / units.length * random.log_between(0.3, 20.0);
+  const double stiffness = units.stiffer * soft;
   plan.entries.push_back({"stiffness", bushing_text(stiffness, units.length, random)});
   if (random.chance(0.6)) {
-    const double damping = 0.1 * stiffness * units.time * random.between(0.2, 2.0);
+    const double damping = 0.1 * units.damped * soft * units.time * random.between(0.2, 2.0);
     plan.entries.push_back({"damping", bushing_text(damping, units.length, random)});
   }
   if (random.chance(0.3)) {

@@ -78,7 +78,7 @@ Flexible draw_beam(double mass, const Units& units, bool is_aligned, Random& ran
   const Section section = draw_section(0.1 * length, random);
   const double density = mass / (section.area * length);
   // The lowest frequency of a cantilever is 3.516 / length^2 sqrt(E I / (rho A)).
-  const double frequency = random.log_between(3.0, 30.0) / units.time;
+  const double frequency = units.stiffer * random.log_between(3.0, 30.0) / units.time;
   const double modulus =
       std::pow(frequency * length * length / 3.516, 2) * density * section.area / section.smallest_moment;
   const int elements = 4 + 2 * random.below(3);
@@ -98,7 +98,8 @@ Flexible draw_beam(double mass, const Units& units, bool is_aligned, Random& ran
     flexible.beam.push_back({"first_end", list_text(first_end), true});
     flexible.beam.push_back({"euler_parameters", list_text(axes), true});
   }
-  if (random.chance(0.5)) flexible.beam.push_back({"damping_ratio", number_text(random.between(0.005, 0.1))});
+  if (random.chance(0.5))
+    flexible.beam.push_back({"damping_ratio", number_text(units.damped * random.between(0.005, 0.1))});
   const Vec3 x = rotation_of(axes).col(0);
   for (int k = 0; k <= elements; ++k) {
     flexible.node_names.push_back(fmt::format("{}", k));
@@ -128,11 +129,12 @@ Flexible draw_modes_file(double mass, const Units& units, Random& random) {
   data.stiffness = MatX::Zero(modes, modes);
   data.damping = MatX::Zero(modes, modes);
   for (int c = 0; c < modes; ++c) {
-    const double frequency = random.log_between(3.0, 30.0) / units.time;
+    const double frequency = units.stiffer * random.log_between(3.0, 30.0) / units.time;
     const double modal_mass =
         data.G(4 + 3 * c, 4 + 3 * c) + data.G(5 + 3 * c, 5 + 3 * c) + data.G(6 + 3 * c, 6 + 3 * c);
     data.stiffness(c, c) = frequency * frequency * modal_mass;
-    if (random.chance(0.5)) data.damping(c, c) = 2.0 * random.between(0.005, 0.1) * frequency * modal_mass;
+    if (random.chance(0.5))
+      data.damping(c, c) = 2.0 * units.damped * random.between(0.005, 0.1) * frequency * modal_mass;
   }
   Flexible flexible;
   for (int k = 0; k < 3; ++k) {

@@ -90,24 +90,29 @@ class Drawing {
     for (const joint_check::Coordinate& one : joint_check::coordinates_of(*joint.type)) {
       CoordinatePlan& plan = joint.coordinates[named_place(*joint.type, one)];
       const double reach = one.is_turn ? 1.0 : units_.length;
-      const double force = units_of(joint.ends).force() * (one.is_turn ? units_.length : 1.0);
+      const Units units = units_of(joint.ends);
+      const double force = units.force() * (one.is_turn ? units.length : 1.0);
       if (random_.chance(recipe_.driven)) {
         LawPlan law = draw_law(joint.q(one.q), reach, units_.time, random_);
         plan.law = law.law;
         plan.drive = law.entries;
       }
       if (random_.chance(recipe_.sprung)) {
-        plan.spring = draw_force_law(joint.q(one.q), reach, force, units_.time, false, random_);
+        plan.spring = draw_force_law(joint.q(one.q), reach, force, units, false, random_);
       }
     }
   }
 
   /// Forces are of the size of the lighter body's inertia forces, so that nothing is hurled away.
-  [[nodiscard]] Units units_of(const std::array<End, 2>& ends) const {
+  [[nodiscard]] Units units_of(const std::array<End, 2>& ends) {
     Units units = units_;
     units.mass = std::numeric_limits<double>::max();
     for (const End& end : ends) {
       if (end.body != 0) units.mass = std::min(units.mass, machine_.bodies[end.body].mass);
+    }
+    if (recipe_.is_stiff) {
+      units.stiffer = random_.log_between(1.0, 1e3);
+      units.damped = random_.log_between(1.0, 1e3);
     }
     return units;
   }
@@ -260,8 +265,8 @@ class Drawing {
 }  // namespace
 
 const std::vector<std::string>& style_names() {
-  static const std::vector<std::string> names{"mixed",     "generic",  "ordinary", "loops",
-                                              "redundant", "flexible", "forces",   "wide"};
+  static const std::vector<std::string> names{"mixed",    "generic", "ordinary", "loops", "redundant",
+                                              "flexible", "forces",  "wide",     "stiff"};
   return names;
 }
 

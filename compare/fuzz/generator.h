@@ -10,14 +10,15 @@ namespace concord::compare::fuzz {
 
 /// What kind of machines are drawn.
 enum class Style {
-  mixed,      // all of what follows in turn
+  mixed,      // all of what follows but the last in turn
   generic,    // tilted frames, offsets along no axis
   ordinary,   // aligned, symmetric, at rest, round numbers
   loops,      // at least one loop
   redundant,  // loops with constraints that depend on each other
   flexible,   // at least one flexible body
   forces,     // many force elements and springs
-  wide        // sizes and masses over many decades
+  wide,       // sizes and masses over many decades
+  stiff       // springs and dampers far beyond the pace of the motion, or slender bodies; slow to compare
 };
 
 /// Names of the styles in their order.

@@ -103,14 +103,16 @@ LawPlan draw_load_law(double size, double time, Random& random) {
   return draw_law(level, 0.5 * size, time, random);
 }
 
-Entries draw_force_law(double x, double reach, double force, double time, bool is_line, Random& random) {
+Entries draw_force_law(double x, double reach, double force, const Units& units, bool is_line, Random& random) {
+  const double time = units.time;
   Entries entries;
   bool has_spring = false;
   if (random.chance(0.7)) {
-    entries.push_back(number("stiffness", random.log_between(0.3, 30.0) * force / reach));
+    entries.push_back(number("stiffness", units.stiffer * random.log_between(0.3, 30.0) * force / reach));
     has_spring = true;
   }
-  if (random.chance(0.5)) entries.push_back(number("damping", random.log_between(0.03, 1.0) * force * time / reach));
+  if (random.chance(0.5))
+    entries.push_back(number("damping", units.damped * random.log_between(0.03, 1.0) * force * time / reach));
   if (random.chance(0.2)) {
     entries.push_back({"spring_table", table_text(reach, force, random)});
     has_spring = true;
@@ -128,7 +130,7 @@ Entries draw_force_law(double x, double reach, double force, double time, bool i
     entries.push_back({"actuator", actuator});
   }
   if (random.chance(0.2) || entries.empty()) entries.push_back(number("preload", random.between(-force, force)));
-  const double free = x + reach * random.between(-0.3, 0.3);
+  const double free = x + reach / units.stiffer * random.between(-0.3, 0.3);
   if (has_spring) entries.push_back({"free", number_text(is_line ? std::abs(free) : free), is_line});
   return entries;
 }

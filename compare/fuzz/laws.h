@@ -14,6 +14,9 @@ struct Units {
   double length = 1.0;  // m
   double mass = 1.0;    // kg
   double time = 1.0;    // s
+  /// How often a spring is as stiff, and a damper as strong, as lets motion go on at the pace of the unit of time.
+  double stiffer = 1.0;
+  double damped = 1.0;
 
   [[nodiscard]] double force() const { return mass * length / (time * time); }
 };
@@ -32,8 +35,8 @@ LawPlan draw_load_law(double size, double time, Random& random);
 
 std::string inline_text(const Entries& entries);
 
-/// A force law of a coordinate or a length that is x at the start and moves by `reach`; forces of the size `force`.
-/// `is_line`: its free length is positive.
-Entries draw_force_law(double x, double reach, double force, double time, bool is_line, Random& random);
+/// A force law of a coordinate or a length that is x at the start and moves by `reach`; forces of the size `force`, of
+/// `units` but the time and how stiff and damped it is nothing counts. `is_line`: its free length is positive.
+Entries draw_force_law(double x, double reach, double force, const Units& units, bool is_line, Random& random);
 
 }  // namespace concord::compare::fuzz

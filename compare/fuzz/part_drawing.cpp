@@ -62,6 +62,7 @@ void PartDrawing::draw_inertia(BodyPlan& body) {
     if (random_.chance(0.3)) second(1) = second(0);
     for (double& one : second) one = rounded(one);
   }
+  if (recipe_.is_slender && random_.chance(0.7)) second.tail<2>() *= random_.log_between(1e-6, 1e-1);  // a rod
   const Vec3 principal(second(1) + second(2), second(2) + second(0), second(0) + second(1));
   if (recipe_.is_aligned) {
     body.inertia << principal, Vec3::Zero();
@@ -73,12 +74,18 @@ void PartDrawing::draw_inertia(BodyPlan& body) {
 }
 
 void PartDrawing::make_flexible(BodyPlan& body) {
-  body.flexible = random_.chance(0.75) ? draw_beam(body.mass, units_, recipe_.is_aligned, random_)
-                                       : draw_modes_file(body.mass, units_, random_);
+  Units units = units_;
+  if (recipe_.is_stiff) {
+    units.stiffer = random_.log_between(1.0, 10.0);
+    units.damped = random_.log_between(1.0, 100.0);
+  }
+  body.flexible = random_.chance(0.75) ? draw_beam(body.mass, units, recipe_.is_aligned, random_)
+                                       : draw_modes_file(body.mass, units, random_);
   const auto modes = body.flexible->a.size();
   if (recipe_.loops == 0 && !random_.chance(recipe_.resting)) {
-    body.flexible->a = random_.vector(modes, 0.01 * units_.length * std::sqrt(body.mass));
-    body.flexible->adot = random_.vector(modes, 0.01 * units_.length * std::sqrt(body.mass) / units_.time);
+    body.flexible->a = random_.vector(modes, 0.01 / units.stiffer * units_.length * std::sqrt(body.mass));
+    body.flexible->adot =
+        random_.vector(modes, 0.01 / units.stiffer * units_.length * std::sqrt(body.mass) / units_.time);
   }
 }
 

@@ -35,6 +35,11 @@ Recipe draw_recipe(Style style, Random& random) {
     recipe.sprung = 0.5;
   } else if (style == Style::wide) {
     recipe.is_wide = true;
+  } else if (style == Style::stiff) {
+    recipe.is_slender = random.chance(0.4);
+    recipe.is_stiff = !recipe.is_slender;
+    recipe.elements = 1 + random.below(3);
+    recipe.sprung = 0.5;
   }
   return recipe;
 }

@@ -9,6 +9,8 @@ namespace concord::compare::fuzz {
 struct Recipe {
   bool is_aligned = false;
   bool is_wide = false;
+  bool is_stiff = false;
+  bool is_slender = false;
   bool is_planar = false;
   bool has_twin = false;
   int bodies = 2;

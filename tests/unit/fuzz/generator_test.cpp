@@ -129,6 +129,37 @@ TEST(Generator, StylesGiveWhatTheyAreCalledAfter) {
   EXPECT_GT(greatest / least, 1e4);
 }
 
+/// Principal moments of inertia, the least over the greatest.
+double slenderness(const BodyPlan& body) {
+  Mat3 I;
+  I << body.inertia(0), body.inertia(3), body.inertia(4), body.inertia(3), body.inertia(1), body.inertia(5),
+      body.inertia(4), body.inertia(5), body.inertia(2);
+  const Eigen::SelfAdjointEigenSolver<Mat3> principal(I, Eigen::EigenvaluesOnly);
+  return principal.eigenvalues()(0) / principal.eigenvalues()(2);
+}
+
+TEST(Generator, StiffMachinesHaveThinRodsOrStrongDampers) {
+  int rods = 0;
+  double strongest = 0.0;  // damping, by the rate at which it stops the heaviest body, in runs
+  for (std::uint64_t number = 0; number < 60; ++number) {
+    const Machine machine = draw_machine(kTestSeed, number, Style::stiff);
+    double heaviest = 0.0;
+    for (std::size_t i = 1; i < machine.bodies.size(); ++i) {
+      rods += slenderness(machine.bodies[i]) < 1e-3 ? 1 : 0;
+      heaviest = std::max(heaviest, machine.bodies[i].mass);
+    }
+    for (const ElementPlan& element : machine.elements) {
+      if (element.table != "line_spring") continue;
+      for (const Entry& entry : element.entries) {
+        if (entry.key != "damping") continue;
+        strongest = std::max(strongest, std::stod(entry.value) / heaviest * machine.until);
+      }
+    }
+  }
+  EXPECT_GT(rods, 10);
+  EXPECT_GT(strongest, 10.0);
+}
+
 TEST(Writer, FilesArePackedAndUnpackedWhole) {
   ModelText text{"one\ntwo\n", {{"a.toml", "x = 1\n"}, {"b.toml", ""}}};
   const ModelText back = unpack(pack(text));
