@@ -271,8 +271,8 @@ class PseudoTransientContinuation {
     }
     const VecX pushed = chart.velocities(unmet);
     throw SolverError(
-        fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness; hold it, or give it a "
-                    "spring",
+        fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness, or one that vanishes with the push, "
+                    "as where a stop begins to press; hold it, or give it a spring",
                     name(), describe_motion(model_, state_, pushed)));
   }
 
