@@ -107,6 +107,9 @@ inline Jet pow(const Jet& x, double exponent) {
   return x.through(std::pow(x.value, exponent), exponent * std::pow(x.value, exponent - 1.0),
                    exponent * (exponent - 1.0) * std::pow(x.value, exponent - 2.0));
 }
+/// The nearest whole number, which has no derivatives.
+inline double nearest_whole(double x) { return std::nearbyint(x); }
+inline double nearest_whole(const Jet& x) { return std::nearbyint(x.value); }
 inline Jet abs(const Jet& x) { return x.value < 0.0 ? -x : x; }
 /// Away from the origin, like everything that has a derivative.
 inline Jet hypot(const Jet& x, const Jet& y) { return sqrt(x * x + y * y); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "common/joints/by_function.h"
 #include "common/joints/joint_type.h"
 
@@ -29,13 +31,16 @@ struct Motion {
   }
 };
 
-/// The turn, from the height: that counts whole turns by itself.
+/// The turn, from the orientation; the height counts its whole turns. On a fine thread far from the origin round-off of
+/// the height would be a large angle.
 struct Reading {
   double lead;
 
   template <class T>
-  VectorOf<T, 1> operator()(const Vec3Of<T>& d, const Mat3Of<T>&) const {
-    return VectorOf<T, 1>(d.z() / lead);
+  VectorOf<T, 1> operator()(const Vec3Of<T>& d, const Mat3Of<T>& R) const {
+    constexpr double kWholeTurn = 2.0 * std::numbers::pi;
+    const T angle = atan2(R(1, 0), R(0, 0));
+    return VectorOf<T, 1>(angle + kWholeTurn * nearest_whole((d.z() / lead - angle) / kWholeTurn));
   }
 };
 
