@@ -185,4 +185,25 @@ VecX joint_displacements(const Model& model, const State& start, const State& st
   return moved;
 }
 
+MatX weighed_by_nearness(const Model& model, const VecX& moved, MatX rates) {
+  constexpr double kLeastCurvature = 0.02;  // at half a turn it vanishes
+  Eigen::Index first = 0;
+  for (const Joint& joint : model.joints) {
+    const joints::JointType& type = *joint.type;
+    for (std::size_t word = 0; word < type.permits.size(); ++word) {
+      if (!is_orientation(type.permits[word])) continue;
+      const Eigen::Index u = first + first_u(type, static_cast<int>(word));
+      const Vec3 turn = moved.segment<3>(u);
+      const double half = 0.5 * turn.norm();
+      if (!(half > 0.0)) continue;
+      const double across = std::sqrt(std::max(kLeastCurvature, half / std::tan(half)));
+      const Vec3 axis = turn.normalized();
+      const Mat3 weights = across * Mat3::Identity() + (1.0 - across) * axis * axis.transpose();
+      rates.middleRows<3>(u) = weights * MatX(rates.middleRows<3>(u));
+    }
+    first += type.n_u();
+  }
+  return rates;
+}
+
 }  // namespace concord::compare::analyses

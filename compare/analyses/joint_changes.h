@@ -33,4 +33,8 @@ VecX joint_speeds(const Model& model, const State& state);
 /// a ball by the rotation vector of its turn.
 VecX joint_displacements(const Model& model, const State& start, const State& state);
 
+/// Rates W of joint speeds, weighed so that (W^T W)^-1 W^T moved is Newton's step of |moved|^2 / 2 for
+/// joint_displacements() `moved`: across the turn theta of a ball its curvature is (theta / 2) cot(theta / 2), not 1.
+MatX weighed_by_nearness(const Model& model, const VecX& moved, MatX rates);
+
 }  // namespace concord::compare::analyses

@@ -23,17 +23,23 @@ namespace {
 /// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
 constexpr double kLeastDeflection = 1e-6;
 
-/// Calls `use` with name, unit, scale and number of every joint coordinate (balls left out) and modal coordinate.
+/// Calls `use` with name, unit, scale and number of every joint coordinate and modal coordinate. Of the two sets of
+/// Euler parameters of an orientation the one nearer to that of `like`.
 template <class Use>
-void for_each_coordinate(const Model& model, const State& state, const Use& use) {
+void for_each_coordinate(const Model& model, const State& state, const State& like, const Use& use) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
     const JointMotion motion = motion_of(model, k, state);
     const std::vector<std::string> names = speed_names(*joint.type);
     const std::vector<bool> turns = turning_speeds(*joint.type);
     for (std::size_t word = 0; word < joint.type->permits.size(); ++word) {
-      if (is_orientation(joint.type->permits[word])) continue;
       const int q = first_q(*joint.type, static_cast<int>(word));
+      if (is_orientation(joint.type->permits[word])) {
+        const Vec4 p = motion.q.segment<4>(q);
+        const double sign = p.dot(motion_of(model, k, like).q.segment<4>(q)) < 0.0 ? -1.0 : 1.0;
+        for (int c = 0; c < 4; ++c) use(fmt::format("euler_parameter_{} of {}", c, joint.name), "1", 1.0, sign * p(c));
+        continue;
+      }
       const int u = first_u(*joint.type, static_cast<int>(word));
       for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {
         const bool turn = turns[static_cast<std::size_t>(u + c)];
@@ -68,19 +74,20 @@ std::string judge_coordinates(const Model& model, const State& start, const std:
   std::array<std::vector<double>, 3> values;
   const std::array<const State*, 3> states{&start, found[0], found[1]};
   for (std::size_t k = 0; k < states.size(); ++k) {
-    for_each_coordinate(model, *states[k],
+    for_each_coordinate(model, *states[k], *found[0],
                         [&](const std::string&, const char*, double, double value) { values[k].push_back(value); });
   }
   Lines lines{{"coordinate", "start", "cartesian", "relative", "unit", "digits"}};
   const double of_places = digits_of_places(model, *found[0]);
   std::size_t row = 0;
-  for_each_coordinate(model, *found[0], [&](const std::string& name, const char* unit, double scale, double) {
-    result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
-    if (of_places < result.own_need) result.numbers.back().resolvable = of_places;
-    lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),
-                     fmt::format("{:.10g}", values[2][row]), unit, format_digits(result.numbers.back().digits)});
-    ++row;
-  });
+  for_each_coordinate(
+      model, *found[0], *found[0], [&](const std::string& name, const char* unit, double scale, double) {
+        result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
+        if (of_places < result.own_need) result.numbers.back().resolvable = of_places;
+        lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),
+                         fmt::format("{:.10g}", values[2][row]), unit, format_digits(result.numbers.back().digits)});
+        ++row;
+      });
   return lines.size() > 1 ? format_table(lines, {false, true, true, true, false, true}) : "";
 }
 

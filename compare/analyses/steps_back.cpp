@@ -18,6 +18,8 @@ constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
 constexpr double kPartOfTheWay = 0.1;
 constexpr double kShorter = 0.25;
+constexpr int kNoEdge = 5;            // steps that an edge within four of them would have turned back
+constexpr double kSeenStep = 1e-6;    // its half square is no round-off of the distance
 constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
 
 }  // namespace
@@ -28,10 +30,14 @@ int StepsBack::iterations() const {
   return kPerFarStep * far_ + kPerReturn * returns_;
 }
 
-bool StepsBack::has_come_back(const VecX& moved) const {
-  if (!made_ || (moved - made_->moved).dot(made_->step) >= kPartOfTheWay * made_->step.squaredNorm()) return false;
-  // Where skates or rolling wheels lead elsewhere, it may have come nearer all the same.
+bool StepsBack::has_failed(const State& here, const VecX& moved) const {
+  if (!made_) return false;
   const double before = made_->moved.norm();
+  const VecX went = joint_displacements(model_, made_->rest.state, here);
+  if (went.dot(made_->step) >= kPartOfTheWay * made_->step.squaredNorm()) {
+    return made_->step.norm() > kSeenStep && moved.norm() > before;  // it went beyond the nearest place
+  }
+  // Where skates or rolling wheels lead elsewhere, it may have come nearer all the same.
   return before - moved.norm() < -kPartOfTheWay * made_->moved.dot(made_->step) / before;
 }
 
@@ -50,15 +56,18 @@ MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
 StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest& here, double longest) {
   if (directions.cols() == 0 || near_ == kMostNear || (returns_ == kMostReturns && !made_)) return {};
   const VecX moved = joint_displacements(model_, start_, here.state);
-  if (has_come_back(moved)) {
+  if (has_failed(here.state, moved)) {
     share_ *= kShorter;
+    successes_ = 0;
     ++returns_;
     Rest nearest = std::move(made_->rest);
     made_.reset();
     return nearest;
   }
+  if (made_ && ++successes_ >= kNoEdge) share_ = 1.0;
   const MatX rates = joint_rates(chart, directions);
-  const VecX along = share_ * smallest_least_squares(rates, moved, kRoundOffStep);
+  const MatX weighed = weighed_by_nearness(model_, moved, rates);
+  const VecX along = share_ * smallest_least_squares(weighed, moved, kRoundOffStep);
   VecX step = -directions * along;
   const double size = step.norm();
   if (size <= kRoundOffStep || (size <= kSmallStep && (share_ < 1.0 || size >= kNoNearer * last_size_))) return {};

@@ -41,13 +41,15 @@ class StepsBack {
     VecX moved;
     VecX step;
   };
-  [[nodiscard]] bool has_come_back(const VecX& moved) const;
+  /// Whether the last step led back, as from an edge, or farther from the start than it was made.
+  [[nodiscard]] bool has_failed(const State& here, const VecX& moved) const;
   [[nodiscard]] MatX joint_rates(const Chart& chart, const MatX& directions) const;
 
   const Model& model_;
   const State& start_;
   std::optional<Made> made_;
   double share_ = 1.0;  // of the way to the nearest place by the directions
+  int successes_ = 0;   // since the share became less
   double last_size_ = std::numeric_limits<double>::infinity();
   int near_ = 0;
   int far_ = 0;

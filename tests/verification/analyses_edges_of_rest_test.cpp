@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "closed_forms.h"
 #include "common/error.h"
+#include "common/rotation.h"
+#include "compare/analyses/joint_changes.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
 #include "judged_machines.h"
@@ -17,6 +20,7 @@ using compare::Outcome;
 using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_statics;
+using compare::analyses::motion_of;
 
 AnalysisVerdict rest_of(const std::string& text) {
   const Model model = parse(text);
@@ -131,6 +135,57 @@ TEST_CASE("Of a wheel that a weak spring presses against the edge of a bump stat
       parse(wheel_on_bump(0.0, 0.9, 0.12, -0.4, 0.35, "spring.slide_z = { stiffness = 12.0, free = 1.8 }"));
   CHECK_THROWS_WITH(judge_statics(model, kMakers),
                     Catch::Contains("a force jumps") && Catch::Contains("slide_z of along"));
+}
+
+/// How far a ball is from the turn about `axis` (of its parent's frame) that brings it nearest to `start` [rad]. Of the
+/// turns by s the scalar product of Euler parameters is a cos(s / 2) + b sin(s / 2).
+double off_nearest(const Vec4& start, const Vec4& p, const Vec3& axis) {
+  Vec4 turned;  // half a turn about the axis, then p
+  turned << -axis.dot(p.tail<3>()), p(0) * axis + axis.cross(Vec3(p.tail<3>()));
+  return 2.0 * std::atan(start.dot(turned) / start.dot(p));
+}
+
+TEST_CASE("Two bodies that hang from balls rest where each ball has turned as little as hanging lets it",
+          "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [1.2, -3.1, -8.9]
+[[body]]
+name = "rod"
+mass = 3.4
+center_of_mass = [-0.106, -0.159, -0.042]
+inertia = [0.21, 0.17, 0.29, 0.01, -0.02, 0.03]
+[[joint]]
+name = "hook"
+type = "spherical"
+parent = { body = "ground", point = [-0.138, -0.173, -0.039], axis = [0.836, 0.601, 0.53], angle = -0.556 }
+child = { body = "rod", point = [0.015, -0.089, -0.131], axis = [-0.788, -0.571, 0.855], angle = 0.658 }
+start.ball = { keep = { axis = [0.613, 0.601, -0.613], angle = -1.141 }, keep_speed = [0, 0, 0] }
+[[body]]
+name = "bob"
+mass = 5.2
+center_of_mass = [0.051, 0.093, 0.142]
+inertia = [0.21, 0.17, 0.29, 0.01, -0.02, 0.03]
+[[joint]]
+name = "link"
+type = "spherical"
+parent = { body = "rod", point = [0.152, -0.165, 0.042], axis = [0.343, 0.012, -0.644], angle = -0.053 }
+child = { body = "bob", point = [-0.164, 0.174, 0.146], axis = [0.095, -0.4, 0.818], angle = 0.145 }
+start.ball = { keep = { axis = [0.765, 0.696, 0.017], angle = -0.516 }, keep_speed = [0, 0, 0] }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK_THAT(value_of(rest, "euler_parameter_2 of link"), !Catch::WithinAbs(0.0, 1e-3));
+  for (const auto& trajectory : rest.wrenches.trajectories) {
+    const State& found = trajectory->samples[0].state;
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      const Attachment& parent = model.joints[k].on(Side::parent);
+      const Mat3 frame = rotation_of(found.bodies[parent.body].p) * parent.C;
+      const Vec4 p = motion_of(model, k, found).q.head<4>();
+      CHECK(std::abs(off_nearest(model.joints[k].start[0].q, p, frame.transpose() * model.gravity.normalized())) <
+            1e-9);
+    }
+  }
 }
 
 }  // namespace
