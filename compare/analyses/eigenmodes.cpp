@@ -280,7 +280,7 @@ MatX drawn_from(const MatX& values, const MatX& error, Draws& draws) {
 
 void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors,
                              std::vector<Mode>& modes) {
-  constexpr int kModeDraws = 4;
+  constexpr int kModeDraws = 16;
   constexpr std::uint64_t kModeSeed = 19970704;
   const MatX of_A = without_luck(errors.A, matrices.A);
   const MatX of_B = without_luck(errors.B, matrices.B);

@@ -51,6 +51,14 @@ TEST_CASE("Modes agree as far as differences of accelerations resolve them", "[a
   }
 }
 
+// Detects a resolution that is the largest of too few draws.
+TEST_CASE("Modes of a thin rod agree as far as accelerations about its own axis are known", "[analyses][quick]") {
+  const Model model = machine_of("modes", "thrown_thin_rod");
+  const AnalysisVerdict found = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, found, true));
+  CHECK(found.wrenches.outcome == Outcome::agree);
+}
+
 TEST_CASE("A loop near a singular pose agrees as far as its closing is known", "[quick]") {
   const Model model = machine_of("modes", "nearly_flat");
   expect_to_agree(model, in_short(model, 1.0));
