@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "cartesian/closing.h"
@@ -31,13 +32,42 @@ void require_shape(const Model& model, const State& state) {
   }
 }
 
+namespace {
+
+constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
+
+/// Laws of drivers and coordinates of couplings that count many turns are known to their round-off only: where it is
+/// more than what is allowed, their residuals may be as much larger.
+void allow_round_off_of_turns(const Equations& equations, const State& state, RoundOffShares& shares) {
+  constexpr double kOfAngles = 4.0 * std::numeric_limits<double>::epsilon() / kClosureAllowed;
+  const Model& model = equations.model();
+  const auto allow = [&](RowIndex row, double angle) {
+    const double size = equations.row_sizes()(row.value);
+    if (size > 0.0) shares.terms(row.value) = std::max(shares.terms(row.value), kOfAngles * std::abs(angle) / size);
+  };
+  for (const JointIndex k : indices_of(model.joints)) {
+    const JointLayout& joint = equations.constraints().joint(k);
+    for (int own = joint.first_driver; own < joint.n_rows; ++own) {
+      allow(joint.row(own), evaluate(pick(model.joints, k).drivers[own - joint.first_driver].law, state.t).f);
+    }
+  }
+  for (const CouplingIndex g : indices_of(model.couplings)) {
+    for (const CouplingTerm& term : pick(model.couplings, g).terms) {
+      const int place = first_q(*model.joints[term.joint].type, term.word) + term.component;
+      allow(equations.constraints().coupling(g).row, term.factor * state.q[term.joint](place));
+    }
+  }
+}
+
+}  // namespace
+
 void refuse_open(const Equations& equations, const State& state, const VecX& q, const VecX& Y) {
-  constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
   if (!q.allFinite() || !Y.allFinite()) {
     throw SolverError(fmt::format("cartesian: the state at t = {:.6g} s holds a number that is not finite", state.t));
   }
   RoundOffShares shares(equations.constraints());
   measure_round_off(equations, state.t, q, shares);
+  allow_round_off_of_turns(equations, state, shares);
   const double position_residual = largest_residual(equations, equations.residual(), shares);
   const double rate = largest_velocity_residual_by_reach(equations, equations.velocity_residual(), shares);
   const double allowed_rate = kClosureAllowed * largest_rate(equations, state.t, Y);

@@ -47,6 +47,15 @@ double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, con
   return largest;
 }
 
+double size_of_turns(const Coupling& coupling, const Kinematics& kinematics) {
+  double largest = 0.0;
+  for (const CouplingTerm& term : coupling.terms) {
+    largest = std::max(largest, std::abs(term.factor * static_cast<double>(kWholeTurn) *
+                                         kinematics.turns()(index_in_q(term, kinematics))));
+  }
+  return largest;
+}
+
 double compute_velocity_residual(const Coupling& coupling, const Model& model, const Topology& topology,
                                  const VecX& u) {
   double velocity_residual = 0.0;

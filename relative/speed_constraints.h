@@ -19,6 +19,8 @@ double compute_position_residual(const Coupling& coupling, const Kinematics& kin
 
 /// The largest |factor_k q_k|, without turns that are counted apart: what round-off of the residual is made of.
 double size_of_terms(const Coupling& coupling, const Kinematics& kinematics, const VecX& q);
+/// The largest of what whole turns that are counted apart add to them.
+double size_of_turns(const Coupling& coupling, const Kinematics& kinematics);
 
 /// Its rate, the sum of factor_k u_k.
 double compute_velocity_residual(const Coupling& coupling, const Model& model, const Topology& topology, const VecX& u);

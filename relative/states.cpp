@@ -32,6 +32,7 @@ double fastest(const BodyState& body, double length, const Eigen::Ref<const VecX
 }
 
 constexpr double kLargestMisfit = 1e-12;
+constexpr double kRoundOffOfTurns = 4.0 * std::numeric_limits<double>::epsilon();
 
 void require_numbers(const BodyState& body, const std::string& name, double t) {
   if (body.r.allFinite() && body.p.allFinite() && body.v.allFinite() && body.omega.allFinite() && body.a.allFinite() &&
@@ -82,7 +83,6 @@ void States::require_shape(const State& state) const {
 /// The size of angles of a joint [rad]: 1, or where it has made so many turns that their round-off is more than
 /// kLargestMisfit of that, as much more.
 double States::angle_size(const Span& span) const {
-  constexpr double kRoundOffOfTurns = 4.0 * std::numeric_limits<double>::epsilon();
   if (span.n_q == 0) return 1.0;
   const double turned = kWholeTurn * kinematics_.turns().segment(span.first_q, span.n_q).cwiseAbs().maxCoeff();
   return std::max(1.0, kRoundOffOfTurns / kLargestMisfit * turned);
@@ -161,7 +161,9 @@ void States::measure_coupling(const Coupling& coupling, const Sizes& sizes, cons
   const double position_residual = compute_position_residual(coupling, kinematics_, found.q);
   const double velocity_residual =
       compute_velocity_residual(coupling, equations_->model(), equations_->topology(), found.u);
-  misfit.take(part_of(position_residual, std::max(readings.of_coordinates, terms)), "coupling", coupling.name);
+  const double of_turns = kRoundOffOfTurns / kLargestMisfit * size_of_turns(coupling, kinematics_);
+  misfit.take(part_of(position_residual, std::max({readings.of_coordinates, terms, of_turns})), "coupling",
+              coupling.name);
   misfit.take(part_of(velocity_residual, readings.of_speeds * sizes.turning), "coupling", coupling.name);
 }
 

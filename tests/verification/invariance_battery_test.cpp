@@ -74,6 +74,29 @@ until = 0.2
                                 "rotor.toml"));
 }
 
+// Detects a closing that is asked for more digits than a law of many turns has: another frame shifts the law.
+TEST_CASE("Each solver says the same of a motor that has turned for a minute, however it is described",
+          "[invariance]") {
+  expect_invariance(parse_model(R"(format = 1
+gravity = [1.3, -8.7, 2.2]
+[[body]]
+name = "rotor"
+mass = 1.9
+center_of_mass = [0.09, 0.03, 0.04]
+inertia = [0.021, 0.032, 0.029, 0.001, -0.002, 0.001]
+[[joint]]
+name = "bearing"
+type = "revolute"
+parent = { body = "ground", point = [0.1, -0.2, 0.3], axis = [1, 2, -1], angle = 0.7 }
+child = { body = "rotor", axis = [1, -1, 3], angle = 1.3 }
+drive.turn_z = { law = "constant_speed", speed = 520 }
+[run]
+until = 60
+samples = 50
+)",
+                                "motor.toml"));
+}
+
 TEST_CASE("Each solver says the same of textbook machines, however they are described", "[invariance][nightly]") {
   for (const std::string& name : machines_of("textbook")) {
     DYNAMIC_SECTION(name) { expect_invariance(machine_of("textbook", name)); }
