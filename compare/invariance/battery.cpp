@@ -14,6 +14,8 @@
 #include "compare/invariance/moves.h"
 #include "compare/verdict/branch.h"
 #include "compare/verdict/motions.h"
+#include "compare/verdict/one_start.h"
+#include "compare/verdict/resolution.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/term_sizes.h"
 #include "compare/verdict/weighed_states.h"
@@ -72,6 +74,12 @@ class BatteryRun {
       }
       for (const Variant& variant : move.variants) try_variant(variant, start);
       for (std::size_t who = 0; who < 2; ++who) conclude(row_of(kBothSolvers[who]));
+    }
+    if (loosest_start_ > 0.0) {
+      battery_.notes.push_back(fmt::format(
+          "the start is not compared where it differs: closing from round-off around it ends up to {:.1e} of its size "
+          "from it, as near a singular pose",
+          loosest_start_));
     }
   }
 
@@ -161,8 +169,21 @@ class BatteryRun {
     Trajectory again;
     again.samples = {{moved.assemble(), {}, 0.0}};
     const MotionAgreement agreement = compare_motions(model_, {&starts_[index(who)], &again});
+    if (agreement.digits < kNeed && is_known_no_better(who, moved, again.samples.front().state)) return;
     MotionAgreement& worst = row_of(who).start;
     if (agreement.digits < worst.digits) worst = agreement;
+  }
+
+  /// Near a singular pose closing may know the start itself no better.
+  bool is_known_no_better(Who who, MovedSolver& moved, const State& again) {
+    const State& start = starts_[index(who)].samples.front().state;
+    double spread = 0.0;
+    for (Solver* solver : {solvers_[index(who)], static_cast<Solver*>(&moved)}) {
+      spread = std::max(spread, spread_of_closing(model_, *solver, start, options_.seed).value_or(0.0));
+    }
+    if (!is_explained_by_closing(distance(start, again, sizes_of(model_, start)), spread)) return false;
+    loosest_start_ = std::max(loosest_start_, spread);
+    return true;
   }
 
   /// The tree that another cut leaves may be one that has no inertia against some motion: no description of the
@@ -325,6 +346,7 @@ class BatteryRun {
   Solvers owned_;
   std::array<Solver*, 2> solvers_;
   std::array<Trajectory, 2> starts_;  // one sample each
+  double loosest_start_ = 0.0;        // spread of closing where starts differ within it
   WeighedStates base_;
   VecX scales_;
   std::vector<VecX> terms_;  // by state

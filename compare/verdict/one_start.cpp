@@ -10,10 +10,7 @@
 
 namespace concord::compare {
 
-namespace {
-
-/// The farthest that closing from round-off around a start ends from it; nothing if it closes from too few.
-std::optional<double> known_to(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
+std::optional<double> spread_of_closing(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
   const StateSizes sizes = sizes_of(model, start);
   // A state that closes within round-off is left as it is: begin a little outside.
   constexpr double kUnits = 64.0;
@@ -30,7 +27,10 @@ std::optional<double> known_to(const Model& model, Solver& solver, const State& 
   return farthest;
 }
 
-}  // namespace
+bool is_explained_by_closing(double apart, double spread) {
+  constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
+  return spread > kSameClosing && apart <= std::min(kWithinResolution * spread, kElsewhere);
+}
 
 std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
                                   const std::array<State, 2>& starts, std::uint64_t seed) {
@@ -38,12 +38,11 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
   if (!(apart > kSameClosing)) return std::nullopt;
   double known = 0.0;
   for (std::size_t who = 0; who < 2; ++who) {
-    const auto found = known_to(model, *solvers[who], starts[who], seed);
+    const auto found = spread_of_closing(model, *solvers[who], starts[who], seed);
     if (!found || *found <= kSameClosing) return std::nullopt;
     known = std::max(known, *found);
   }
-  constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
-  if (apart > std::min(kWithinResolution * known, kElsewhere)) return std::nullopt;
+  if (!is_explained_by_closing(apart, known)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!accepts(*solvers[1 - who], starts[who])) continue;
     return OneStart{

@@ -10,6 +10,13 @@
 /// Where closing knows a start less well than round-off, as near a singular pose, both solvers run from the same one.
 namespace concord::compare {
 
+/// The farthest that closing from round-off around a start ends from it, by its sizes; nothing if it closes from too
+/// few.
+std::optional<double> spread_of_closing(const Model& model, Solver& solver, const State& start, std::uint64_t seed);
+
+/// Whether starts so far apart, by their sizes, may be one that closing knows no better.
+bool is_explained_by_closing(double apart, double spread);
+
 /// A start for both, and a note that says so.
 struct OneStart {
   State state;

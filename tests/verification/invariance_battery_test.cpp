@@ -74,6 +74,11 @@ until = 0.2
                                 "rotor.toml"));
 }
 
+// Detects a start that is asked for more digits than closing has near a singular pose.
+TEST_CASE("Each solver says the same of a loop near a singular pose, however it is described", "[invariance]") {
+  expect_invariance(machine_of("modes", "nearly_flat"));
+}
+
 // Detects a closing that is asked for more digits than a law of many turns has: another frame shifts the law.
 TEST_CASE("Each solver says the same of a motor that has turned for a minute, however it is described",
           "[invariance]") {
