@@ -270,10 +270,10 @@ class PseudoTransientContinuation {
       throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
     }
     const VecX pushed = chart.velocities(unmet);
-    throw SolverError(
-        fmt::format("{}: nothing resists {}: it is pushed and meets no stiffness, or one that vanishes with the push, "
-                    "as where a stop begins to press; hold it, or give it a spring",
-                    name(), describe_motion(model_, state_, pushed)));
+    throw SolverError(fmt::format(
+        "{}: nothing resists {}: it is pushed and meets no stiffness, or too soft a one to rest near, or one "
+        "that vanishes with the push, as where a stop begins to press; hold it, or give it a spring",
+        name(), describe_motion(model_, state_, pushed)));
   }
 
   /// A machine that is pushed to an edge from both sides rests on it, where no step arrives.
