@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/rotation.h"
 
@@ -72,6 +73,13 @@ double size_of_parts(const Model& model, const std::vector<const Attachment*>& p
   return largest;
 }
 
+/// Zero where it is their round-off: a place stated twice, the second time turned and back.
+double distance_between(const Vec3& one, const Vec3& other) {
+  constexpr double kRoundOff = 64.0 * std::numeric_limits<double>::epsilon();
+  const double distance = (one - other).norm();
+  return distance > kRoundOff * std::max(one.norm(), other.norm()) ? distance : 0.0;
+}
+
 }  // namespace
 
 double Model::length_scale() const {
@@ -88,7 +96,7 @@ double Model::length_scale() const {
   double largest = 0.0;
   for (auto one = places.begin(); one != places.end(); ++one) {
     for (auto other = one + 1; other != places.end() && (*other)->body == (*one)->body; ++other) {
-      largest = std::max(largest, ((*one)->point_L - (*other)->point_L).norm());
+      largest = std::max(largest, distance_between((*one)->point_L, (*other)->point_L));
     }
   }
   if (!(largest > 0.0)) largest = size_of_parts(*this, places);

@@ -166,6 +166,20 @@ TEST(Model, LengthScaleWhereNoBodyHasTwoPlacesGrowsWithTheMachine) {
   EXPECT_EQ(of_size(0x1p-20).length_scale(), 0x1p-20 * of_size(1.0).length_scale());
 }
 
+TEST(Model, LengthScaleIsNoRoundOffOfAPlaceThatIsStatedTwice) {
+  Model model;
+  model.bodies.resize(2);
+  model.bodies[1].mass = 2.0;
+  model.bodies[1].inertia_L = 0.02 * Mat3::Identity();
+  const auto hinge_at = [](const Vec3& point) {
+    return connect("revolute", attach(0, Vec3::Zero(), 0.0), attach(1, point, 0.0), {});
+  };
+  model.joints = {hinge_at({0.0, 0.11, 0.0}), hinge_at({7e-18, 0.11 - 1e-17, 0.0})};
+  EXPECT_DOUBLE_EQ(model.length_scale(), 0.11);
+  model.joints = {hinge_at({0.0, 0.11, 0.0}), hinge_at({0.0, 0.11 + 1e-9, 0.0})};
+  EXPECT_NEAR(model.length_scale(), 1e-9, 1e-15);
+}
+
 TEST(Model, LengthScaleOfABodyOnALinkWithoutMassIsTheLinks) {
   Model model;
   model.bodies.resize(2);
