@@ -170,7 +170,7 @@ TEST(Model, LengthScaleIsNoRoundOffOfAPlaceThatIsStatedTwice) {
   Model model;
   model.bodies.resize(2);
   model.bodies[1].mass = 2.0;
-  model.bodies[1].inertia_L = 0.02 * Mat3::Identity();
+  model.bodies[1].inertia_L = 0.002 * Mat3::Identity();
   const auto hinge_at = [](const Vec3& point) {
     return connect("revolute", attach(0, Vec3::Zero(), 0.0), attach(1, point, 0.0), {});
   };
