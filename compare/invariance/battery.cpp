@@ -177,12 +177,10 @@ class BatteryRun {
   /// Near a singular pose closing may know the start itself no better.
   bool is_known_no_better(Who who, MovedSolver& moved, const State& again) {
     const State& start = starts_[index(who)].samples.front().state;
-    double spread = 0.0;
-    for (Solver* solver : {solvers_[index(who)], static_cast<Solver*>(&moved)}) {
-      spread = std::max(spread, spread_of_closing(model_, *solver, start, options_.seed).value_or(0.0));
-    }
-    if (!is_explained_by_closing(distance(start, again, sizes_of(model_, start)), spread)) return false;
-    loosest_start_ = std::max(loosest_start_, spread);
+    const std::optional<double> spread =
+        spread_of_closings(model_, {solvers_[index(who)], &moved}, {start, again}, options_.seed);
+    if (!spread || !is_explained_by_closing(distance(start, again, sizes_of(model_, start)), *spread)) return false;
+    loosest_start_ = std::max(loosest_start_, *spread);
     return true;
   }
 

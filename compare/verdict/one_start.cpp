@@ -10,7 +10,10 @@
 
 namespace concord::compare {
 
-std::optional<double> spread_of_closing(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
+namespace {
+
+/// The farthest that closing from round-off around a start ends from it; nothing if it closes from too few.
+std::optional<double> known_to(const Model& model, Solver& solver, const State& start, std::uint64_t seed) {
   const StateSizes sizes = sizes_of(model, start);
   // A state that closes within round-off is left as it is: begin a little outside.
   constexpr double kUnits = 64.0;
@@ -27,29 +30,37 @@ std::optional<double> spread_of_closing(const Model& model, Solver& solver, cons
   return farthest;
 }
 
+}  // namespace
+
+std::optional<double> spread_of_closings(const Model& model, const std::array<Solver*, 2>& solvers,
+                                         const std::array<State, 2>& starts, std::uint64_t seed) {
+  double known = 0.0;
+  for (std::size_t who = 0; who < 2; ++who) {
+    const auto found = known_to(model, *solvers[who], starts[who], seed);
+    if (!found || *found <= kSameClosing) return std::nullopt;
+    known = std::max(known, *found);
+  }
+  return known;
+}
+
 bool is_explained_by_closing(double apart, double spread) {
   constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
-  return spread > kSameClosing && apart <= std::min(kWithinResolution * spread, kElsewhere);
+  return apart <= std::min(kWithinResolution * spread, kElsewhere);
 }
 
 std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 2>& solvers,
                                   const std::array<State, 2>& starts, std::uint64_t seed) {
   const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
   if (!(apart > kSameClosing)) return std::nullopt;
-  double known = 0.0;
-  for (std::size_t who = 0; who < 2; ++who) {
-    const auto found = spread_of_closing(model, *solvers[who], starts[who], seed);
-    if (!found || *found <= kSameClosing) return std::nullopt;
-    known = std::max(known, *found);
-  }
-  if (!is_explained_by_closing(apart, known)) return std::nullopt;
+  const std::optional<double> known = spread_of_closings(model, solvers, starts, seed);
+  if (!known || !is_explained_by_closing(apart, *known)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!accepts(*solvers[1 - who], starts[who])) continue;
     return OneStart{
         starts[who],
         fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
                     "as near a singular pose; the solvers' starts differ by {:.1e}: both run from that of {}",
-                    known, apart, solvers[who]->name())};
+                    *known, apart, solvers[who]->name())};
   }
   return std::nullopt;
 }
