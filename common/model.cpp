@@ -73,16 +73,10 @@ double size_of_parts(const Model& model, const std::vector<const Attachment*>& p
   return largest;
 }
 
-/// Zero where it is their round-off: a place stated twice, the second time turned and back.
-double distance_between(const Vec3& one, const Vec3& other) {
-  constexpr double kRoundOff = 64.0 * std::numeric_limits<double>::epsilon();
-  const double distance = (one - other).norm();
-  return distance > kRoundOff * std::max(one.norm(), other.norm()) ? distance : 0.0;
-}
-
 }  // namespace
 
 double Model::length_scale() const {
+  constexpr double kRoundOff = 64.0 * std::numeric_limits<double>::epsilon();
   std::vector<const Attachment*> places;
   for (const Joint& joint : joints) {
     for (const Attachment& side : joint.sides) places.push_back(&side);
@@ -94,12 +88,15 @@ double Model::length_scale() const {
   }
   std::stable_sort(places.begin(), places.end(), [](auto* one, auto* other) { return one->body < other->body; });
   double largest = 0.0;
+  double farthest = size_of_parts(*this, places);
   for (auto one = places.begin(); one != places.end(); ++one) {
+    farthest = std::max(farthest, (*one)->point_L.norm());
     for (auto other = one + 1; other != places.end() && (*other)->body == (*one)->body; ++other) {
-      largest = std::max(largest, distance_between((*one)->point_L, (*other)->point_L));
+      largest = std::max(largest, ((*one)->point_L - (*other)->point_L).norm());
     }
   }
-  if (!(largest > 0.0)) largest = size_of_parts(*this, places);
+  // Places stated twice, the second time turned and back, are apart by their round-off.
+  if (!(largest > kRoundOff * farthest)) largest = size_of_parts(*this, places);
   return largest > 0.0 ? largest : 1.0;
 }
 

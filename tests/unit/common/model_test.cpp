@@ -176,6 +176,8 @@ TEST(Model, LengthScaleIsNoRoundOffOfAPlaceThatIsStatedTwice) {
   };
   model.joints = {hinge_at({0.0, 0.11, 0.0}), hinge_at({7e-18, 0.11 - 1e-17, 0.0})};
   EXPECT_DOUBLE_EQ(model.length_scale(), 0.11);
+  model.joints = {hinge_at(Vec3::Zero()), hinge_at({1e-17, 0.0, 0.0})};
+  EXPECT_DOUBLE_EQ(model.length_scale(), std::sqrt(0.5 * 0.006 / 2.0));
   model.joints = {hinge_at({0.0, 0.11, 0.0}), hinge_at({0.0, 0.11 + 1e-9, 0.0})};
   EXPECT_NEAR(model.length_scale(), 1e-9, 1e-15);
 }
