@@ -34,7 +34,8 @@ VecX joint_speeds(const Model& model, const State& state);
 VecX joint_displacements(const Model& model, const State& start, const State& state);
 
 /// Rates W of joint speeds, weighed so that (W^T W)^-1 W^T moved is Newton's step of |moved|^2 / 2 for
-/// joint_displacements() `moved`: across the turn theta of a ball its curvature is (theta / 2) cot(theta / 2), not 1.
+/// joint_displacements() `moved`, but for how the motions themselves bend: across the turn theta of a ball its
+/// curvature is (theta / 2) cot(theta / 2), not 1.
 MatX weighed_by_nearness(const Model& model, const VecX& moved, MatX rates);
 
 }  // namespace concord::compare::analyses

@@ -18,7 +18,7 @@ constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
 constexpr double kPartOfTheWay = 0.1;
 constexpr double kShorter = 0.25;
-constexpr int kNoEdge = 5;            // steps that an edge within four of them would have turned back
+constexpr int kNoEdge = 5;            // steps without failure after which longer ones are tried again
 constexpr double kSeenStep = 1e-6;    // its half square is no round-off of the distance
 constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
 
@@ -35,7 +35,8 @@ bool StepsBack::has_failed(const State& here, const VecX& moved) const {
   const double before = made_->moved.norm();
   const VecX went = joint_displacements(model_, made_->rest.state, here);
   if (went.dot(made_->step) >= kPartOfTheWay * made_->step.squaredNorm()) {
-    return made_->step.norm() > kSeenStep && moved.norm() > before;  // it went beyond the nearest place
+    return made_->step.norm() > kSeenStep * std::max(1.0, before) &&
+           moved.norm() > before;  // it went beyond the nearest place
   }
   // Where skates or rolling wheels lead elsewhere, it may have come nearer all the same.
   return before - moved.norm() < -kPartOfTheWay * made_->moved.dot(made_->step) / before;
@@ -64,7 +65,7 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
     made_.reset();
     return nearest;
   }
-  if (made_ && ++successes_ >= kNoEdge) share_ = 1.0;
+  if (made_ && ++successes_ % kNoEdge == 0) share_ = std::min(1.0, share_ / kShorter);
   const MatX rates = joint_rates(chart, directions);
   const MatX weighed = weighed_by_nearness(model_, moved, rates);
   const VecX along = share_ * smallest_least_squares(weighed, moved, kRoundOffStep);
