@@ -37,7 +37,7 @@ namespace {
 constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
 
 /// Laws of drivers and coordinates of couplings that count many turns are known to their round-off only: where it is
-/// more than what is allowed, their residuals may be as much larger.
+/// more than what is allowed, their residuals may be as much larger. Rows of lengths have such a share already.
 void allow_round_off_of_turns(const Equations& equations, const State& state, RoundOffShares& shares) {
   constexpr double kOfAngles = 4.0 * std::numeric_limits<double>::epsilon() / kClosureAllowed;
   const Model& model = equations.model();
