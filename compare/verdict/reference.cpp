@@ -233,7 +233,7 @@ std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& colum
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
   }
-  if (!(difference <= allowed * std::abs(factor))) return "";
+  if (!(difference <= allowed * std::abs(factor))) return "";  // the error, too, is in those units
   return fmt::format("; it is {:.6g} times as large{}", factor,
                      std::abs(std::log10(std::abs(factor))) > 1.0 ? ": in other units?" : "");
 }

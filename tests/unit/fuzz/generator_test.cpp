@@ -141,6 +141,7 @@ double slenderness(const BodyPlan& body) {
 TEST(Generator, StiffMachinesHaveThinRodsOrStrongDampers) {
   int rods = 0;
   double strongest = 0.0;  // damping, by the rate at which it stops the heaviest body, in runs
+  double stiffest = 0.0;   // stiffness, by what brings the heaviest body to and fro in a run
   for (std::uint64_t number = 0; number < 60; ++number) {
     const Machine machine = draw_machine(kTestSeed, number, Style::stiff);
     double heaviest = 0.0;
@@ -151,13 +152,17 @@ TEST(Generator, StiffMachinesHaveThinRodsOrStrongDampers) {
     for (const ElementPlan& element : machine.elements) {
       if (element.table != "line_spring") continue;
       for (const Entry& entry : element.entries) {
-        if (entry.key != "damping") continue;
-        strongest = std::max(strongest, std::stod(entry.value) / heaviest * machine.until);
+        const bool is_stiffness = entry.key == "stiffness";
+        if (!is_stiffness && entry.key != "damping") continue;
+        const double rate = std::stod(entry.value) / heaviest * machine.until;
+        if (is_stiffness) stiffest = std::max(stiffest, rate * machine.until);
+        if (!is_stiffness) strongest = std::max(strongest, rate);
       }
     }
   }
   EXPECT_GT(rods, 10);
   EXPECT_GT(strongest, 10.0);
+  EXPECT_GT(stiffest, 50.0);
 }
 
 TEST(Writer, FilesArePackedAndUnpackedWhole) {

@@ -252,7 +252,9 @@ TEST_F(ReferenceTest, AMissByAFactorNamesIt) {
     }
     Verdict judged = verdict;
     judge_reference(model_, read(text), judged);
-    EXPECT_THAT(judged.findings.at(0).symptom, HasSubstr(" times as large: in other units?"));
+    const std::string& symptom = judged.findings.at(0).symptom;
+    ASSERT_THAT(symptom, HasSubstr(" times as large: in other units?"));
+    EXPECT_NEAR(std::stod(symptom.substr(symptom.find("it is ") + 6)), factor, 1e-3 * factor) << symptom;
   }
 }
 
