@@ -174,13 +174,13 @@ class BatteryRun {
     if (agreement.digits < worst.digits) worst = agreement;
   }
 
-  /// Near a singular pose closing may know the start itself no better.
+  /// Near a singular pose closing may know the start itself no better, in one of the descriptions or in both.
   bool is_known_no_better(Who who, MovedSolver& moved, const State& again) {
     const State& start = starts_[index(who)].samples.front().state;
-    const std::optional<double> spread =
-        spread_of_closings(model_, {solvers_[index(who)], &moved}, {start, again}, options_.seed);
-    if (!spread || !is_explained_by_closing(distance(start, again, sizes_of(model_, start)), *spread)) return false;
-    loosest_start_ = std::max(loosest_start_, *spread);
+    const auto spread = spread_of_closing(model_, {solvers_[index(who)], &moved}, {start, again}, options_.seed);
+    if (!spread || !is_explained_by_closing(distance(start, again, sizes_of(model_, start)), spread->most))
+      return false;
+    loosest_start_ = std::max(loosest_start_, spread->most);
     return true;
   }
 

@@ -32,15 +32,12 @@ std::optional<double> known_to(const Model& model, Solver& solver, const State& 
 
 }  // namespace
 
-std::optional<double> spread_of_closings(const Model& model, const std::array<Solver*, 2>& solvers,
-                                         const std::array<State, 2>& starts, std::uint64_t seed) {
-  double known = 0.0;
-  for (std::size_t who = 0; who < 2; ++who) {
-    const auto found = known_to(model, *solvers[who], starts[who], seed);
-    if (!found || *found <= kSameClosing) return std::nullopt;
-    known = std::max(known, *found);
-  }
-  return known;
+std::optional<SpreadOfClosing> spread_of_closing(const Model& model, const std::array<Solver*, 2>& solvers,
+                                                 const std::array<State, 2>& starts, std::uint64_t seed) {
+  const auto one = known_to(model, *solvers[0], starts[0], seed);
+  const auto other = known_to(model, *solvers[1], starts[1], seed);
+  if (!one || !other) return std::nullopt;
+  return SpreadOfClosing{std::min(*one, *other), std::max(*one, *other)};
 }
 
 bool is_explained_by_closing(double apart, double spread) {
@@ -52,15 +49,15 @@ std::optional<OneStart> one_start(const Model& model, const std::array<Solver*, 
                                   const std::array<State, 2>& starts, std::uint64_t seed) {
   const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
   if (!(apart > kSameClosing)) return std::nullopt;
-  const std::optional<double> known = spread_of_closings(model, solvers, starts, seed);
-  if (!known || !is_explained_by_closing(apart, *known)) return std::nullopt;
+  const std::optional<SpreadOfClosing> spread = spread_of_closing(model, solvers, starts, seed);
+  if (!spread || spread->least <= kSameClosing || !is_explained_by_closing(apart, spread->most)) return std::nullopt;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!accepts(*solvers[1 - who], starts[who])) continue;
     return OneStart{
         starts[who],
         fmt::format("closing from round-off around the start ends {:.1e} of its size from it, "
                     "as near a singular pose; the solvers' starts differ by {:.1e}: both run from that of {}",
-                    *known, apart, solvers[who]->name())};
+                    spread->most, apart, solvers[who]->name())};
   }
   return std::nullopt;
 }

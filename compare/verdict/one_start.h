@@ -10,10 +10,15 @@
 /// Where closing knows a start less well than round-off, as near a singular pose, both solvers run from the same one.
 namespace concord::compare {
 
-/// The farthest that closing from round-off around its own start ends from it, by its sizes, of the two solvers;
-/// nothing if one closes from too few, or ends within kSameClosing: then the solver is to blame, not the pose.
-std::optional<double> spread_of_closings(const Model& model, const std::array<Solver*, 2>& solvers,
-                                         const std::array<State, 2>& starts, std::uint64_t seed);
+/// The farthest that closing from round-off around a solver's start ends from it, by its sizes: the least and the most
+/// of two solvers.
+struct SpreadOfClosing {
+  double least = 0.0;
+  double most = 0.0;
+};
+/// Nothing if one closes from too few.
+std::optional<SpreadOfClosing> spread_of_closing(const Model& model, const std::array<Solver*, 2>& solvers,
+                                                 const std::array<State, 2>& starts, std::uint64_t seed);
 
 /// Whether starts so far apart, by their sizes, may be one that closing knows no better.
 bool is_explained_by_closing(double apart, double spread);
