@@ -37,7 +37,7 @@ namespace {
 constexpr double kClosureAllowed = 1e-12;  // a handed-over state is refused above this residual
 
 /// Laws of drivers and coordinates of couplings that count many turns are known to their round-off only: where it is
-/// more than what is allowed, their residuals may be as much larger. Rows of lengths have such a share already.
+/// more than what is allowed, their residuals may be as much larger. Rows of other drivers have such a share already.
 void allow_round_off_of_turns(const Equations& equations, const State& state, RoundOffShares& shares) {
   constexpr double kOfAngles = 4.0 * std::numeric_limits<double>::epsilon() / kClosureAllowed;
   const Model& model = equations.model();
@@ -46,9 +46,11 @@ void allow_round_off_of_turns(const Equations& equations, const State& state, Ro
     if (size > 0.0) shares.terms(row.value) = std::max(shares.terms(row.value), kOfAngles * std::abs(angle) / size);
   };
   for (const JointIndex k : indices_of(model.joints)) {
-    const JointLayout& joint = equations.constraints().joint(k);
-    for (int own = joint.first_driver; own < joint.n_rows; ++own) {
-      allow(joint.row(own), evaluate(pick(model.joints, k).drivers[own - joint.first_driver].law, state.t).f);
+    const JointEquations& joint = equations.moving_constraints().joint(k);
+    for (std::size_t driver = 0; driver < joint.driver_turns.size(); ++driver) {
+      if (!joint.driver_turns[driver]) continue;
+      const RowIndex row = joint.row(joint.first_driver + static_cast<int>(driver));
+      allow(row, evaluate(pick(model.joints, k).drivers[driver].law, state.t).f);
     }
   }
   for (const CouplingIndex g : indices_of(model.couplings)) {

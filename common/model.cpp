@@ -88,7 +88,8 @@ double Model::length_scale() const {
   }
   std::stable_sort(places.begin(), places.end(), [](auto* one, auto* other) { return one->body < other->body; });
   double largest = 0.0;
-  double farthest = size_of_parts(*this, places);
+  const double of_parts = size_of_parts(*this, places);
+  double farthest = of_parts;
   for (auto one = places.begin(); one != places.end(); ++one) {
     farthest = std::max(farthest, (*one)->point_L.norm());
     for (auto other = one + 1; other != places.end() && (*other)->body == (*one)->body; ++other) {
@@ -96,7 +97,7 @@ double Model::length_scale() const {
     }
   }
   // Places stated twice, the second time turned and back, are apart by their round-off.
-  if (!(largest > kRoundOff * farthest)) largest = size_of_parts(*this, places);
+  if (!(largest > kRoundOff * farthest)) largest = of_parts;
   return largest > 0.0 ? largest : 1.0;
 }
 

@@ -28,8 +28,8 @@ class StepsBack {
   using Next = std::variant<std::monostate, VecX, Rest>;
   [[nodiscard]] Next next(Chart& chart, const MatX& directions, const Rest& here, double longest);
 
-  /// Whether places of rest end between the start and the one that was found: it is on their edge, as far as forces
-  /// that vanish there tell.
+  /// Whether the last steps were short because longer ones failed. Where places of rest end between the start and the
+  /// one that was found, it is on their edge, as far as forces that vanish there tell.
   [[nodiscard]] bool is_at_edge() const { return share_ < 1.0; }
   /// How many iterations the steps may take, with their corrections.
   [[nodiscard]] int iterations() const;

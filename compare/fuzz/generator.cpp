@@ -90,7 +90,7 @@ class Drawing {
     for (const joint_check::Coordinate& one : joint_check::coordinates_of(*joint.type)) {
       CoordinatePlan& plan = joint.coordinates[named_place(*joint.type, one)];
       const double reach = one.is_turn ? 1.0 : units_.length;
-      const Units units = units_of(joint.ends);
+      const Units units = draw_units_between(joint.ends);
       const double force = units.force() * (one.is_turn ? units.length : 1.0);
       if (random_.chance(recipe_.driven)) {
         LawPlan law = draw_law(joint.q(one.q), reach, units_.time, random_);
@@ -103,8 +103,9 @@ class Drawing {
     }
   }
 
-  /// Forces are of the size of the lighter body's inertia forces, so that nothing is hurled away.
-  [[nodiscard]] Units units_of(const std::array<End, 2>& ends) {
+  /// Units of what acts between two ends: forces are of the size of the lighter body's inertia forces, so that nothing
+  /// is hurled away.
+  [[nodiscard]] Units draw_units_between(const std::array<End, 2>& ends) {
     Units units = units_;
     units.mass = std::numeric_limits<double>::max();
     for (const End& end : ends) {
@@ -230,7 +231,8 @@ class Drawing {
     ends.alone = draw_end_on(outer);
     const std::string& table = element_tables()[static_cast<std::size_t>(kind)];
     const bool is_alone = table == "load" || table == "tire";
-    const Units units = units_of(is_alone ? std::array{ends.alone, ends.alone} : std::array{ends.parent, ends.child});
+    const Units units =
+        draw_units_between(is_alone ? std::array{ends.alone, ends.alone} : std::array{ends.parent, ends.child});
     ElementPlan element = draw_element(kind, ends, poses_of(machine_), units, random_);
     element.name = fmt::format("element{}", machine_.elements.size() + 1);
     machine_.elements.push_back(std::move(element));

@@ -35,8 +35,8 @@ LawPlan draw_load_law(double size, double time, Random& random);
 
 std::string inline_text(const Entries& entries);
 
-/// A force law of a coordinate or a length that is x at the start and moves by `reach`; forces of the size `force`, of
-/// `units` but the time and how stiff and damped it is nothing counts. `is_line`: its free length is positive.
+/// A force law of a coordinate or a length that is x at the start and moves by `reach`, with forces of the size
+/// `force`; `units` give its time, and how stiff and damped it is. `is_line`: its free length is positive.
 Entries draw_force_law(double x, double reach, double force, const Units& units, bool is_line, Random& random);
 
 }  // namespace concord::compare::fuzz

@@ -83,9 +83,9 @@ void PartDrawing::make_flexible(BodyPlan& body) {
                                        : draw_modes_file(body.mass, units, random_);
   const auto modes = body.flexible->a.size();
   if (recipe_.loops == 0 && !random_.chance(recipe_.resting)) {
-    body.flexible->a = random_.vector(modes, 0.01 / units.stiffer * units_.length * std::sqrt(body.mass));
-    body.flexible->adot =
-        random_.vector(modes, 0.01 / units.stiffer * units_.length * std::sqrt(body.mass) / units_.time);
+    const double size = 0.01 / units.stiffer * units.length * std::sqrt(body.mass);
+    body.flexible->a = random_.vector(modes, size);
+    body.flexible->adot = random_.vector(modes, size / units.time);
   }
 }
 
