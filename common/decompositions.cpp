@@ -1,38 +1,67 @@
 #include "common/decompositions.h"
 
 #include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <limits>
+#include <utility>
 
-template class Eigen::BDCSVD<concord::MatX>;
 template class Eigen::ColPivHouseholderQR<concord::MatX>;
 template class Eigen::HouseholderQR<concord::MatX>;
 template class Eigen::JacobiSVD<concord::MatX>;
+
+/// Of LAPACK: singular values by divide and conquer, and eigenvalues of a general matrix, which it balances. The last
+/// arguments are the lengths of the texts before.
+extern "C" {
+void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* lda, double* s, double* u,
+             const int* ldu, double* vt, const int* ldvt, double* work, const int* lwork, int* iwork, int* info,
+             std::size_t length_of_job);
+void dgeev_(const char* left, const char* right, const int* n, double* a, const int* lda, double* wr, double* wi,
+            double* vl, const int* ldvl, double* vr, const int* ldvr, double* work, const int* lwork, int* info,
+            std::size_t length_of_left, std::size_t length_of_right);
+}
 
 namespace concord {
 
 namespace {
 
-bool gives_back(const Svd& found, const MatX& A) {
-  constexpr double kRoundOff = 1e-13;
-  MatX rest = A * found.V;
-  rest.leftCols(found.sigma.size()) -= found.U.leftCols(found.sigma.size()) * found.sigma.asDiagonal();
-  const double least = kRoundOff * std::max(found.sigma(0), 1.0);
-  if (!(rest.cwiseAbs().maxCoeff() <= least)) return false;
-  const Eigen::Index left_over = A.rows() - found.sigma.size();
-  return left_over == 0 || (found.U.rightCols(left_over).transpose() * A).cwiseAbs().maxCoeff() <= least;
+/// Sizes of LAPACK, whose matrices are stored by columns as ours are.
+int lapack_size(Eigen::Index n) { return static_cast<int>(n); }
+
+/// Calls a routine of LAPACK twice: to ask how much memory it wants, and to let it work; true if it succeeded.
+/// `routine` takes the memory, its size (-1: ask) and where to write how it ended.
+template <typename Routine>
+bool run_lapack(const Routine& routine) {
+  int info = 0;
+  int size = -1;
+  double wanted = 1.0;
+  routine(&wanted, &size, &info);
+  if (info != 0) return false;
+  VecX memory(static_cast<Eigen::Index>(wanted));
+  size = lapack_size(memory.size());
+  routine(memory.data(), &size, &info);
+  return info == 0;
 }
 
 }  // namespace
 
 Svd svd_of(const MatX& A) {
-  constexpr Eigen::Index kManyRows = 24;
-  constexpr unsigned kAll = Eigen::ComputeFullU | Eigen::ComputeFullV;
-  if (A.rows() >= kManyRows) {
-    const Eigen::BDCSVD<MatX> svd(A, kAll);
-    Svd found{svd.singularValues(), svd.matrixU(), svd.matrixV()};
-    if (gives_back(found, A)) return found;
+  MatX copy = A;
+  const int rows = lapack_size(A.rows());
+  const int columns = lapack_size(A.cols());
+  MatX transposed(columns, columns);
+  Svd found{VecX(std::min(rows, columns)), MatX(rows, rows), MatX()};
+  Eigen::VectorXi order(8 * found.sigma.size());
+  const bool is_found = run_lapack([&](double* memory, const int* size, int* info) {
+    dgesdd_("A", &rows, &columns, copy.data(), &rows, found.sigma.data(), found.U.data(), &rows, transposed.data(),
+            &columns, memory, size, order.data(), info, 1);
+  });
+  if (!is_found) {
+    const Eigen::JacobiSVD<MatX> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
   }
-  const Eigen::JacobiSVD<MatX> svd(A, kAll);
-  return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
+  found.V = transposed.transpose();
+  return found;
 }
 
 MatX solve_square(const MatX& A, const MatX& B) { return A.partialPivLu().solve(B); }
@@ -76,8 +105,31 @@ std::optional<SymmetricEigenpairs> symmetric_eigenpairs(const MatX& A, const Mat
 }
 
 GeneralEigenpairs eigenpairs(const MatX& A) {
-  const Eigen::EigenSolver<MatX> solution(A);
-  return {solution.eigenvalues(), solution.eigenvectors()};
+  const int n = lapack_size(A.rows());
+  MatX copy = A;
+  VecX real(n);
+  VecX imaginary(n);
+  MatX vectors(n, n);  // the real and the imaginary part of a pair beside each other
+  const int none = 1;
+  const bool is_found = run_lapack([&](double* memory, const int* size, int* info) {
+    dgeev_("N", "V", &n, copy.data(), &n, real.data(), imaginary.data(), nullptr, &none, vectors.data(), &n, memory,
+           size, info, 1, 1);
+  });
+  GeneralEigenpairs pairs{Eigen::VectorXcd(n), Eigen::MatrixXcd(n, n)};
+  if (!is_found) {
+    pairs.values.setConstant(std::numeric_limits<double>::quiet_NaN());
+    pairs.vectors.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return pairs;
+  }
+  pairs.values.real() = real;
+  pairs.values.imag() = imaginary;
+  pairs.vectors = vectors.cast<std::complex<double>>();
+  for (Eigen::Index k = 0; k + 1 < n; ++k) {
+    if (imaginary(k) <= 0.0) continue;
+    pairs.vectors.col(k).imag() = vectors.col(k + 1);
+    pairs.vectors.col(k + 1) = pairs.vectors.col(k).conjugate();
+  }
+  return pairs;
 }
 
 }  // namespace concord

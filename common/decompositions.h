@@ -8,7 +8,6 @@
 /// longer to compile than all that a source says itself. They allocate memory: for fixed sizes on hot paths use Eigen's
 /// own. Where the classes themselves are needed (thresholds, permutations), including this header keeps their largest
 /// parts from being compiled anew.
-extern template class Eigen::BDCSVD<concord::MatX>;
 extern template class Eigen::ColPivHouseholderQR<concord::MatX>;
 extern template class Eigen::HouseholderQR<concord::MatX>;
 extern template class Eigen::JacobiSVD<concord::MatX>;
@@ -30,8 +29,8 @@ struct Svd {
   MatX U;
   MatX V;
 };
-/// By divide and conquer, which is the fastest for many rows; of some matrices with equal singular values Eigen 3.4's
-/// gives wrong vectors, and what does not give A back is decomposed by rotations.
+/// By LAPACK's divide and conquer, which is the fastest for many rows, and compiles in no time; of some matrices with
+/// equal singular values Eigen 3.4's gives wrong vectors. What it does not decompose is left to rotations.
 Svd svd_of(const MatX& A);
 /// Columns that span what A maps to zero; one column of zeros if there is nothing.
 MatX kernel_of(const MatX& A);
@@ -60,7 +59,7 @@ struct GeneralEigenpairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;
 };
-/// Of any square A.
+/// Of any square A, which LAPACK balances first; not numbers if it finds none.
 GeneralEigenpairs eigenpairs(const MatX& A);
 
 }  // namespace concord

@@ -2,6 +2,7 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida arkode nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense)
 find_package(SuiteSparse REQUIRED)
+find_library(LAPACK_LIBRARY lapack REQUIRED)  # which SuiteSparse needs, too
 find_package(tomlplusplus REQUIRED)
 find_package(muparser REQUIRED)
 find_package(netCDF REQUIRED)

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
+
 namespace concord {
 namespace {
 
@@ -30,6 +33,25 @@ TEST(Decompositions, SingularVectorsGiveTheMatrixBackThoughValuesAreEqual) {
       expect_to_give_back(orthogonal(rows, 0.3) * sigma * orthogonal(columns, 1.1));
     }
   }
+}
+
+TEST(Decompositions, EigenpairsOfAGeneralMatrixHaveLengthOneAndSatisfyIt) {
+  for (const Eigen::Index size : {1, 4, 7}) {
+    const MatX A = MatX::NullaryExpr(size, size, [](Eigen::Index i, Eigen::Index j) {
+      return std::pow(100.0, double(i - j)) * std::sin(1.0 + 2.3 * double(i) + 5.1 * double(i * j));
+    });
+    const GeneralEigenpairs pairs = eigenpairs(A);
+    const Eigen::MatrixXcd complex = A.cast<std::complex<double>>();
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const Eigen::VectorXcd vector = pairs.vectors.col(k);
+      EXPECT_NEAR(vector.norm(), 1.0, 1e-14);
+      EXPECT_LT((complex * vector - pairs.values(k) * vector).norm(), 1e-14 * A.norm()) << size;
+    }
+    EXPECT_LT(std::abs(pairs.values.sum() - A.trace()), 1e-12);
+  }
+  const GeneralEigenpairs turning = eigenpairs(MatX{{0.0, -2.0}, {2.0, 0.0}});
+  EXPECT_LT(std::abs(turning.values(0) - std::complex<double>(0.0, 2.0)), 1e-15);
+  EXPECT_LT(std::abs(turning.values(1) - std::complex<double>(0.0, -2.0)), 1e-15);
 }
 
 }  // namespace
