@@ -12,6 +12,9 @@ namespace {
 /// vanishes.
 constexpr double kVanishing = 1e-22;
 
+/// Squares of sizes, of the largest row's: rows that are larger are all as good.
+constexpr double kSmall = 1e-2;
+
 /// The square of the sine that a row must have against the rows chosen before, in rounds.
 constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
@@ -19,13 +22,21 @@ constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
 
 bool IndependentRows::hold(RowIndex row) const { return std::binary_search(rows.begin(), rows.end(), row); }
 
-void scale_rows(const MatX& Lambda, const VecX& units, VecX& scale) {
+double IndependentRows::least_weight() const {
+  double least = 1.0;
+  for (const RowIndex row : rows) least = std::min(least, weight[row]);
+  return least;
+}
+
+void scale_rows(const MatX& Lambda, const VecX& units, IndependentRows& rows) {
   const Eigen::Index n = Lambda.rows();
   double largest = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) largest = std::max(largest, Lambda(i, i) / (units(i) * units(i)));
   for (Eigen::Index i = 0; i < n; ++i) {
-    const bool vanishes = !(Lambda(i, i) / (units(i) * units(i)) > kVanishing * largest);
-    scale(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda(i, i));
+    const double size = Lambda(i, i) / (units(i) * units(i));
+    const bool vanishes = !(size > kVanishing * largest);
+    rows.scale(i) = vanishes ? 0.0 : 1.0 / std::sqrt(Lambda(i, i));
+    rows.weight(i) = vanishes ? 0.0 : std::min(1.0, size / (kSmall * largest));
   }
 }
 
@@ -36,7 +47,7 @@ bool RowChoice::choose(const MatX& Lambda, int rank, IndependentRows& chosen) {
   for (const double least : kLeastOwnParts) {
     for (const RowIndex row : upward<RowIndex>(Lambda.rows())) {
       if (static_cast<int>(rows.size()) == rank) break;
-      if (!(rest_(row.value(), row.value()) > least)) continue;
+      if (!(chosen.weight[row] * rest_(row.value(), row.value()) > least)) continue;
       rows.push_back(row);
       take_off(row);
     }

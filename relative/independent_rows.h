@@ -13,12 +13,18 @@ namespace concord::relative {
 struct IndependentRows {
   std::vector<RowIndex> rows;
   VecX scale;
+  /// How much each row weighs beside others: 1, but less for one that is small, which round-off spoils first: by the
+  /// square of its size over that of the largest, in the machine's units.
+  VecX weight;
 
+  explicit IndependentRows(Eigen::Index n_rows = 0) : scale(VecX::Zero(n_rows)), weight(VecX::Zero(n_rows)) {}
   [[nodiscard]] bool hold(RowIndex row) const;
+  /// The least weight of the rows that are held; 1 without any.
+  [[nodiscard]] double least_weight() const;
 };
 
-/// The factors of all rows, by which units do not weigh; `units`: the size of one unit of each.
-void scale_rows(const MatX& Lambda, const VecX& units, VecX& scale);
+/// The factors and weights of all rows, by which units do not weigh; `units`: the size of one unit of each.
+void scale_rows(const MatX& Lambda, const VecX& units, IndependentRows& rows);
 
 /// Chooses rows by a pose alone. All memory is laid out at construction.
 class RowChoice {
@@ -26,8 +32,8 @@ class RowChoice {
   explicit RowChoice(Eigen::Index n_rows) : rest_(MatX::Zero(n_rows, n_rows)) {}
 
   /// Chooses as many rows as are independent in a general pose, by elimination in the scaled Lambda: the first in order
-  /// that keep enough of their own beside those taken, so that round-off does not choose between rows that are as good.
-  /// False if there are too few. `chosen` has its factors.
+  /// that keep enough of their own, by their weight, beside those taken, so that round-off does not choose between rows
+  /// that are as good. False if there are too few. `chosen` has its factors and weights.
   [[nodiscard]] bool choose(const MatX& Lambda, int rank, IndependentRows& chosen);
 
  private:

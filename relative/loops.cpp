@@ -31,7 +31,7 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, const Articul
   Lambda_.setZero(n, n);
   solution_.lambda.setZero(n);
   solution_.residual.setZero(n);
-  solution_.used.scale.setZero(n);
+  solution_.used = IndependentRows(n);
   lambda_correction_.setZero(n);
   set_rank(n);
 }
@@ -210,10 +210,12 @@ void Loops::throw_singular(RowIndex row) const {
 /// All rows, or as many as are independent in a general pose.
 void Loops::choose_rows() {
   constexpr double kSound = 1e-6;  // kept rows are independent enough in this pose
+  constexpr double kHeavy = 1e-4;  // and none has almost vanished
   IndependentRows& used = solution_.used;
-  scale_rows(Lambda_, closure_->row_units(), used.scale);
+  scale_rows(Lambda_, closure_->row_units(), used);
   if (rank_ == static_cast<int>(Lambda_.rows())) return;
-  if (keeps_rows_ && has_kept_ && factors_.factor(Lambda_, used) > kSound) return;
+  const bool may_stay = keeps_rows_ && has_kept_ && used.least_weight() > kHeavy;
+  if (may_stay && factors_.factor(Lambda_, used) > kSound) return;
   if (!choice_.choose(Lambda_, rank_, used))
     throw_singular(RowIndex(0));  // of the rows that are left none is independent
   has_kept_ = keeps_rows_;

@@ -92,5 +92,10 @@ TEST_CASE("Engines whose parts are held many times over run, and both solvers fi
   for (const std::string& name : machines_of("engines")) expect_to_agree(machine_of("engines", name), {});
 }
 
+TEST_CASE("Shafts joined by Hooke's joint start from rest though a row of their loop vanishes in that pose",
+          "[closure]") {
+  expect_to_agree(machine_of("loops", "hooke_from_rest"), {});
+}
+
 }  // namespace
 }  // namespace concord::verification

@@ -19,9 +19,8 @@ MatX dependent_Lambda() {
 }
 
 IndependentRows scaled(const MatX& Lambda) {
-  IndependentRows rows;
-  rows.scale.setZero(Lambda.rows());
-  scale_rows(Lambda, VecX::Ones(Lambda.rows()), rows.scale);
+  IndependentRows rows(Lambda.rows());
+  scale_rows(Lambda, VecX::Ones(Lambda.rows()), rows);
   return rows;
 }
 
@@ -39,9 +38,8 @@ TEST(IndependentRows, AreTheFirstThatHaveEnoughOfTheirOwn) {
 TEST(IndependentRows, DoNotDependOnTheUnitsOfRows) {
   const VecX units = (VecX(5) << 1.0, 1e6, 1.0, 1e6, 1e-6).finished();
   const MatX Lambda = units.asDiagonal() * dependent_Lambda() * units.asDiagonal();
-  IndependentRows rows;
-  rows.scale.setZero(5);
-  scale_rows(Lambda, units, rows.scale);
+  IndependentRows rows(5);
+  scale_rows(Lambda, units, rows);
   for (int row = 0; row < 5; ++row) EXPECT_NEAR(Lambda(row, row) * rows.scale(row) * rows.scale(row), 1.0, 1e-14);
   RowChoice choice(5);
   ASSERT_TRUE(choice.choose(Lambda, 3, rows));
@@ -54,6 +52,20 @@ TEST(IndependentRows, ARowOfRoundOffVanishes) {
   Lambda.col(2) *= 1e-12;
   EXPECT_EQ(scaled(Lambda).scale(2), 0.0);
   EXPECT_GT(scaled(Lambda).scale(4), 0.0);
+}
+
+/// As that of Hooke's joint in the pose in which its parent's pin stands across the plane of the shafts.
+TEST(IndependentRows, AreNotThoseThatAlmostVanishWhereOthersSayTheSame) {
+  MatX Lambda = dependent_Lambda();
+  Lambda.row(0) *= 1e-9;
+  Lambda.col(0) *= 1e-9;
+  IndependentRows rows = scaled(Lambda);
+  RowChoice choice(Lambda.rows());
+  ASSERT_TRUE(choice.choose(Lambda, 3, rows));
+  EXPECT_EQ(rows.rows, (std::vector{RowIndex(1), RowIndex(2), RowIndex(4)}));
+  EXPECT_EQ(rows.least_weight(), 1.0);
+  rows.rows.front() = RowIndex(0);
+  EXPECT_LT(rows.least_weight(), 1e-14);
 }
 
 /// Both factors solve the same equations, and tell how near to dependent the rows are.
