@@ -20,6 +20,10 @@ Json reference_row(const ReferenceRow& row) {
           {"stated_error", row.allowed},
           {"cartesian_off", row.differences[0]},
           {"relative_off", row.differences[1]},
+          {"t", row.t},
+          {"stated", row.stated},
+          {"line", row.line},
+          {"hint", row.hint.empty() ? "" : row.hint.substr(2)},
           {"verdict", !row.is_judged ? "not_judged"
                       : row.agrees   ? "agree"
                                      : "differ"}};

@@ -299,7 +299,7 @@ std::string reference_table(const Verdict& verdict) {
     lines.push_back({row.of, row.component, fmt::format("{:.4g}{}", row.peak, row.unit == "1" ? "" : " " + row.unit),
                      fmt::format("{:.3g}", row.allowed), fmt::format("{:.3g}", row.differences[0]),
                      fmt::format("{:.3g}", row.differences[1]),
-                     !row.is_judged ? "not unique, not judged"
+                     !row.is_judged ? "not judged"
                      : row.agrees   ? "agree"
                                     : "differ"});
   }

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/error.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/columns.h"
+#include "compare/verdict/reference_hints.h"
 
 namespace concord::compare {
 
@@ -58,21 +61,46 @@ double scale_of(const Verdict& verdict, const Quantity& quantity) {
   return scale;
 }
 
+/// How many numbers belong together with a column's, as the components of one vector.
+int size_of_vector(Field field) {
+  switch (field) {
+    case Field::euler_parameter:
+      return 4;
+    case Field::modal_coordinate:
+    case Field::modal_velocity:
+    case Field::modal_acceleration:
+    case Field::joint_coordinate:
+    case Field::tau:
+    case Field::coupling:
+      return 1;
+    default:
+      return 3;
+  }
+}
+
 /// Largest length of the vector that the column is a component of, over the run; of a number alone its largest size.
 double peak_of(const Column& column, const Trajectory& run) {
-  const bool is_vector = column.field == Field::position || column.field == Field::velocity ||
-                         column.field == Field::angular_velocity || column.field == Field::euler_parameter;
+  const int size = size_of_vector(column.field);
+  Column part = column;
   double peak = 0.0;
   for (const Sample& sample : run.samples) {
     double square = 0.0;
-    Column part = column;
-    const int count = column.field == Field::euler_parameter ? 4 : 3;
-    for (part.component = 0; is_vector && part.component < count; ++part.component) {
+    for (int c = 0; c < size; ++c) {
+      part.component = column.component / size * size + c;
       square += std::pow(value_of(part, sample), 2);
     }
-    peak = std::max(peak, is_vector ? std::sqrt(square) : std::abs(value_of(column, sample)));
+    peak = std::max(peak, std::sqrt(square));
   }
   return peak;
+}
+
+/// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing, as the
+/// torque of a ball, is measured against what the joint carries otherwise.
+double measure_of_percent(const Column& column, const Verdict& verdict, double largest) {
+  constexpr double kNextToNothing = 1e-4;
+  const auto quantity = quantity_of(column);
+  const double of_row = quantity ? scale_of(verdict, *quantity) : 0.0;
+  return std::max(peak_of(column, *verdict.trajectories[0]), kNextToNothing * (of_row > 0.0 ? of_row : largest));
 }
 
 bool is_unique(const Verdict& verdict, const Quantity& quantity) {
@@ -88,16 +116,6 @@ bool is_unique(const Verdict& verdict, const Quantity& quantity) {
 bool has_free_sign(const Column& column) {
   return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
 }
-
-/// Both solvers' runs at the times of a reference.
-struct RunsAtTimes {
-  const Verdict& verdict;
-  std::vector<std::size_t> samples;
-
-  [[nodiscard]] const Sample& sample(std::size_t who, std::size_t k) const {
-    return verdict.trajectories[who]->samples.at(samples[k]);
-  }
-};
 
 /// Rotation of the side of a joint in a sample, from its frame to global axes.
 Mat3 orientation_of(const Model& model, const Column& column, const Sample& sample) {
@@ -145,22 +163,6 @@ double sign_of(const RunsAtTimes& runs, std::size_t who, std::size_t k, const Re
   return product < 0.0 ? -1.0 : 1.0;
 }
 
-/// Whether the Euler parameters of a body are, within the allowed error, those of the inverse rotation.
-bool is_inverse(const RunsAtTimes& runs, const Reference& reference, const Column& column, double allowed) {
-  if (column.field != Field::euler_parameter) return false;
-  for (std::size_t k = 0; k < runs.samples.size(); ++k) {
-    std::array<double, 2> off{};  // with either sign
-    for (const ReferenceColumn& other : reference.columns) {
-      if (other.column.field != column.field || other.column.owner != column.owner) continue;
-      const double inverse = (other.column.component == 0 ? 1.0 : -1.0) * value_of(other.column, runs.sample(0, k));
-      off[0] = std::max(off[0], std::abs(inverse - other.values[k]));
-      off[1] = std::max(off[1], std::abs(inverse + other.values[k]));
-    }
-    if (!(std::min(off[0], off[1]) <= allowed)) return false;
-  }
-  return true;
-}
-
 /// What both runs leave open of a column: round-off of the machine's largest number of that unit, or what the solvers
 /// differ by, as far as that is next to nothing beside it. A part of a number that is zero is no error to hold them to.
 double left_open(const RunsAtTimes& runs, const Column& column, double largest) {
@@ -197,77 +199,14 @@ std::map<std::string, double> largest_numbers(const Model& model, const Trajecto
   return largest;
 }
 
-/// Whether the numbers of a reference fit another column, or its opposite, within the allowed error at every time.
-bool fits(const RunsAtTimes& runs, const std::vector<double>& values, const Column& other, double sign,
-          double allowed) {
-  for (std::size_t who = 0; who < 2; ++who) {
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (!(std::abs(value_of(other, runs.sample(who, k)) - sign * values[k]) <= allowed)) return false;
-    }
-  }
-  return true;
-}
-
-/// Whether two columns are of one owner and one unit.
-bool is_kin(const Column& one, const Column& other) {
-  const auto is_of_body = [](const Column& column) { return column.field <= Field::modal_acceleration; };
-  const auto is_of_element = [](const Column& column) { return column.field >= Field::element; };
-  return one.owner == other.owner && one.unit == other.unit && is_of_body(one) == is_of_body(other) &&
-         is_of_element(one) == is_of_element(other) &&
-         (one.field == Field::coupling) == (other.field == Field::coupling);
-}
-
-/// "; it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, else
-/// empty.
-std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& column, double allowed) {
-  double product = 0.0;
-  double square = 0.0;
-  for (std::size_t k = 0; k < column.values.size(); ++k) {
-    const double value = value_of(column.column, runs.sample(0, k));
-    product += value * column.values[k];
-    square += value * value;
-  }
-  const double factor = product / square;
-  if (!std::isfinite(factor) || factor == 0.0) return "";
-  double difference = 0.0;
-  for (std::size_t k = 0; k < column.values.size(); ++k) {
-    difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
-  }
-  if (!(difference <= allowed * std::abs(factor))) return "";  // the error, too, is in those units
-  return fmt::format("; it is {:.6g} times as large{}", factor,
-                     std::abs(std::log10(std::abs(factor))) > 1.0 ? ": in other units?" : "");
-}
-
-/// What else of the same owner the numbers of a column that misses would fit: on the other side, in other axes, of the
-/// other sign. Empty if nothing, or if they are all about zero and would fit much.
-std::string hint(const Model& model, const RunsAtTimes& runs, const Reference& reference, const ReferenceColumn& column,
-                 double allowed) {
-  const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
-                                                 [](double a, double b) { return std::abs(a) < std::abs(b); }));
-  std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
-  if (peak <= 10.0 * allowed) return factor;
-  if (is_inverse(runs, reference, column.column, allowed)) return "; it is the inverse rotation";
-  if (fits(runs, column.values, column.column, -1.0, allowed)) return "; it has the other sign";
-  for (const double sign : {1.0, -1.0}) {
-    for (const auto& columns :
-         {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
-      for (const Column& other : columns) {
-        if (!is_kin(other, column.column) || !fits(runs, column.values, other, sign, allowed)) continue;
-        return fmt::format("; it agrees with {}{}: on another side, in other axes, or of the other sign?",
-                           sign < 0.0 ? "-" : "", other.name);
-      }
-    }
-  }
-  return factor;
-}
-
-void add_finding(const ReferenceRow& row, const std::string& hint, Verdict& verdict) {
+void add_finding(const ReferenceRow& row, Verdict& verdict) {
+  const std::string unit = row.unit == "1" ? "" : " " + row.unit;
   verdict.findings.push_back(
       {fmt::format("{}, {}, against the reference: off by {:.3g} (cartesian) and {:.3g} (relative){} at t = {:.4g} s, "
-                   "stated error {:.3g}",
-                   row.of, row.component, row.differences[0], row.differences[1], row.unit == "1" ? "" : " " + row.unit,
-                   row.t, row.allowed),
-       fmt::format("reference: {}{}", verdict.reference_file, hint)});
+                   "where it says {:.6g}{} (line {}), stated error {:.3g}",
+                   row.of, row.component, row.differences[0], row.differences[1], unit, row.t, row.stated, unit,
+                   row.line, row.allowed),
+       fmt::format("reference: {}{}", verdict.reference_file, row.hint)});
 }
 
 /// Fills in how far both solvers are off, where, and whether that is allowed.
@@ -282,24 +221,24 @@ void measure_row(const RunsAtTimes& runs, const Reference& reference, const Refe
       if (difference <= worst) continue;
       worst = difference;
       row.t = reference.times[k];
+      row.stated = said;
+      row.line = reference.lines[k];
     }
     row.peak = std::max(row.peak, std::abs(column.values[k]));
   }
   row.agrees = worst <= row.allowed;
 }
 
-}  // namespace
-
-void check_times(const Reference& reference, const RunOptions& run) {
-  samples_at(reference, run.until, static_cast<std::size_t>(run.samples));
-}
-
-namespace {
+bool is_off(const ReferenceRow& row) { return row.is_judged && !row.agrees; }
 
 /// Solvers and audit agree, and the reference does not: what all three are told is wrong, or the reference.
 void blame_statement(Verdict& verdict) {
-  const auto row = std::find_if(verdict.references.begin(), verdict.references.end(),
-                                [](const ReferenceRow& one) { return one.is_judged && !one.agrees; });
+  const auto excess = [](const ReferenceRow& row) {
+    return is_off(row) ? std::max(row.differences[0], row.differences[1]) / row.allowed : 0.0;
+  };
+  const auto row =
+      std::max_element(verdict.references.begin(), verdict.references.end(),
+                       [&](const ReferenceRow& a, const ReferenceRow& b) { return excess(a) < excess(b); });
   const std::string where = row->of.substr(0, row->of.find(" on "));
   verdict.attribution =
       Attribution{2, Term::statement, where,
@@ -308,32 +247,81 @@ void blame_statement(Verdict& verdict) {
   verdict.notes.push_back("to blame: " + describe(*verdict.attribution));
 }
 
+/// The part of a reference up to which the motion can be compared at all; what is left out is told.
+Reference up_to_horizon(Reference reference, Verdict& verdict) {
+  const std::optional<double> horizon = verdict.same_run.horizon;
+  if (!horizon) return reference;
+  const auto end = std::upper_bound(reference.times.begin(), reference.times.end(), *horizon * (1.0 + kOnGrid));
+  const auto count = static_cast<std::size_t>(end - reference.times.begin());
+  if (count == reference.times.size()) return reference;
+  verdict.notes.push_back(
+      fmt::format("reference: {} of {} times lie beyond t = {:.4g} s, up to which two integrations of this motion can "
+                  "agree, and are not judged",
+                  reference.times.size() - count, reference.times.size(), *horizon));
+  reference.times.resize(count);
+  for (ReferenceColumn& column : reference.columns) column.values.resize(count);
+  return reference;
+}
+
+/// Tells of a time that is written with so few digits that another one is meant by it, perhaps.
+void note_rounded_times(const Reference& reference, const Trajectory& run, const std::vector<std::size_t>& samples,
+                        Verdict& verdict) {
+  std::size_t rounded = 0;
+  std::string first;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double t = run.samples[samples[k]].state.t;
+    const double interval = run.samples[1].state.t - run.samples[0].state.t;
+    if (std::abs(t - reference.times[k]) <= kOnGrid * interval || rounded++ > 0) continue;
+    first = fmt::format("t = {:.9g} s (line {}) is taken for the output time {:.9g} s", reference.times[k],
+                        reference.lines[k], t);
+  }
+  if (rounded == 0) return;
+  verdict.notes.push_back(fmt::format("reference: {}, which it is to the last digit that is written{}", first,
+                                      rounded > 1 ? fmt::format(", and so are {} more", rounded - 1) : ""));
+}
+
+void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& reference,
+                  const ReferenceColumn& column, double largest, ReferenceRow& row) {
+  row.of = describe_owner(model, column.column);
+  row.component = describe_component(column.column);
+  row.unit = column.column.unit;
+  row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
+  const double stated =
+      column.is_relative ? column.error * measure_of_percent(column.column, runs.verdict, largest) : column.error;
+  row.allowed = std::max(stated, left_open(runs, column.column, largest));
+  measure_row(runs, reference, column, row);
+  if (is_off(row)) row.hint = what_would_fit(model, runs, reference, column, row.allowed);
+}
+
 }  // namespace
 
-void judge_reference(const Model& model, const Reference& reference, Verdict& verdict) {
-  verdict.reference_file = std::filesystem::path(reference.file).filename().string();
+void check_times(const Reference& reference, const RunOptions& run) {
+  samples_at(reference, run.until, static_cast<std::size_t>(run.samples));
+}
+
+void judge_reference(const Model& model, const Reference& whole, Verdict& verdict) {
+  verdict.reference_file = std::filesystem::path(whole.file).filename().string();
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
   const Trajectory& run = *verdict.trajectories[0];
+  const Reference reference = up_to_horizon(whole, verdict);
   const RunsAtTimes runs{verdict, samples_at(reference, run.samples.back().state.t, run.samples.size() - 1)};
+  note_rounded_times(reference, run, runs.samples, verdict);
   std::map<std::string, double> largest = largest_numbers(model, run);
   for (const ReferenceColumn& column : reference.columns) {
-    ReferenceRow& row = verdict.references.emplace_back();
-    row.of = describe_owner(model, column.column);
-    row.component = describe_component(column.column);
-    row.unit = column.column.unit;
-    row.is_judged = is_judged(model, runs, column.column);
-    const auto quantity = quantity_of(column.column);
-    const double scale = quantity ? scale_of(verdict, *quantity) : peak_of(column.column, run);
-    row.allowed = std::max(column.is_relative ? column.error * scale : column.error,
-                           left_open(runs, column.column, largest[row.unit]));
-    measure_row(runs, reference, column, row);
-    if (row.is_judged && !row.agrees) add_finding(row, hint(model, runs, reference, column, row.allowed), verdict);
+    ReferenceRow row;
+    judge_column(model, runs, reference, column, largest[column.column.unit], row);
+    if (is_off(row)) add_finding(row, verdict);
+    verdict.references.push_back(std::move(row));
   }
-  const bool any_off = std::any_of(verdict.references.begin(), verdict.references.end(),
-                                   [](const ReferenceRow& row) { return row.is_judged && !row.agrees; });
-  if (!any_off || verdict.outcome != Outcome::agree) return;
-  verdict.outcome = Outcome::differ;
-  blame_statement(verdict);
+  if (verdict.outcome != Outcome::agree) return;
+  if (std::none_of(verdict.references.begin(), verdict.references.end(),
+                   [](const ReferenceRow& row) { return row.is_judged; })) {
+    verdict.outcome = Outcome::failed;
+    verdict.failures.push_back("reference: nothing of it is judged: no component is unique, or no time within reach");
+  } else if (std::any_of(verdict.references.begin(), verdict.references.end(), is_off)) {
+    verdict.outcome = Outcome::differ;
+    blame_statement(verdict);
+  }
 }
 
 }  // namespace concord::compare

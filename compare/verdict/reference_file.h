@@ -14,7 +14,7 @@ namespace concord::compare {
 struct ReferenceColumn {
   Column column;
   std::vector<double> values;
-  /// Stated error: part of the scale of the row (the joint's peak), or absolute in the column's unit.
+  /// Stated error: part of the peak of the column's vector, or absolute in the column's unit.
   double error = 0.0;
   bool is_relative = true;
 };
@@ -35,9 +35,9 @@ struct Reference {
 ///     t [s],D.child.F_x [N],D.child.T_z [N m]
 ///     0,12.1,0.31
 ///
-/// Comment lines say the error, of all columns or of one: in percent of the row's scale (the joint's peak |F| or torque
-/// scale, as in the table; of a place, a speed or an acceleration that has no row, the peak of its vector in the run)
-/// or in the column's own unit. The sign of a set of Euler parameters means nothing and is chosen to fit. Throws
+/// Comment lines say the error, of all columns or of one: in percent of the peak of the vector in the run of which the
+/// column is a component (force or torque on that side, place, speed; a number alone: its own peak) or in the column's
+/// own unit. The sign of a set of Euler parameters means nothing and is chosen to fit. Throws
 /// InputError, with line, column and reason, for a column that the model does not have, a wrong unit, a column without
 /// an error or with two, a number that is none, or times that do not rise.
 Reference read_reference(const std::filesystem::path& file, const Model& model);

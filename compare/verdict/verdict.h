@@ -114,8 +114,11 @@ struct ReferenceRow {
   /// Largest differences of both solvers from it, and the time of the larger one.
   std::array<double, 2> differences{};
   double t = 0.0;
+  double stated = 0.0;  // what the reference says there, in which line of its file
+  int line = 0;
   bool agrees = false;
-  bool is_judged = true;  // false where the component is not unique
+  bool is_judged = true;  // false where the component is not unique, or no time of it within reach
+  std::string hint;       // "; it has the other sign": what would fit
 };
 
 /// A difference told apart: each solver's equations evaluated on each solver's motion, for the component that differs

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/model.h"
+#include "common/results.h"
+#include "compare/verdict/reference_file.h"
+#include "compare/verdict/verdict.h"
+
+/// What a column of a reference would fit that misses both solvers.
+namespace concord::compare {
+
+/// Both solvers' runs at the times of a reference.
+struct RunsAtTimes {
+  const Verdict& verdict;
+  std::vector<std::size_t> samples;
+
+  [[nodiscard]] const Sample& sample(std::size_t who, std::size_t k) const {
+    return verdict.trajectories[who]->samples.at(samples[k]);
+  }
+};
+
+/// What else of the same owner the numbers of a column that misses by more than `allowed` would fit: "; it has the
+/// other sign", on the other side, in other axes, or a multiple. Empty if nothing; of numbers that are all about zero,
+/// which would fit much, a factor alone.
+std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Reference& reference,
+                           const ReferenceColumn& column, double allowed);
+
+}  // namespace concord::compare
