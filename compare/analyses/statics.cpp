@@ -118,11 +118,12 @@ class PseudoTransientContinuation {
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth, falls);
-    if (falls && is_cautious_) length_.count_fall();
+    falls&& is_cautious_ ? length_.count_fall() : length_.count_leap();
     refuse_if_pushed(chart, stiffness.J, unmet, negligible);
     last_step_ = newton.norm();
-    move(chart,
-         by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions()));
+    const VecX step =
+        by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions());
+    move(chart, steps_back_.relaxed(chart, step));
     return false;
   }
 
@@ -167,7 +168,7 @@ class PseudoTransientContinuation {
 
   /// Far from rest derivatives need not be good; for many coordinates they cost most.
   [[nodiscard]] bool is_on_the_way() {
-    if (is_cautious_) return false;
+    if (is_cautious_ || !free_.empty()) return false;
     if (time_ < longest_time()) return true;
     return length_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
   }

@@ -6,22 +6,27 @@
 
 namespace concord::compare::analyses {
 
+namespace {
+
+constexpr double kSameDirection = 0.9;  // cosine
+
+}  // namespace
+
 void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
-  constexpr double kMostTurn = 2.0;       // rad
-  constexpr double kSameDirection = 0.9;  // cosine
+  constexpr double kMostTurn = 2.0;  // rad
   const JointStep joints = joint_step(model_, chart, step);
-  last_move_ = std::min(joints.largest(), longest_);
+  move_before_ = last_move_;
+  last_move_ = std::min(joints.largest(), longest());
   const bool slides = joints.rest > joints.turn;
   const double size = as_a_whole ? step.norm() * joints.part_of_gears() : joints.largest();
-  const double of_turns = (slides ? joints.turn : size) / longest_;
+  const double of_turns = (slides ? joints.turn : size) / longest();
   const double of_slides = slides ? size / longest_slide_ : 0.0;
   const VecX velocities = chart.velocities(step).normalized();
-  const double along = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
+  along_ = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
   last_velocities_ = velocities;
-  turned_back_ = along < 0.0;
-  if (along < 0.0) {
-    longest_slide_ = std::max(longest_, 0.25 * longest_slide_);
-  } else if (along > kSameDirection && of_slides > std::max(1.0, of_turns)) {
+  if (along_ < 0.0) {
+    longest_slide_ = std::max(longest(), 0.25 * longest_slide_);
+  } else if (along_ > kSameDirection && of_slides > std::max(1.0, of_turns)) {
     longest_slide_ *= 2.0;
   }
   const double of_shafts = joints.fastest_turn / kMostTurn;
@@ -33,7 +38,19 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
 
 void StepLength::count_fall() {
   constexpr int kManyTimes = 15;
-  if (turned_back_ && ++leaps_back_ % kManyTimes == 0) longest_ *= 0.5;
+  if (along_ < 0.0 && ++falls_back_ % kManyTimes == 0) longest_ *= 0.5;
+}
+
+void StepLength::count_leap() {
+  constexpr double kBack = -0.5;  // cosine
+  constexpr double kNotShorter = 0.5;
+  constexpr int kLeaps = 4;
+  if (along_ < kBack && last_move_ > kNotShorter * move_before_) {
+    if (++leaps_back_ % kLeaps == 0) share_ *= 0.5;
+    return;
+  }
+  leaps_back_ = 0;
+  if (along_ > kSameDirection) share_ = std::min(1.0, 2.0 * share_);
 }
 
 }  // namespace concord::compare::analyses

@@ -7,7 +7,8 @@ namespace concord::compare::analyses {
 
 /// How far a search for an equilibrium goes in one step. Angles change by little, those of fast shafts by what a
 /// rotation vector can say. Slides, which may have far to go, change by twice as much each time that they are cut short
-/// in the same direction.
+/// in the same direction. A search that leaps to and fro, as across the edge of a stiff stop, goes on in shorter steps
+/// until it goes one way again.
 class StepLength {
  public:
   /// `longest` [of the machine's length, rad].
@@ -20,8 +21,11 @@ class StepLength {
   /// Tells of a step down from an unstable pose. A search that turns back in very many of them leaps to and fro across
   /// a narrow valley, and goes on in steps half as long.
   void count_fall();
+  /// Tells of any other step. Where steps turn back again and again without becoming shorter, the longest is halved; it
+  /// grows again where they go one way.
+  void count_leap();
 
-  [[nodiscard]] double longest() const { return longest_; }
+  [[nodiscard]] double longest() const { return share_ * longest_; }
   [[nodiscard]] double longest_slide() const { return longest_slide_; }
   /// The largest change of a joint by the last step, before it was cut, up to the longest.
   [[nodiscard]] double last_move() const { return last_move_; }
@@ -31,10 +35,13 @@ class StepLength {
  private:
   const Model& model_;
   double longest_;
+  double share_ = 1.0;  // of it, as leaps ask for
   double longest_slide_;
   double last_move_;
+  double move_before_ = 0.0;
   VecX last_velocities_;
-  bool turned_back_ = false;
+  double along_ = 0.0;  // cosine between the last two steps
+  int falls_back_ = 0;
   int leaps_back_ = 0;
   int cut_by_shafts_ = 0;
 };

@@ -23,10 +23,15 @@ class StepsBack {
   /// Model and start must outlive it.
   StepsBack(const Model& model, const State& start) : model_(model), start_(start) {}
 
-  /// At a place of rest: no step, a step in the chart there, or an earlier place of rest to go on from. `longest` is
-  /// the longest step that is made at once; what is farther takes many.
+  /// At a place of rest: no step, a step in the chart there, or an earlier place of rest to go on from. `J`:
+  /// derivatives of accelerations in the chart; `longest`: the longest step that is made at once; what is farther takes
+  /// many.
   using Next = std::variant<std::monostate, VecX, Rest>;
   [[nodiscard]] Next next(Chart& chart, const MatX& directions, const Rest& here, double longest);
+
+  /// What a long step back has strained relaxes in the next few steps: one of them without its part along the
+  /// directions of the step back, which look as if they met stiffness as long as forces turn with them.
+  [[nodiscard]] VecX relaxed(const Chart& chart, const VecX& step);
 
   /// Whether the last steps were short because longer ones failed. Where places of rest end between the start and the
   /// one that was found, it is on their edge, as far as forces that vanish there tell.
@@ -48,8 +53,12 @@ class StepsBack {
   const Model& model_;
   const State& start_;
   std::optional<Made> made_;
-  double share_ = 1.0;  // of the way to the nearest place by the directions
-  int successes_ = 0;   // since the share became less
+  MatX way_;  // velocities along the directions of the last step; none if it was none
+  int relaxations_ = 0;
+  int astray_ = 0;        // iterations of those that relaxed none
+  double shorter_ = 1.0;  // of the longest step
+  double share_ = 1.0;    // of the way to the nearest place by the directions
+  int successes_ = 0;     // since the share became less
   double last_size_ = std::numeric_limits<double>::infinity();
   int near_ = 0;
   int far_ = 0;
