@@ -15,8 +15,15 @@ constexpr double kVanishing = 1e-22;
 /// Squares of sizes, of the largest row's: rows that are larger are all as good.
 constexpr double kSmall = 1e-2;
 
-/// The square of the sine that a row must have against the rows chosen before, in rounds.
-constexpr std::array kLeastOwnParts{0.1, 0.01, 1e-4, 1e-8, 1e-12, 0.0};
+/// The square of the sine that a row must have against the rows chosen before, in rounds; by its weight, but in the
+/// last two: a row that almost vanishes, and still says something of its own, goes before what round-off leaves of
+/// others.
+struct Round {
+  double least;
+  bool weighs = true;
+};
+constexpr std::array kRounds{Round{0.1},   Round{0.01},         Round{1e-4},      Round{1e-8},
+                             Round{1e-12}, Round{1e-12, false}, Round{0.0, false}};
 
 }  // namespace
 
@@ -41,20 +48,29 @@ void scale_rows(const MatX& Lambda, const VecX& units, IndependentRows& rows) {
 }
 
 bool RowChoice::choose(const MatX& Lambda, int rank, IndependentRows& chosen) {
+  constexpr double kIndependent = 0.01;
+  bool is_complete = take(Lambda, rank, true, chosen);
+  // A small row that still says something of its own, as that of a beam which its bending begins to lock, says that the
+  // pose has more independent rows than a general one: it is not passed over.
+  if (rest_.diagonal().maxCoeff() > kIndependent) is_complete = take(Lambda, rank, false, chosen);
+  std::sort(chosen.rows.begin(), chosen.rows.end());
+  return is_complete;
+}
+
+bool RowChoice::take(const MatX& Lambda, int rank, bool by_weight, IndependentRows& chosen) {
   std::vector<RowIndex>& rows = chosen.rows;
   rest_.noalias() = chosen.scale.asDiagonal() * Lambda * chosen.scale.asDiagonal();
   rows.clear();
-  for (const double least : kLeastOwnParts) {
+  for (const Round& round : kRounds) {
     for (const RowIndex row : upward<RowIndex>(Lambda.rows())) {
-      if (static_cast<int>(rows.size()) == rank) break;
-      if (!(chosen.weight[row] * rest_(row.value(), row.value()) > least)) continue;
+      if (static_cast<int>(rows.size()) == rank) return true;
+      const double weight = by_weight && round.weighs ? chosen.weight[row] : 1.0;
+      if (!(weight * rest_(row.value(), row.value()) > round.least)) continue;
       rows.push_back(row);
       take_off(row);
     }
   }
-  if (static_cast<int>(rows.size()) < rank) return false;
-  std::sort(rows.begin(), rows.end());
-  return true;
+  return static_cast<int>(rows.size()) == rank;
 }
 
 /// Takes a row and its part off what is left of the others.

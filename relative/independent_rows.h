@@ -37,6 +37,7 @@ class RowChoice {
   [[nodiscard]] bool choose(const MatX& Lambda, int rank, IndependentRows& chosen);
 
  private:
+  bool take(const MatX& Lambda, int rank, bool by_weight, IndependentRows& chosen);
   void take_off(RowIndex independent);
 
   MatX rest_;  // of Lambda scaled to unit diagonal, beside the rows taken

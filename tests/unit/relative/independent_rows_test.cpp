@@ -68,6 +68,19 @@ TEST(IndependentRows, AreNotThoseThatAlmostVanishWhereOthersSayTheSame) {
   EXPECT_LT(rows.least_weight(), 1e-14);
 }
 
+/// As that of a straight beam along itself between two hinges: nothing else says it, but to second order.
+TEST(IndependentRows, AreThoseThatAlmostVanishRatherThanRoundOff) {
+  MatX rows(3, 2);
+  rows.row(0) << 1.0, 2.0;
+  rows.row(1) << 2.0, 4.0 + 1e-14;
+  rows.row(2) << 3e-9, -2e-9;
+  const MatX Lambda = rows * rows.transpose();
+  IndependentRows found = scaled(Lambda);
+  RowChoice choice(3);
+  ASSERT_TRUE(choice.choose(Lambda, 2, found));
+  EXPECT_EQ(found.rows, (std::vector{RowIndex(0), RowIndex(2)}));
+}
+
 /// Both factors solve the same equations, and tell how near to dependent the rows are.
 TEST(MultiplierFactors, SolveTheChosenRows) {
   const MatX Lambda = dependent_Lambda();
