@@ -32,28 +32,6 @@ constexpr std::uint64_t kRefinedOnceIn = 4;
 
 double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
-/// A folder for modes files that goes when the fuzz ends.
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(std::filesystem::temp_directory_path() / fmt::format("concord_fuzz.{}", getpid())), owner_(getpid()) {
-    make_folder(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (getpid() == owner_) std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  /// That of one worker process.
-  [[nodiscard]] std::filesystem::path of_process() const { return path_ / fmt::format("{}", getpid()); }
-
- private:
-  std::filesystem::path path_;
-  pid_t owner_;
-};
-
 Style style_of(const std::string& name) {
   const auto& names = style_names();
   const auto found = std::find(names.begin(), names.end(), name);
@@ -92,6 +70,7 @@ class Fuzz {
         style_(style_of(command.style)),
         count_(command.count.value_or(command.minutes ? ~std::uint64_t{0} : 1000)),
         jobs_(command.jobs > 0 ? command.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))),
+        scratch_(std::filesystem::temp_directory_path()),
         pool_([this, &makers](const std::string& input) { return work(input, makers); }, jobs_,
               {command.seconds, command.megabytes}) {}
 
@@ -108,10 +87,10 @@ class Fuzz {
  private:
   /// In a worker: a number is a machine of the seed, anything else the text of one.
   std::string work(const std::string& input, const SolverMakers& makers) const {
-    if (input.front() != '#') return format_outcome(try_machine(unpack(input), scratch_.of_process(), makers));
+    if (input.front() != '#') return format_outcome(try_machine(unpack(input), folder_of_process(), makers));
     const std::uint64_t number = std::stoull(input.substr(1));
     const bool refines = number % kRefinedOnceIn == 0;
-    return format_outcome(try_machine(write_machine(machine(number)), scratch_.of_process(), makers, refines));
+    return format_outcome(try_machine(write_machine(machine(number)), folder_of_process(), makers, refines));
   }
 
   [[nodiscard]] Machine machine(std::uint64_t number) const { return draw_machine(command_.seed, number, style_); }
@@ -259,6 +238,11 @@ class Fuzz {
     if (code_ == kAgree) code_ = kDiffer;
   }
 
+  /// That of one worker process.
+  [[nodiscard]] std::filesystem::path folder_of_process() const {
+    return scratch_.path() / fmt::format("{}", getpid());
+  }
+
   static std::string share(long part, long all) {
     return fmt::format("{:.2f} %", all == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(all));
   }
@@ -268,7 +252,7 @@ class Fuzz {
   Style style_;
   std::uint64_t count_;
   int jobs_;
-  ScratchFolder scratch_;
+  StagedFolder scratch_;  // for modes files: it goes when the fuzz ends, or is interrupted
   workers::Pool pool_;
   long tried_ = 0;
   ResolutionRatios ratios_;

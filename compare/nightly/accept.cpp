@@ -163,9 +163,13 @@ class Acceptance {
     if (!result->definition.empty() && result->definition != definition_of(one)) {
       return refuse(one, "it was run before its model or what the suite says of it was changed: run it again");
     }
-    if (!result->is_green() && !one.known_red) {
-      return refuse(one, fmt::format("it is red ({}); a case that must be lived with gets known_red in the suite",
-                                     to_string(result->ending)));
+    const std::string today = command_.today.empty() ? utc_now().substr(0, 10) : command_.today;
+    if (!result->is_green() && !counts_as_known_red(one, *result, today)) {
+      return refuse(one, fmt::format("it is red ({}){}", to_string(result->ending),
+                                     one.known_red ? fmt::format(", and its known_red does not excuse that: it is for "
+                                                                 "what a solver answers, until {}",
+                                                                 one.known_red->until)
+                                                   : "; a case that must be lived with gets known_red in the suite"));
     }
     const Result accepted = as_baseline(*result);
     const auto old = baselines_.find(one.id);

@@ -98,13 +98,20 @@ std::optional<StartDraws> read_start(const TableReader& outer) {
   return draws;
 }
 
+/// The numbers of a list that is swept: not none, which would leave the sweep out.
+std::optional<std::vector<double>> read_swept(const TableReader& table, std::string_view key) {
+  auto values = table.numbers(key);
+  if (values && values->empty()) table.complain(key, fmt::format("'{}' is an empty list: it sweeps nothing", key));
+  return values;
+}
+
 void read_swept_parameters(const TableReader& outer, Sweep& sweep) {
   const toml::table* found = outer.table("parameters");
   if (found == nullptr) return;
   const KnownKeys names = keys_of(*found);
   const TableReader table(*found, outer.title() + ", parameters", names, outer.reading());
   for (const std::string_view name : names) {
-    if (auto values = table.numbers(name)) sweep.parameters.emplace_back(name, std::move(*values));
+    if (auto values = read_swept(table, name)) sweep.parameters.emplace_back(name, std::move(*values));
   }
 }
 
@@ -141,7 +148,7 @@ Sweep read_sweep(const TableReader& outer) {
   read_swept_parameters(table, sweep);
   read_cuts(table, sweep);
   read_integrators(table, sweep);
-  sweep.rtol = table.numbers("rtol").value_or(std::vector<double>());
+  sweep.rtol = read_swept(table, "rtol").value_or(std::vector<double>());
   for (const double rtol : sweep.rtol) {
     if (rtol >= kTightestTolerance && rtol <= kLoosestTolerance) continue;
     table.complain("rtol", fmt::format("tolerances must lie between {:g} and {:g}, found {:g}", kTightestTolerance,

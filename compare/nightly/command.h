@@ -52,11 +52,12 @@ struct AcceptCommand {
   std::filesystem::path from = {};     // or this file of results; without both the cases are run
   int jobs = 0;
   std::string commit = {};
+  std::string today = {};  // "2026-11-22"; empty: what the clock says
 };
 
 /// Makes results the baselines of a suite, and logs who did it, when and why, with old and new numbers, beside them.
 /// Cases that are gone from the suite lose their baseline if the whole suite is accepted. Returns 0 if all that were
-/// asked for were accepted, 1 if one is red, which is not accepted unless it is known to be red.
+/// asked for were accepted, 1 if one is red, which is not accepted unless it counts as known red today.
 int accept_baselines(const AcceptCommand& command, const SolverMakers& makers, const Console& console);
 
 struct HistoryCommand {

@@ -219,11 +219,24 @@ std::string red_words(const Result& result) {
 
 namespace {
 
+bool is_over(const KnownRed& known, const std::string& today) { return today > known.until; }
+
+std::string words_of_no_excuse(const KnownRed& known, const std::string& today) {
+  if (is_over(known, today)) return fmt::format("known red until {}, which is over", known.until);
+  return "known red, but for what a solver answers: this is no answer";
+}
+
+}  // namespace
+
+bool counts_as_known_red(const Case& one, const Result& now, const std::string& today) {
+  const bool is_answer = now.ending == Ending::differ || now.ending == Ending::failed;
+  return one.known_red && !is_over(*one.known_red, today) && is_answer;
+}
+
+namespace {
+
 /// The case by itself, whatever was before.
 std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
-  // A reason for a verdict is none for a crash, or for a model that is not read.
-  const bool is_verdict = now.ending == Ending::differ || now.ending == Ending::failed;
-  const bool is_known = one.known_red && today <= one.known_red->until && is_verdict;
   const std::string words = red_words(now);
   if (now.is_green() && one.known_red) {
     return Change{ChangeKind::better,
@@ -237,7 +250,7 @@ std::optional<Change> own_change(const Case& one, const Result& now, const std::
                   0};
   }
   if (now.is_green()) return std::nullopt;
-  if (is_known) {
+  if (counts_as_known_red(one, now, today)) {
     return Change{ChangeKind::known,
                   one.id,
                   "",
@@ -248,7 +261,7 @@ std::optional<Change> own_change(const Case& one, const Result& now, const std::
                   1.0,
                   0};
   }
-  const std::string was = one.known_red ? fmt::format("known red until {}, which is over", one.known_red->until) : "";
+  const std::string was = one.known_red ? words_of_no_excuse(*one.known_red, today) : "";
   return Change{ChangeKind::red, one.id, "", "ending", was, words, "", 1.0, 0};
 }
 

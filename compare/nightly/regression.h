@@ -50,6 +50,10 @@ std::vector<Change> changes_between(const Result& then, const Result& now, const
 /// Component by component the median of the numbers; ending and words are the latest's. At least one result.
 Result median_of(const std::vector<Entry>& nights);
 
+/// Whether a red case is excused by its known_red on the day `today`: a reason for a verdict is none for a crash, or
+/// for a model that is not read.
+bool counts_as_known_red(const Case& one, const Result& now, const std::string& today);
+
 /// A case tonight, compared with its baseline (may be null) and the nights before, the latest first. `today`:
 /// "2026-11-22".
 std::vector<Change> judge_case(const Case& one, const Result& now, const Result* baseline,

@@ -136,6 +136,18 @@ Result result_from_json(const Json& document) {
   return result;
 }
 
+namespace {
+
+/// The last stage that a task told and what it said in it, which is what is shown in one line; then what it said
+/// before.
+std::string last_stage_first(const std::string& words) {
+  const std::size_t at = words.rfind("stage: ");
+  if (at == std::string::npos || at == 0) return words;
+  return fmt::format("{}\nbefore: {}", words.substr(at), words.substr(0, at - 1));
+}
+
+}  // namespace
+
 Result result_of(const std::string& id, const std::string& work, const workers::Report& report) {
   Result result;
   const bool is_interrupted = report.signal == SIGINT || report.signal == SIGTERM;
@@ -155,7 +167,7 @@ Result result_of(const std::string& id, const std::string& work, const workers::
                                                     : "";
     result.words = report.end == workers::End::threw ? report.answer
                    : report.last_words.empty()       ? signal + "no last words"
-                                                     : signal + "last words: " + report.last_words;
+                                                     : signal + "last words: " + last_stage_first(report.last_words);
   }
   result.id = id;
   result.work = work;

@@ -5,6 +5,7 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 
@@ -128,7 +129,16 @@ class SuiteReader {
     }
   }
 
+  /// Names of cases stand in tables and in the files of baselines.
+  static void check_name(const TableReader& table) {
+    const std::string name = table.text("name").value_or("none");
+    const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
+    if (!name.empty() && std::none_of(name.begin(), name.end(), is_control)) return;
+    table.complain("name", fmt::format("'name' must be one line that is not empty, found {:?}", name));
+  }
+
   Case read_common(const TableReader& table) {
+    check_name(table);
     Case base;
     const std::string work = table.text("work").value_or("compare");
     const auto& names = work_names();

@@ -42,6 +42,7 @@ int code_if_told(int code) {
 int run_guarded(const std::function<int()>& program) {
   occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
+  std::signal(SIGXFSZ, SIG_IGN);  // so does writing more than a limit allows
   try {
     const InterruptWatch watch;
     return code_if_told(program());

@@ -17,7 +17,7 @@ namespace concord::compare {
 
 namespace {
 
-constexpr std::array kSignals{SIGINT, SIGTERM};
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
 /// The handler may do almost nothing; it wakes a thread that may do all, by the number of the signal in a pipe.
 std::array<int, 2> wake_pipe{-1, -1};
@@ -47,12 +47,16 @@ Finished& finished() {
   return all;
 }
 
+const char* name_of_signal(int signal) {
+  if (signal == SIGINT) return "SIGINT";
+  return signal == SIGTERM ? "SIGTERM" : "SIGHUP";
+}
+
 std::string farewell(int signal) {
   const std::lock_guard guard(finished().lock);
   std::string done = finished().count == 0 ? "nothing was finished" : "finished: " + finished().names;
   if (!finished().so_far.empty()) done = finished().so_far;
-  return fmt::format("\ninterrupted by {}: {}; unfinished files are removed\n", signal == SIGINT ? "SIGINT" : "SIGTERM",
-                     done);
+  return fmt::format("\ninterrupted by {}: {}; unfinished files are removed\n", name_of_signal(signal), done);
 }
 
 /// Waits for a signal, or for the end of the watch.
@@ -63,8 +67,8 @@ void watch() {
     count = read(wake_pipe[0], &byte, 1);
   } while (count < 0 && errno == EINTR);
   if (count != 1 || byte == 0) return;
+  const std::string text = farewell(byte);  // before work fails because its files go
   abandon_unfinished_files();
-  const std::string text = farewell(byte);
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
   _exit(128 + byte);
 }

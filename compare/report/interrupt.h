@@ -3,11 +3,11 @@
 #include <string>
 #include <thread>
 
-/// What happens when a user or a system stops the program (SIGINT, SIGTERM).
+/// What happens when a user or a system stops the program, or its terminal goes (SIGINT, SIGTERM, SIGHUP).
 namespace concord::compare {
 
-/// While it lives, SIGINT and SIGTERM remove all unfinished files, tell on the standard error what was finished, and
-/// end the program with 128 + the signal's number. There is at most one. A child process that is forked meanwhile dies
+/// While it lives, these signals remove all unfinished files, tell on the standard error what was finished, and end the
+/// program with 128 + the signal's number. There is at most one. A child process that is forked meanwhile dies
 /// of the signals in the usual way.
 class InterruptWatch {
  public:

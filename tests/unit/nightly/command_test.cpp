@@ -204,6 +204,10 @@ TEST_F(Nights, KnownRedIsNotRedUntilItsDayIsOver) {
       "known_red = { reason = \"side to be mended\", until = 2026-06-30 }\n");
   AcceptCommand known;
   known.what = {"differing"};
+  known.today = "2026-07-01";
+  EXPECT_THAT(accept(known).err,
+              HasSubstr("differing is not accepted: it is red (differ), and its known_red does not"));
+  known.today = "2026-06-30";
   EXPECT_EQ(accept(known).code, 0);
   NightlyCommand command;
   command.today = "2026-06-30";

@@ -176,6 +176,11 @@ TEST(Judgement, RedIsRedUnlessItIsKnownAndOnlyUntilItsDay) {
   EXPECT_THAT(judged(known, sound(), &baseline, {}, {}), ElementsAre("better ending"));
   now.ending = Ending::crashed;
   EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("red ending")) << "another end than the known one";
+  const auto told_on = [&](const std::string& today) {
+    return judge_case(known, now, &baseline, {}, kHere, {}, today).at(0).was;
+  };
+  EXPECT_EQ(told_on("2026-05-05"), "known red, but for what a solver answers: this is no answer");
+  EXPECT_EQ(told_on("2026-05-06"), "known red until 2026-05-05, which is over");
 }
 
 TEST(Judgement, LostCoverageIsWorse) {

@@ -147,6 +147,11 @@ TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
               HasSubstr("no work 'static': did you mean 'statics'?"));
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nknown_red = { reason = \"x\", until = \"soon\" }\n"),
               HasSubstr("'until' must be a date without quotes, such as 2026-12-31"));
+  EXPECT_THAT(refusal("[[case]]\nname = \"a\\nb\"\nmodels = [\"models/one.toml\"]\n"),
+              HasSubstr("'name' must be one line that is not empty, found \"a\\nb\""));
+  EXPECT_THAT(refusal("[[case]]\nname = \"\"\nmodels = [\"models/one.toml\"]\n"), HasSubstr("suite.toml:3:8: error"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nsweep = { rtol = [] }\n"),
+              HasSubstr("'rtol' is an empty list: it sweeps nothing"));
   EXPECT_THAT(refusal(""), HasSubstr("there is no case"));
   write_file(folder_.path() / "suite.toml", "format = 9\n[[case]]\nmodels = [\"models/one.toml\"]\n");
   EXPECT_THROW(read_suite(folder_.path() / "suite.toml"), InputError);
