@@ -4,7 +4,6 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 template class Eigen::ColPivHouseholderQR<concord::MatX>;
 template class Eigen::HouseholderQR<concord::MatX>;
@@ -24,6 +23,13 @@ void dgeev_(const char* left, const char* right, const int* n, double* a, const 
 namespace concord {
 
 namespace {
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+Svd by_rotations(const MatX& A) {
+  const Eigen::JacobiSVD<MatX> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
+}
 
 /// Sizes of LAPACK, whose matrices are stored by columns as ours are.
 int lapack_size(Eigen::Index n) { return static_cast<int>(n); }
@@ -46,6 +52,14 @@ bool run_lapack(const Routine& routine) {
 }  // namespace
 
 Svd svd_of(const MatX& A) {
+  // LAPACK ends the program on empty matrices and may not end on numbers that are not finite.
+  if (!A.allFinite()) {
+    const auto nothing = [](Eigen::Index m, Eigen::Index n) { return MatX::Constant(m, n, kNotANumber); };
+    return {nothing(std::min(A.rows(), A.cols()), 1), nothing(A.rows(), A.rows()), nothing(A.cols(), A.cols())};
+  }
+  if (A.size() == 0) {
+    return {VecX(0), MatX::Identity(A.rows(), A.rows()), MatX::Identity(A.cols(), A.cols())};
+  }
   MatX copy = A;
   const int rows = lapack_size(A.rows());
   const int columns = lapack_size(A.cols());
@@ -56,10 +70,7 @@ Svd svd_of(const MatX& A) {
     dgesdd_("A", &rows, &columns, copy.data(), &rows, found.sigma.data(), found.U.data(), &rows, transposed.data(),
             &columns, memory, size, order.data(), info, 1);
   });
-  if (!is_found) {
-    const Eigen::JacobiSVD<MatX> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
-  }
+  if (!is_found) return by_rotations(A);
   found.V = transposed.transpose();
   return found;
 }
@@ -106,6 +117,8 @@ std::optional<SymmetricEigenpairs> symmetric_eigenpairs(const MatX& A, const Mat
 
 GeneralEigenpairs eigenpairs(const MatX& A) {
   const int n = lapack_size(A.rows());
+  GeneralEigenpairs pairs{Eigen::VectorXcd::Constant(n, kNotANumber), Eigen::MatrixXcd::Constant(n, n, kNotANumber)};
+  if (n == 0 || !A.allFinite()) return pairs;  // on which LAPACK ends the program
   MatX copy = A;
   VecX real(n);
   VecX imaginary(n);
@@ -115,12 +128,7 @@ GeneralEigenpairs eigenpairs(const MatX& A) {
     dgeev_("N", "V", &n, copy.data(), &n, real.data(), imaginary.data(), nullptr, &none, vectors.data(), &n, memory,
            size, info, 1, 1);
   });
-  GeneralEigenpairs pairs{Eigen::VectorXcd(n), Eigen::MatrixXcd(n, n)};
-  if (!is_found) {
-    pairs.values.setConstant(std::numeric_limits<double>::quiet_NaN());
-    pairs.vectors.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return pairs;
-  }
+  if (!is_found) return pairs;
   pairs.values.real() = real;
   pairs.values.imag() = imaginary;
   pairs.vectors = vectors.cast<std::complex<double>>();

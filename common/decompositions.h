@@ -30,7 +30,8 @@ struct Svd {
   MatX V;
 };
 /// By LAPACK's divide and conquer, which is the fastest for many rows, and compiles in no time; of some matrices with
-/// equal singular values Eigen 3.4's gives wrong vectors. What it does not decompose is left to rotations.
+/// equal singular values Eigen 3.4's gives wrong vectors. What it does not decompose is left to rotations; not numbers
+/// where A holds any.
 Svd svd_of(const MatX& A);
 /// Columns that span what A maps to zero; one column of zeros if there is nothing.
 MatX kernel_of(const MatX& A);

@@ -52,7 +52,8 @@ bool RowChoice::choose(const MatX& Lambda, int rank, IndependentRows& chosen) {
   bool is_complete = take(Lambda, rank, true, chosen);
   // A small row that still says something of its own, as that of a beam which its bending begins to lock, says that the
   // pose has more independent rows than a general one: it is not passed over.
-  if (rest_.diagonal().maxCoeff() > kIndependent) is_complete = take(Lambda, rank, false, chosen);
+  const auto of_small = (chosen.weight.array() < 1.0).select(rest_.diagonal(), 0.0);
+  if (of_small.maxCoeff() > kIndependent) is_complete = take(Lambda, rank, false, chosen);
   std::sort(chosen.rows.begin(), chosen.rows.end());
   return is_complete;
 }

@@ -209,16 +209,18 @@ void Loops::throw_singular(RowIndex row) const {
 
 /// All rows, or as many as are independent in a general pose.
 void Loops::choose_rows() {
-  constexpr double kSound = 1e-6;  // kept rows are independent enough in this pose
-  constexpr double kHeavy = 1e-4;  // and none has almost vanished
+  constexpr double kSound = 1e-6;        // kept rows are independent enough in this pose
+  constexpr double kHeavy = 1e-4;        // and none has almost vanished, since
+  constexpr double kMuchLighter = 1e-2;  // they were chosen
   IndependentRows& used = solution_.used;
   scale_rows(Lambda_, closure_->row_units(), used);
   if (rank_ == static_cast<int>(Lambda_.rows())) return;
-  const bool may_stay = keeps_rows_ && has_kept_ && used.least_weight() > kHeavy;
+  const bool may_stay = keeps_rows_ && has_kept_ && used.least_weight() > least_kept_weight_;
   if (may_stay && factors_.factor(Lambda_, used) > kSound) return;
   if (!choice_.choose(Lambda_, rank_, used))
     throw_singular(RowIndex(0));  // of the rows that are left none is independent
   has_kept_ = keeps_rows_;
+  least_kept_weight_ = std::min(kHeavy, kMuchLighter * used.least_weight());
 }
 
 void Loops::factorize() {

@@ -134,6 +134,7 @@ class Loops {
   std::vector<std::optional<int>> first_of_link_;  // stacked rows where a link's unknowns begin, if on a path
   Eigen::Index n_stacked_ = 0;
   MatX Lambda_;
+  double least_kept_weight_ = 0.0;
   RowChoice choice_;
   MultiplierFactors factors_;
   LoopSolution solution_;

@@ -118,7 +118,11 @@ class PseudoTransientContinuation {
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && time_ >= longest_time();
     if (!by_newton) lengthen(f, growth, falls);
-    falls&& is_cautious_ ? length_.count_fall() : length_.count_leap();
+    if (falls && is_cautious_) {
+      length_.count_fall();
+    } else {
+      length_.count_leap();
+    }
     refuse_if_pushed(chart, stiffness.J, unmet, negligible);
     last_step_ = newton.norm();
     const VecX step =
@@ -166,7 +170,8 @@ class PseudoTransientContinuation {
     return step;
   }
 
-  /// Far from rest derivatives need not be good; for many coordinates they cost most.
+  /// Far from rest derivatives need not be good; for many coordinates they cost most. Directions without stiffness ask
+  /// for good ones: rough ones would lead along them.
   [[nodiscard]] bool is_on_the_way() {
     if (is_cautious_ || !free_.empty()) return false;
     if (time_ < longest_time()) return true;
@@ -211,6 +216,7 @@ class PseudoTransientContinuation {
 
   /// False where there is no step back to make.
   bool step_back(Chart& chart, const MatX& directions) {
+    length_.forget_leaps();
     StepsBack::Next next = steps_back_.next(chart, directions, {state_, evaluation_}, length_.longest());
     if (const auto* step = std::get_if<VecX>(&next)) {
       last_step_ = 0.0;

@@ -25,7 +25,7 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
   along_ = last_velocities_.size() > 0 ? velocities.dot(last_velocities_) : 0.0;
   last_velocities_ = velocities;
   if (along_ < 0.0) {
-    longest_slide_ = std::max(longest(), 0.25 * longest_slide_);
+    longest_slide_ = std::max(longest_, 0.25 * longest_slide_);
   } else if (along_ > kSameDirection && of_slides > std::max(1.0, of_turns)) {
     longest_slide_ *= 2.0;
   }
@@ -44,8 +44,9 @@ void StepLength::count_fall() {
 void StepLength::count_leap() {
   constexpr double kBack = -0.5;  // cosine
   constexpr double kNotShorter = 0.5;
+  constexpr double kLong = 0.2;  // of the longest: a limit on less would be none
   constexpr int kLeaps = 4;
-  if (along_ < kBack && last_move_ > kNotShorter * move_before_) {
+  if (along_ < kBack && last_move_ > kNotShorter * move_before_ && last_move_ > kLong * longest()) {
     if (++leaps_back_ % kLeaps == 0) share_ *= 0.5;
     return;
   }

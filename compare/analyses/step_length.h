@@ -24,6 +24,8 @@ class StepLength {
   /// Tells of any other step. Where steps turn back again and again without becoming shorter, the longest is halved; it
   /// grows again where they go one way.
   void count_leap();
+  /// Where the search is at rest, leaps are over.
+  void forget_leaps() { share_ = 1.0; }
 
   [[nodiscard]] double longest() const { return share_ * longest_; }
   [[nodiscard]] double longest_slide() const { return longest_slide_; }

@@ -23,14 +23,15 @@ class StepsBack {
   /// Model and start must outlive it.
   StepsBack(const Model& model, const State& start) : model_(model), start_(start) {}
 
-  /// At a place of rest: no step, a step in the chart there, or an earlier place of rest to go on from. `J`:
-  /// derivatives of accelerations in the chart; `longest`: the longest step that is made at once; what is farther takes
-  /// many.
+  /// At a place of rest: no step, a step in the chart there, or an earlier place of rest to go on from. `longest` is
+  /// the longest step that is made at once; what is farther takes many. Where relaxing takes long, as where a stiff
+  /// latch was opened by a strain of second order, steps are shorter from then on.
   using Next = std::variant<std::monostate, VecX, Rest>;
   [[nodiscard]] Next next(Chart& chart, const MatX& directions, const Rest& here, double longest);
 
-  /// What a long step back has strained relaxes in the next few steps: one of them without its part along the
-  /// directions of the step back, which look as if they met stiffness as long as forces turn with them.
+  /// What a step back has strained relaxes in the next few steps. Returns such a step without its part along the
+  /// directions of the one back, which look as if they met stiffness as long as forces turn with them; later steps as
+  /// they are.
   [[nodiscard]] VecX relaxed(const Chart& chart, const VecX& step);
 
   /// Whether the last steps were short because longer ones failed. Where places of rest end between the start and the
@@ -55,8 +56,8 @@ class StepsBack {
   std::optional<Made> made_;
   MatX way_;  // velocities along the directions of the last step; none if it was none
   int relaxations_ = 0;
-  int astray_ = 0;        // iterations of those that relaxed none
-  double shorter_ = 1.0;  // of the longest step
+  int astray_ = 0;        // iterations after steps back that took long to relax
+  double shorter_ = 1.0;  // of the longest step, for good
   double share_ = 1.0;    // of the way to the nearest place by the directions
   int successes_ = 0;     // since the share became less
   double last_size_ = std::numeric_limits<double>::infinity();

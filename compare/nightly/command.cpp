@@ -317,7 +317,6 @@ int submit_night(NightlyCommand command, const SolverMakers& makers, const Conso
 }  // namespace
 
 int run_nightly(const NightlyCommand& command, const SolverMakers& makers, const Console& console) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
   if (!command.slurm_task.empty()) return guarded(console, [&] { return run_cluster_task(command, makers, console); });
   if (!command.slurm_merge.empty()) return merge_night(fs::absolute(command.slurm_merge), makers, console);
   if (command.slurm) return submit_night(command, makers, console);

@@ -141,16 +141,17 @@ namespace {
 /// The last stage that a task told and what it said in it, which is what is shown in one line; then what it said
 /// before.
 std::string last_stage_first(const std::string& words) {
-  const std::size_t at = words.rfind("stage: ");
-  if (at == std::string::npos || at == 0) return words;
-  return fmt::format("{}\nbefore: {}", words.substr(at), words.substr(0, at - 1));
+  const std::size_t at = words.rfind("\nstage: ");
+  if (at == std::string::npos) return words;
+  const std::string last = words.substr(at + 1);
+  return fmt::format("{}{}before: {}", last, last.back() == '\n' ? "" : "\n", words.substr(0, at));
 }
 
 }  // namespace
 
 Result result_of(const std::string& id, const std::string& work, const workers::Report& report) {
   Result result;
-  const bool is_interrupted = report.signal == SIGINT || report.signal == SIGTERM;
+  const bool is_interrupted = report.signal == SIGINT || report.signal == SIGTERM || report.signal == SIGHUP;
   if (report.end == workers::End::answered) {
     result = result_from_json(Json::parse(report.answer));
   } else if (is_interrupted) {

@@ -32,8 +32,8 @@ inline constexpr std::array kCampaignCommands{
     CampaignCommand{"diff", "What changed between two files of results, nights or commits"},
     CampaignCommand{"report", "Write a folder of results, or a night, as one HTML page"}};
 
-/// Runs a program as both do: standard streams are open, SIGINT and SIGTERM are watched, an exception ends it with
-/// kCouldNotFinish and its text, and so does a standard output that cannot be written. Returns the exit code.
+/// Runs a program as both do: standard streams are open, SIGINT, SIGTERM and SIGHUP are watched, an exception ends it
+/// with kCouldNotFinish and its text, and so does a standard output that cannot be written. Returns the exit code.
 int run_guarded(const std::function<int()>& program);
 
 /// Becomes `concord-campaigns`, which stands beside this program, with the same command line. Returns the exit code

@@ -67,7 +67,7 @@ constexpr const char* kEpilogue = R"(Examples:
       the trend of a case, its steps, and the commits before and after
 
 Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish, 4 a baseline is missing.
-Interrupted by SIGINT or SIGTERM: 128 + the signal's number.
+Interrupted by SIGINT, SIGTERM or SIGHUP: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
 /// The ranges of CLI11 let NaN through.

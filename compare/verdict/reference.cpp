@@ -78,12 +78,14 @@ int size_of_vector(Field field) {
   }
 }
 
-/// Largest length of the vector that the column is a component of, over the run; of a number alone its largest size.
-double peak_of(const Column& column, const Trajectory& run) {
+/// Largest length of the vector that the column is a component of, over the run up to `last` [s]; of a number alone its
+/// largest size.
+double peak_of(const Column& column, const Trajectory& run, double last) {
   const int size = size_of_vector(column.field);
   Column part = column;
   double peak = 0.0;
   for (const Sample& sample : run.samples) {
+    if (sample.state.t > last) break;
     double square = 0.0;
     for (int c = 0; c < size; ++c) {
       part.component = column.component / size * size + c;
@@ -94,13 +96,27 @@ double peak_of(const Column& column, const Trajectory& run) {
   return peak;
 }
 
+/// A column without a sign of its own: one of the Euler parameters of a body or of a ball.
+bool has_free_sign(const Column& column) {
+  return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
+}
+
+/// The last time up to which two integrations of the motion can agree [s].
+double last_judged(const Verdict& verdict) {
+  const double until = verdict.trajectories[0]->samples.back().state.t;
+  return verdict.same_run.horizon.value_or(until) +
+         kOnGrid * until / static_cast<double>(verdict.trajectories[0]->samples.size());
+}
+
 /// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing, as the
 /// torque of a ball, is measured against what the joint carries otherwise.
 double measure_of_percent(const Column& column, const Verdict& verdict, double largest) {
   constexpr double kNextToNothing = 1e-4;
+  if (has_free_sign(column)) return 1.0;
   const auto quantity = quantity_of(column);
   const double of_row = quantity ? scale_of(verdict, *quantity) : 0.0;
-  return std::max(peak_of(column, *verdict.trajectories[0]), kNextToNothing * (of_row > 0.0 ? of_row : largest));
+  const double peak = peak_of(column, *verdict.trajectories[0], last_judged(verdict));
+  return std::max(peak, kNextToNothing * (of_row > 0.0 ? of_row : largest));
 }
 
 bool is_unique(const Verdict& verdict, const Quantity& quantity) {
@@ -110,11 +126,6 @@ bool is_unique(const Verdict& verdict, const Quantity& quantity) {
     }
   }
   return true;  // a component that the joint cannot carry: zero, and unique
-}
-
-/// A column without a sign of its own: one of the Euler parameters of a body or of a ball.
-bool has_free_sign(const Column& column) {
-  return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
 }
 
 /// Rotation of the side of a joint in a sample, from its frame to global axes.
@@ -247,20 +258,20 @@ void blame_statement(Verdict& verdict) {
   verdict.notes.push_back("to blame: " + describe(*verdict.attribution));
 }
 
-/// The part of a reference up to which the motion can be compared at all; what is left out is told.
-Reference up_to_horizon(Reference reference, Verdict& verdict) {
-  const std::optional<double> horizon = verdict.same_run.horizon;
-  if (!horizon) return reference;
-  const auto end = std::upper_bound(reference.times.begin(), reference.times.end(), *horizon * (1.0 + kOnGrid));
-  const auto count = static_cast<std::size_t>(end - reference.times.begin());
-  if (count == reference.times.size()) return reference;
+/// Leaves out the times of a reference beyond what can be compared at all, and tells how many.
+void cut_at_horizon(const Trajectory& run, Reference& reference, std::vector<std::size_t>& samples, Verdict& verdict) {
+  const double last = last_judged(verdict);
+  const auto end = std::partition_point(samples.begin(), samples.end(),
+                                        [&](std::size_t sample) { return run.samples[sample].state.t <= last; });
+  const auto count = static_cast<std::size_t>(end - samples.begin());
+  if (count == samples.size()) return;
   verdict.notes.push_back(
       fmt::format("reference: {} of {} times lie beyond t = {:.4g} s, up to which two integrations of this motion can "
                   "agree, and are not judged",
-                  reference.times.size() - count, reference.times.size(), *horizon));
+                  samples.size() - count, samples.size(), last));
+  samples.resize(count);
   reference.times.resize(count);
   for (ReferenceColumn& column : reference.columns) column.values.resize(count);
-  return reference;
 }
 
 /// Tells of a time that is written with so few digits that another one is meant by it, perhaps.
@@ -268,9 +279,9 @@ void note_rounded_times(const Reference& reference, const Trajectory& run, const
                         Verdict& verdict) {
   std::size_t rounded = 0;
   std::string first;
+  const double interval = run.samples[1].state.t - run.samples[0].state.t;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const double t = run.samples[samples[k]].state.t;
-    const double interval = run.samples[1].state.t - run.samples[0].state.t;
     if (std::abs(t - reference.times[k]) <= kOnGrid * interval || rounded++ > 0) continue;
     first = fmt::format("t = {:.9g} s (line {}) is taken for the output time {:.9g} s", reference.times[k],
                         reference.lines[k], t);
@@ -303,8 +314,9 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   verdict.reference_file = std::filesystem::path(whole.file).filename().string();
   if (!verdict.trajectories[0] || !verdict.trajectories[1]) return;  // a failure already
   const Trajectory& run = *verdict.trajectories[0];
-  const Reference reference = up_to_horizon(whole, verdict);
-  const RunsAtTimes runs{verdict, samples_at(reference, run.samples.back().state.t, run.samples.size() - 1)};
+  Reference reference = whole;
+  RunsAtTimes runs{verdict, samples_at(reference, run.samples.back().state.t, run.samples.size() - 1)};
+  cut_at_horizon(run, reference, runs.samples, verdict);
   note_rounded_times(reference, run, runs.samples, verdict);
   std::map<std::string, double> largest = largest_numbers(model, run);
   for (const ReferenceColumn& column : reference.columns) {

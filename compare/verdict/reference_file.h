@@ -36,10 +36,10 @@ struct Reference {
 ///     0,12.1,0.31
 ///
 /// Comment lines say the error, of all columns or of one: in percent of the peak of the vector in the run of which the
-/// column is a component (force or torque on that side, place, speed; a number alone: its own peak) or in the column's
-/// own unit. The sign of a set of Euler parameters means nothing and is chosen to fit. Throws
-/// InputError, with line, column and reason, for a column that the model does not have, a wrong unit, a column without
-/// an error or with two, a number that is none, or times that do not rise.
+/// column is a component (force or torque on that side, place, speed; a number alone: its own peak), but of no less
+/// than 1e-4 of the scale in the table, or in the column's own unit. The sign of a set of Euler parameters means
+/// nothing and is chosen to fit. Throws InputError, with line, column and reason, for a column that the model does not
+/// have, a wrong unit, a column without an error or with two, a number that is none, or times that do not rise.
 Reference read_reference(const std::filesystem::path& file, const Model& model);
 
 }  // namespace concord::compare

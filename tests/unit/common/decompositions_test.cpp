@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 
 namespace concord {
 namespace {
@@ -37,21 +38,38 @@ TEST(Decompositions, SingularVectorsGiveTheMatrixBackThoughValuesAreEqual) {
 
 TEST(Decompositions, EigenpairsOfAGeneralMatrixHaveLengthOneAndSatisfyIt) {
   for (const Eigen::Index size : {1, 4, 7}) {
-    const MatX A = MatX::NullaryExpr(size, size, [](Eigen::Index i, Eigen::Index j) {
-      return std::pow(100.0, double(i - j)) * std::sin(1.0 + 2.3 * double(i) + 5.1 * double(i * j));
+    // In units that differ by so much that only balancing finds the small ones.
+    const VecX units = VecX::NullaryExpr(size, [](Eigen::Index i) { return std::pow(100.0, double(i)); });
+    const MatX balanced = MatX::NullaryExpr(size, size, [](Eigen::Index i, Eigen::Index j) {
+      return std::sin(1.0 + 2.3 * double(i) + 5.1 * double(i * j));
     });
+    const MatX A = units.asDiagonal() * balanced * units.cwiseInverse().asDiagonal();
     const GeneralEigenpairs pairs = eigenpairs(A);
-    const Eigen::MatrixXcd complex = A.cast<std::complex<double>>();
+    const Eigen::MatrixXcd complex = balanced.cast<std::complex<double>>();
     for (Eigen::Index k = 0; k < size; ++k) {
       const Eigen::VectorXcd vector = pairs.vectors.col(k);
       EXPECT_NEAR(vector.norm(), 1.0, 1e-14);
-      EXPECT_LT((complex * vector - pairs.values(k) * vector).norm(), 1e-14 * A.norm()) << size;
+      const Eigen::VectorXcd in_units = vector.cwiseQuotient(units.cast<std::complex<double>>());
+      EXPECT_LT((complex * in_units - pairs.values(k) * in_units).norm(), 1e-12 * in_units.norm()) << size;
     }
     EXPECT_LT(std::abs(pairs.values.sum() - A.trace()), 1e-12);
   }
   const GeneralEigenpairs turning = eigenpairs(MatX{{0.0, -2.0}, {2.0, 0.0}});
   EXPECT_LT(std::abs(turning.values(0) - std::complex<double>(0.0, 2.0)), 1e-15);
   EXPECT_LT(std::abs(turning.values(1) - std::complex<double>(0.0, -2.0)), 1e-15);
+}
+
+/// LAPACK ends the program on empty matrices, and may not end on numbers that are not finite.
+TEST(Decompositions, OfNothingAndOfWhatIsNotFinite) {
+  EXPECT_EQ(eigenpairs(MatX(0, 0)).values.size(), 0);
+  EXPECT_EQ(svd_of(MatX(3, 0)).U.cols(), 3);
+  for (const double odd : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    MatX A = MatX::Identity(3, 3);
+    A(1, 2) = odd;
+    EXPECT_TRUE(eigenpairs(A).values.array().isNaN().all());
+    EXPECT_TRUE(svd_of(A).sigma.array().isNaN().all());
+    EXPECT_EQ(svd_of(A).V.cols(), 3);
+  }
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST(Results, LostTaskKeepsItsLastWords) {
   EXPECT_EQ(exit_code(lost.ending), 3);
   report.last_words = "stage: reading\nstage: same run\nt = 0.4 s\n";
   EXPECT_EQ(result_of("car", "compare", report).words,
-            "signal 11; last words: stage: same run\nt = 0.4 s\n\nbefore: stage: reading");
+            "signal 11; last words: stage: same run\nt = 0.4 s\nbefore: stage: reading");
   report.signal = SIGINT;  // the user interrupts the whole group of processes
   EXPECT_EQ(result_of("car", "compare", report).ending, Ending::not_run);
 }

@@ -225,7 +225,7 @@ TEST_F(ReferenceTest, AGlobalComponentIsJudgedWhereWhatIsNotUniqueHasNoPartInIt)
   EXPECT_EQ(verdict.outcome, Outcome::differ);
 }
 
-TEST_F(ReferenceTest, APercentageOfNothingAllowsWhatTheRunsLeaveOpen) {
+TEST_F(ReferenceTest, APercentageOfNothingIsOfWhatTheJointCarries) {
   model_ = pendulum_model();  // no spring and no driver: tau is zero
   FakePendulum cartesian(model_, "cartesian");
   FakePendulum relative(model_, "relative");
