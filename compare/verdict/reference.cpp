@@ -329,7 +329,8 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   if (std::none_of(verdict.references.begin(), verdict.references.end(),
                    [](const ReferenceRow& row) { return row.is_judged; })) {
     verdict.outcome = Outcome::failed;
-    verdict.failures.push_back("reference: nothing of it is judged: no component is unique, or no time within reach");
+    verdict.failures.emplace_back(
+        "reference: nothing of it is judged: no component is unique, or no time within reach");
   } else if (std::any_of(verdict.references.begin(), verdict.references.end(), is_off)) {
     verdict.outcome = Outcome::differ;
     blame_statement(verdict);
