@@ -23,7 +23,7 @@ Json reference_row(const ReferenceRow& row) {
           {"t", row.t},
           {"stated", row.stated},
           {"line", row.line},
-          {"hint", row.hint.empty() ? "" : row.hint.substr(2)},
+          {"hint", row.hint},
           {"verdict", !row.is_judged ? "not_judged"
                       : row.agrees   ? "agree"
                                      : "differ"}};

@@ -70,9 +70,9 @@ TestCase of_reference(const ReferenceRow& row) {
   TestCase test{fmt::format("{}, {}, against the reference", row.of, row.component), TestCase::Result::passed, ""};
   if (row.agrees) return test;
   test.result = TestCase::Result::failed;
-  test.message =
-      fmt::format("off by {:.3g} (cartesian) and {:.3g} (relative), stated error {:.3g}, t = {:.6g} s (line {}){}",
-                  row.differences[0], row.differences[1], row.allowed, row.t, row.line, row.hint);
+  test.message = fmt::format(
+      "off by {:.3g} (cartesian) and {:.3g} (relative), stated error {:.3g}, t = {:.6g} s (line {}){}{}",
+      row.differences[0], row.differences[1], row.allowed, row.t, row.line, row.hint.empty() ? "" : "; ", row.hint);
   return test;
 }
 

@@ -108,15 +108,14 @@ double last_judged(const Verdict& verdict) {
          kOnGrid * until / static_cast<double>(verdict.trajectories[0]->samples.size());
 }
 
-/// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing, as the
-/// torque of a ball, is measured against what the joint carries otherwise.
-double measure_of_percent(const Column& column, const Verdict& verdict, double largest) {
+/// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing beside
+/// what the table takes for scale is measured against that.
+double measure_of_percent(const Column& column, const Verdict& verdict) {
   constexpr double kNextToNothing = 1e-4;
   if (has_free_sign(column)) return 1.0;
   const auto quantity = quantity_of(column);
-  const double of_row = quantity ? scale_of(verdict, *quantity) : 0.0;
   const double peak = peak_of(column, *verdict.trajectories[0], last_judged(verdict));
-  return std::max(peak, kNextToNothing * (of_row > 0.0 ? of_row : largest));
+  return quantity ? std::max(peak, kNextToNothing * scale_of(verdict, *quantity)) : peak;
 }
 
 bool is_unique(const Verdict& verdict, const Quantity& quantity) {
@@ -217,7 +216,7 @@ void add_finding(const ReferenceRow& row, Verdict& verdict) {
                    "where it says {:.6g}{} (line {}), stated error {:.3g}",
                    row.of, row.component, row.differences[0], row.differences[1], unit, row.t, row.stated, unit,
                    row.line, row.allowed),
-       fmt::format("reference: {}{}", verdict.reference_file, row.hint)});
+       fmt::format("reference: {}{}{}", verdict.reference_file, row.hint.empty() ? "" : "; ", row.hint)});
 }
 
 /// Fills in how far both solvers are off, where, and whether that is allowed.
@@ -297,8 +296,7 @@ void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& 
   row.component = describe_component(column.column);
   row.unit = column.column.unit;
   row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
-  const double stated =
-      column.is_relative ? column.error * measure_of_percent(column.column, runs.verdict, largest) : column.error;
+  const double stated = column.error * (column.is_relative ? measure_of_percent(column.column, runs.verdict) : 1.0);
   row.allowed = std::max(stated, left_open(runs, column.column, largest));
   measure_row(runs, reference, column, row);
   if (is_off(row)) row.hint = what_would_fit(model, runs, reference, column, row.allowed);

@@ -48,7 +48,7 @@ bool is_kin(const Column& one, const Column& other) {
          (one.field == Field::coupling) == (other.field == Field::coupling);
 }
 
-/// "; it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, else
+/// "it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, else
 /// empty.
 std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& column, double allowed) {
   double product = 0.0;
@@ -66,8 +66,8 @@ std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& colum
   }
   if (!(difference <= allowed * std::abs(factor))) return "";  // the error, too, is in those units
   constexpr double kOpposite = 0.01;
-  if (std::abs(factor + 1.0) < kOpposite) return "; it has the other sign";
-  return fmt::format("; it is {:.6g} times as large{}", factor,
+  if (std::abs(factor + 1.0) < kOpposite) return "it has the other sign";
+  return fmt::format("it is {:.6g} times as large{}", factor,
                      std::abs(std::log10(std::abs(factor))) > 1.0 ? ": in other units?" : "");
 }
 
@@ -79,14 +79,14 @@ std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Re
                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));
   std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
   if (peak <= 10.0 * allowed) return factor;
-  if (is_inverse(runs, reference, column.column, allowed)) return "; it is the inverse rotation";
-  if (fits(runs, column.values, column.column, -1.0, allowed)) return "; it has the other sign";
+  if (is_inverse(runs, reference, column.column, allowed)) return "it is the inverse rotation";
+  if (fits(runs, column.values, column.column, -1.0, allowed)) return "it has the other sign";
   for (const double sign : {1.0, -1.0}) {
     for (const auto& columns :
          {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
       for (const Column& other : columns) {
         if (!is_kin(other, column.column) || !fits(runs, column.values, other, sign, allowed)) continue;
-        return fmt::format("; it agrees with {}{}: on another side, in other axes, or of the other sign?",
+        return fmt::format("it agrees with {}{}: on another side, in other axes, or of the other sign?",
                            sign < 0.0 ? "-" : "", other.name);
       }
     }

@@ -22,7 +22,7 @@ struct RunsAtTimes {
   }
 };
 
-/// What else of the same owner the numbers of a column that misses by more than `allowed` would fit: "; it has the
+/// What else of the same owner the numbers of a column that misses by more than `allowed` would fit: "it has the
 /// other sign", on the other side, in other axes, or a multiple. Empty if nothing; of numbers that are all about zero,
 /// which would fit much, a factor alone.
 std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Reference& reference,

@@ -118,7 +118,7 @@ struct ReferenceRow {
   int line = 0;
   bool agrees = false;
   bool is_judged = true;  // false where the component is not unique, or no time of it within reach
-  std::string hint;       // "; it has the other sign": what would fit
+  std::string hint;       // "it has the other sign": what would fit; empty: nothing
 };
 
 /// A difference told apart: each solver's equations evaluated on each solver's motion, for the component that differs
