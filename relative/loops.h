@@ -53,7 +53,8 @@ class Loops {
   [[nodiscard]] const LoopSolution& solution() const { return solution_; }
 
   /// Within a step of an integrator the rows stay those of its first evaluation after this call, as long as they are
-  /// independent: between rows that agree in a closed pose the stages of a step would else jump.
+  /// independent and none has almost vanished: between rows that agree in a closed pose the stages of a step would else
+  /// jump.
   void keep_rows() {
     keeps_rows_ = true;
     has_kept_ = false;
@@ -134,7 +135,7 @@ class Loops {
   std::vector<std::optional<int>> first_of_link_;  // stacked rows where a link's unknowns begin, if on a path
   Eigen::Index n_stacked_ = 0;
   MatX Lambda_;
-  double least_kept_weight_ = 0.0;
+  double least_kept_weight_ = 0.0;  // below which one of the kept rows has almost vanished
   RowChoice choice_;
   MultiplierFactors factors_;
   LoopSolution solution_;

@@ -54,7 +54,11 @@ std::string summary_of(const Result& result) {
 class Acceptance {
  public:
   Acceptance(const AcceptCommand& command, const SolverMakers& makers, const Console& console)
-      : command_(command), makers_(makers), console_(console), scratch_(fs::temp_directory_path()) {}
+      : command_(command),
+        makers_(makers),
+        console_(console),
+        today_(command.today.empty() ? utc_now().substr(0, 10) : command.today),
+        scratch_(fs::temp_directory_path()) {}
 
   int run() {
     if (command_.reason.find_first_not_of(" \t\n") == std::string::npos) {
@@ -163,8 +167,7 @@ class Acceptance {
     if (!result->definition.empty() && result->definition != definition_of(one)) {
       return refuse(one, "it was run before its model or what the suite says of it was changed: run it again");
     }
-    const std::string today = command_.today.empty() ? utc_now().substr(0, 10) : command_.today;
-    if (!result->is_green() && !counts_as_known_red(one, *result, today)) {
+    if (!result->is_green() && !counts_as_known_red(one, *result, today_)) {
       return refuse(one, fmt::format("it is red ({}){}", to_string(result->ending),
                                      one.known_red ? fmt::format(", and its known_red does not excuse that: it is for "
                                                                  "what a solver answers, until {}",
@@ -223,6 +226,7 @@ class Acceptance {
   const AcceptCommand& command_;
   const SolverMakers& makers_;
   const Console& console_;
+  std::string today_;
   StagedFolder scratch_;
   Asked asked_;
   std::string suite_word_;

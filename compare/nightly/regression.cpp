@@ -217,23 +217,18 @@ std::string red_words(const Result& result) {
   return fmt::format("{}: {}", to_string(result.ending), first_line(result.words));
 }
 
-namespace {
-
-bool is_over(const KnownRed& known, const std::string& today) { return today > known.until; }
-
-std::string words_of_no_excuse(const KnownRed& known, const std::string& today) {
-  if (is_over(known, today)) return fmt::format("known red until {}, which is over", known.until);
-  return "known red, but for what a solver answers: this is no answer";
-}
-
-}  // namespace
-
 bool counts_as_known_red(const Case& one, const Result& now, const std::string& today) {
   const bool is_answer = now.ending == Ending::differ || now.ending == Ending::failed;
-  return one.known_red && !is_over(*one.known_red, today) && is_answer;
+  return one.known_red && today <= one.known_red->until && is_answer;
 }
 
 namespace {
+
+/// Why a case that is red is not excused by its known_red.
+std::string words_of_no_excuse(const KnownRed& known, const std::string& today) {
+  if (today > known.until) return fmt::format("known red until {}, which is over", known.until);
+  return "known red, but for what a solver answers: this is no answer";
+}
 
 /// The case by itself, whatever was before.
 std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {

@@ -131,10 +131,10 @@ class SuiteReader {
 
   /// Names of cases stand in tables and in the files of baselines.
   static void check_name(const TableReader& table) {
-    const std::string name = table.text("name").value_or("none");
+    const auto name = table.text("name");
     const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
-    if (!name.empty() && std::none_of(name.begin(), name.end(), is_control)) return;
-    table.complain("name", fmt::format("'name' must be one line that is not empty, found {:?}", name));
+    if (!name || (!name->empty() && std::none_of(name->begin(), name->end(), is_control))) return;
+    table.complain("name", fmt::format("'name' must be one line that is not empty, found {:?}", *name));
   }
 
   Case read_common(const TableReader& table) {

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "analysis_numbers.h"
 #include "closed_forms.h"
 #include "common/error.h"
 #include "common/rotation.h"
@@ -28,13 +28,6 @@ AnalysisVerdict rest_of(const std::string& text) {
   INFO(format_analysis(model, rest, true));
   CHECK(rest.wrenches.outcome == Outcome::agree);
   return rest;
-}
-
-double value_of(const AnalysisVerdict& found, const std::string& name) {
-  const auto row =
-      std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });
-  REQUIRE(row != found.numbers.end());
-  return row->values[0];
 }
 
 TEST_CASE("A slide that starts pressed into a stop rests at its edge, where nothing pushes it any more",

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
 
+#include "analysis_numbers.h"
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
@@ -89,13 +89,6 @@ child = {{ body = "bus", point = [0.1, 0.05, -0.2], axis = [2, -1, 1], angle = 0
 const std::string kFloats =
     "start.slide_x = { keep = 0, keep_speed = 0 }\nstart.slide_y = { keep = 0, keep_speed = 0 }\n"
     "start.slide_z = { keep = 0, keep_speed = 0 }\nstart.ball = { keep = {}, keep_speed = [0, 0, 0] }\n";
-
-double value_of(const AnalysisVerdict& found, const std::string& name) {
-  const auto row =
-      std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });
-  REQUIRE(row != found.numbers.end());
-  return row->values[0];
-}
 
 TEST_CASE("Panels unfold to where their latches hold the springs, on the ground and on a satellite that floats",
           "[analyses]") {

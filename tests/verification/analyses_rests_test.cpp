@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 
+#include "analysis_numbers.h"
 #include "closed_forms.h"
 #include "common/error.h"
 #include "compare/analyses/judge.h"
@@ -24,13 +25,6 @@ using compare::analyses::held_at_start;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
 using compare::analyses::refuse_other_rest;
-
-double value_of(const AnalysisVerdict& found, const std::string& name) {
-  const auto row =
-      std::find_if(found.numbers.begin(), found.numbers.end(), [&](const auto& r) { return r.name == name; });
-  REQUIRE(row != found.numbers.end());
-  return row->values[0];
-}
 
 /// A mode that turns frames and hardly moves a point must be stepped by its turn.
 TEST_CASE("A thin cantilever with a torsion mode bends and twists under small loads", "[analyses][quick]") {
