@@ -254,11 +254,13 @@ TEST_F(ReferenceTest, TimesBeyondTheHorizonAreNotJudgedAndCounted) {
   Verdict judged = verdict;
   judge_reference(model_, read(fmt::format("{}0.2,{}\n0.3,1e6\n0.4,1e6\n", head, value)), judged);
   EXPECT_EQ(judged.outcome, Outcome::agree);
+  ASSERT_FALSE(judged.notes.empty());
   EXPECT_THAT(judged.notes.back(), HasSubstr("reference: 2 of 3 times lie beyond t = 0.2 s"));
   judged = verdict;
   judge_reference(model_, read(head + "0.3,1e6\n"), judged);
   EXPECT_EQ(judged.outcome, Outcome::failed);
   EXPECT_FALSE(judged.references.at(0).is_judged);
+  ASSERT_FALSE(judged.failures.empty());
   EXPECT_THAT(judged.failures.back(), HasSubstr("reference: nothing of it is judged"));
 }
 
