@@ -15,6 +15,7 @@
 #include "compare/nightly/history.h"
 #include "compare/nightly/judgement.h"
 #include "compare/nightly/night.h"
+#include "compare/nightly/night_history.h"
 #include "compare/nightly/night_page.h"
 #include "compare/nightly/plan.h"
 #include "compare/nightly/submission.h"
@@ -55,16 +56,12 @@ class NightlyRun {
         scratch_(fs::temp_directory_path()) {}
 
   int run() {
-    check_outputs();
-    const Baselines baselines = read_baselines(suite_.baselines);
-    History history(history_file());
-    started_ = utc_now();
-    if (!resume(history)) begin(history);
-    const auto wall_times = history.wall_times(suite_.name);
-    const auto store = [&](const Result& result) { history.store(night_, result); };
-    const bool is_complete =
-        run_cases(to_run(history), {command_.jobs, command_.minutes}, store, wall_times, makers_, console_);
-    return conclude(history, baselines, is_complete).code;
+    return notified([&] { return run_here(); });
+  }
+
+  /// What the merge job does: reads what the tasks left, and reports.
+  int merge(const fs::path& folder, const ClusterPlan& plan) {
+    return notified([&] { return merge_here(folder, plan); });
   }
 
   /// The same by the jobs of a cluster, which do not begin before all is known to be in order.
@@ -75,13 +72,13 @@ class NightlyRun {
     const Baselines baselines = read_baselines(suite_.baselines);
     const slurm::Cluster cluster = slurm::find_cluster();
     origin_.machine = cluster_machine(cluster.name);
-    auto history = std::make_unique<History>(history_file());
+    std::optional<NightHistory> history = night_history();
     started_ = utc_now();
-    resume(*history);
-    const std::vector<const Case*> cases = to_run(*history);
+    resume(history->get());
+    const std::vector<const Case*> cases = to_run(history->get());
     if (cases.empty()) return conclude(*history, baselines, true).code;
     const auto tasks =
-        deal_cases(cases, static_cast<std::size_t>(cluster.most_tasks), history->wall_times(suite_.name));
+        deal_cases(cases, static_cast<std::size_t>(cluster.most_tasks), history->get().wall_times(suite_.name));
     const fs::path folder = make_numbered_folder(place);
     ClusterJobs jobs;
     try {
@@ -89,8 +86,8 @@ class NightlyRun {
       write_plan(folder, plan);
       jobs.array = submit_tasks(folder, command_, tasks);
       write_jobs(folder, jobs);
-      if (!is_resumed_) begin(*history);
-      history->take_over(night_, cluster_process(folder));
+      if (!is_resumed_) begin(history->get());
+      history->get().take_over(night_, cluster_process(folder));
       if (!command_.history.empty()) plan.night = night_;
       write_plan(folder, plan);
       // From now on the history is the merge's: no two computers may use it at a time.
@@ -106,38 +103,64 @@ class NightlyRun {
     return command_.wait ? wait_for_merge(folder, jobs, tasks.size(), console_) : static_cast<int>(kAgree);
   }
 
-  /// What the merge job does: reads what the tasks left, and reports.
-  int merge(const fs::path& folder, const ClusterPlan& plan) {
+ private:
+  int run_here() {
     check_outputs();
     const Baselines baselines = read_baselines(suite_.baselines);
-    History history(history_file());
+    NightHistory history = night_history();
+    started_ = utc_now();
+    if (!resume(history.get())) begin(history.get());
+    const auto wall_times = history.get().wall_times(suite_.name);
+    const auto store = [&](const Result& result) { history.store(night_, result); };
+    const bool is_complete =
+        run_cases(to_run(history.get()), {command_.jobs, command_.minutes}, store, wall_times, makers_, console_);
+    return conclude(history, baselines, is_complete).code;
+  }
+
+  int merge_here(const fs::path& folder, const ClusterPlan& plan) {
+    check_outputs();
+    const Baselines baselines = read_baselines(suite_.baselines);
+    NightHistory history = night_history();
     started_ = plan.started;
     origin_ = plan.origin;
     is_resumed_ = plan.is_resumed;
     night_ = plan.night;
-    if (night_ == 0) begin(history);
-    const bool is_complete = merge_tasks(folder, plan, cases_, night_, history, console_);
+    if (night_ == 0) begin(history.get());
+    const bool is_complete = merge_tasks(folder, plan, cases_, night_, history.get(), console_);
     const ClusterEnd end = conclude(history, baselines, is_complete);
     write_end(folder, end);
     if (is_complete) remove_task_files(folder, plan.tasks.size());
     return end.code;
   }
 
- private:
+  /// What ends a night without a report is told as its verdict would be.
+  template <class Work>
+  int notified(const Work& work) const {
+    try {
+      return work();
+    } catch (const std::exception& error) {
+      if (!is_reported_) notify(fmt::format("# red {}: the night could not finish\n\n{}\n", suite_.name, error.what()));
+      throw;
+    }
+  }
+
   fs::path history_file() const {
     return command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history;
   }
 
+  NightHistory night_history() const { return {history_file(), scratch_.path() / "copy.sqlite"}; }
+
   /// When all cases were run, or are known not to be.
-  ClusterEnd conclude(History& history, const Baselines& baselines, bool is_complete) {
-    const NightReport report = judge(history, baselines);
+  ClusterEnd conclude(NightHistory& history, const Baselines& baselines, bool is_complete) {
     // A night that was only a part of the suite is finished too: it is no longer to be resumed.
     // A choice of cases does not end the night that it goes on with.
     if (is_complete && !(is_resumed_ && !command_.only.empty())) history.finish(night_, utc_now());
+    const NightReport report = judge(history, baselines);
     const std::string text = format_report(report);
     console_.out << text << std::flush;
-    write_outputs(report, text, history);
-    notify(report);
+    write_outputs(report, text, history.get());
+    is_reported_ = true;
+    notify(format_markdown(report));
     return {report.code, text, is_complete};
   }
 
@@ -216,9 +239,10 @@ class NightlyRun {
     return {night_, suite_.name, fs::absolute(suite_.file).lexically_normal().string(), started_, "", origin_};
   }
 
-  NightReport judge(History& history, const Baselines& baselines) const {
+  NightReport judge(NightHistory& history, const Baselines& baselines) const {
     const std::string today = command_.today.empty() ? started_.substr(0, 10) : command_.today;
-    NightReport report = judge_night(history, night(), cases_, baselines, suite_.judging, today);
+    NightReport report = judge_night(history.get(), night(), cases_, baselines, suite_.judging, today);
+    report.trouble = history.trouble();
     if (command_.only.empty()) add_gone(suite_, baselines, report);
     report.code = code_of(report);
     return report;
@@ -252,13 +276,14 @@ class NightlyRun {
   std::string format_page(const NightReport& report, History& history) const {
     NightPage page{report, night(), suite_.judging, 100, {}};
     if (command_.history.empty()) page.notes.emplace_back("Without a history this night alone is known: no trend.");
+    if (!report.trouble.empty()) page.notes.push_back(report.trouble);
     return format_night_page(page, history);
   }
 
   /// A command that fails is reported, and changes no verdict.
-  void notify(const NightReport& report) const {
+  void notify(const std::string& text) const {
     if (command_.notify.empty()) return;
-    const FedCommand fed = feed_command(command_.notify, format_markdown(report));
+    const FedCommand fed = feed_command(command_.notify, text);
     const int status = fed.status;
     if (!fed.has_started) throw std::runtime_error("the command of --notify cannot be started");
     if (status == 0) return;
@@ -277,6 +302,7 @@ class NightlyRun {
   std::string started_;
   long night_ = 0;
   bool is_resumed_ = false;
+  bool is_reported_ = false;
 };
 
 /// A merge that cannot report leaves its code, for who waits.

@@ -207,6 +207,10 @@ void History::finish(long night, const std::string& now) {
   transaction.commit();
 }
 
+void History::copy_to(const std::filesystem::path& file) {
+  Statement(database_, "VACUUM INTO ?").bind(file.string()).run();
+}
+
 void History::store(long night, const Result& result) {
   Transaction transaction(database_);
   statements_->forget.bind(night).bind(result.id).run();

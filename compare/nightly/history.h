@@ -53,6 +53,9 @@ class History {
   void withdraw(long night);
   void finish(long night, const std::string& now);
 
+  /// All of it in a new file.
+  void copy_to(const std::filesystem::path& file);
+
   /// Stores a case; what the night had of it before is replaced.
   void store(long night, const Result& result);
   /// Definitions of the cases that a night has run, by name.

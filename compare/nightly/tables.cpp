@@ -118,6 +118,7 @@ Json head_json(const NightReport& report) {
           {"origin", origin_json(report.origin)},
           {"verdict", headline},
           {"exit_code", report.code},
+          {"trouble", report.trouble},
           {"changes", std::move(changes)}};
 }
 
@@ -171,7 +172,8 @@ int code_of(const NightReport& report) {
   int code = 0;
   for (const CaseLine& line : report.cases) code = worse_code(code, line.code);
   for (const Change& change : report.others) code = worse_code(code, exit_code(change, Ending::agree));
-  return report.is_finished ? code : worse_code(code, exit_code(Ending::not_run));
+  const bool is_whole = report.is_finished && report.trouble.empty();
+  return is_whole ? code : worse_code(code, exit_code(Ending::not_run));
 }
 
 std::string format_headline(const NightReport& report) {
@@ -214,6 +216,7 @@ std::string format_report(const NightReport& report) {
   if (!report.cases.empty()) text += format_cases(report) + '\n';
   const std::string changes = format_changes(report);
   if (!changes.empty()) text += changes + '\n';
+  if (!report.trouble.empty()) text += report.trouble + '\n';
   return text + format_headline(report);
 }
 
@@ -221,6 +224,7 @@ std::string format_markdown(const NightReport& report) {
   std::string text = "# " + format_headline(report) + '\n';
   text += fmt::format("{}, commit {}, {}; {}; {} UTC\n", report.origin.version, report.origin.commit,
                       report.origin.compiler, report.origin.machine, report.started);
+  if (!report.trouble.empty()) text += '\n' + as_cell(report.trouble) + '\n';
   const std::string changes = format_changes(report);
   return text + '\n' + (changes.empty() ? "Nothing changed.\n" : changes);
 }
@@ -238,11 +242,14 @@ std::string format_night_junit(const NightReport& report) {
   };
   for (const CaseLine& line : report.cases) add(line.id, line.code, is_known_red(line), line.changes);
   for (const Change& change : report.others) add(change.id, exit_code(change, Ending::agree), false, {change});
+  const Change trouble{ChangeKind::red, "", "", "history", "", report.trouble, "", 0.0, 0};
+  if (!report.trouble.empty()) add("history", exit_code(Ending::not_run), false, {trouble});
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
       "  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}  </testsuite>\n"
       "</testsuites>\n",
-      escape_xml(report.title), report.cases.size() + report.others.size(), failures, errors, skipped, cases);
+      escape_xml(report.title), report.cases.size() + report.others.size() + (report.trouble.empty() ? 0 : 1), failures,
+      errors, skipped, cases);
 }
 
 void write_night_json(const std::filesystem::path& file, const NightReport& report,

@@ -38,7 +38,8 @@ struct NightReport {
   std::vector<CaseLine> cases;
   std::vector<Change> others;  // of cases that are gone
   int code = 0;
-  bool is_finished = true;  // else cases may be missing
+  bool is_finished = true;   // else cases may be missing
+  std::string trouble = {};  // why the history lacks cases of this night; empty if it does not
 };
 
 /// The report's code, from its cases and other changes.

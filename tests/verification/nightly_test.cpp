@@ -44,6 +44,7 @@ class NightDesk {
   }
   [[nodiscard]] std::string out() const { return text_of(folder_ / "out"); }
   [[nodiscard]] std::string err() const { return text_of(folder_ / "err"); }
+  [[nodiscard]] std::string file(const std::string& name) const { return text_of(folder_ / name); }
 
  private:
   fs::path folder_;
@@ -69,10 +70,27 @@ TEST_CASE("A night that is killed goes on where it was", "[program][nightly_suit
   CHECK(desk.out() == resumed);
 }
 
-TEST_CASE("A full disk ends a night and loses nothing that was stored", "[program][nightly_suite]") {
+TEST_CASE("A night whose history cannot grow is reported all the same, and can be resumed",
+          "[program][nightly_suite]") {
   const NightDesk desk;
-  CHECK(desk.run("ulimit -f 150; exec $concord nightly suite.toml --jobs 1 --history h.sqlite") == 3);
-  CHECK(holds(desk.err(), "what was stored before stays"));
+  CHECK(desk.run("ulimit -f 150; exec $concord nightly suite.toml --jobs 1 --history h.sqlite --json night.json "
+                 "--junit night.xml --notify 'cat > mail'") == 3);
+  for (const std::string& told : {desk.out(), desk.file("mail"), desk.file("night.json"), desk.file("night.xml")}) {
+    INFO(told);
+    CHECK(holds(told, "what was stored before stays; --resume goes on from there"));
+  }
+  CHECK(holds(desk.out(), "red suite: 8 cases: 8 agree"));
+  CHECK(desk.run("$concord nightly suite.toml --history h.sqlite --resume") == 4);
+  CHECK(holds(desk.err(), "night 1 goes on: "));
+  CHECK_FALSE(holds(desk.err(), "goes on: 8 of 8"));
+}
+
+TEST_CASE("A night that a full disk ends loses nothing that was stored, and is told", "[program][nightly_suite]") {
+  const NightDesk desk;
+  CHECK(desk.run("ulimit -f 100; exec $concord nightly suite.toml --jobs 1 --history h.sqlite --notify 'cat > mail'") ==
+        3);
+  CHECK(holds(desk.err(), "the history h.sqlite cannot be used"));
+  CHECK(holds(desk.file("mail"), "the history h.sqlite cannot be used"));
   CHECK(desk.run("$concord nightly suite.toml --history h.sqlite --resume") == 4);
   CHECK(holds(desk.err(), "night 1 goes on: "));
 }
