@@ -108,6 +108,42 @@ std::string shown(const std::string& expression) {
   return expression.size() <= kMost ? expression : expression.substr(0, kMost) + "...";
 }
 
+/// What an author of these characters meant, and how it is written here; empty if there are none.
+std::string hint_on_characters(const std::string& expression) {
+  static constexpr std::pair<const char*, const char*> kMeant[] = {
+      {"\u2212", "'\u2212' is no minus: write '-'"},
+      {"\u2013", "'\u2013' is no minus: write '-'"},
+      {"\u00d7", "a product is written '*'"},
+      {"\u00b7", "a product is written '*'"},
+      {"**", "a power is written '^'"},
+      {"\u00b2", "a square is written '^2'"},
+      {"\u00b3", "a cube is written '^3'"},
+      {"\u00b0", "degrees are written 'deg', as in '20 deg'"},
+      {"\u03c0", "write 'pi'"},
+      {"\u00a0", "it holds a space that is none of the usual ones"},
+      {"%", "percent are written as a fraction: 0.05 for 5 %"}};
+  for (const auto& [written, hint] : kMeant) {
+    if (expression.find(written) != std::string::npos) return hint;
+  }
+  return "";
+}
+
+/// What the author of a name that is not known meant, if the field writes it so; else the nearest name.
+std::string hint_on_name(const std::string& name, const std::vector<std::string>& parameters) {
+  static constexpr std::pair<std::string_view, const char*> kMeant[] = {
+      {"log", "the natural logarithm is 'ln'"},
+      {"log10", "write 'ln(x)/ln(10)'"},
+      {"pow", "a power is written '^'"},
+      {"rad", "angles are in radians, without a word"},
+      {"degrees", "degrees are written 'deg', as in '20 deg'"},
+      {"PI", "write 'pi'"},
+      {"Pi", "write 'pi'"}};
+  for (const auto& [written, hint] : kMeant) {
+    if (name == written) return hint;
+  }
+  return suggestion(name, parameters, "parameters");
+}
+
 std::string without_final_stop(std::string text) {
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
@@ -282,12 +318,15 @@ double Parameters::evaluate(const std::string& expression) const {
     return value;
   } catch (const mu::Parser::exception_type& error) {
     if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) {
-      throw ExpressionError(fmt::format("cannot read '{}': {}", shown(expression), without_final_stop(error.GetMsg())));
+      const std::string hint = hint_on_characters(expression);
+      throw ExpressionError(fmt::format("cannot read '{}': {}", shown(expression),
+                                        hint.empty() ? without_final_stop(error.GetMsg()) : hint));
     }
     const auto* value = find(error.GetToken());
     if (value != nullptr && !*value) throw ExpressionError("");
+    const std::string hint = hint_on_characters(error.GetToken());
     throw ExpressionError(fmt::format("unknown name '{}' in '{}': {}", shown(error.GetToken()), shown(expression),
-                                      suggestion(error.GetToken(), names(), "parameters")));
+                                      hint.empty() ? hint_on_name(error.GetToken(), names()) : hint));
   }
 }
 

@@ -1,12 +1,14 @@
 #include "common/reading/expression.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
 namespace concord {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -131,6 +133,20 @@ TEST(Expression, SaysWhatIsWrong) {
   EXPECT_EQ(expression_complaint(""), "cannot read '': Expression is empty");
   EXPECT_EQ(expression_complaint("length = 3", parameters),
             "cannot read 'length = 3': Unexpected operator \"=\" found at position 7");
+}
+
+TEST(Expression, SaysHowItIsWrittenHere) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"\u22121", "write '-'"},       {"2 \u2013 1", "write '-'"},
+      {"2 \u00d7 3", "written '*'"},  {"2**3", "written '^'"},
+      {"3\u00b2", "written '^2'"},    {"20\u00b0", "written 'deg'"},
+      {"20 \u00b0", "written 'deg'"}, {"2 \u03c0", "write 'pi'"},
+      {"5 %", "0.05 for 5 %"},        {"1\u00a0+ 2", "usual"},
+      {"log(2)", "is 'ln'"},          {"0.5 * rad", "in radians"},
+      {"pow(2, 3)", "written '^'"},   {"90 * degrees", "written 'deg'"},
+      {"2 * PI", "write 'pi'"}};
+  for (const auto& [expression, hint] : cases)
+    EXPECT_THAT(expression_complaint(expression), HasSubstr(hint)) << expression;
 }
 
 TEST(Expression, WritesNumbersThatAreNotFinite) {
