@@ -52,7 +52,10 @@ Component component_of_row(const char* owner, const VerdictJson& row) {
 bool is_judged(const Component& one) { return one.same_state || one.same_run || one.refined; }
 
 Ending ending_of_verdict(const std::string& verdict) {
-  return verdict == "agree" ? Ending::agree : verdict == "differ" ? Ending::differ : Ending::failed;
+  return verdict == "agree"       ? Ending::agree
+         : verdict == "differ"    ? Ending::differ
+         : verdict == "bad input" ? Ending::bad_input
+                                  : Ending::failed;
 }
 
 Result result_of_verdict(const std::string& name, const VerdictJson& document) {
@@ -64,6 +67,7 @@ Result result_of_verdict(const std::string& name, const VerdictJson& document) {
   result.id = name;
   result.work = "compare";
   result.ending = ending_of_verdict(document.at("verdict"));
+  if (document.contains("failures")) result.words = document.at("failures").at(0);
   result.judged = document.at("judged");
   result.total = document.at("total");
   for (const auto& [key, owner] : {std::pair{"joints", "joint"}, std::pair{"elements", "element"}}) {

@@ -210,30 +210,27 @@ void require_one_model(const CompareCommand& command) {
                    fmt::format("a reference belongs to one model, but {} are compared", command.models.size()));
 }
 
-std::vector<ReportedCase> reported_cases(const std::vector<std::filesystem::path>& files,
+/// `names`: those of the models that were compared.
+std::vector<ReportedCase> reported_cases(const std::vector<std::filesystem::path>& files, const std::vector<int>& codes,
                                          const std::vector<std::optional<Case>>& cases,
-                                         const std::vector<std::string>& troubles) {
+                                         const std::vector<std::string>& troubles, std::set<std::string> names) {
   std::vector<ReportedCase> all;
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (cases[k]) {
       all.push_back({cases[k]->verdict.name, &cases[k]->model, &cases[k]->verdict, ""});
-    } else {
-      all.push_back({files[k].stem().string(), nullptr, nullptr, troubles[k]});
+      continue;
     }
+    std::string name = files[k].stem().string();
+    if (!names.insert(name).second) name = files[k].string();
+    all.push_back({name, nullptr, nullptr, troubles[k], codes[k] == kBadInput});
   }
   return all;
 }
 
-void write_json(const std::filesystem::path& file, const std::vector<std::optional<Case>>& cases) {
-  if (cases.size() == 1) {
-    if (cases[0]) write_file(file, format_json(cases[0]->model, cases[0]->verdict));
-    return;
-  }
-  std::vector<std::pair<const Model*, const Verdict*>> found;
-  for (const auto& one : cases) {
-    if (one) found.emplace_back(&one->model, &one->verdict);
-  }
-  if (!found.empty()) write_file(file, format_json(found));
+/// Of a single model that is refused nothing is written.
+void write_json(const std::filesystem::path& file, const std::vector<ReportedCase>& cases) {
+  if (cases.size() > 1) return write_file(file, format_json(cases));
+  if (!cases.front().is_bad_input) write_file(file, format_json(cases.front()));
 }
 
 /// A file of its own among the results of a folder would replace one of theirs.
@@ -284,21 +281,22 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
     }));
   }
   if (command.models.size() > 1) console.out << '\n' << format_summary(command.models, codes, cases);
+  const auto reported = reported_cases(command.models, codes, cases, troubles, names);
   if (!command.json.empty()) {
     codes.push_back(guarded(console, [&] {
-      write_json(command.json, cases);
+      write_json(command.json, reported);
       return static_cast<int>(kAgree);
     }));
   }
   if (!command.report.empty()) {
     codes.push_back(guarded(console, [&] {
-      write_file(command.report, page::format_page(reported_cases(command.models, cases, troubles)));
+      write_file(command.report, page::format_page(reported));
       return static_cast<int>(kAgree);
     }));
   }
   if (!command.junit.empty()) {
     codes.push_back(guarded(console, [&] {
-      write_file(command.junit, format_junit(reported_cases(command.models, cases, troubles)));
+      write_file(command.junit, format_junit(reported));
       return static_cast<int>(kAgree);
     }));
   }

@@ -110,6 +110,11 @@ Json document(const Model& model, const Verdict& verdict) {
             {"audit", rung(verdict.audit)},
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
+  for (const Finding& finding : verdict.findings) {
+    said["findings"].push_back({{"what", finding.what}, {"looks_like", finding.symptom}});
+  }
+  if (!verdict.failures.empty()) said["failures"] = verdict.failures;
+  if (!verdict.notes.empty()) said["notes"] = verdict.notes;
   add_explanations(said, model, verdict);
   if (verdict.orders) said["orders"] = orders_of(*verdict.orders);
   if (!elements.empty()) said["elements"] = std::move(elements);
@@ -117,14 +122,28 @@ Json document(const Model& model, const Verdict& verdict) {
   return said;
 }
 
+Json document(const ReportedCase& one) {
+  if (one.verdict != nullptr) return document(*one.model, *one.verdict);
+  Verdict none;
+  none.failures.push_back(one.trouble.substr(0, one.trouble.find_last_not_of('\n') + 1));
+  Json said = document(Model{}, none);
+  if (one.is_bad_input) said["verdict"] = "bad input";
+  return said;
+}
+
+/// Words of an error may hold bytes of a file that are no text.
+std::string dumped(const Json& document) { return document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
 }  // namespace
 
-std::string format_json(const Model& model, const Verdict& verdict) { return document(model, verdict).dump(2) + '\n'; }
+std::string format_json(const Model& model, const Verdict& verdict) { return dumped(document(model, verdict)); }
 
-std::string format_json(const std::vector<std::pair<const Model*, const Verdict*>>& cases) {
+std::string format_json(const ReportedCase& one) { return dumped(document(one)); }
+
+std::string format_json(const std::vector<ReportedCase>& cases) {
   Json all = Json::object();
-  for (const auto& [model, verdict] : cases) all[verdict->name] = document(*model, *verdict);
-  return all.dump(2) + '\n';
+  for (const ReportedCase& one : cases) all[one.name] = document(one);
+  return dumped(all);
 }
 
 }  // namespace concord::compare

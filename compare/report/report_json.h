@@ -1,10 +1,10 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/model.h"
+#include "compare/report/reported_case.h"
 #include "compare/verdict/verdict.h"
 
 namespace concord::compare {
@@ -17,7 +17,10 @@ inline constexpr int kVerdictFormat = 1;
 /// from run to run.
 std::string format_json(const Model& model, const Verdict& verdict);
 
+/// The same of a case; without a verdict an empty one that says why there is none: "failed", or "bad input".
+std::string format_json(const ReportedCase& one);
+
 /// The same for several models: an object with one member for each case, by name.
-std::string format_json(const std::vector<std::pair<const Model*, const Verdict*>>& cases);
+std::string format_json(const std::vector<ReportedCase>& cases);
 
 }  // namespace concord::compare

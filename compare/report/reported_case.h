@@ -13,6 +13,7 @@ struct ReportedCase {
   const Model* model = nullptr;  // with `verdict`: both or none
   const Verdict* verdict = nullptr;
   std::string trouble;  // if there is no verdict
+  bool is_bad_input = false;
 };
 
 }  // namespace concord::compare

@@ -83,7 +83,8 @@ TEST_F(VerdictFiles, FallOfDigitsIsFoundBetweenTwo) {
 TEST_F(VerdictFiles, SeveralModelsKeepTheirNames) {
   Verdict other = verdict_;
   other.name = "another";
-  const auto file = written("two.json", format_json({{&model_, &verdict_}, {&model_, &other}}));
+  const auto file = written("two.json", format_json(std::vector<ReportedCase>{{verdict_.name, &model_, &verdict_, ""},
+                                                                              {other.name, &model_, &other, ""}}));
   ResultsFile two = read_results_file(file);
   ASSERT_EQ(two.night.results.size(), 2U);
   EXPECT_EQ(two.night.results[0].id, "another");

@@ -99,13 +99,38 @@ TEST_F(ReportJsonTest, AFailedRunIsStillADocument) {
   EXPECT_EQ(json["verdict"], "failed");
   EXPECT_TRUE(json["same_run"]["digits"].is_null());
   EXPECT_TRUE(json["solvers"]["relative"]["energy_error"].is_null());
+  ASSERT_EQ(json["failures"].size(), 1U);
+  EXPECT_THAT(json["failures"][0].get<std::string>(), testing::HasSubstr("same run"));
+}
+
+TEST_F(ReportJsonTest, ADifferenceIsNamedWithWhatItLooksLike) {
+  relative_.spoil = [](const State&, Evaluation& evaluation) {
+    evaluation.joints[0].reaction[1].in_C.force(0) *= 1.001;
+  };
+  const Json json = document();
+  EXPECT_EQ(json["verdict"], "differ");
+  ASSERT_FALSE(json["findings"].empty());
+  EXPECT_THAT(json["findings"][0]["what"].get<std::string>(), testing::HasSubstr("need"));
+  EXPECT_FALSE(json["findings"][0]["looks_like"].get<std::string>().empty());
+}
+
+TEST_F(ReportJsonTest, ACaseWithoutAVerdictSaysWhy) {
+  const ReportedCase refused{"refused", nullptr, nullptr, "refused.toml:3:1: error: no mass\n", true};
+  const ReportedCase stopped{"stopped", nullptr, nullptr, "stopped: cannot be closed\n", false};
+  const Json json = Json::parse(format_json(std::vector{refused, stopped}));
+  EXPECT_EQ(json["refused"]["verdict"], "bad input");
+  EXPECT_EQ(json["refused"]["failures"], Json::array({"refused.toml:3:1: error: no mass"}));
+  EXPECT_EQ(json["stopped"]["verdict"], "failed");
+  EXPECT_TRUE(json["stopped"]["joints"].empty());
+  EXPECT_TRUE(json["stopped"]["same_state"]["digits"].is_null());
 }
 
 TEST_F(ReportJsonTest, SeveralCasesStandUnderTheirNames) {
   const Verdict verdict = verify(model_, cartesian_, relative_, {});
   Verdict other = verdict;
   other.name = "second";
-  const Json json = Json::parse(format_json({{&model_, &verdict}, {&model_, &other}}));
+  const Json json = Json::parse(
+      format_json(std::vector<ReportedCase>{{verdict.name, &model_, &verdict, ""}, {other.name, &model_, &other, ""}}));
   EXPECT_THAT(keys(json), ElementsAre("pendulum", "second"));
 }
 
