@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "compare/analyses/linearize.h"
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/stiffness.h"
 #include "compare/verdict/chart.h"
 
 /// Eigenvalues and shapes of a linearized machine, from its matrices.

@@ -14,9 +14,7 @@
 /// Each analysis by both solvers, and how far they agree.
 namespace concord::compare::analyses {
 
-/// Digits that what each solver finds for itself must have in common: places of equilibrium, closed poses, eigenvalues.
-inline constexpr double kOwnRigid = 10.0;
-inline constexpr double kOwnFlexible = 8.0;
+/// Digits that what each solver finds for itself must have in common, beside those of poses (own_need()).
 inline constexpr double kEigenvalue = 8.0;
 inline constexpr double kRoundTrip = 10.0;
 /// Of the accelerations that are asked for, as differences read them from the bodies.
@@ -53,10 +51,6 @@ struct AnalysisVerdict {
 
 /// Both solvers' equilibria: wrenches, joint and modal coordinates. See find_equilibrium().
 AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers);
-
-/// The model as it runs: as it is, or, if it says so, with its start in the equilibrium that both solvers find; `note`
-/// then tells how far they agree on it. Throws SolverError if they do not.
-Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note);
 
 /// Both solvers' eigenvalues and mode shapes about the start or the equilibrium. See linearize().
 AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium);

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "compare/analyses/acceleration_scale.h"
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_kinematics.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/equilibrium/acceleration_scale.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"

@@ -7,8 +7,8 @@
 
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/linearize.h"
-#include "compare/analyses/other_rests.h"
 #include "compare/audit/digits.h"
+#include "compare/equilibrium/other_rests.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -231,7 +231,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   std::array<Trajectory, 2> states;
   if (at_equilibrium) {
     Rests found = rests(held, solvers, result);
-    kind = found.kind();
+    kind = kind_of(found);
     states = std::move(found.states);
   } else {
     states = starts(solvers);

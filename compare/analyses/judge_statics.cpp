@@ -4,11 +4,11 @@
 #include <limits>
 
 #include "common/error.h"
-#include "compare/analyses/joint_changes.h"
 #include "compare/analyses/judge_steps.h"
-#include "compare/analyses/other_rests.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/equilibrium/joint_changes.h"
+#include "compare/equilibrium/other_rests.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -163,7 +163,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   const Solvers solvers = make_solvers(held, makers, result);
   const Rests rests = find_rests(held, solvers);
   const std::array<Equilibrium, 2>& found = rests.found;
-  judge_wrenches(held, solvers, rests.states, rests.kind(), result);
+  judge_wrenches(held, solvers, rests.states, kind_of(rests), result);
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
   }
@@ -181,32 +181,6 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   conclude(result);
   if (result.wrenches.outcome == Outcome::differ) refuse_edge(found);
   return result;
-}
-
-Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note) {
-  if (!model.run.from_equilibrium) return model;
-  Model held = held_at_start(model);
-  std::string branch;
-  const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
-  const auto [found, states] = find_rests(held, solvers);
-  const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
-  if (agreement.digits < own_need(model)) {
-    refuse_undetermined_rest(held, solvers, found);
-    throw SolverError(
-        fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
-                    "`concord statics`",
-                    agreement.worst, format_digits(agreement.digits), own_need(model)));
-  }
-  note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
-  if (!branch.empty()) note += "; " + branch;
-  for (const FreeDirection& direction : found[0].free) {
-    note += fmt::format("{} {}",
-                        &direction == &found[0].free.front()
-                            ? "; without stiffness, as near to their start as balance lets them be:"
-                            : ",",
-                        direction.name);
-  }
-  return started_at(model, found[0].state);
 }
 
 }  // namespace concord::compare::analyses

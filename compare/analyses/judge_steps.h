@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compare/analyses/judge.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/rests.h"
 #include "compare/verdict/branch.h"
 
 /// What the judgement of every analysis takes: both solvers on one branch, their wrenches, numbers and an outcome.
@@ -18,25 +18,13 @@ using Lines = std::vector<std::vector<std::string>>;
 /// Both solvers on one branch; `result` tells what the guesses left open.
 Solvers make_solvers(Model& model, const SolverMakers& makers, AnalysisVerdict& result);
 
-/// A trajectory of one state.
-Trajectory one_sample(const State& state, const Evaluation& evaluation);
-
 /// What both solvers found: states of a motion; a rest, where accelerations vanish and have no scale; or a rest that
 /// leaves a motion without stiffness, as the heading of a vehicle, so that components in global axes are not
 /// determined.
 enum class Found { motion, rest, neutral_rest };
 
-/// The equilibria that both solvers find, and each as a trajectory of one state.
-struct Rests {
-  std::array<Equilibrium, 2> found;
-  std::array<Trajectory, 2> states;
-
-  [[nodiscard]] Found kind() const { return found[0].free.empty() ? Found::rest : Found::neutral_rest; }
-};
-Rests find_rests(const Model& model, const Solvers& solvers);
-
-/// Digits that what each solver finds for itself needs: kOwnRigid or kOwnFlexible.
-double own_need(const Model& model);
+/// Which of the two kinds of rest.
+Found kind_of(const Rests& rests);
 
 /// Judges the wrenches of what both solvers found: in the same states, and of each as it found them; and audits both.
 /// What they found stands in the verdict's trajectories.

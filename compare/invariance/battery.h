@@ -76,7 +76,7 @@ struct Battery {
   Outcome outcome = Outcome::agree;
 };
 
-/// Judges a model as it starts (analyses::as_it_starts). Throws InputError for a model that the solvers refuse; errors
+/// Judges a model as it starts (as_it_starts). Throws InputError for a model that the solvers refuse; errors
 /// of solvers are failures.
 Battery run_battery(Model model, const SolverMakers& makers, const BatteryOptions& options);
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "common/error.h"
-#include "compare/analyses/judge.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/report.h"
 #include "compare/report/files.h"
 #include "compare/report/interrupt.h"
@@ -39,7 +39,7 @@ Tried try_one(const std::filesystem::path& file, const InvarianceCommand& comman
   }
   std::string note;
   const NearFrames near(one.model);
-  one.model = analyses::as_it_starts(near.model(), makers, note);
+  one.model = as_it_starts(near.model(), makers, note);
   one.battery = run_battery(one.model, makers, command.options);
   for (const std::string& one_note : {near.note(), note}) {
     if (!one_note.empty()) one.battery.notes.push_back(one_note);

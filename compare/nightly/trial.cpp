@@ -10,7 +10,7 @@
 
 #include "common/joints/catalogue.h"
 #include "compare/analyses/judge.h"
-#include "compare/analyses/started_machine.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/fuzz/generator.h"
 #include "compare/fuzz/random.h"
 #include "compare/fuzz/trial.h"
@@ -194,7 +194,7 @@ void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
 }
 
 void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
-  const analyses::StartedMachine machine(model_of(one), makers);
+  const StartedMachine machine(model_of(one), makers);
   VerifyOptions options = one.options;
   options.makers = &makers;
   std::string last;
@@ -270,7 +270,7 @@ void check_joint_case(const Case& one, Result& result) {
 /// A component for each move and solver.
 void invariance_case(const Case& one, const SolverMakers& makers, Result& result) {
   std::string note;
-  const Model model = analyses::as_it_starts(model_of(one), makers, note);
+  const Model model = as_it_starts(model_of(one), makers, note);
   tell_stage("moves");
   invariance::BatteryOptions options;
   options.until = one.options.until;

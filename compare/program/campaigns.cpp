@@ -12,6 +12,7 @@
 #include "compare/joint_check/command.h"
 #include "compare/nightly/options.h"
 #include "compare/page/command.h"
+#include "compare/program/analysis_options.h"
 #include "compare/program/frame.h"
 #include "compare/report/origin.h"
 #include "compare/report/whole_number.h"
@@ -92,11 +93,12 @@ int write_report(const CLI::App& app, CommandLine& line, const compare::Console&
 
 /// Reads the command line and does what it says.
 int run_program(int argc, char** argv) {
-  CLI::App program("The commands of concord that work on many machines; call them as `concord COMMAND ...`.",
+  CLI::App program("The commands of concord beside compare, run and info; call them as `concord COMMAND ...`.",
                    "concord");
   program.set_version_flag("--version", compare::version_words());
   program.require_subcommand(1);
   CommandLine line;
+  compare::AnalysisCommands analyses(program);
   const CLI::App* joint_command = add_joint(program, line);
   const CLI::App* invariance_command = add_invariance(program, line);
   const CLI::App* fuzz_command = compare::fuzz::add_fuzz(program, line.fuzz);
@@ -113,6 +115,7 @@ int run_program(int argc, char** argv) {
 
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
   const compare::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};
+  if (const auto* analysis = analyses.parsed()) return compare::analyses::analyse_model(*analysis, makers, console);
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
   if (invariance_command->parsed()) return compare::invariance::try_invariance(line.invariance, makers, console);
   if (fuzz_command->parsed()) return compare::fuzz::fuzz_machines(line.fuzz, makers, console);

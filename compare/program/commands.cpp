@@ -7,8 +7,8 @@
 #include <set>
 #include <sstream>
 
-#include "compare/analyses/started_machine.h"
 #include "compare/audit/digits.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
 #include "compare/report/files.h"
 #include "compare/report/info.h"
@@ -110,7 +110,7 @@ void solve_both(const CompareCommand& command, const SolverMakers& makers, const
     reference = read_reference(command.reference, one.model);
     check_times(*reference, run_options(one.model, command.options));
   }
-  const analyses::StartedMachine machine(one.model, makers);
+  const StartedMachine machine(one.model, makers);
   Solver& cartesian = machine.solver(Who::cartesian);
   Solver& relative = machine.solver(Who::relative);
   check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}));
@@ -307,7 +307,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
     const Model given = read_twice(command.model);
-    const analyses::StartedMachine machine(given, makers);
+    const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
     check_results(command.out, run_file_names(model, solver.name()));
@@ -357,7 +357,7 @@ State assemble_explained(Solver& solver, const Model& model) {
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    const analyses::StartedMachine machine(read_twice(file), makers);
+    const StartedMachine machine(read_twice(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);

@@ -8,9 +8,9 @@ namespace CLI {
 class App;
 }
 
-/// What the two programs of the suite share. `concord` judges one machine at a time; `concord-campaigns` does the work
-/// that takes many: random machines, nights, the battery, the joint check. The first hands the commands of the second
-/// over to it, so that a user knows one program, and whoever builds for a first verdict does not wait for the rest.
+/// What the two programs of the suite share. `concord` judges runs; `concord-campaigns` does all other work: analyses,
+/// random machines, nights, the battery, the joint check. The first hands the commands of the second over to it, so
+/// that a user knows one program, and whoever builds for a first verdict does not wait for the rest.
 namespace concord::compare {
 
 struct CampaignCommand {
@@ -20,6 +20,12 @@ struct CampaignCommand {
 
 /// The commands that `concord` hands over, in the order in which --help lists them.
 inline constexpr std::array kCampaignCommands{
+    CampaignCommand{"statics", "Static equilibrium by both solvers"},
+    CampaignCommand{"linearize", "Eigenvalues and modes about the start or the equilibrium, by both solvers"},
+    CampaignCommand{"kinematics", "Motion and reactions of a machine whose motion is fully driven, by both solvers"},
+    CampaignCommand{"inverse",
+                    "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"
+                    "coordinates prescribed accelerations, by both solvers"},
     CampaignCommand{"joint",
                     "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of "
                     "rigs"},

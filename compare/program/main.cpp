@@ -3,15 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <string_view>
 
 #include "cartesian/solver.h"
-#include "common/reading/magnitude.h"
-#include "compare/analyses/command.h"
 #include "compare/program/commands.h"
 #include "compare/program/frame.h"
+#include "compare/program/run_options.h"
 #include "compare/report/origin.h"
 #include "compare/report/whole_number.h"
 #ifdef CONCORD_HAS_SIMBODY
@@ -70,66 +68,19 @@ Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish, 4 a baseline is 
 Interrupted by SIGINT, SIGTERM or SIGHUP: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
-/// The ranges of CLI11 let NaN through.
-const CLI::Validator kNumber(
-    [](std::string& text) {
-      double value = 0.0;
-      const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-      if (!is_number) return fmt::format("{} is not a finite number", text);
-      return has_usable_size(value) ? std::string() : fmt::format("the number {}", complaint_about_size(value));
-    },
-    "");
-
-/// A number in a range, said as a person writes it.
-CLI::Validator number_in(double least, double most) {
-  return CLI::Validator(
-      [=](std::string& text) {
-        std::string complaint = kNumber(text);
-        if (!complaint.empty()) return complaint;
-        const double value = std::stod(text);
-        return value >= least && value <= most ? std::string()
-                                               : fmt::format("{} is not between {:g} and {:g}", text, least, most);
-      },
-      "");
-}
-
-const CLI::Validator kPositive(
-    [](std::string& text) {
-      std::string complaint = kNumber(text);
-      if (!complaint.empty()) return complaint;
-      return std::stod(text) > 0.0 ? std::string() : fmt::format("{} is not above zero", text);
-    },
-    "");
-
-void add_run_options(CLI::App& command, compare::VerifyOptions& options) {
-  command.add_option("--until", options.until, "End of the run [s]; default: what the model says")->check(kPositive);
-  command
-      .add_option(
-          "--rtol", options.rtol,
-          "Relative tolerance of the integrators; default: what the model says, else 1e-11 rigid, 1e-9 flexible")
-      ->check(number_in(kTightestTolerance, kLoosestTolerance));
-  command
-      .add_option("--samples", options.samples,
-                  "Equal intervals of the output grid; default: what the model says, else 300; `compare` takes a "
-                  "multiple that gives at least 200 states")
-      ->check(CLI::Range(1, 1000000));
-}
-
 struct CommandLine {
   compare::CompareCommand compare;
   compare::RunCommand run;
   std::string solver;
   std::string integrator;
   std::filesystem::path info_model;
-  compare::analyses::AnalysisCommand analysis;
-  std::string linearize_at = "start";
   std::string oracle;
 };
 
 CLI::App* add_compare(CLI::App& program, CommandLine& line) {
   CLI::App* command = program.add_subcommand("compare", "Solve each model twice and judge every joint reaction");
   command->add_option("MODEL", line.compare.models, "Model files (TOML)")->required();
-  add_run_options(*command, line.compare.options);
+  compare::add_run_options(*command, line.compare.options);
   command->add_option("--cartesian-integrator", line.compare.options.integrators[0],
                       "Integrator of the Cartesian solver; `concord info` lists them");
   command->add_option("--relative-integrator", line.compare.options.integrators[1],
@@ -164,7 +115,7 @@ CLI::App* add_run(CLI::App& program, CommandLine& line) {
       ->required()
       ->check(CLI::IsMember({"cartesian", "relative"}));
   command->add_option("--integrator", line.integrator, "Which of the solver's integrators; `concord info` lists them");
-  add_run_options(*command, line.run.options);
+  compare::add_run_options(*command, line.run.options);
   command->add_option("--out", line.run.out, "Folder for results: NetCDF and CSV");
   return command;
 }
@@ -175,57 +126,6 @@ CLI::App* add_info(CLI::App& program, CommandLine& line) {
   command->add_option("MODEL", line.info_model, "Model file (TOML)")->required();
   return command;
 }
-
-CLI::App* add_analysis(CLI::App& program, CommandLine& line, const char* name, const char* about) {
-  CLI::App* command = program.add_subcommand(name, about);
-  command->add_option("MODEL", line.analysis.model, "Model file (TOML)")->required();
-  command->add_flag("--all", line.analysis.all_rows, "Print every component, not only the worst of each side");
-  command->add_option("--json", line.analysis.json, "File for the results as JSON");
-  command->add_option("--out", line.analysis.out, "Folder for results: NetCDF and CSV of each solver");
-  return command;
-}
-
-/// The analyses, and the one that was asked for.
-class AnalysisCommands {
- public:
-  AnalysisCommands(CLI::App& program, CommandLine& line) : line_(line) {
-    using compare::analyses::Analysis;
-    add(program, Analysis::statics, "statics", "Static equilibrium by both solvers");
-    CLI::App* linearize = add(program, Analysis::linearize, "linearize",
-                              "Eigenvalues and modes about the start or the equilibrium, by both solvers");
-    linearize->add_option("--at", line.linearize_at, "State to linearize about; default: start")
-        ->check(CLI::IsMember({"start", "equilibrium"}));
-    CLI::App* kinematics = add(program, Analysis::kinematics, "kinematics",
-                               "Motion and reactions of a machine whose motion is fully driven, by both solvers");
-    add_run_options(*kinematics, line.analysis.options);
-    CLI::App* inverse =
-        add(program, Analysis::inverse, "inverse",
-            "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"
-            "coordinates prescribed accelerations, by both solvers");
-    inverse->add_option("--acceleration", line.analysis.accelerations,
-                        "joint.coordinate=value [m/s2, rad/s2]; default of every kept coordinate: 0");
-  }
-
-  /// Whether one was asked for; `line` then holds it.
-  bool parsed() {
-    for (const auto& [command, analysis] : commands_) {
-      if (!command->parsed()) continue;
-      line_.analysis.analysis = analysis;
-      line_.analysis.at_equilibrium = line_.linearize_at == "equilibrium";
-      return true;
-    }
-    return false;
-  }
-
- private:
-  CLI::App* add(CLI::App& program, compare::analyses::Analysis analysis, const char* name, const char* about) {
-    commands_.emplace_back(add_analysis(program, line_, name, about), analysis);
-    return commands_.back().first;
-  }
-
-  CommandLine& line_;
-  std::vector<std::pair<CLI::App*, compare::analyses::Analysis>> commands_;
-};
 
 /// Puts the third opinion into the command; false if the program was built without it.
 bool find_oracle(CommandLine& line) {
@@ -250,7 +150,6 @@ int run_program(int argc, char** argv) {
   const CLI::App* compare_command = add_compare(program, line);
   const CLI::App* run_command = add_run(program, line);
   add_info(program, line);
-  AnalysisCommands analyses(program, line);
   for (const auto& [name, about] : compare::kCampaignCommands) program.add_subcommand(name, about);
   try {
     compare::require_known_command(program, argc, argv);
@@ -271,7 +170,6 @@ int run_program(int argc, char** argv) {
     line.run.options.integrators[line.run.is_cartesian ? 0 : 1] = line.integrator;
     return compare::run_model(line.run, makers, console);
   }
-  if (analyses.parsed()) return compare::analyses::analyse_model(line.analysis, makers, console);
   return compare::show_info(line.info_model, makers, console);
 }
 

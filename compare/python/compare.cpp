@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "compare/analyses/started_machine.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/python/bindings.h"
 #include "compare/python/interruptible.h"
 #include "compare/python/options.h"
@@ -54,7 +54,7 @@ void take_runs(const std::shared_ptr<Model>& model, Verdict& verdict, Compared& 
 /// As the program does it.
 Compared compare_model(const Model& model, const VerifyOptions& options, const std::optional<Reference>& reference,
                        const SolverMakers& makers) {
-  const analyses::StartedMachine machine(model, makers);
+  const StartedMachine machine(model, makers);
   VerifyOptions own = options;
   own.makers = &makers;
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), own);
@@ -87,7 +87,7 @@ Compared compare(const std::shared_ptr<Model>& model, std::optional<double> unti
 /// As the program does it: a run that its own audit refutes is no result.
 std::shared_ptr<Run> run_model(const Model& model, const std::string& name, const VerifyOptions& options,
                                const std::string& integrator, const SolverMakers& makers) {
-  const analyses::StartedMachine machine(model, makers);
+  const StartedMachine machine(model, makers);
   Solver& solver = machine.solver(is_cartesian(model, name) ? Who::cartesian : Who::relative);
   RunOptions run = run_options(machine.model(), options);
   run.integrator = chosen_integrator(machine.model(), solver, integrator);

@@ -17,7 +17,7 @@
 #include "cartesian/reactions.h"
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
-#include "compare/analyses/judge.h"
+#include "compare/equilibrium/started_machine.h"
 #include "relative/equations.h"
 #include "relative/solver.h"
 #include "relative/states.h"
@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   std::string note;
   const Model model =
-      compare::analyses::as_it_starts(read_model(std::filesystem::path(CONCORD_DATA) / "models/car.toml"),
+      compare::as_it_starts(read_model(std::filesystem::path(CONCORD_DATA) / "models/car.toml"),
                                       {cartesian::make_solver, relative::make_solver}, note);
   Car car(model);
   const double digits = car.matching_digits();

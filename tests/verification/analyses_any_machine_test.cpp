@@ -5,16 +5,16 @@
 #include "common/error.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 
 /// Analyses of machines in which something is special: a pose, a size, nothing that holds them.
 namespace concord::verification {
 namespace {
 
 using compare::analyses::AnalysisVerdict;
-using compare::analyses::find_equilibrium;
+using compare::find_equilibrium;
 using compare::analyses::format_analysis;
-using compare::analyses::held_at_start;
+using compare::held_at_start;
 using compare::analyses::judge_inverse;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;

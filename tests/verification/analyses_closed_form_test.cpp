@@ -7,7 +7,7 @@
 #include "compare/analyses/judge.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 
 /// Statics, linearization, kinematics and inverse dynamics against numbers known from elsewhere.
 namespace concord::verification {
@@ -15,10 +15,10 @@ namespace {
 
 using compare::analyses::AnalysisVerdict;
 using compare::analyses::driven_through;
-using compare::analyses::Equilibrium;
-using compare::analyses::find_equilibrium;
+using compare::Equilibrium;
+using compare::find_equilibrium;
 using compare::analyses::format_analysis;
-using compare::analyses::held_at_start;
+using compare::held_at_start;
 using compare::analyses::judge_inverse;
 using compare::analyses::judge_kinematics;
 using compare::analyses::judge_linearization;

@@ -7,7 +7,7 @@
 #include "closed_forms.h"
 #include "common/error.h"
 #include "common/rotation.h"
-#include "compare/analyses/joint_changes.h"
+#include "compare/equilibrium/joint_changes.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
 #include "judged_machines.h"
@@ -20,7 +20,7 @@ using compare::Outcome;
 using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_statics;
-using compare::analyses::motion_of;
+using compare::motion_of;
 
 AnalysisVerdict rest_of(const std::string& text) {
   const Model model = parse(text);

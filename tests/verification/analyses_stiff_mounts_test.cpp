@@ -4,15 +4,15 @@
 
 #include "closed_forms.h"
 #include "compare/analyses/linearize.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 
 /// Soft motions beside stiff ones, motions without stiffness beside both, and chains of many links.
 namespace concord::verification {
 namespace {
 
-using compare::analyses::Equilibrium;
-using compare::analyses::find_equilibrium;
-using compare::analyses::held_at_start;
+using compare::Equilibrium;
+using compare::find_equilibrium;
+using compare::held_at_start;
 using compare::analyses::Linearization;
 using compare::analyses::linearize;
 

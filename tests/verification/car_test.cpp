@@ -3,6 +3,7 @@
 
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
+#include "compare/equilibrium/started_machine.h"
 
 /// The car: what must hold of it whatever its numbers are.
 namespace concord::verification {
@@ -12,7 +13,7 @@ namespace {
 Model settled(const std::string& name) {
   std::string note;
   const Model model = read_model(std::filesystem::path(CONCORD_DATA) / "models" / (name + ".toml"));
-  return compare::analyses::as_it_starts(model, kMakers, note);
+  return compare::as_it_starts(model, kMakers, note);
 }
 
 std::size_t joint_of(const Model& model, const std::string& name) {

@@ -7,7 +7,7 @@
 
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
-#include "compare/analyses/judge.h"
+#include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/battery.h"
 #include "compare/invariance/report.h"
 #include "judged_machines.h"
@@ -26,7 +26,7 @@ Model shipped(const std::string& name) { return read_model(shipped_models() / (n
 void expect_invariance(const Model& stated) {
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
   std::string note;
-  const Model model = compare::analyses::as_it_starts(stated, makers, note);
+  const Model model = compare::as_it_starts(stated, makers, note);
   const compare::invariance::Battery battery = compare::invariance::run_battery(model, makers, {});
   const std::string table = compare::invariance::format_battery(model, battery);
   if (std::getenv("CONCORD_PRINT_DIGITS") != nullptr) std::cout << table << std::flush;

@@ -342,7 +342,10 @@ TEST_CASE("Several models: the summary survives a failing one, the exit code is 
   CHECK(contains(told.out, "| bad      |"));
   CHECK(contains(told.out, "| bad input |"));
   CHECK(contains(told.out, "agree second: "));
-  CHECK(keys(Json::parse(read(desk.work() / "all.json"))) == std::vector<std::string>{"pendulum", "second"});
+  const Json all = Json::parse(read(desk.work() / "all.json"));
+  CHECK(keys(all) == std::vector<std::string>{"pendulum", "bad", "second"});
+  CHECK(all["bad"]["verdict"] == "bad input");
+  CHECK(contains(all["bad"]["failures"][0].get<std::string>(), "bad.toml:1:1: error: "));
 }
 
 TEST_CASE("run and info do what they say", "[program]") {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "closed_forms.h"
-#include "compare/analyses/judge.h"
+#include "compare/equilibrium/started_machine.h"
 #include "judged_machines.h"
 
 /// Machines without gravity that come to rest: what is left of their speeds is round-off, and no speed of theirs says
@@ -188,7 +188,7 @@ start = "equilibrium"
   compare::VerifyOptions options;
   options.states = 40;
   std::string note;
-  expect_to_agree(compare::analyses::as_it_starts(model, kMakers, note), options);
+  expect_to_agree(compare::as_it_starts(model, kMakers, note), options);
 }
 
 // Detects a spring that is refused where its ends meet though its force vanishes there.

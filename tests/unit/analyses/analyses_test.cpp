@@ -7,7 +7,7 @@
 #include "compare/analyses/judge.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 #include "compare/verdict/chart.h"
 #include "tests/unit/fake_pendulum.h"
 

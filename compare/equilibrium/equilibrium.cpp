@@ -1,4 +1,4 @@
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 
 #include <fmt/format.h>
 
@@ -12,17 +12,17 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
-#include "compare/analyses/acceleration_scale.h"
-#include "compare/analyses/growth.h"
-#include "compare/analyses/step_length.h"
-#include "compare/analyses/steps_back.h"
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/acceleration_scale.h"
+#include "compare/equilibrium/growth.h"
+#include "compare/equilibrium/step_length.h"
+#include "compare/equilibrium/steps_back.h"
+#include "compare/equilibrium/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/draws.h"
 #include "compare/verdict/motion_names.h"
 #include "compare/verdict/states.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -397,4 +397,4 @@ Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search&
 
 Equilibrium find_equilibrium(const Model& model, Solver& solver) { return search_equilibrium(model, solver, {}); }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

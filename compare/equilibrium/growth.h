@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/stiffness.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// Unstable motions of a machine at rest: positive eigenvalues of J = -M^-1 K (Stiffness::J), which are squared rates.
 class Growth {
@@ -32,4 +32,4 @@ class Growth {
   double steepest_ = 0.0;
 };
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

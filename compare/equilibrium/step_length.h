@@ -3,7 +3,7 @@
 #include "common/model.h"
 #include "compare/verdict/chart.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// How far a search for an equilibrium goes in one step. Angles change by little, those of fast shafts by what a
 /// rotation vector can say. Slides, which may have far to go, change by twice as much each time that they are cut short
@@ -48,4 +48,4 @@ class StepLength {
   int cut_by_shafts_ = 0;
 };
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

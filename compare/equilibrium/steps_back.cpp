@@ -1,12 +1,12 @@
-#include "compare/analyses/steps_back.h"
+#include "compare/equilibrium/steps_back.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "common/decompositions.h"
-#include "compare/analyses/joint_changes.h"
+#include "compare/equilibrium/joint_changes.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -96,4 +96,4 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
   return step;
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

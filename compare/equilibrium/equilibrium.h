@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "common/solver.h"
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/stiffness.h"
 
 /// Static equilibrium, from a solver's accelerations alone.
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// The model at rest: drivers held where their laws are at t = 0, nothing moves at the start.
 Model held_at_start(const Model& model);
@@ -56,4 +56,4 @@ struct Search {
 /// One such search.
 Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search);
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

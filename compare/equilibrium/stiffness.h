@@ -5,12 +5,12 @@
 #include <string>
 
 #include "common/solver.h"
-#include "compare/analyses/acceleration_scale.h"
+#include "compare/equilibrium/acceleration_scale.h"
 #include "compare/verdict/chart.h"
 
 /// Derivatives of a machine's accelerations, -M^-1 K of its linearization, from a solver's accelerations alone, and how
 /// far double precision resolves them.
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// Accelerations in the chart's coordinates where these are delta [1/s2]; nothing if there is no closed state there.
 using AccelerationsAt = std::function<std::optional<VecX>(const VecX& delta)>;
@@ -89,4 +89,4 @@ class StiffnessSplit {
   double least_ = 0.0;
 };
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

@@ -8,7 +8,7 @@
 #include "compare/verdict/chart.h"
 
 /// What forces cause in a machine: the scale of all that analyses decide about accelerations.
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
 /// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
@@ -42,4 +42,4 @@ AccelerationScale acceleration_scale(const Model& model, const Chart& chart, con
 /// the machine's length.
 double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

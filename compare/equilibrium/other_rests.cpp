@@ -1,4 +1,4 @@
-#include "compare/analyses/other_rests.h"
+#include "compare/equilibrium/other_rests.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/error.h"
-#include "compare/analyses/joint_changes.h"
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/joint_changes.h"
+#include "compare/equilibrium/stiffness.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -70,4 +70,4 @@ void refuse_undetermined_rest(const Model& model, const Solvers& solvers, const 
   }
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

@@ -1,4 +1,4 @@
-#include "compare/analyses/stiffness.h"
+#include "compare/equilibrium/stiffness.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "common/decompositions.h"
 #include "common/error.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -295,4 +295,4 @@ VecX StiffnessSplit::unmet(const VecX& f) const {
   return beyond_ * (unmet_projector_ * (beyond_.transpose() * f));
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

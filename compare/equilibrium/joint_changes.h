@@ -7,7 +7,7 @@
 #include "compare/verdict/chart.h"
 
 /// What joints do between two states, and along a direction of motion.
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// The largest changes of coordinates in a step: of a joint's angles [rad], those of fast shafts by the ratio of their
 /// gears, those of threads, and of what turns as fast on their bodies, by the lead; of its slides [of the machine's
@@ -38,4 +38,4 @@ VecX joint_displacements(const Model& model, const State& start, const State& st
 /// curvature is (theta / 2) cot(theta / 2), not 1.
 MatX weighed_by_nearness(const Model& model, const VecX& moved, MatX rates);
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

@@ -1,16 +1,16 @@
-#include "compare/analyses/acceleration_scale.h"
+#include "compare/equilibrium/acceleration_scale.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "common/decompositions.h"
-#include "compare/analyses/joint_changes.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
+#include "compare/equilibrium/joint_changes.h"
 #include "compare/verdict/spring_terms.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -163,4 +163,4 @@ AccelerationScale acceleration_scale(const Model& model, const Chart& chart, con
   return scale;
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

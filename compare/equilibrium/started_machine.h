@@ -8,7 +8,11 @@
 #include "compare/verdict/branch.h"
 #include "compare/verdict/near_frames.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
+
+/// The model as it runs: as it is, or, if it says so, with its start in the equilibrium that both solvers find; `note`
+/// then tells how far they agree on it. Throws SolverError if they do not.
+Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note);
 
 /// A machine with both solvers, as every command starts it: in frames near its bodies, from the equilibrium if the
 /// model says so, and both solvers on one branch.
@@ -33,4 +37,4 @@ class StartedMachine {
   std::vector<std::string> notes_;
 };
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

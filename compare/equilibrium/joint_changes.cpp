@@ -1,4 +1,4 @@
-#include "compare/analyses/joint_changes.h"
+#include "compare/equilibrium/joint_changes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -206,4 +206,4 @@ MatX weighed_by_nearness(const Model& model, const VecX& moved, MatX rates) {
   return rates;
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

@@ -7,7 +7,7 @@
 #include "common/solver.h"
 #include "compare/verdict/chart.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// A place of rest.
 struct Rest {
@@ -66,4 +66,4 @@ class StepsBack {
   int returns_ = 0;
 };
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

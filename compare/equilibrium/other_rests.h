@@ -4,11 +4,11 @@
 #include <string>
 
 #include "common/solver.h"
-#include "compare/analyses/statics.h"
+#include "compare/equilibrium/equilibrium.h"
 #include "compare/verdict/branch.h"
 
 /// Whether a rest that a search found is the one that the statement determines: each solver asks itself.
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 /// Constraints of velocities alone, as those of a skate, leave more places to go to than directions: which rest is
 /// reached hangs by the way, and so do places along what meets no stiffness. Where a machine with such constraints has
@@ -23,4 +23,4 @@ std::string other_rest_of_like_search(const Model& model, Solver& solver, const 
 /// the way or round-off chooses, as each solver finds alone.
 void refuse_undetermined_rest(const Model& model, const Solvers& solvers, const std::array<Equilibrium, 2>& found);
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

@@ -1,10 +1,10 @@
-#include "compare/analyses/step_length.h"
+#include "compare/equilibrium/step_length.h"
 
 #include <algorithm>
 
-#include "compare/analyses/joint_changes.h"
+#include "compare/equilibrium/joint_changes.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -54,4 +54,4 @@ void StepLength::count_leap() {
   if (along_ > kSameDirection) share_ = std::min(1.0, 2.0 * share_);
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

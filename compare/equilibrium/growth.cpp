@@ -1,4 +1,4 @@
-#include "compare/analyses/growth.h"
+#include "compare/equilibrium/growth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "common/decompositions.h"
 
-namespace concord::compare::analyses {
+namespace concord::compare {
 
 namespace {
 
@@ -59,4 +59,4 @@ MatX Growth::reversed_above(double rate) const {
   return reversed;
 }
 
-}  // namespace concord::compare::analyses
+}  // namespace concord::compare

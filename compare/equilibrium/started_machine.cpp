@@ -1,0 +1,54 @@
+#include "compare/equilibrium/started_machine.h"
+
+#include <fmt/format.h>
+
+#include "common/error.h"
+#include "compare/audit/digits.h"
+#include "compare/equilibrium/other_rests.h"
+#include "compare/equilibrium/rests.h"
+#include "compare/verdict/motions.h"
+#include "compare/verdict/near_parallel.h"
+
+namespace concord::compare {
+
+Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& note) {
+  if (!model.run.from_equilibrium) return model;
+  Model held = held_at_start(model);
+  std::string branch;
+  const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
+  const auto [found, states] = find_rests(held, solvers);
+  const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
+  if (agreement.digits < own_need(model)) {
+    refuse_undetermined_rest(held, solvers, found);
+    throw SolverError(
+        fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
+                    "`concord statics`",
+                    agreement.worst, format_digits(agreement.digits), own_need(model)));
+  }
+  note = fmt::format("starts from the equilibrium, on which both agree to {} digits", format_digits(agreement.digits));
+  if (!branch.empty()) note += "; " + branch;
+  for (const FreeDirection& direction : found[0].free) {
+    note += fmt::format("{} {}",
+                        &direction == &found[0].free.front()
+                            ? "; without stiffness, as near to their start as balance lets them be:"
+                            : ",",
+                        direction.name);
+  }
+  return started_at(model, found[0].state);
+}
+
+StartedMachine::StartedMachine(const Model& given, const SolverMakers& makers) : near_(given) {
+  std::string start;
+  model_ = as_it_starts(near_.model(), makers, start);
+  std::string branch;
+  try {
+    solvers_ = make_solvers_on_one_branch(model_, makers, branch);
+  } catch (const InputError& error) {
+    throw explained(error, model_);
+  }
+  for (const std::string& note : {near_.note(), start, branch}) {
+    if (!note.empty()) notes_.push_back(note);
+  }
+}
+
+}  // namespace concord::compare
