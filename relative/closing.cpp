@@ -77,7 +77,8 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   measure(scaled, coordinates, closure);
   // Round-off adds up along a loop, which has at most all links.
   const double longest = 0.01 * static_cast<double>(scaled.equations().topology().links.size());
-  return residual < kClosedPart * std::max(scaled.size_of_places(coordinates.q), longest);
+  const double allowed = kClosedPart * std::max(scaled.size_of_places(coordinates.q), longest);
+  return residual < allowed || scaled.residual_of_coordinates(closure, columns) < allowed;
 }
 
 bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,

@@ -75,7 +75,10 @@ void Projection::project_positions(Coordinates& coordinates) {
     if (is_slow) factor_rows();
   }
   residual = scaled_->position_residual();
-  if (closure.position_residual().allFinite() && residual <= allowed) return;
+  if (closure.position_residual().allFinite()) {
+    if (residual <= allowed) return;
+    if (scaled_->residual_of_coordinates(closure, scaled_->free_columns()) <= allowed) return;
+  }
   throw SolverError(fmt::format(
       "{} will not close: position residual {:.1e} in parts of the machine's length and rad, allowed {:.0e}; it was "
       "closed at the start: tighten the tolerance",

@@ -65,6 +65,15 @@ double ScaledClosure::position_residual() const {
       measured.position_residual().cwiseQuotient(measured.row_units().head(measured.n_position_rows())));
 }
 
+double ScaledClosure::residual_of_coordinates(const Closure& measured, const std::vector<int>& columns) const {
+  const VecX& residual = measured.position_residual();
+  if (residual.size() == 0) return 0.0;
+  const MatX Phi = rows(measured, columns).topRows(residual.size());
+  VecX slopes = VecX::Ones(residual.size());
+  if (Phi.cols() > 0) slopes = Phi.cwiseAbs().rowwise().maxCoeff().cwiseMax(1.0);
+  return largest_entry(residual.cwiseQuotient(measured.row_units().head(residual.size())).cwiseQuotient(slopes));
+}
+
 double ScaledClosure::velocity_residual() const {
   return largest_entry(closure().velocity_residual().cwiseQuotient(closure().row_units()));
 }

@@ -52,6 +52,9 @@ class ScaledClosure {
   /// Makes Euler parameters of the coordinates unit.
   void normalize(VecX& q) const;
 
+  /// Largest residual of positions, each as a part of what its row makes of the unit step of a coordinate, if that is
+  /// more than 1: round-off of the coordinates leaves as much, as of a turn whose axis lies near another one.
+  [[nodiscard]] double residual_of_coordinates(const Closure& measured, const std::vector<int>& columns) const;
   /// Largest residual of positions, and of velocities.
   [[nodiscard]] double position_residual() const;
   [[nodiscard]] double velocity_residual() const;

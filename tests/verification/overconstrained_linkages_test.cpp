@@ -97,5 +97,10 @@ TEST_CASE("Shafts joined by Hooke's joint start from rest though a row of their 
   expect_to_agree(machine_of("loops", "hooke_from_rest"), {});
 }
 
+TEST_CASE("A loop stays closed where round-off of places is a thousand times as much of a turn that it ties",
+          "[closure]") {
+  expect_to_agree(machine_of("loops", "belt_near_an_axis"), {});
+}
+
 }  // namespace
 }  // namespace concord::verification
