@@ -223,6 +223,12 @@ void bind_rank(py::module_& module) {
       });
 }
 
+void require_ground_at_rest(const Model& model, const BodyState& ground) {
+  const BodyState still;
+  if (ground.r == still.r && ground.p == still.p && ground.v == still.v && ground.omega == still.omega) return;
+  throw misfit(model, "the ground, body 0 of a state, was moved: it is the frame of all others");
+}
+
 }  // namespace
 
 void check_state(const Model& model, const State& state) {
@@ -245,6 +251,7 @@ void check_state(const Model& model, const State& state) {
                  static_cast<std::size_t>(model.joints[k].type->n_q()), "coordinates of " + owner);
     require_finite(model, state.q[k].allFinite() && state.u[k].allFinite(), owner);
   }
+  require_ground_at_rest(model, state.bodies[0]);
 }
 
 void bind_states(py::module_& module) {

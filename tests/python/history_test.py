@@ -76,6 +76,12 @@ class Nights(unittest.TestCase):
         with self.assertRaisesRegex(concord.InputError, "text.sqlite: error: cannot be read"):
             concord.history(text)
 
+    def test_a_damaged_history_is_refused(self):
+        """Detects an error of pandas that reaches the user bare."""
+        self.change("DROP TABLE component")
+        with self.assertRaisesRegex(concord.InputError, "error: cannot be read: .*no such table"):
+            concord.history(self.file)
+
 
 class Stub(unittest.TestCase):
     def test_the_stub_names_what_there_is(self):

@@ -49,7 +49,7 @@ class SameState(unittest.TestCase):
         np.testing.assert_array_equal(run.unique[0], rank.unique)
 
     def test_a_state_can_be_changed_and_closed(self):
-        """Detects views that are copies, and a copy that is a view."""
+        """Detects views that are copies, a copy that is a view, and a ground that is moved unnoticed."""
         solver = self.solvers[0]
         state = solver.start()
         twin = copy.copy(state)
@@ -57,6 +57,10 @@ class SameState(unittest.TestCase):
         self.assertEqual(state.position[1, 0], twin.position[1, 0] + 0.001)
         with self.assertRaisesRegex(concord.SolverError, "not closed"):
             solver.evaluate(state)
+        moved = copy.copy(twin)
+        moved.position[0, 1] = 0.5
+        with self.assertRaisesRegex(concord.InputError, "the ground, body 0 of a state, was moved"):
+            solver.evaluate(moved)
         closed = solver.close(state)
         self.assertTrue(np.isfinite(solver.evaluate(closed).reaction).all())
         state.position[...] = twin.position

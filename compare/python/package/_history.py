@@ -34,7 +34,7 @@ def history(file):
             _require_format(name, database)
             database.execute("BEGIN")  # all tables as they are at one moment
             return _read(pandas, database)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, pandas.errors.DatabaseError) as error:
         raise _input_error(name, f"cannot be read: {error}") from error
 
 
