@@ -156,6 +156,24 @@ ResultJson result_rows(const Model& model, const Verdict& verdict) {
   return rows;
 }
 
+/// What a reference says of a component that the page draws, no more points than a picture shows.
+ResultJson reference_curve(const ReferenceRow& row) {
+  constexpr std::size_t kMostPoints = 500;
+  const std::size_t stride = (row.times.size() + kMostPoints - 1) / kMostPoints;
+  ResultJson t = ResultJson::array();
+  ResultJson values = ResultJson::array();
+  for (std::size_t k = 0; k < row.times.size(); k += stride) {
+    t.push_back(row.times[k]);
+    values.push_back(row.values[k]);
+  }
+  return {{"kind", row.quantity->kind == Kind::element ? "element" : "joint"},
+          {"owner", row.quantity->owner},
+          {"side", index(row.quantity->side)},
+          {"component", row.quantity->component},
+          {"t", std::move(t)},
+          {"values", std::move(values)}};
+}
+
 ResultJson result_solver(const SolverSummary& solver) {
   return {{"name", solver.name},
           {"integrator", solver.integrator},
@@ -225,6 +243,9 @@ std::string format_result(const Model& model, const Verdict& verdict) {
       {"rows", result_rows(model, verdict)},
       {"machine", machine_json(model)}};
   add_explanations(said, model, verdict);
+  for (std::size_t k = 0; k < verdict.references.size(); ++k) {
+    if (verdict.references[k].quantity) said["reference"][k]["curve"] = reference_curve(verdict.references[k]);
+  }
   return said.dump(-1, ' ', false, ResultJson::error_handler_t::replace) + '\n';
 }
 

@@ -295,6 +295,12 @@ void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& 
   row.of = describe_owner(model, column.column);
   row.component = describe_component(column.column);
   row.unit = column.column.unit;
+  const auto quantity = quantity_of(column.column);
+  if (quantity && (quantity->kind == Kind::reaction || quantity->kind == Kind::element)) {
+    row.quantity = quantity;
+    row.times = reference.times;
+    row.values = column.values;
+  }
   row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
   const double stated = column.error * (column.is_relative ? measure_of_percent(column.column, runs.verdict) : 1.0);
   row.allowed = std::max(stated, left_open(runs, column.column, largest));

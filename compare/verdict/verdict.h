@@ -119,6 +119,11 @@ struct ReferenceRow {
   bool agrees = false;
   bool is_judged = true;  // false where the component is not unique, or no time of it within reach
   std::string hint;       // "it has the other sign": what would fit; empty: nothing
+  /// For pictures: what it says at which times, of a component of a joint's reaction or of a force element's wrench in
+  /// the frame of its side; else nothing.
+  std::optional<Quantity> quantity = {};
+  std::vector<double> times = {};   // s
+  std::vector<double> values = {};  // in the component's unit
 };
 
 /// A difference told apart: each solver's equations evaluated on each solver's motion, for the component that differs

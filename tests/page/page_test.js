@@ -57,6 +57,9 @@ async function explains(page) {
   assert.strictEqual(await rows.count(), 1, "one column of the reference");
   assert.match(await rows.first().textContent(), /hinge on pendulum.*F_x.*differ/);
   assert.strictEqual(await page.locator(".note", { hasText: "to blame" }).count(), 0, "said once");
+  assert.match(await text(page, "#about-plots"), /Rings: the reference\./);
+  assert.match(await text(page, "#charts"), /F_x/);
+  assert.strictEqual(await page.locator("#side option:checked").textContent(), "pendulum", "the side that differs is shown");
 }
 
 async function play(page) {

@@ -62,6 +62,9 @@
     return (machine.notes || []).filter((note) => !isSaid(note));
   };
 
+  /** The first curve of a reference that differs; null where there is none. */
+  concord.redCurve = (rows) => ((rows || []).find((row) => row.verdict === "differ" && row.curve) || { curve: null }).curve;
+
   /** The red row that misses its need by most digits, in the states or in a run; null where none is red. */
   concord.farthestBelowNeed = function (rows) {
     const missing = (row) => Math.max(...row.digits.map((digits, rung) => (digits === null ? -Infinity : row.need[rung] - digits)));

@@ -70,7 +70,8 @@
     const runs = machine.runs;
     if (!runs) return "";
     const frame = "Components in the frame of the side. Solid: " + machine.solvers[0].name + ", dashed: " + machine.solvers[1].name + ". Drag to zoom in time, double-click to zoom out.";
-    return frame + (runs.thinned ? ` ${runs.samples} samples are drawn as the least and the largest of each of ${runs.bins} bins.` : "");
+    const rings = (machine.reference || []).some((r) => r.curve) ? " Rings: the reference." : "";
+    return frame + rings + (runs.thinned ? ` ${runs.samples} samples are drawn as the least and the largest of each of ${runs.bins} bins.` : "");
   }
 
   function load(k) {
@@ -92,7 +93,7 @@
       concord.element("span", { class: "two", text: "\u2505 " + machine.solvers[1].name }), "  ",
       concord.element("span", { class: "load", text: "\u2192 reaction on the child" }),
       scene.largest > 0 ? `, longest ${concord.short(scene.largest)} N` : "");
-    const red = concord.farthestBelowNeed(machine.rows) || machine.rows[0];
+    const red = concord.farthestBelowNeed(machine.rows) || concord.redCurve(machine.reference) || machine.rows[0];
     if (red) choose(red.kind, red.owner, red.side);
     showTime(scene.t);
   }

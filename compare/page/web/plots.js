@@ -26,6 +26,32 @@ concord.Plots = class {
     return this.machine.rows.find((r) => r.kind === kind && r.owner === owner && r.side === side && r.component === component);
   }
 
+  /** What a reference says of this component, in parts of `power`; empty where none does. */
+  referenceOf(component, power) {
+    const { kind, owner, side } = this.chosen;
+    const isOfIt = (r) => r.curve && r.curve.kind === kind && r.curve.owner === owner && r.curve.side === side && r.curve.component === component;
+    const rows = (this.machine.reference || []).filter(isOfIt);
+    return rows.flatMap(({ curve }) => curve.t.map((t, k) => [t, curve.values[k] / power]));
+  }
+
+  /** Draws points as rings over a plot. */
+  static drawRings(plot, points) {
+    const pen = plot.ctx;
+    const { left, top, width, height } = plot.bbox;
+    pen.save();
+    pen.setLineDash([]);
+    pen.strokeStyle = concord.colour("--open");
+    pen.lineWidth = 1.5 * devicePixelRatio;
+    for (const [t, value] of points) {
+      const [x, y] = [plot.valToPos(t, "x", true), plot.valToPos(value, "y", true)];
+      if (x < left || x > left + width || y < top || y > top + height) continue;
+      pen.beginPath();
+      pen.arc(x, y, 3.5 * devicePixelRatio, 0, 2 * Math.PI);
+      pen.stroke();
+    }
+    pen.restore();
+  }
+
   /** What a component of this unit is drawn against where it is next to nothing: the joint's largest scale. */
   scaleOf(component) {
     const { kind, owner, side } = this.chosen;
@@ -77,10 +103,17 @@ concord.Plots = class {
     const data = [t, ...[a, b].map((values) => (values ? Array.from(values, (value) => value / power) : t.map(() => null)))];
     if (exponent !== 0) box.append(concord.element("p", { class: "values", text: `in 1e${exponent} ${unit}` }));
     const isFlat = (least, most) => !(most - least > Math.max(1e-300, 1e-12 * Math.max(size / power, Math.abs(least), Math.abs(most))));
-    const scales = { y: { range: (u, least, most) => (isFlat(least, most) ? [least - (size / power || 1), most + (size / power || 1)] : uPlot.rangeNum(least, most, 0.1, true)) } };
-    this.made.push(new uPlot(this.optionsOf(width, 150, lines, scales, (at) => {
+    const rings = this.referenceOf(component, power);
+    const range = (u, lowest, highest) => {
+      const least = rings.reduce((so, [, value]) => Math.min(so, value), lowest);
+      const most = rings.reduce((so, [, value]) => Math.max(so, value), highest);
+      return isFlat(least, most) ? [least - (size / power || 1), most + (size / power || 1)] : uPlot.rangeNum(least, most, 0.1, true);
+    };
+    const options = this.optionsOf(width, 150, lines, { y: { range } }, (at) => {
       values.textContent = at === null ? "" : `t = ${concord.short(t[at])} s: ${concord.short(a && a[at])}, ${concord.short(b && b[at])} ${unit}`;
-    }), data.map((column) => Array.from(column)), box));
+    });
+    if (rings.length) options.hooks.draw = [(u) => concord.Plots.drawRings(u, rings)];
+    this.made.push(new uPlot(options, data.map((column) => Array.from(column)), box));
     box.append(values);
     if (curve.d) this.addDifference(box, width, concord.numbers(curve.d), row, unit);
   }
