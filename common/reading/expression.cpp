@@ -317,16 +317,16 @@ double Parameters::evaluate(const std::string& expression) const {
     if (parser.GetNumResults() != 1) throw ExpressionError(fmt::format("'{}' must be one number", shown(expression)));
     return value;
   } catch (const mu::Parser::exception_type& error) {
-    if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) {
-      const std::string hint = hint_on_characters(expression);
+    const bool is_name = error.GetCode() == mu::ecUNASSIGNABLE_TOKEN;
+    const std::string hint = hint_on_characters(is_name ? error.GetToken() : expression);
+    if (!is_name || !hint.empty()) {
       throw ExpressionError(fmt::format("cannot read '{}': {}", shown(expression),
                                         hint.empty() ? without_final_stop(error.GetMsg()) : hint));
     }
     const auto* value = find(error.GetToken());
     if (value != nullptr && !*value) throw ExpressionError("");
-    const std::string hint = hint_on_characters(error.GetToken());
     throw ExpressionError(fmt::format("unknown name '{}' in '{}': {}", shown(error.GetToken()), shown(expression),
-                                      hint.empty() ? hint_on_name(error.GetToken(), names()) : hint));
+                                      hint_on_name(error.GetToken(), names())));
   }
 }
 
