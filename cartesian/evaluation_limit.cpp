@@ -8,15 +8,23 @@
 
 namespace concord::cartesian {
 
-EvaluationLimit::EvaluationLimit(double until, std::string integrator, double cost, std::optional<long> most)
-    : until_(until), integrator_(std::move(integrator)), most_(most) {
+EvaluationLimit::EvaluationLimit(double until, std::string integrator, double cost, std::optional<long> most,
+                                 bool foresees_end)
+    : until_(until), integrator_(std::move(integrator)), most_(most), foresees_end_(foresees_end) {
   for (Window& window : windows_) window.most = static_cast<long>(double(window.most) / cost);
 }
 
 void EvaluationLimit::require(double t, long evaluations) {
-  if (most_ && evaluations > *most_) {
-    throw EvaluationsSpent(fmt::format("cartesian: {} evaluations by {} were enough for {:.3g} s of {:.3g} s only",
-                                       *most_, integrator_, t, until_));
+  if (most_) {
+    const double part_of_run = t / until_;
+    const double part_given = double(evaluations) / double(*most_);
+    const bool is_slow = part_given > 0.1 && part_given > 2.0 * part_of_run;
+    if (part_given > 1.0 || (foresees_end_ && is_slow)) {
+      throw EvaluationsSpent(
+          fmt::format("cartesian: {} evaluations by {}, which was given {}, were enough for {:.3g} s "
+                      "of {:.3g} s only",
+                      evaluations, integrator_, *most_, t, until_));
+    }
   }
   for (Window& window : windows_) {
     const long taken = evaluations - window.evaluations_then;

@@ -11,9 +11,10 @@ namespace concord::cartesian {
 class EvaluationLimit {
  public:
   /// `until` [s] is the length of the run. An integrator whose evaluations cost `cost` times as much as those of an
-  /// explicit one may make so many fewer. `most`: of the whole run,
-  /// of either kind alike.
-  EvaluationLimit(double until, std::string integrator, double cost = 1.0, std::optional<long> most = std::nullopt);
+  /// explicit one may make so many fewer. `most`: of the whole run, of either kind alike; with `foresees_end` a tenth
+  /// of them, after which twice as many are to be expected, ends the run already.
+  EvaluationLimit(double until, std::string integrator, double cost = 1.0, std::optional<long> most = std::nullopt,
+                  bool foresees_end = false);
 
   /// Throws TooManyEvaluations if a thousandth, a hundredth or a tenth of the run took more evaluations than it may,
   /// EvaluationsSpent if the whole run did.
@@ -32,6 +33,7 @@ class EvaluationLimit {
   double until_;
   std::string integrator_;
   std::optional<long> most_;
+  bool foresees_end_;
   std::array<Window, 3> windows_{{{1e-3, 300'000}, {1e-2, 400'000}, {1e-1, 2'400'000}}};
 };
 

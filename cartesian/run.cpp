@@ -105,7 +105,7 @@ class Run {
         lines_(0.0, equations_.applied(), equations_.length()),
         watch_(dynamics, machine.generic, 0.0, motion_),
         evaluation_limit_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0,
-                          options.most_evaluations),
+                          options.most_evaluations, options.foresees_end),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}

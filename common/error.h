@@ -78,7 +78,8 @@ class TooManyEvaluations : public SolverError {
   using SolverError::SolverError;
 };
 
-/// A run that takes more evaluations than it was given (RunOptions::most_evaluations), though it may be on its way.
+/// A run that takes more evaluations than it was given (RunOptions::most_evaluations), or would, though it may be on
+/// its way.
 class EvaluationsSpent : public TooManyEvaluations {
  public:
   using TooManyEvaluations::TooManyEvaluations;

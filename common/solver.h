@@ -22,6 +22,9 @@ struct RunOptions {
   /// How many evaluations the whole run may take, whatever the integrator makes of them: a run that takes more ends as
   /// EvaluationsSpent.
   std::optional<long> most_evaluations = std::nullopt;
+  /// Whether it ends so already where, after a tenth of these, it would take more than twice as many at its pace. A run
+  /// whose start is harder than the rest may then end that would have been given enough.
+  bool foresees_end = false;
 };
 
 /// Called now and then with the time reached [s].

@@ -37,13 +37,20 @@ std::string place_of(Equations& equations, const Coordinates& at) {
 
 }  // namespace
 
-EvaluationLimit::EvaluationLimit(double until, std::string integrator, std::optional<long> whole)
-    : until_(until), integrator_(std::move(integrator)), whole_(whole) {}
+EvaluationLimit::EvaluationLimit(double until, std::string integrator, std::optional<long> whole, bool foresees_end)
+    : until_(until), integrator_(std::move(integrator)), whole_(whole), foresees_end_(foresees_end) {}
+
+bool EvaluationLimit::is_spent(double t, long evaluations) const {
+  if (!whole_) return false;
+  if (evaluations > *whole_) return true;
+  const double at_this_pace = static_cast<double>(evaluations) * until_ / t;
+  return foresees_end_ && evaluations > *whole_ / 10 && at_this_pace > 2.0 * static_cast<double>(*whole_);
+}
 
 void EvaluationLimit::pass(double t, long evaluations, Equations& equations, const Coordinates& coordinates) {
-  if (whole_ && evaluations > *whole_) {
-    throw EvaluationsSpent(fmt::format("{} reached {:.3g} s of {:.3g} s in {} evaluations, more than it was given",
-                                       integrator_, t, until_, evaluations));
+  if (is_spent(t, evaluations)) {
+    throw EvaluationsSpent(fmt::format("{} reached {:.3g} s of {:.3g} s in {} evaluations, of the {} that it was given",
+                                       integrator_, t, until_, evaluations, *whole_));
   }
   for (Count& count : counts_) {
     if (evaluations - count.from_evaluations > count.most) {

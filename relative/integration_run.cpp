@@ -35,7 +35,7 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
       lines_(assembly.scales().length()),
-      evaluation_limit_(options.until, integrator, options.most_evaluations),
+      evaluation_limit_(options.until, integrator, options.most_evaluations, options.foresees_end),
       clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
   follow_lines();

@@ -17,10 +17,12 @@ namespace {
 constexpr long kPatience = 1'000'000;
 constexpr long kOfTheSecond = kPatience / 5;
 
-/// No more evaluations than these, and than the caller gives.
+/// No more evaluations than these, and than the caller gives; as soon as it is to be seen that these are not enough,
+/// the other integrator is asked.
 RunOptions with_at_most(long most, const RunOptions& run) {
   RunOptions own = run;
   own.most_evaluations = std::min(most, run.most_evaluations.value_or(most));
+  own.foresees_end = true;
   return own;
 }
 

@@ -13,10 +13,11 @@ struct MadeBy {
   std::string note;
 };
 
-/// Integrates by `run.integrator`. If that takes a million evaluations and is the first that the solver has, the second
-/// one, which is for stiff machines, has a fifth of them: where that is enough, its run counts, else the first goes on
-/// to its end. If the first gets nowhere at all, the second may take what it needs. If it may not switch, the message
-/// names the second. Throws what the solver throws; where both take too many, TooManyEvaluations with both messages.
+/// Integrates by `run.integrator`. If that takes a million evaluations, or would take two at the pace of the first
+/// hundred thousand, and is the first that the solver has, the second one, which is for stiff machines, has a fifth of
+/// a million: where that is enough, its run counts, else the first goes on to its end. If the first gets nowhere at
+/// all, the second may take what it needs. If it may not switch, the message names the second. Throws what the solver
+/// throws; where both take too many, TooManyEvaluations with both messages.
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
                                MadeBy& made_by);
 

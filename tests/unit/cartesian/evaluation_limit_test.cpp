@@ -47,6 +47,13 @@ TEST(EvaluationLimit, HoldsTheWholeRunToWhatItWasGiven) {
   EXPECT_EQ(goes_to(enough, 4.0, 1e-3, 50), 4.0);
 }
 
+TEST(EvaluationLimit, ForeseesWhatIsNotEnoughAfterATenthOfIt) {
+  EvaluationLimit limit(4.0, "gbs", 1.0, 100'000, true);
+  EXPECT_LT(goes_to(limit, 4.0, 1e-3, 60), 0.2);  // 240000 in all
+  EvaluationLimit nearly(4.0, "gbs", 1.0, 100'000, true);
+  EXPECT_GT(goes_to(nearly, 4.0, 1e-3, 40), 2.4);  // 160000 in all: it may become easier
+}
+
 TEST(EvaluationLimit, LetsAShortHardPhasePass) {
   EvaluationLimit limit(4.0, "gbs");
   EXPECT_EQ(goes_to(limit, 0.003, 1e-6, 80), 0.003);  // 240000 within a thousandth

@@ -98,6 +98,14 @@ TEST(RelativeEvaluationLimit, HoldsTheWholeRunToWhatItWasGiven) {
   EXPECT_THROW(limit.pass(0.91, 100'001, at.equations, at.start), TooManyEvaluations);
 }
 
+TEST(RelativeEvaluationLimit, ForeseesWhatIsNotEnoughAfterATenthOfIt) {
+  Started at{{3.0, 0.1}};
+  EvaluationLimit limit(2.0, "erk", 100'000, true);
+  EXPECT_NO_THROW(limit.pass(0.05, 9'900, at.equations, at.start));  // too early to tell
+  EXPECT_NO_THROW(limit.pass(0.11, 10'100, at.equations, at.start));
+  EXPECT_THROW(limit.pass(0.1, 10'100, at.equations, at.start), EvaluationsSpent);  // 202000 in all
+}
+
 TEST(RelativeEvaluationLimit, LetsAShortHardPhasePass) {
   Started at{{3.0, 0.1}};
   EvaluationLimit limit(2.0, "erk");
