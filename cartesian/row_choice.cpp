@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "cartesian/rank.h"
-#include "common/decompositions.h"
 
 namespace concord::cartesian {
 
@@ -100,7 +99,7 @@ MatX permitted_velocities(const Equations& equations) {
   null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();
   for (const BodyIndex i : layout.moving_bodies()) null_space.middleRows<3>(layout.first_Y(i)) /= length;
-  return orthonormal_columns(null_space);
+  return null_space.colwise().normalized();
 }
 
 }  // namespace concord::cartesian

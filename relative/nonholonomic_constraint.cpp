@@ -59,9 +59,10 @@ NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, co
   JointMotion at;
   mobilizer.evaluate(home.data(), still.data(), at);
   place_columns(at);
-  const double outside =
-      (at.S.leftCols(mobilizer.n_u()) * in_joint_speeds(at).topRows(mobilizer.n_u()) - S_v_).cwiseAbs().maxCoeff();
-  if (n_rows_ > 0 && outside <= kContradiction) return;
+  const int n_u = mobilizer.n_u();
+  JointColumns outside = at.S.leftCols(n_u).lazyProduct(in_joint_speeds(at).topRows(n_u)) - S_v_;
+  outside.topRows<3>() /= mobilizer.length();
+  if (n_rows_ > 0 && outside.cwiseAbs().maxCoeff() <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
 }

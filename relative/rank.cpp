@@ -240,7 +240,7 @@ MatX permitted_velocities(Equations& equations, const Scales& scales, const Coor
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
     velocities.middleRows<3>(equations.kinematics().first_row(BodyIndex(i))) /= length;
   }
-  return orthonormal_columns(velocities);
+  return velocities.colwise().normalized();
 }
 
 }  // namespace concord::relative

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
 
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
@@ -165,6 +167,48 @@ name = "gear"
 terms = [{ joint = "shaft", coordinate = "turn_z", factor = 1 }, { joint = "hinge", coordinate = "turn_z", factor = -110 }]
 )");
   check_agrees(model, judge_statics(model, kMakers));
+}
+
+/// A cantilever of this length [m] with a block at its tip, and all machines similar to it.
+std::string cantilever(double length) {
+  return fmt::format(R"(format = 1
+[[body]]
+name = "beam"
+beam = {{ length = {0}, section = {{ width_y = {1}, width_z = {6} }}, youngs_modulus = {2}, poissons_ratio = 0.3, density = 2900, support = "craig_bampton", elements = 12, modes = {{ bending_xy = [1, 2, 3], bending_xz = [1, 2, 3] }}, static_modes = {{ bending_xy = [1, 2], bending_xz = [1, 2], torsion = [1], axial = [1] }} }}
+[[joint]]
+name = "wall"
+type = "weld"
+parent = "ground"
+child = {{ body = "beam", node = "first" }}
+[[body]]
+name = "block"
+mass = {3}
+inertia = [{4}, {4}, {5}]
+[[joint]]
+name = "tip"
+type = "weld"
+parent = {{ body = "beam", node = "last" }}
+child = "block"
+)",
+                     length, 0.01 * length, 2e11 * length * length, 0.1 * std::pow(length, 3),
+                     4e-5 * std::pow(length, 5), 5e-5 * std::pow(length, 5), 0.014 * length);
+}
+
+// Detects velocities that are made orthogonal in units in which modal coordinates are not of the size of the others.
+TEST_CASE("A cantilever of a tenth of a millimetre has the modes of one of ten kilometres", "[analyses]") {
+  std::vector<double> eigenvalues;
+  for (const double length : {1.0, 1e-4, 1e4}) {
+    const Model model = parse(cantilever(length));
+    const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+    check_agrees(model, result);
+    for (const compare::analyses::NumberRow& row : result.numbers) {
+      INFO(row.name);
+      if (row.name.starts_with("shape of mode")) CHECK(row.digits >= 9.0);
+      if (row.name == "eigenvalue 3") eigenvalues.push_back(row.values[0]);
+    }
+  }
+  REQUIRE(eigenvalues.size() == 3);
+  for (const double one : eigenvalues) CHECK(one == Approx(eigenvalues[0]).epsilon(1e-8));
 }
 
 // Detects a resolution that does not know that couplings pass accelerations on by the ratio of their factors.

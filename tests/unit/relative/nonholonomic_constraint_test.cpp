@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/decompositions.h"
+#include "common/joints/rolling_ball.h"
 #include "machines.h"
 #include "relative/solver.h"
 
@@ -37,6 +38,14 @@ class RollingType : public ::testing::TestWithParam<const joints::JointType*> {
   test::Numbers numbers_;
   VecX q_;
 };
+
+TEST(RelativeNonholonomicConstraint, IsThatOfAPlanetAsOfABead) {
+  for (const double radius : {1e-9, 1e-3, 1.0, 1e6, 1e9, 3e12}) {
+    const joints::JointType type = joints::rolling_ball_of({radius});
+    const Mobilizer mobilizer(type, 1.3 * radius);
+    EXPECT_NO_THROW(NonholonomicConstraint(type, mobilizer)) << radius;
+  }
+}
 
 TEST_P(RollingType, StaysPermittedAlongItsMotion) {
   ASSERT_EQ(speeds_.n_rows(), mobilizer_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
