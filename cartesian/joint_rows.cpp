@@ -228,14 +228,15 @@ struct ColumnWriter {
 /// for turns does not.
 bool goes_beyond_turns(const joints::Read& word, int component) {
   constexpr double kTurn = 2.0 * EIGEN_PI;
-  constexpr double kFar = 1e6;  // m: beyond two turns of any thread
   RelativeMotion at;
   const Vec3 place(0.37, 0.21, 0.53);
   at.d = place;
   const double here = evaluate_read(word, component, at).value;
-  for (int axis = 0; axis < 3; ++axis) {
-    at.d = place + kFar * Vec3::Unit(axis);
-    if (std::abs(evaluate_read(word, component, at).value - here) > 1.5 * kTurn) return true;
+  for (const double far : {1e6, 1e50, 1e150}) {  // m: beyond two turns of any thread
+    for (int axis = 0; axis < 3; ++axis) {
+      at.d = place + far * Vec3::Unit(axis);
+      if (std::abs(evaluate_read(word, component, at).value - here) > 1.5 * kTurn) return true;
+    }
   }
   return false;
 }

@@ -147,8 +147,9 @@ TEST(JointRows, AnArmBeyondUprightReadsOnItsOwnSide) {
 }
 
 TEST(JointRows, AThreadCountsTurnsByItselfAndABearingDoesNot) {
-  const joints::JointType thread = joints::screw_of({0.003});
-  EXPECT_FALSE(reads_turn(thread.reads[0], 0));
+  for (const double lead : {1e-140, 3e-9, 0.003, 2e5, 1e30, 1e140}) {
+    EXPECT_FALSE(reads_turn(joints::screw_of({lead}).reads[0], 0)) << lead;
+  }
   EXPECT_TRUE(reads_turn(joints::find("distance")->reads[0], 0));
   EXPECT_TRUE(reads_turn(joints::find("revolute")->reads[0], 0));
   EXPECT_FALSE(reads_turn(joints::find("cylindrical")->reads[0], 0));
