@@ -33,20 +33,6 @@ constexpr double kRoundOffStep = 1e-14;    // and does end
 /// The longest pseudo time step, in units of the time in which forces move the machine by its length.
 constexpr double kLongestTime = 1e4;
 
-}  // namespace
-
-Model held_at_start(const Model& model) {
-  Model held = model;
-  for (Joint& joint : held.joints) {
-    for (Driver& driver : joint.drivers) driver.law = ConstantSpeed{evaluate(driver.law, 0.0).f, 0.0};
-    for (WordStart& word : joint.start) word.u.setZero();
-  }
-  for (Body& body : held.bodies) body.adot_start.setZero();
-  return held;
-}
-
-namespace {
-
 /// Pseudo-transient continuation of one machine to its equilibrium.
 class PseudoTransientContinuation {
  public:
@@ -116,7 +102,7 @@ class PseudoTransientContinuation {
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
-    const bool by_newton = is_met && !falls && time_ >= longest_time();
+    const bool by_newton = is_met && !falls && (time_ >= longest_time() || length_.crawls(f.norm()));
     if (!by_newton) lengthen(f, growth, falls);
     if (falls && is_cautious_) {
       length_.count_fall();
@@ -393,6 +379,16 @@ class PseudoTransientContinuation {
 
 Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search) {
   return PseudoTransientContinuation(model, solver, search).run();
+}
+
+Model held_at_start(const Model& model) {
+  Model held = model;
+  for (Joint& joint : held.joints) {
+    for (Driver& driver : joint.drivers) driver.law = ConstantSpeed{evaluate(driver.law, 0.0).f, 0.0};
+    for (WordStart& word : joint.start) word.u.setZero();
+  }
+  for (Body& body : held.bodies) body.adot_start.setZero();
+  return held;
 }
 
 Equilibrium find_equilibrium(const Model& model, Solver& solver) { return search_equilibrium(model, solver, {}); }

@@ -54,4 +54,13 @@ void StepLength::count_leap() {
   if (along_ > kSameDirection) share_ = std::min(1.0, 2.0 * share_);
 }
 
+bool StepLength::crawls(double size) {
+  constexpr double kMuch = 0.5;
+  constexpr int kManySteps = 20;
+  const bool falls_a_little = size < last_size_ && size > kMuch * last_size_;
+  crawling_steps_ = falls_a_little ? crawling_steps_ + 1 : 0;
+  last_size_ = size;
+  return crawling_steps_ >= kManySteps;
+}
+
 }  // namespace concord::compare

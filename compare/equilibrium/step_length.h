@@ -24,6 +24,9 @@ class StepLength {
   /// Tells of any other step. Where steps turn back again and again without becoming shorter, the longest is halved; it
   /// grows again where they go one way.
   void count_leap();
+  /// Whether accelerations, now of this size, have fallen for many steps, and little in each: the rest lies straight
+  /// ahead, and these steps are short for it. Counts the steps in which it is asked.
+  [[nodiscard]] bool crawls(double size);
   /// Where the search is at rest, leaps are over.
   void forget_leaps() { share_ = 1.0; }
 
@@ -46,6 +49,8 @@ class StepLength {
   int falls_back_ = 0;
   int leaps_back_ = 0;
   int cut_by_shafts_ = 0;
+  int crawling_steps_ = 0;
+  double last_size_ = 0.0;
 };
 
 }  // namespace concord::compare

@@ -169,6 +169,39 @@ terms = [{ joint = "shaft", coordinate = "turn_z", factor = 1 }, { joint = "hing
   check_agrees(model, judge_statics(model, kMakers));
 }
 
+// Detects a search that never becomes Newton's method, because its longest step grows while forces fall.
+TEST_CASE("A mass on a spring so soft that it swings for minutes is found at rest", "[analyses][quick]") {
+  const std::string slide = R"([[joint]]
+name = "rail"
+type = "translational"
+both = { z = [1, 0, 0], x = [0, 1, 0] }
+parent = "ground"
+child = "sled"
+start.slide_z = { keep = 0.13, keep_speed = 0 }
+spring.slide_z = { stiffness = 0.017 }
+)";
+  const Model sled = parse("format = 1\ngravity = [0, 0, -9.81]\n" + body("sled", 1180, "[0, 0, 0]") + slide);
+  check_agrees(sled, judge_statics(sled, kMakers));
+  const Model geared = parse("format = 1\ngravity = [0, 0, -9.81]\n" + body("wheel", 1.1, "[0, 0, 0]") +
+                             body("pinion", 0.9, "[0, 0, 0]") + R"([[joint]]
+name = "slow"
+type = "revolute"
+parent = "ground"
+child = "wheel"
+start.turn_z = { keep = 0.14, keep_speed = 0 }
+spring.turn_z = { stiffness = 0.023, damping = 0.04 }
+[[joint]]
+name = "fast"
+type = "revolute"
+parent = "ground"
+child = "pinion"
+[[coupling]]
+name = "gear"
+terms = [{ joint = "slow", coordinate = "turn_z", factor = 1 }, { joint = "fast", coordinate = "turn_z", factor = 0.027 }]
+)");
+  check_agrees(geared, judge_statics(geared, kMakers));
+}
+
 /// A cantilever of this length [m] with a block at its tip, and all machines similar to it.
 std::string cantilever(double length) {
   return fmt::format(R"(format = 1
