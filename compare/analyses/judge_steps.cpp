@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/draws.h"
 #include "compare/verdict/judge.h"
 #include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
@@ -87,6 +90,35 @@ void hold_vanishing_against_machine(const QuantityLayout& layout, const SharedSt
   }
 }
 
+/// A search ends where places are those of the rest within round-off, and so are modes, by what they move: a stiff one
+/// in a loop then carries a force that is round-off of places. Adds to the resolution how far that moves what a solver
+/// answers in the state that it found.
+void resolve_as_places_are(const QuantityLayout& layout, const Solvers& solvers, const std::array<Trajectory, 2>& found,
+                           MatX& resolution) {
+  constexpr std::uint64_t kOfModes = 6;
+  for (const Who who : kBothSolvers) {
+    const Sample& rest = found[index(who)].samples.front();
+    const StateSizes sizes = sizes_of(layout.model(), rest.state);
+    Draws draws(kSeed + kOfModes);
+    for (int draw = 0; draw < kDraws; ++draw) {
+      SharedState moved{rest.state, {rest.evaluation, rest.evaluation}};
+      for (std::size_t i = 1; i < moved.state.bodies.size(); ++i) {
+        VecX& a = moved.state.bodies[i].a;
+        for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
+          const double shape = sizes.shapes[i](mode);
+          const double step = std::numeric_limits<double>::epsilon() * draws.next() * sizes.place;
+          if (shape > 0.0) a(mode) += step / shape;
+        }
+      }
+      const auto answer = evaluation_unless_refused(*solvers[index(who)], moved.state);
+      if (!answer) continue;
+      moved.evaluations[1] = *answer;
+      const Series series = align(layout, std::vector<SharedState>{moved});
+      resolution.col(0) = resolution.col(0).cwiseMax((series.values[1] - series.values[0]).cwiseAbs().col(0));
+    }
+  }
+}
+
 void leave_out_global_axes(const QuantityLayout& layout, Mask& mask) {
   for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
     const Kind kind = layout.quantities()[row].kind;
@@ -122,6 +154,7 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const auto samples = static_cast<int>(found[0].samples.size());
   WeighedRun own = weigh_run(same_state.weighed(), samples);
   if (kind == Found::neutral_rest) leave_out_global_axes(layout, own.mask);
+  if (at_rest && model.is_flexible()) resolve_as_places_are(layout, solvers, found, own.resolution);
   const Series series = align(layout, trajectories, samples);
   std::vector<Measured> measured = measure(layout, series, own.budget());
   if (at_rest) {
