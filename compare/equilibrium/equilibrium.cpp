@@ -102,7 +102,7 @@ class PseudoTransientContinuation {
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
-    const bool by_newton = is_met && !falls && (time_ >= longest_time() || length_.crawls(f.norm()));
+    const bool by_newton = is_met && !falls && (time_ >= kNearlyAll * longest_time() || length_.crawls(f.norm()));
     if (!by_newton) lengthen(f, growth, falls);
     if (falls && is_cautious_) {
       length_.count_fall();
@@ -333,6 +333,7 @@ class PseudoTransientContinuation {
   }
 
   static constexpr int kPushes = 25;
+  static constexpr double kNearlyAll = 0.9;    // the longest time grows a little while forces fall
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;

@@ -26,10 +26,11 @@ constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
 }  // namespace
 
 int StepsBack::iterations() const {
-  constexpr int kPerFarStep = 3;
+  constexpr int kPerFarStep = 8;
+  constexpr int kMostForFarSteps = 900;  // as many as 300 hopeless ones had when each had three
   constexpr int kPerReturn = 25;
   constexpr int kMostAstray = 300;
-  return kPerFarStep * far_ + kPerReturn * returns_ + std::min(astray_, kMostAstray);
+  return std::min(kPerFarStep * far_, kMostForFarSteps) + kPerReturn * returns_ + std::min(astray_, kMostAstray);
 }
 
 bool StepsBack::has_failed(const State& here, const VecX& moved) const {
