@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cartesian/rank.h"
+#include "common/decompositions.h"
 
 namespace concord::cartesian {
 
@@ -98,8 +99,12 @@ MatX permitted_velocities(const Equations& equations) {
   }
   null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();
-  for (const BodyIndex i : layout.moving_bodies()) null_space.middleRows<3>(layout.first_Y(i)) /= length;
-  return null_space.colwise().normalized();
+  VecX sizes = VecX::Ones(layout.n_Y());
+  for (const BodyIndex i : layout.moving_bodies()) {
+    null_space.middleRows<3>(layout.first_Y(i)) /= length;
+    layout.adot(sizes, i) = layout.adot(equations.units(), i);
+  }
+  return sizes.asDiagonal() * orthonormal_columns(sizes.cwiseInverse().asDiagonal() * null_space);
 }
 
 }  // namespace concord::cartesian

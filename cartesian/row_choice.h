@@ -29,8 +29,8 @@ RowChoice choose_rows(const Equations& equations, int expected);
 RowChoice choose_rows_beside(const Equations& equations, int expected);
 std::vector<bool> independent_rows(const Equations& equations);
 
-/// Columns of unit length over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows
-/// permit at the last update of `equations`, drivers at rest; orthogonal in the units of the equations (C52).
+/// Columns over [v / length_scale; omega; adot] of all moving bodies (n_Y rows) that span what the rows permit at the
+/// last update of `equations`, drivers at rest; orthonormal with modal coordinates in their units (C52).
 MatX permitted_velocities(const Equations& equations);
 
 }  // namespace concord::cartesian

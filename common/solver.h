@@ -95,10 +95,10 @@ class Solver {
   /// state. Decided anew at each state; costs at most what twenty evaluations cost.
   virtual RankReport rank(const State& state) = 0;
 
-  /// Columns of unit length that span the velocities which the constraints permit in a closed state, drivers at rest:
-  /// rows are [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length
-  /// [rad/s]). They are independent in units in which modal coordinates have the sizes of the others, and need not be
-  /// orthogonal in these.
+  /// Columns that span the velocities which the constraints permit in a closed state, drivers at rest: rows are
+  /// [v; omega; adot] of body 1, 2, ... (6 + m each), v scaled by the model's length_scale() (v / length [rad/s]).
+  /// Orthonormal once each modal row is divided by the solver's size of its mode, so that they are independent in
+  /// whatever unit modal coordinates are.
   virtual MatX tangent(const State& state) = 0;
 
   /// Integrates from the start state, the model's or that of the options. Throws SolverError with time, place and

@@ -237,10 +237,14 @@ MatX permitted_velocities(Equations& equations, const Scales& scales, const Coor
   const MatX B = equations.kinematics().explicit_B();
   MatX velocities = B(Eigen::all, rows.free) * units.asDiagonal() * N;
   const double length = equations.model().length_scale();  // as every solver counts them
+  VecX sizes = VecX::Ones(velocities.rows());
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
-    velocities.middleRows<3>(equations.kinematics().first_row(BodyIndex(i))) /= length;
+    const auto first = equations.kinematics().first_row(BodyIndex(i));
+    velocities.middleRows<3>(first) /= length;
+    const Span& modes = equations.topology().modes[BodyIndex(i)];
+    sizes.segment(first + 6, modes.n_u) = scales.speeds().segment(modes.first_u, modes.n_u);
   }
-  return velocities.colwise().normalized();
+  return sizes.asDiagonal() * orthonormal_columns(sizes.cwiseInverse().asDiagonal() * velocities);
 }
 
 }  // namespace concord::relative

@@ -111,7 +111,6 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
   State state = solver->assemble();
   const MatX V = solver->tangent(state);
   ASSERT_EQ(V.cols(), solver->rank(state).degrees_of_freedom);
-  EXPECT_LT((V.colwise().norm().array() - 1.0).matrix().norm(), 1e-13);
   EXPECT_EQ(Eigen::ColPivHouseholderQR<MatX>(V).rank(), V.cols());
   Kinematics kinematics(model);
   const PrescribedMask driven = driven_speeds(model, kinematics.topology());
