@@ -17,6 +17,7 @@
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
+#include "compare/verdict/sums.h"
 #include "compare/verdict/term_sizes.h"
 
 namespace concord::compare::analyses {
@@ -149,7 +150,8 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   make_rows_of(layout, at_rest, result);
 
   SameState same_state(layout, both, kSeed, judge, verdict);
-  same_state.judge_states(share(both, run_states(trajectories)));
+  const std::vector<Measured> of_states = same_state.judge_states(share(both, run_states(trajectories)));
+  if (!same_state.weighed().states.empty()) judge_pair_sums(layout, same_state.weighed(), of_states, verdict);
 
   const auto samples = static_cast<int>(found[0].samples.size());
   WeighedRun own = weigh_run(same_state.weighed(), samples);

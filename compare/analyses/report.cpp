@@ -190,7 +190,7 @@ std::string format_analysis(const Model& model, const AnalysisVerdict& result, b
   const Verdict& verdict = result.wrenches;
   std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
   text += row_table(model, result, all_rows);
-  text += not_unique_text(model, verdict);
+  text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
   }

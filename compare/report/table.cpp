@@ -247,7 +247,9 @@ namespace {
 
 std::string vector_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v(0), v(1), v(2)); }
 
-std::string pair_sums(const Verdict& verdict) {
+}  // namespace
+
+std::string pair_sums_text(const Verdict& verdict) {
   std::string text;
   for (const PairSum& pair : verdict.pair_sums) {
     const std::string digits = pair.samples > 0 ? format_digits(pair.digits) + " digits at the same state"
@@ -261,6 +263,8 @@ std::string pair_sums(const Verdict& verdict) {
   }
   return text;
 }
+
+namespace {
 
 std::string motion_text(const Verdict& verdict) {
   std::string text;
@@ -364,7 +368,7 @@ bool agrees_with_reference(const Verdict& verdict) {
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
   std::string text = head(verdict) + '\n';
   text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
-  text += not_unique_text(model, verdict) + pair_sums(verdict);
+  text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const Rung rung : kRungs) {
     const std::string others = also_compared(verdict, rung);
     if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(rung), others);

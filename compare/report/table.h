@@ -19,6 +19,9 @@ std::string judgement_text(const QuantityRow& row);
 /// Whether some column of a reference is judged, and all that are agree.
 bool agrees_with_reference(const Verdict& verdict);
 
+/// A line for each pair of bodies that share several joints: what these carry together.
+std::string pair_sums_text(const Verdict& verdict);
+
 /// Lines that name the components which are not unique, in all states or in some; empty if all are unique.
 std::string not_unique_text(const Model& model, const Verdict& verdict);
 

@@ -196,10 +196,12 @@ void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.passed = has_judged(verdict);
   std::optional<double> on_speeds;
+  std::optional<double> of_sums;
   const auto take = [&](const QuantityRow& row) {
     if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
     summary.passed = summary.passed && meets_need(row, rung);
     const auto digits = digits_of(row, rung);
+    if (digits && row.quantity.kind == Kind::body_sum) of_sums = std::min(of_sums.value_or(kMostDigits), *digits);
     if (!digits || !is_force(row.quantity.kind)) return;
     std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
     worst = std::min(worst.value_or(kMostDigits), *digits);
@@ -215,7 +217,7 @@ void sum_up(Rung rung, Verdict& verdict) {
     }
   }
   // A rung on which nothing was judged has not been passed.
-  summary.passed = summary.passed && summary.digits;
+  summary.passed = summary.passed && (summary.digits || (has_judged_sums(verdict) && of_sums));
 }
 
 }  // namespace

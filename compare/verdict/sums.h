@@ -4,6 +4,7 @@
 
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/verdict.h"
+#include "compare/verdict/weighed_states.h"
 
 namespace concord::compare {
 
@@ -13,5 +14,9 @@ namespace concord::compare {
 /// on that body, and the totals of the others. `measured` has an entry for each quantity of the layout.
 std::vector<PairSum> compare_pair_sums(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                        const std::vector<Measured>& measured, const Budget& budget = {});
+
+/// Puts those of states that were weighed into the verdict; one that differs is a finding if nothing else is.
+void judge_pair_sums(const QuantityLayout& layout, const WeighedStates& weighed, const std::vector<Measured>& measured,
+                     Verdict& verdict);
 
 }  // namespace concord::compare

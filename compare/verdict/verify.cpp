@@ -181,8 +181,7 @@ class Verification {
         auditors_[index(who)].add(one.state, one.evaluations[index(who)], redraws_[index(who)]);
       }
     }
-    verdict_.pair_sums = compare_pair_sums(layout_, weighed.states, measured, weighed.budget());
-    for (const PairSum& pair : verdict_.pair_sums) judge_pair_sum(pair);
+    judge_pair_sums(layout_, weighed, measured, verdict_);
     ask_third_opinion();
   }
 
@@ -191,14 +190,6 @@ class Verification {
     progress_.begin(options_.third->name());
     verdict_.third = ask_third(layout_, *options_.third, same_state_.weighed().states, same_state_.weighed().budget());
     judge_third(model_, verdict_);
-  }
-
-  void judge_pair_sum(const PairSum& pair) {
-    const double need = verdict_.need.same_state;
-    if (pair.unexplained_digits >= need || !verdict_.findings.empty()) return;
-    verdict_.findings.push_back(
-        {fmt::format("sum of {}: {} digits (need {:.1f})", pair.what, format_digits(pair.digits), need),
-         "same state: the joints' total on the body differs"});
   }
 
   void check_enough(const SharedStates& shared, const SharedStates& random) {

@@ -180,7 +180,9 @@ child = "sled"
 start.slide_z = { keep = 0.13, keep_speed = 0 }
 spring.slide_z = { stiffness = 0.017 }
 )";
-  const Model sled = parse("format = 1\ngravity = [0, 0, -9.81]\n" + body("sled", 1180, "[0, 0, 0]") + slide);
+  const Model sled =
+      parse("format = 1\ngravity = [0, 0, -9.81]\n[[body]]\nname = \"sled\"\nmass = 1180\ninertia = [700, 800, 900]\n" +
+            slide);
   check_agrees(sled, judge_statics(sled, kMakers));
   const Model geared = parse("format = 1\ngravity = [0, 0, -9.81]\n" + body("wheel", 1.1, "[0, 0, 0]") +
                              body("pinion", 0.9, "[0, 0, 0]") + R"([[joint]]
