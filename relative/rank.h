@@ -12,9 +12,9 @@ namespace concord::relative {
 /// are carried through the backward pass without inertia and load; a component that any of them moves is not unique.
 RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordinates& coordinates);
 
-/// Columns that span the velocities Y of all bodies which the constraints permit in a closed state with drivers at rest,
-/// Solver::tangent: B N with Phi_u N = 0 over the free columns, v in units of the machine's length; orthonormal in the
-/// units of the machine.
+/// Columns that span the velocities Y of all bodies which the constraints permit in a closed state with drivers at
+/// rest, Solver::tangent: B N with Phi_u N = 0 over the free columns, v in units of the machine's length; orthonormal
+/// in the units of the machine.
 MatX permitted_velocities(Equations& equations, const Scales& scales, const Coordinates& coordinates);  // (R69)
 
 }  // namespace concord::relative

@@ -197,9 +197,8 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   std::string note;
-  const Model model =
-      compare::as_it_starts(read_model(std::filesystem::path(CONCORD_DATA) / "models/car.toml"),
-                                      {cartesian::make_solver, relative::make_solver}, note);
+  const Model model = compare::as_it_starts(read_model(std::filesystem::path(CONCORD_DATA) / "models/car.toml"),
+                                            {cartesian::make_solver, relative::make_solver}, note);
   Car car(model);
   const double digits = car.matching_digits();
   fmt::print("the car at its equilibrium: reactions agree to {:.1f} digits between the solvers\n", digits);

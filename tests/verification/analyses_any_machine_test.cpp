@@ -11,10 +11,10 @@
 namespace concord::verification {
 namespace {
 
-using compare::analyses::AnalysisVerdict;
 using compare::find_equilibrium;
-using compare::analyses::format_analysis;
 using compare::held_at_start;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
 using compare::analyses::judge_inverse;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;

@@ -13,12 +13,12 @@
 namespace concord::verification {
 namespace {
 
-using compare::analyses::AnalysisVerdict;
-using compare::analyses::driven_through;
 using compare::Equilibrium;
 using compare::find_equilibrium;
-using compare::analyses::format_analysis;
 using compare::held_at_start;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::driven_through;
+using compare::analyses::format_analysis;
 using compare::analyses::judge_inverse;
 using compare::analyses::judge_kinematics;
 using compare::analyses::judge_linearization;

@@ -7,20 +7,20 @@
 #include "closed_forms.h"
 #include "common/error.h"
 #include "common/rotation.h"
-#include "compare/equilibrium/joint_changes.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
+#include "compare/equilibrium/joint_changes.h"
 #include "judged_machines.h"
 
 /// Places of rest that end where something begins to push: a stop, or the slope of a road.
 namespace concord::verification {
 namespace {
 
+using compare::motion_of;
 using compare::Outcome;
 using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_statics;
-using compare::motion_of;
 
 AnalysisVerdict rest_of(const std::string& text) {
   const Model model = parse(text);

@@ -8,23 +8,23 @@
 #include "closed_forms.h"
 #include "common/error.h"
 #include "compare/analyses/judge.h"
-#include "compare/equilibrium/other_rests.h"
 #include "compare/analyses/report.h"
 #include "compare/equilibrium/equilibrium.h"
+#include "compare/equilibrium/other_rests.h"
 #include "judged_machines.h"
 
 /// Rests that statics once did not find, or that it found though the statement does not determine them.
 namespace concord::verification {
 namespace {
 
-using compare::Outcome;
-using compare::analyses::AnalysisVerdict;
 using compare::find_equilibrium;
-using compare::analyses::format_analysis;
 using compare::held_at_start;
+using compare::Outcome;
+using compare::refuse_other_rest;
+using compare::analyses::AnalysisVerdict;
+using compare::analyses::format_analysis;
 using compare::analyses::judge_linearization;
 using compare::analyses::judge_statics;
-using compare::refuse_other_rest;
 
 /// A mode that turns frames and hardly moves a point must be stepped by its turn.
 TEST_CASE("A thin cantilever with a torsion mode bends and twists under small loads", "[analyses][quick]") {
