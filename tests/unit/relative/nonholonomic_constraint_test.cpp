@@ -40,7 +40,7 @@ class RollingType : public ::testing::TestWithParam<const joints::JointType*> {
 };
 
 TEST(RelativeNonholonomicConstraint, IsThatOfAPlanetAsOfABead) {
-  for (const double radius : {1e-9, 1e-3, 1.0, 1e6, 1e9, 3e12}) {
+  for (const double radius : {7.3e-9, 1.37e-3, 0.73, 1.37e6, 3.31e7, 7.7e9, 1.37e11, 3.1e12, 5.9e12}) {
     const joints::JointType type = joints::rolling_ball_of({radius});
     const Mobilizer mobilizer(type, 1.3 * radius);
     EXPECT_NO_THROW(NonholonomicConstraint(type, mobilizer)) << radius;
