@@ -91,6 +91,19 @@ void hold_vanishing_against_machine(const QuantityLayout& layout, const SharedSt
   }
 }
 
+/// The state with every mode moved by at most as much as moves a place by round-off.
+State with_modes_within_round_off(State state, const StateSizes& sizes, Draws& draws) {
+  const double round_off = std::numeric_limits<double>::epsilon() * sizes.place;
+  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
+    VecX& a = state.bodies[i].a;
+    for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
+      const double step = round_off * draws.next();
+      if (sizes.shapes[i](mode) > 0.0) a(mode) += step / sizes.shapes[i](mode);
+    }
+  }
+  return state;
+}
+
 /// A search ends where places are those of the rest within round-off, and so are modes, by what they move: a stiff one
 /// in a loop then carries a force that is round-off of places. Adds to the resolution how far that moves what a solver
 /// answers in the state that it found.
@@ -102,19 +115,10 @@ void resolve_as_places_are(const QuantityLayout& layout, const Solvers& solvers,
     const StateSizes sizes = sizes_of(layout.model(), rest.state);
     Draws draws(kSeed + kOfModes);
     for (int draw = 0; draw < kDraws; ++draw) {
-      SharedState moved{rest.state, {rest.evaluation, rest.evaluation}};
-      for (std::size_t i = 1; i < moved.state.bodies.size(); ++i) {
-        VecX& a = moved.state.bodies[i].a;
-        for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
-          const double shape = sizes.shapes[i](mode);
-          const double step = std::numeric_limits<double>::epsilon() * draws.next() * sizes.place;
-          if (shape > 0.0) a(mode) += step / shape;
-        }
-      }
-      const auto answer = evaluation_unless_refused(*solvers[index(who)], moved.state);
+      const State moved = with_modes_within_round_off(rest.state, sizes, draws);
+      const auto answer = evaluation_unless_refused(*solvers[index(who)], moved);
       if (!answer) continue;
-      moved.evaluations[1] = *answer;
-      const Series series = align(layout, std::vector<SharedState>{moved});
+      const Series series = align(layout, std::vector<SharedState>{{moved, {rest.evaluation, *answer}}});
       resolution.col(0) = resolution.col(0).cwiseMax((series.values[1] - series.values[0]).cwiseAbs().col(0));
     }
   }
