@@ -4,6 +4,8 @@
 # compiler's back. Run as
 #   cmake -D SOURCE=<root of the project> -D FOLDER=<where the copy may stand> -D COMPILER=<C++> -D INCLUDES=<a|b|...>
 #         -D DEFINITIONS=<a|b|...> -P new_word.cmake
+# or, for what is seen in the text of the sources alone, as
+#   cmake -D SOURCE=<root of the project> -D FOLDER=<where the copy may stand> -D TEXT_ONLY=ON -P new_word.cmake
 cmake_minimum_required(VERSION 3.25)
 
 set(breaches "")
@@ -57,31 +59,6 @@ foreach(kind IN LISTS kinds)
 endforeach()
 file(WRITE ${FOLDER}/common/joints/vocabulary.h "${extended}")
 
-set(options -std=c++20 -fsyntax-only -I${FOLDER} -I${SOURCE})
-string(REPLACE "|" ";" folders "${INCLUDES}")
-list(REMOVE_ITEM folders "" ${SOURCE} /usr/include)
-list(REMOVE_DUPLICATES folders)
-list(TRANSFORM folders PREPEND "-isystem" OUTPUT_VARIABLE includes)
-string(REPLACE "|" ";" definitions "${DEFINITIONS}")
-list(REMOVE_ITEM definitions "")
-list(TRANSFORM definitions PREPEND "-D")
-execute_process(COMMAND ${COMPILER} --version OUTPUT_VARIABLE version)
-if(version MATCHES "clang")
-  list(APPEND options -ferror-limit=0)
-endif()
-# What nearly all of them read first, and what no word changes, is read once.
-file(WRITE ${FOLDER}/headers.h "#include <Eigen/Dense>\n#include <fmt/format.h>\n#include <functional>\n#include <optional>\n"
-                               "#include <string>\n#include <variant>\n#include <vector>\n")
-execute_process(COMMAND ${COMPILER} -std=c++20 ${includes} ${definitions} -x c++-header ${FOLDER}/headers.h
-                        -o ${FOLDER}/headers.h.gch COMMAND_ERROR_IS_FATAL ANY)
-list(APPEND options -include ${FOLDER}/headers.h)
-function(compile what said failed)
-  execute_process(COMMAND ${COMPILER} ${options} ${includes} ${definitions} ${ARGN} ${what}
-                  RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE text)
-  set(${said} "${text}" PARENT_SCOPE)
-  set(${failed} ${result} PARENT_SCOPE)
-endfunction()
-
 # What the manual lists: rows of the form | `path` | kinds | ... of its table.
 file(STRINGS ${SOURCE}/common/joints/README.md rows REGEX "^\\| `[a-z_/]+\\.cpp` \\| [A-Z]")
 set(listed "")
@@ -113,6 +90,41 @@ foreach(source IN LISTS sources)
     list(APPEND by_facts ${source})
   endif()
 endforeach()
+
+list(LENGTH listed n_listed)
+list(LENGTH by_facts n_by_facts)
+if(TEXT_ONLY)
+  if(breaches)
+    message(FATAL_ERROR "The words of the vocabulary:${breaches}")
+  endif()
+  message(STATUS "clauses of words stand in the ${n_listed} sources of the table; ${n_by_facts} others read facts")
+  return()
+endif()
+
+set(options -std=c++20 -fsyntax-only -I${FOLDER} -I${SOURCE})
+string(REPLACE "|" ";" folders "${INCLUDES}")
+list(REMOVE_ITEM folders "" ${SOURCE} /usr/include)
+list(REMOVE_DUPLICATES folders)
+list(TRANSFORM folders PREPEND "-isystem" OUTPUT_VARIABLE includes)
+string(REPLACE "|" ";" definitions "${DEFINITIONS}")
+list(REMOVE_ITEM definitions "")
+list(TRANSFORM definitions PREPEND "-D")
+execute_process(COMMAND ${COMPILER} --version OUTPUT_VARIABLE version)
+if(version MATCHES "clang")
+  list(APPEND options -ferror-limit=0)
+endif()
+# What nearly all of them read first, and what no word changes, is read once.
+file(WRITE ${FOLDER}/headers.h "#include <Eigen/Dense>\n#include <fmt/format.h>\n#include <functional>\n#include <optional>\n"
+                               "#include <string>\n#include <variant>\n#include <vector>\n")
+execute_process(COMMAND ${COMPILER} -std=c++20 ${includes} ${definitions} -x c++-header ${FOLDER}/headers.h
+                        -o ${FOLDER}/headers.h.gch COMMAND_ERROR_IS_FATAL ANY)
+list(APPEND options -include ${FOLDER}/headers.h)
+function(compile what said failed)
+  execute_process(COMMAND ${COMPILER} ${options} ${includes} ${definitions} ${ARGN} ${what}
+                  RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE text)
+  set(${said} "${text}" PARENT_SCOPE)
+  set(${failed} ${result} PARENT_SCOPE)
+endfunction()
 
 # Every visit of the listed sources is refused, for the kinds of the table and no others.
 foreach(source IN LISTS listed)
@@ -175,8 +187,6 @@ foreach(kind IN LISTS kinds)
   endif()
 endforeach()
 
-list(LENGTH listed n_listed)
-list(LENGTH by_facts n_by_facts)
 if(breaches)
   message(FATAL_ERROR "A new word:${breaches}")
 endif()
