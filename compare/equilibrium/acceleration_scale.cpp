@@ -63,7 +63,7 @@ std::vector<double> spring_terms_on_bodies(const Model& model, const State& stat
     sums[body] += std::max(terms.force, terms.torque / model.length_scale());
   };
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const SpringTerms terms = spring_terms(model.joints[k], state.q[k], state.u[k]);
+    const SpringTerms terms = spring_terms(model.joints[k], state.q[k], state.u[k], state.t);
     for (const Attachment& side : model.joints[k].sides) add(side.body, terms);
   }
   for (const ForceElement& element : model.elements) {

@@ -14,15 +14,45 @@ namespace {
 
 constexpr double kUnitTurn = 1.0;  // rad: angles are read from rotations, whose numbers are of size 1
 
-double terms_of(const ForceLaw& law, double x, double xdot) {
-  return std::abs(law.stiffness) * (std::abs(x) + std::abs(law.free)) + std::abs(law.preload) +
-         std::abs(law.damping * xdot);
+/// Where a law is read: x, the size of the numbers that it is read from, its rate, and the time.
+struct Reading {
+  double x = 0.0;
+  double size = 0.0;
+  double xdot = 0.0;
+  double t = 0.0;
+};
+
+/// Of a stop that is pressed by p. What its spring and its damper add up counts even where they cancel.
+double terms_of(const SmoothStop& stop, double p, const Reading& reading) {
+  if (p <= 0.0) return 0.0;
+  const double z = std::min(1.0, p / stop.width);
+  const double share = z * z * (3.0 - 2.0 * z);
+  return share *
+         (std::abs(stop.stiffness) * (reading.size + std::abs(stop.at)) + std::abs(stop.damping * reading.xdot));
+}
+
+/// Of a table: its force, and what the size of its argument makes of it.
+double terms_of(const ForceTable& table, double argument, double size) {
+  return std::abs(table.evaluate(argument)) + std::abs(table.slope(argument)) * size;
+}
+
+double terms_of(const ForceLaw& law, const Reading& reading) {
+  const auto& [x, size, xdot, t] = reading;
+  const double stretched = size + std::abs(law.free);
+  double terms = std::abs(law.stiffness) * stretched + std::abs(law.preload) + std::abs(law.damping * xdot) +
+                 std::abs(evaluate_actuator(law, t));
+  if (law.spring_table) terms += terms_of(*law.spring_table, x - law.free, stretched);
+  if (law.damper_table) terms += terms_of(*law.damper_table, xdot, std::abs(xdot));
+  if (law.upper) terms += terms_of(*law.upper, x - law.upper->at, reading);
+  if (law.lower) terms += terms_of(*law.lower, law.lower->at - x, reading);
+  return terms;
 }
 
 /// How far apart the ends are, and how fast they move and turn against each other.
 struct EndMotion {
   double distance = 0.0;
   double speed = 0.0;
+  double angle = 0.0;  // of the child's x axis about the parent's z
   double turning = 0.0;
 
   EndMotion(const std::array<Attachment, 2>& ends, const State& state) {
@@ -30,6 +60,8 @@ struct EndMotion {
     const PlacedFrame other = place(ends[1], state.bodies[ends[1].body]);
     distance = (other.r_P - one.r_P).norm();
     speed = (other.v_P - one.v_P).norm();
+    const Mat3 turn = one.A_joint.transpose() * other.A_joint;
+    angle = std::atan2(turn(1, 0), turn(0, 0));
     turning = (other.omega_joint - one.omega_joint).norm();
   }
 };
@@ -48,25 +80,26 @@ SpringTerms terms_of(const Bushing& bushing, const State& state) {
 }  // namespace
 
 SpringTerms spring_terms(const ForceElement& element, const State& state) {
-  return std::visit(Overloaded{[](const Load&) { return SpringTerms{}; },
-                               [](const Tire& tire) {
-                                 // The deflection is the radius less the height of the wheel's centre.
-                                 const double force = tire.stiffness * tire.radius;
-                                 return SpringTerms{force, force * tire.radius};
-                               },
-                               [&](const LineSpring& spring) {
-                                 const EndMotion ends(spring.ends, state);
-                                 return SpringTerms{terms_of(spring.law, ends.distance, ends.speed), 0.0};
-                               },
-                               [&](const TurnSpring& spring) {
-                                 const EndMotion ends(spring.ends, state);
-                                 return SpringTerms{0.0, terms_of(spring.law, kUnitTurn, ends.turning)};
-                               },
-                               [&](const Bushing& bushing) { return terms_of(bushing, state); }},
-                    element.what);
+  return std::visit(
+      Overloaded{[](const Load&) { return SpringTerms{}; },
+                 [](const Tire& tire) {
+                   // The deflection is the radius less the height of the wheel's centre.
+                   const double force = tire.stiffness * tire.radius;
+                   return SpringTerms{force, force * tire.radius};
+                 },
+                 [&](const LineSpring& spring) {
+                   const EndMotion ends(spring.ends, state);
+                   return SpringTerms{terms_of(spring.law, {ends.distance, ends.distance, ends.speed, state.t}), 0.0};
+                 },
+                 [&](const TurnSpring& spring) {
+                   const EndMotion ends(spring.ends, state);
+                   return SpringTerms{0.0, terms_of(spring.law, {ends.angle, kUnitTurn, ends.turning, state.t})};
+                 },
+                 [&](const Bushing& bushing) { return terms_of(bushing, state); }},
+      element.what);
 }
 
-SpringTerms spring_terms(const Joint& joint, const VecX& q, const VecX& u) {
+SpringTerms spring_terms(const Joint& joint, const VecX& q, const VecX& u, double t) {
   SpringTerms terms;
   if (joint.springs.empty()) return terms;
   const std::vector<bool> turning = turning_speeds(*joint.type);
@@ -74,7 +107,8 @@ SpringTerms spring_terms(const Joint& joint, const VecX& q, const VecX& u) {
     const int k = first_q(*joint.type, spring.word) + spring.component;
     const int speed = first_u(*joint.type, spring.word) + spring.component;
     double& size = turning[static_cast<std::size_t>(speed)] ? terms.torque : terms.force;
-    size = std::max(size, terms_of(spring.law, k < q.size() ? q(k) : 0.0, speed < u.size() ? u(speed) : 0.0));
+    const double x = k < q.size() ? q(k) : 0.0;
+    size = std::max(size, terms_of(spring.law, {x, std::abs(x), speed < u.size() ? u(speed) : 0.0, t}));
   }
   return terms;
 }

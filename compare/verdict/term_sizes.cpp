@@ -147,7 +147,7 @@ class Loads {
 
   void add_springs() {
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-      const SpringTerms terms = spring_terms(model_.joints[k], shared_.state.q[k], shared_.state.u[k]);
+      const SpringTerms terms = spring_terms(model_.joints[k], shared_.state.q[k], shared_.state.u[k], shared_.state.t);
       for (const Attachment& side : model_.joints[k].sides) take_terms(side, terms);
     }
     for (const ForceElement& element : model_.elements) {

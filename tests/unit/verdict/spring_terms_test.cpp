@@ -97,7 +97,7 @@ TEST_F(SpringTermsTest, ATireTakesItsHeightFromItsRadius) {
 }
 
 TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
-  const SpringTerms terms = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0));
+  const SpringTerms terms = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0), 0.0);
   EXPECT_DOUBLE_EQ(terms.force, 500.0 * (0.4 + 0.3) + 20.0);
   EXPECT_DOUBLE_EQ(terms.torque, 7.0 * (0.1 + 2.0));
 }
@@ -105,13 +105,49 @@ TEST_F(SpringTermsTest, SpringsOfAJointCountForForceOrTorqueByTheirCoordinate) {
 /// A motor that keeps a speed against a damper leaves the difference of two large forces.
 TEST_F(SpringTermsTest, DampersAddUpWhatTheirSpeedsGive) {
   model_.joints[0].springs[0].law.damping = 40.0;
-  const SpringTerms at_rest = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0));
-  const SpringTerms moving = spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(-3.0, -3.0));
+  const SpringTerms at_rest =
+      spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.0, 0.0), 0.0);
+  const SpringTerms moving =
+      spring_terms(model_.joints[0], Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(-3.0, -3.0), 0.0);
   EXPECT_DOUBLE_EQ(std::max(moving.force - at_rest.force, moving.torque - at_rest.torque), 120.0);
   const double line_at_rest = of_element(0).force;
   std::get<LineSpring>(model_.elements[0].what).law.damping = 7.0;
   state_.bodies[1].v = Vec3(0.0, 2.0, 0.0);
   EXPECT_DOUBLE_EQ(of_element(0).force - line_at_rest, 14.0);
+}
+
+/// A driver that moves what an actuator pushes carries the difference of two large forces.
+TEST_F(SpringTermsTest, ActuatorsTablesAndStopsAddUpWhatTheyPush) {
+  ForceLaw& law = model_.joints[0].springs[0].law;
+  law = {};
+  const auto terms = [&](double x, double speed, double t) {
+    return spring_terms(model_.joints[0], Eigen::Vector2d(x, x), Eigen::Vector2d(speed, speed), t).force;
+  };
+  law.actuator = ConstantSpeed{-3.0, 5.0};
+  EXPECT_DOUBLE_EQ(terms(0.0, 0.0, 2.0), 7.0);
+  law = {};
+  law.spring_table = ForceTable({-1.0, 0.0, 1.0, 2.0}, {-4.0, 0.0, 4.0, 8.0});
+  law.free = 0.25;
+  EXPECT_NEAR(terms(0.75, 0.0, 0.0), 4.0 * 0.5 + 4.0 * (0.75 + 0.25), 1e-12);
+  law = {};
+  law.damper_table = ForceTable({-1.0, 0.0, 1.0, 2.0}, {-4.0, 0.0, 4.0, 8.0});
+  EXPECT_NEAR(terms(0.0, -0.5, 0.0), 4.0, 1e-12);
+  law = {};
+  law.upper = SmoothStop{0.5, 100.0, 8.0, 0.1};
+  law.lower = SmoothStop{-0.5, 1000.0, 0.0, 0.1};
+  EXPECT_EQ(terms(0.4, 3.0, 0.0), 0.0);
+  EXPECT_DOUBLE_EQ(terms(0.7, -3.0, 0.0), 100.0 * (0.7 + 0.5) + 8.0 * 3.0);
+  EXPECT_DOUBLE_EQ(terms(-0.7, 3.0, 0.0), 1000.0 * (0.7 + 0.5));
+}
+
+/// A turn spring's stop is pressed where its angle says so.
+TEST_F(SpringTermsTest, StopsOfATurnSpringReadItsAngle) {
+  ForceLaw& law = std::get<TurnSpring>(model_.elements[1].what).law;
+  law = {};
+  law.upper = SmoothStop{0.5, 100.0, 0.0, 0.1};
+  EXPECT_EQ(of_element(1).torque, 0.0);
+  law.upper->at = -0.5;
+  EXPECT_DOUBLE_EQ(of_element(1).torque, 100.0 * (1.0 + 0.5));
 }
 
 }  // namespace
