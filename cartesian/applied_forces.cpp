@@ -149,6 +149,20 @@ const VecX& AppliedForces::event_functions(const PlacedConstraints& near, double
   return event_values_;
 }
 
+std::optional<AppliedForceIndex> AppliedForces::departed(const MovingConstraints& at, double t) const {
+  for (const AppliedForceIndex k : applied_forces_.indices()) {
+    const AppliedForce& applied = applied_forces_[k];
+    if (applied.n_event_functions == 0) continue;
+    const std::optional<JointIndex> joint = applied.joint();
+    const double departure =
+        joint ? departure_of(pick(model_.joints, *joint), at.joint(*joint).motion, applied)
+              : departure_of(*element_of(applied),
+                             instant_of(*element_of(applied), at.rotation(applied.body(Side::child)), t), applied);
+    if (departure > kLargestDeparture) return k;
+  }
+  return std::nullopt;
+}
+
 std::string AppliedForces::name_of_regime(AppliedForceIndex applied) const {
   const AppliedForce& of = applied_forces_[applied];
   if (const std::optional<JointIndex> joint = of.joint()) {

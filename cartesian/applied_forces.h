@@ -48,6 +48,9 @@ class AppliedForces {
   [[nodiscard]] Eigen::Index n_event_functions() const { return event_values_.size(); }
   /// The applied force whose event function has a given index.
   [[nodiscard]] AppliedForceIndex owner_of_event(Eigen::Index function) const { return event_owners_[function]; }
+  /// Of the last update, with its constraints and time: whose force departs from its law by more than
+  /// kLargestDeparture.
+  [[nodiscard]] std::optional<AppliedForceIndex> departed(const MovingConstraints& at, double t) const;
   /// "tire 'left'", "the stop of 'coil'": what an applied force's regimes belong to.
   [[nodiscard]] std::string name_of_regime(AppliedForceIndex applied) const;
 

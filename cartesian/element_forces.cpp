@@ -72,6 +72,11 @@ double* write_event_functions(const Bushing& /*bushing*/, const ForceInstant& /*
   return next;
 }
 
+double departure_of(const Load& /*load*/, const ForceInstant& /*at*/, const AppliedForce& /*applied*/) { return 0.0; }
+double departure_of(const Bushing& /*bushing*/, const ForceInstant& /*at*/, const AppliedForce& /*applied*/) {
+  return 0.0;
+}
+
 }  // namespace
 
 void exert(const ForceElement& element, const ForceInstant& at, AppliedForce& applied) {
@@ -85,6 +90,10 @@ int n_event_functions(const ForceElement& element) {
 double* write_event_functions(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied,
                               double* next) {
   return std::visit([&](const auto& what) { return write_event_functions(what, at, applied, next); }, element.what);
+}
+
+double departure_of(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied) {
+  return std::visit([&](const auto& what) { return departure_of(what, at, applied); }, element.what);
 }
 
 }  // namespace concord::cartesian

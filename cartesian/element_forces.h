@@ -22,4 +22,7 @@ int n_event_functions(const ForceElement& element);
 double* write_event_functions(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied,
                               double* next);
 
+/// How far the force in the regime that is kept departs from the element's law (kLargestDeparture).
+double departure_of(const ForceElement& element, const ForceInstant& at, const AppliedForce& applied);
+
 }  // namespace concord::cartesian

@@ -54,4 +54,13 @@ double* write_event_functions(const Joint& stated, const RelativeMotion& motion,
   return next;
 }
 
+double departure_of(const Joint& stated, const RelativeMotion& motion, const AppliedForce& applied) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < stated.springs.size(); ++k) {
+    const auto [x, rate] = read_sprung(stated, k, motion, applied);
+    largest = std::max(largest, departure_of(stated.springs[k].law, applied.stop_regimes[k], x, rate));
+  }
+  return largest;
+}
+
 }  // namespace concord::cartesian

@@ -17,4 +17,7 @@ int n_event_functions(const Joint& stated);
 double* write_event_functions(const Joint& stated, const RelativeMotion& motion, const AppliedForce& applied,
                               double* next);
 
+/// The largest departure of a spring's force, in the regime that is kept, from its law (kLargestDeparture).
+double departure_of(const Joint& stated, const RelativeMotion& motion, const AppliedForce& applied);
+
 }  // namespace concord::cartesian

@@ -136,6 +136,7 @@ class Run {
     reached_ = step(breaks_first ? *next_break_ : t);
     motion_ = stepper_->motion();
     count_turns();
+    require_held_regimes();
     lines_.follow(reached_, equations_.applied());
     const bool has_new_rows = watch_.follow(reached_, motion_);
     const bool at_break = breaks_first && reached_ >= *next_break_;
@@ -161,6 +162,19 @@ class Run {
     equations_.update(reached_, motion_.q, motion_.Y);
     read_joint_coordinates(equations_.model(), equations_.moving_constraints(), turns_, speeds_);
     equations_.count_turns_from(turns_);
+  }
+
+  /// Forces are those of their laws: not the ones of a regime whose end was missed.
+  void require_held_regimes() {
+    AppliedForces& applied = equations_.applied();
+    const std::optional<AppliedForceIndex> departed = applied.departed(equations_.moving_constraints(), reached_);
+    if (departed && departed_) {
+      throw SolverError(
+          fmt::format("cartesian: at t = {:.6g} s the force of {} is not what its law says: the end of its regime was "
+                      "missed, which is a fault of the program",
+                      reached_, applied.name_of_regime(*departed)));
+    }
+    departed_ = departed.has_value();
   }
 
   void close_at_output(double t) {
@@ -216,6 +230,7 @@ class Run {
   std::vector<double>::const_iterator next_break_;
   RoundOffShares shares_;
   double reached_ = 0.0;
+  bool departed_ = false;  // some force from its law, at the end of the last step
 };
 
 }  // namespace

@@ -24,9 +24,31 @@ double resistance(const ForceLaw& law, const ForceInstant& at, double x, double 
 
 int n_event_functions(const ForceLaw& law) { return has_regimes(law) ? kLawEvents : 0; }
 
-double* write_event_functions(const ForceLaw& law, const AppliedForce& applied, double x, double rate, double* next) {
-  const auto values = event_functions_of(law, applied.stop_regimes.front(), x, rate);
+/// What a law is asked for: x and its rate.
+struct Asked {
+  double x;
+  double rate;
+};
+
+Asked stretch_of(const ForceInstant& at, const AppliedForce& applied) {
+  const Vec3 line = applied.child().point - applied.parent().point;
+  const double length = line.norm();
+  const Vec3 closing = applied.child().velocity - applied.parent().velocity;
+  return {length, length > at.shortest_line ? line.dot(closing) / length : 0.0};
+}
+
+Asked turn_of(const AppliedForce& applied) {
+  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
+  return {angle.value, rate_of(angle, applied.motion)};
+}
+
+double* write_event_functions(const ForceLaw& law, const AppliedForce& applied, const Asked& at, double* next) {
+  const auto values = event_functions_of(law, applied.stop_regimes.front(), at.x, at.rate);
   return std::copy(values.begin(), values.end(), next);
+}
+
+double departure_of(const ForceLaw& law, const AppliedForce& applied, const Asked& at) {
+  return concord::departure_of(law, applied.stop_regimes.front(), at.x, at.rate);
 }
 
 }  // namespace
@@ -78,17 +100,20 @@ int n_event_functions(const TurnSpring& spring) { return n_event_functions(sprin
 
 double* write_event_functions(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied,
                               double* next) {
-  const Vec3 line = applied.child().point - applied.parent().point;
-  const double length = line.norm();
-  const Vec3 closing = applied.child().velocity - applied.parent().velocity;
-  const double rate = length > at.shortest_line ? line.dot(closing) / length : 0.0;
-  return write_event_functions(spring.law, applied, length, rate, next);
+  return write_event_functions(spring.law, applied, stretch_of(at, applied), next);
 }
 
 double* write_event_functions(const TurnSpring& spring, const ForceInstant& /*at*/, const AppliedForce& applied,
                               double* next) {
-  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
-  return write_event_functions(spring.law, applied, angle.value, rate_of(angle, applied.motion), next);
+  return write_event_functions(spring.law, applied, turn_of(applied), next);
+}
+
+double departure_of(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied) {
+  return departure_of(spring.law, applied, stretch_of(at, applied));
+}
+
+double departure_of(const TurnSpring& spring, const ForceInstant& /*at*/, const AppliedForce& applied) {
+  return departure_of(spring.law, applied, turn_of(applied));
 }
 
 SpringLine line_of(const LineSpring& spring, const std::string& name, const AppliedForce& applied, double t) {

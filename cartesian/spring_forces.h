@@ -18,6 +18,10 @@ double* write_event_functions(const LineSpring& spring, const ForceInstant& at, 
 double* write_event_functions(const TurnSpring& spring, const ForceInstant& at, const AppliedForce& applied,
                               double* next);
 
+/// How far the force in the regime that is kept departs from the law.
+double departure_of(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied);
+double departure_of(const TurnSpring& spring, const ForceInstant& at, const AppliedForce& applied);
+
 /// The line of a line spring at some time.
 struct SpringLine {
   const std::string* name;

@@ -51,6 +51,10 @@ TireOnRoad place_on_road(const Tire& tire, int stretch, const Marker& wheel, con
   return at;
 }
 
+Vec3 on_axes(const TireOnRoad& at, const TireForces& forces) {
+  return forces.N * at.normal + forces.F_x * at.forward + forces.F_y * at.sideways;
+}
+
 }  // namespace
 
 void exert(const Tire& tire, const ForceInstant& at, AppliedForce& applied) {  // (S39)
@@ -58,7 +62,7 @@ void exert(const Tire& tire, const ForceInstant& at, AppliedForce& applied) {  /
   const TireOnRoad on_road = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
   if (at.regimes == Regimes::own) applied.regime = regime_at(tire, on_road.contact);
   const TireForces forces = evaluate(tire, applied.regime, on_road.contact);
-  const Vec3 force = forces.N * on_road.normal + forces.F_x * on_road.forward + forces.F_y * on_road.sideways;
+  const Vec3 force = on_axes(on_road, forces);
   applied.on_child() = {force, -on_road.distance * on_road.normal.cross(force)};
 }
 
@@ -68,6 +72,15 @@ double* write_event_functions(const Tire& tire, const ForceInstant& at, const Ap
   const TireOnRoad on_road = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
   const auto values = event_functions_of(tire, applied.regime, on_road.contact);
   return std::copy(values.begin(), values.end(), next);
+}
+
+double departure_of(const Tire& tire, const ForceInstant& at, const AppliedForce& applied) {
+  const int stretch = stretch_at(*tire.road, applied.child().point.x());
+  const TireOnRoad own = place_on_road(tire, stretch, applied.child(), at.name, at.t);
+  const TireOnRoad kept = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
+  const Vec3 departure = on_axes(kept, evaluate(tire, applied.regime, kept.contact)) -
+                         on_axes(own, evaluate(tire, regime_at(tire, own.contact), own.contact));
+  return departure.norm() / (tire.stiffness * tire.radius);
 }
 
 }  // namespace concord::cartesian

@@ -30,7 +30,7 @@ void AppliedForces::lay_out_elements() {
     Element element{&statement, {}, {}, {}, {}};
     if (std::holds_alternative<Tire>(statement.what)) {
       element.tire = static_cast<int>(tires_.size());
-      tires_.push_back({&statement, {}, {}});
+      tires_.push_back({&statement, elements_.size(), {}, {}});
       has_regimes_ = true;
     }
     if (const auto* line = std::get_if<LineSpring>(&statement.what)) element.law = add_law(line->law, statement.name);
@@ -116,10 +116,28 @@ Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& eleme
   const JointPoint& wheel = element.ends.back();
   TireState& state = tires_[*element.tire];
   const int stretch = regimes_are_frozen_ ? state.regime.stretch : stretch_at(*tire.road, wheel.r.x());
-  const ContactFrame frame = contact_of(tire, stretch, wheel, element.statement->name);
-  state.contact = frame.contact;
-  if (!regimes_are_frozen_) state.regime = regime_at(tire, frame.contact);
-  return wrench_at_center(frame, evaluate(tire, state.regime, frame.contact));
+  state.frame = contact_of(tire, stretch, wheel, element.statement->name);
+  if (!regimes_are_frozen_) state.regime = regime_at(tire, state.frame.contact);
+  return wrench_at_center(state.frame, evaluate(tire, state.regime, state.frame.contact));
+}
+
+double AppliedForces::departure_of(const TireState& state) const {
+  const Tire& tire = std::get<Tire>(state.statement->what);
+  const JointPoint& wheel = elements_[state.element].ends.back();
+  const ContactFrame own = contact_of(tire, stretch_at(*tire.road, wheel.r.x()), wheel, state.statement->name);
+  const Vec6 departure = wrench_at_center(own, evaluate(tire, regime_at(tire, own.contact), own.contact)) -
+                         wrench_at_center(state.frame, evaluate(tire, state.regime, state.frame.contact));
+  return departure.head<3>().norm() / (tire.stiffness * tire.radius);
+}
+
+std::optional<std::string> AppliedForces::departed_contact() const {
+  for (const TireState& tire : tires_) {
+    if (departure_of(tire) > kLargestDeparture) return fmt::format("tire '{}'", tire.statement->name);
+  }
+  for (const OwnedLaw& law : laws_) {
+    if (law.law_in_regime.departure() > kLargestDeparture) return fmt::format("law of '{}'", *law.owner);
+  }
+  return std::nullopt;
 }
 
 AppliedForces::Least AppliedForces::least() const {
@@ -128,7 +146,7 @@ AppliedForces::Least AppliedForces::least() const {
     if (found.owner == nullptr || value < found.value) found = {value, kind, &owner};
   };
   for (const TireState& tire : tires_) {
-    take(event_function_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire",
+    take(event_function_of(std::get<Tire>(tire.statement->what), tire.regime, tire.frame.contact), "tire",
          tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
@@ -156,7 +174,7 @@ void AppliedForces::write_event_functions(Eigen::Ref<VecX> values) const {
   double* next = values.data();
   const auto write = [&next](const auto& own) { next = std::copy(own.begin(), own.end(), next); };
   for (const TireState& tire : tires_) {
-    write(event_functions_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact));
+    write(event_functions_of(std::get<Tire>(tire.statement->what), tire.regime, tire.frame.contact));
   }
   for (const OwnedLaw& law : laws_) write(law.law_in_regime.event_functions());
 }

@@ -57,6 +57,8 @@ class AppliedForces {
   }
   /// "tire 'left'", "law of 'coil'": of whom the smallest event function is.
   [[nodiscard]] std::string least_contact() const;
+  /// The same of a contact whose force at the last update departs from its law by more than kLargestDeparture.
+  [[nodiscard]] std::optional<std::string> departed_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
   [[nodiscard]] const Vec6& on_body(LinkIndex link) const { return on_body_[link]; }
@@ -89,8 +91,9 @@ class AppliedForces {
   };
   struct TireState {
     const ForceElement* statement;
+    std::size_t element;  // its index among the elements
     TireRegime regime;
-    TireContact contact;
+    ContactFrame frame;
   };
   /// A joint spring and the indices of its coordinate and speed.
   struct Spring {
@@ -113,6 +116,7 @@ class AppliedForces {
   [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element);
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
+  [[nodiscard]] double departure_of(const TireState& state) const;
   int add_law(const ForceLaw& law, const std::string& owner);
   /// The smallest event function, and whose contact has it.
   struct Least {

@@ -20,6 +20,7 @@ struct LawInRegime {
   [[nodiscard]] std::array<double, kLawEvents> event_functions() const {
     return event_functions_of(*law, regime, x, xdot);
   }
+  [[nodiscard]] double departure() const { return departure_of(*law, regime, x, xdot); }
 };
 
 /// What an element between two ends exerts on the child at P_i [F; T], global axes. The parent gets the opposite, moved

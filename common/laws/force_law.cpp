@@ -1,6 +1,7 @@
 #include "common/laws/force_law.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace concord {
@@ -137,6 +138,20 @@ std::array<double, kLawEvents> event_functions_of(const ForceLaw& law, const Law
 double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
   const auto values = event_functions_of(law, regime, x, xdot);
   return *std::min_element(values.begin(), values.end());
+}
+
+double departure_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
+  double size = 0.0;
+  for (const auto& stop : {law.upper, law.lower}) {
+    if (stop) size = std::max(size, stop->stiffness * stop->width);
+  }
+  for (const auto* table : {&law.spring_table, &law.damper_table}) {
+    if (!*table) continue;
+    for (const double force : (*table)->points().values()) size = std::max(size, std::abs(force));
+  }
+  const double departure =
+      std::abs(evaluate_resistance(law, regime, x, xdot).force - evaluate_resistance(law, x, xdot).force);
+  return departure > 0.0 ? departure / size : 0.0;
 }
 
 double evaluate_actuator(const ForceLaw& law, double t) {

@@ -106,6 +106,14 @@ std::array<double, kLawEvents> event_functions_of(const ForceLaw& law, const Law
 /// The smallest of them.
 double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
+/// How far the force in a regime departs from the law's own at x and xdot: as a part of stiffness times width of a stop
+/// and of the largest force of a table. Nothing but round-off in every regime that holds.
+double departure_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
+
+/// What departs further from the law at the ends of two steps in a row has missed the end of its regime. At the end of
+/// one step it may: a damped tire lands with a jump, 1e-11 of its radius before its regime ends.
+inline constexpr double kLargestDeparture = 1e-7;
+
 /// Whether the law has more than one regime.
 [[nodiscard]] inline bool has_regimes(const ForceLaw& law) {
   return law.lower || law.upper || law.spring_table || law.damper_table;

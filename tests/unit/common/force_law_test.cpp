@@ -240,5 +240,34 @@ TEST(ForceLaw, TangentsOfATableAreRegimes) {
   }
 }
 
+/// The force of a regime that has ended is not that of the law.
+TEST(ForceLaw, DepartsFromItselfInARegimeThatHasEnded) {
+  ForceLaw law;
+  law.upper = SmoothStop{0.5, 2000.0, 10.0, 0.1};
+  law.spring_table.emplace(std::vector{-2.0, -0.5, 0.0, 0.2, 0.4, 1.5},
+                           std::vector{-40.0, -18.0, 2.0, 3.0, 15.0, 30.0});
+  for (const double x : {0.1, 0.45, 0.55, 0.7}) {
+    for (const double xdot : {-1.0, 0.0, 1.0}) {
+      EXPECT_EQ(departure_of(law, regime_at(law, x, xdot), x, xdot), 0.0);
+    }
+  }
+  const LawRegime away = regime_at(law, 0.41, 0.0);
+  const double pressed = evaluate_resistance(law, 0.6, 0.0).force - evaluate_resistance(law, away, 0.6, 0.0).force;
+  EXPECT_NEAR(departure_of(law, away, 0.6, 0.0), pressed / (2000.0 * 0.1), 1e-12);
+  EXPECT_GT(departure_of(law, away, 0.6, 0.0), kLargestDeparture);
+  LawRegime other_piece = away;
+  other_piece.spring_piece = regime_at(law, -1.0, 0.0).spring_piece;
+  EXPECT_GT(departure_of(law, other_piece, 0.41, 0.0), kLargestDeparture);
+}
+
+/// Nothing is left of the border of a regime that rests on it.
+TEST(ForceLaw, HardlyDepartsFromItselfBesideTheEndOfARegime) {
+  ForceLaw law;
+  law.lower = SmoothStop{-0.5, 2000.0, 10.0, 0.1};
+  const LawRegime away = regime_at(law, 0.0, 0.0);
+  EXPECT_LT(departure_of(law, away, -0.5 - 1e-12, 0.0), 1e-20);
+  EXPECT_EQ(departure_of(ForceLaw{}, {}, 0.3, 0.1), 0.0);
+}
+
 }  // namespace
 }  // namespace concord
