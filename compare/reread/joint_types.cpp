@@ -2,7 +2,9 @@
 
 #include "common/joints/catalogue.h"
 #include "common/joints/facts.h"
+#include "compare/audit/referee.h"
 #include "compare/reread/joints.h"
+#include "compare/reread/stated_motions.h"
 
 namespace concord::compare::reread {
 
@@ -52,6 +54,37 @@ Numbers numbers_of(const joints::JointType& type) {
   return all;
 }
 
+/// Coordinates that no symmetry marks out.
+VecX generic_coordinates(const joints::JointType& type) {
+  const VecX numbers{{0.31, -0.83, 0.57, 1.13, -0.41, 0.72, 0.26}};
+  VecX q = numbers.head(std::min<Eigen::Index>(type.n_q(), numbers.size()));
+  for (const JointCoordinate& one : coordinates_of(type)) {
+    if (one.kind == joints::CoordinateKind::orientation) q.segment<4>(first_q(type, one.word)).normalize();
+  }
+  return q;
+}
+
+/// The motion that a type with these numbers permits, which both solvers take from the words of its page, is the one
+/// that the format states.
+void hold_motion(const joints::JointType& type, const Numbers& values, const StatedTable& table) {
+  const VecX q = generic_coordinates(type);
+  const std::optional<joints::Placement> stated = stated_placement(type.name, values, q);
+  if (!stated) return;
+  const joints::Placement read = referee_motion(type, q).placement;
+  const Entry entry = table.entry("type");
+  table.ledger().numbers(entry, read.d, stated->d);
+  table.ledger().numbers(entry, read.R, stated->R);
+  const std::optional<StatedSpeeds> speeds = stated_speeds(type.name, values, stated->R);
+  const auto n = static_cast<double>(type.permits_speeds.size());
+  table.ledger().number(entry, n, speeds ? speeds->n : 0.0);
+  if (!speeds) return;
+  for (const joints::PermitSpeed& word : type.permits_speeds) {
+    const Vec6 permitted = referee_permitted_speed(word, read.R);
+    table.ledger().numbers(entry, speeds->forbidden * permitted, VecX::Zero(speeds->forbidden.rows()), kRoundOff,
+                           permitted.norm());
+  }
+}
+
 }  // namespace
 
 void hold_joint_type(const Joint& joint, const StatedTable& table) {
@@ -59,12 +92,13 @@ void hold_joint_type(const Joint& joint, const StatedTable& table) {
   table.ledger().word(table.entry("type"), joint.type->name, name);
   const joints::JointType* stated = joints::find(name);
   if (stated == nullptr) throw std::runtime_error("no joint type " + name);
-  if (stated->parameters.empty()) return;
   Numbers values;
   for (const joints::Parameter& parameter : stated->parameters) values.push_back(table.number(parameter.name).value());
+  const joints::JointType by_page = values.empty() ? *stated : stated->with_parameters(values);
+  hold_motion(by_page, values, table);
+  if (values.empty()) return;
   const std::string key = stated->parameters.size() == 1 ? stated->parameters.front().name : "parameters";
-  table.ledger().numbers(table.entry(key), column_of(numbers_of(*joint.type)),
-                         column_of(numbers_of(stated->with_parameters(values))));
+  table.ledger().numbers(table.entry(key), column_of(numbers_of(*joint.type)), column_of(numbers_of(by_page)));
 }
 
 }  // namespace concord::compare::reread
