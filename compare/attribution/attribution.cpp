@@ -10,6 +10,7 @@
 
 #include "compare/attribution/reports.h"
 #include "compare/audit/digits.h"
+#include "compare/audit/kept_start.h"
 
 namespace concord::compare {
 
@@ -222,39 +223,17 @@ std::optional<Attribution> blame_page(const Evidence& evidence) {
   return std::nullopt;
 }
 
-/// How far a start is from a speed or coordinate that the model keeps; the largest of a joint, in parts of its size.
-double off_what_is_kept(const Joint& joint, const VecX& q, const VecX& u) {
-  double off = 0.0;
-  for (std::size_t w = 0; w < joint.start.size(); ++w) {
-    const WordStart& word = joint.start[w];
-    const auto hold = [&](const VecX& kept, const VecX& all, int first) {
-      if (first + kept.size() > all.size()) return;
-      off = std::max(off, (all.segment(first, kept.size()) - kept).norm() / std::max(1.0, kept.norm()));
-    };
-    if (word.role_q == StartRole::keep && word.q.size() == word.u.size())
-      hold(word.q, q, first_q(*joint.type, static_cast<int>(w)));
-    if (word.role_u == StartRole::keep) hold(word.u, u, first_u(*joint.type, static_cast<int>(w)));
-  }
-  return off;
-}
-
 /// Starts that are not where the model wants them, although states are answered alike.
 std::optional<Attribution> blame_start(const Evidence& evidence) {
   constexpr double kSameStart = 1e-9;
-  if (evidence.starts[0] == nullptr || evidence.starts[1] == nullptr) return std::nullopt;
   double largest = kSameStart;
   std::optional<Attribution> found;
-  for (std::size_t k = 0; k < evidence.model.joints.size(); ++k) {
-    const Joint& joint = evidence.model.joints[k];
-    for (int solver = 0; solver < 2; ++solver) {
-      const State& start = *evidence.starts[solver];
-      if (k >= start.q.size() || k >= start.u.size()) continue;
-      const double off = off_what_is_kept(joint, start.q[k], start.u[k]);
-      if (off <= largest) continue;
-      largest = off;
-      found = Attribution{solver, Term::start, "joint " + joint.name,
-                          fmt::format("starts {:.1e} off what the model keeps there", off)};
-    }
+  for (int solver = 0; solver < 2; ++solver) {
+    if (evidence.starts[solver] == nullptr) return std::nullopt;
+    const KeptStart start = audit_kept_start(evidence.model, *evidence.starts[solver]);
+    if (start.off <= largest) continue;
+    largest = start.off;
+    found = Attribution{solver, Term::start, start.owner, start.text()};
   }
   return found;
 }

@@ -67,6 +67,12 @@ void Judge::judge_audit(Who who, const AuditReport& found) {
                                "first"});
 }
 
+void Judge::judge_start(Who who, const KeptStart& found) {
+  if (found.holds()) return;
+  verdict_.findings.push_back({fmt::format("{} {}", verdict_.solvers[index(who)].name, found.text()),
+                               "start: what the model keeps and drives; all later samples follow from it"});
+}
+
 void Judge::judge_reported(Who who, const ReportedCoordinate& found) {
   if (found.holds()) return;
   SolverSummary& summary = verdict_.solvers[index(who)];

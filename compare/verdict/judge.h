@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "compare/audit/balance.h"
+#include "compare/audit/kept_start.h"
 #include "compare/audit/reported_coordinates.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/refinement.h"
@@ -39,6 +40,9 @@ class Judge {
 
   /// The audit of one solver: its digits, and a finding if they miss their need. Nothing if no state was audited.
   void judge_audit(Who who, const AuditReport& found);
+
+  /// Where the run of one solver starts: a finding if the model says otherwise.
+  void judge_start(Who who, const KeptStart& found);
 
   /// The joint coordinates and speeds that one solver reports of its run: a finding if its bodies have others.
   void judge_reported(Who who, const ReportedCoordinate& found);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "compare/audit/kept_start.h"
 #include "compare/audit/reported_coordinates.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/resolution.h"
@@ -74,6 +75,8 @@ RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajector
     check.failures.push_back(fmt::format("{} {}: {} (need {:g})", solver.name(), breach_of(check.audit.worst.rule),
                                          check.audit.worst.text(), need_of(check.audit.worst.rule)));
   }
+  const KeptStart start = audit_kept_start(layout.model(), trajectory);
+  if (!start.holds()) check.failures.push_back(fmt::format("{} {}", solver.name(), start.text()));
   const ReportedCoordinate reported = audit_reported_coordinates(layout.model(), trajectory);
   if (!reported.holds()) check.failures.push_back(fmt::format("{} {}", solver.name(), reported.text()));
   if (!(check.energy.relative() <= check.energy_allowed)) {

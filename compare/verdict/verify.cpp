@@ -217,6 +217,7 @@ class Verification {
       }
       judge_.judge_audit(who, auditors_[index(who)].report());
       if (const Trajectory* trajectory = trajectories[index(who)]) {
+        judge_.judge_start(who, audit_kept_start(model_, *trajectory));
         judge_.judge_reported(who, audit_reported_coordinates(model_, *trajectory));
       }
     }
