@@ -258,7 +258,8 @@ class PseudoTransientContinuation {
       pushed_ = 0;
       return;
     }
-    if (++pushed_ < kPushes) return;
+    if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(state_);
+    if (++pushed_ < most_pushes_) return;
     if (const std::string kink = kink_here(chart, J); !kink.empty()) {
       throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
     }
@@ -370,6 +371,7 @@ class PseudoTransientContinuation {
   bool is_cautious_ = true;
   int long_steps_ = 0;
   int pushed_ = 0;
+  int most_pushes_ = kPushes;
   int short_steps_ = 0;
   StepsBack steps_back_;
   int unstable_directions_ = 0;

@@ -87,6 +87,30 @@ TEST_CASE("A body that falls freely onto a stop is found at rest on it", "[analy
   CHECK(height_of(found) == Approx(0.1 - 0.5e-4 - 2.0 * 9.81 / 4e4).epsilon(1e-9));
 }
 
+TEST_CASE("A door is closed by what pushes it, however many turns its stop is away", "[analyses][quick]") {
+  for (const double start : {-3.0, -7.0, -30.0}) {
+    INFO(start);
+    const Model model = parse(fmt::format(R"toml(format = 1
+[[body]]
+name = "door"
+mass = 3
+inertia = [0.3, 0.3, 0.3]
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = "ground"
+child = {{ body = "door", point = [-0.5, 0, 0] }}
+start.turn_z = {{ keep = {}, keep_speed = 0 }}
+spring.turn_z = {{ damping = 0.3, preload = -0.4, upper_stop = {{ at = 0.3, stiffness = 300, width = 1e-4 }} }}
+)toml",
+                                          start));
+    const AnalysisVerdict found = judge_statics(model, kMakers);
+    INFO(format_analysis(model, found, true));
+    CHECK(found.wrenches.outcome == Outcome::agree);
+    CHECK(found.wrenches.trajectories[0]->samples[0].state.q[0](0) == Approx(0.3 + 0.5e-4 + 0.4 / 300).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("Where nothing holds a direction, the equilibrium nearest to the start is found", "[analyses][quick]") {
   // A mast that turns freely about the vertical, and an arm on it that hangs aside and swings it on its way down.
   const Model model = parse(R"toml(format = 1
