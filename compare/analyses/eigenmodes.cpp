@@ -219,6 +219,7 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
   FoundModes found;
   found.resolution = std::sqrt(split.least());
   found.free_places = found.free_rates = motions.free;
+  found.slowest = found.resolution;
   Eigenpairs pairs;
   if (search.is_undamped) {
     pairs = undamped_pairs(matrices.A, motions);
@@ -226,11 +227,13 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
     const FirstOrder first_order(matrices.A, matrices.B, search.frequency, motions);
     found.free_rates = first_order.undamped_free(found.resolution);
     pairs = first_order.pairs_without(found.free_rates);
+    // Fast rotors and strong dampers follow a stiffness slowly, at the rate stiffness / B.
+    found.slowest = split.least() / std::max(found.resolution, matrices.B.norm());
   }
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
     Mode mode;
     mode.eigenvalue = pairs.values(k);
-    mode.is_free = std::abs(mode.eigenvalue) <= found.resolution;
+    mode.is_free = std::abs(mode.eigenvalue) <= found.slowest;
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (search.is_undamped) settle_on_an_axis(mode.eigenvalue);
     if (mode.eigenvalue.imag() < 0.0) continue;  // the other one of its pair is there
@@ -255,7 +258,7 @@ MatX without_luck(const MatX& error, const MatX& values) {
 
 /// How far modes are from those found otherwise is what is open of them; one that has no partner there is not resolved.
 void take_as_resolution(const FoundModes& other, std::vector<Mode>& modes) {
-  const ModePairs pairs = pair_modes(modes, other.moving, other.resolution);
+  const ModePairs pairs = pair_modes(modes, other.moving, other.slowest);
   for (const auto& [k, partner] : pairs.both) {
     Mode& mode = modes[k];
     const Mode& moved = other.moving[partner];

@@ -34,6 +34,7 @@ struct FoundModes {
   MatX free_places;
   MatX free_rates;
   double resolution = 0.0;  // Linearization::resolution
+  double slowest = 0.0;     // Linearization::slowest
 
   [[nodiscard]] int count_free() const;
 };

@@ -30,7 +30,7 @@ std::string eigenvalue_text(const Mode& mode) {
 class ModeJudge {
  public:
   ModeJudge(const Linearization& one, const Linearization& other, AnalysisVerdict& result)
-      : one_(one), other_(other), resolution_(std::max(one.resolution, other.resolution)), result_(result) {}
+      : one_(one), other_(other), slowest_(std::max(one.slowest, other.slowest)), result_(result) {}
 
   void judge() {
     result_.numbers.push_back(count("number of modes", [](const Mode&) { return true; }));
@@ -41,7 +41,7 @@ class ModeJudge {
     }
     if (!is_decided) result_.text += "note: differences do not decide how many modes are free\n";
     if (!decides_how_many()) result_.numbers.front().resolvable = 0.0;
-    const ModePairs pairs = pair_modes(one_.modes, other_.modes, resolution_);
+    const ModePairs pairs = pair_modes(one_.modes, other_.modes, slowest_);
     for (const auto& [k, partner] : pairs.both) judge_pair(k, partner);
     for (const std::size_t k : pairs.alone[0]) judge_alone("cartesian", one_.modes[k], {abs_of(one_.modes[k]), kNone});
     for (const std::size_t k : pairs.alone[1]) {
@@ -117,7 +117,7 @@ class ModeJudge {
   void judge_pair(std::size_t k, std::size_t partner) {
     const Mode& mode = one_.modes[k];
     const Mode& other = other_.modes[partner];
-    const double scale = std::max(abs_of(mode), resolution_);
+    const double scale = std::max(abs_of(mode), slowest_);
     const double least = kWithinResolution * std::max(mode.eigenvalue_resolution, other.eigenvalue_resolution);
     const std::size_t line = lines_.size();
     NumberRow row = number(fmt::format("eigenvalue {}", line), "1/s", abs_of(mode), abs_of(other), scale, kEigenvalue);
@@ -151,7 +151,7 @@ class ModeJudge {
 
   const Linearization& one_;
   const Linearization& other_;
-  double resolution_;
+  double slowest_;
   AnalysisVerdict& result_;
   std::vector<std::string> unresolved_;
   Lines lines_{{"mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "digits", "shape digits", "motion"}};

@@ -137,6 +137,7 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   result.free_range = weigh_decisions_on_free(search, matrices, errors, found);
   split_unresolved_pairs(found.moving);
   result.resolution = found.resolution;
+  result.slowest = found.slowest;
   result.modes = std::move(found.moving);
   for (Mode& mode : result.modes) mode.motion = describe_motion(model, chart.origin(), mode.shape.real());
   add_free_modes(model, chart, found.free_places, result.modes);

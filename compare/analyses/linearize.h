@@ -44,9 +44,11 @@ struct Linearization {
   MatX directions;
   /// Ordered by |lambda|, then by its real part.
   std::vector<Mode> modes;
-  /// Eigenvalues are told apart from zero above this [1/s]: the root of what differences resolve of the softest
-  /// motion's stiffness, see StiffnessSplit.
+  /// The root of what differences resolve of the softest motion's stiffness [1/s], see StiffnessSplit.
   double resolution = 0.0;
+  /// Eigenvalues are told apart from zero above this [1/s]: without damping and gyroscopic terms above `resolution`,
+  /// with them where motions follow that stiffness more slowly.
+  double slowest = 0.0;
   /// Fewest and most modes that are free if stiffness must exceed a thirtieth, or thirty times, of what is otherwise
   /// asked: more than one number, where the differences do not decide it.
   std::array<int, 2> free_range{};
