@@ -34,6 +34,15 @@ struct NumberRow {
   [[nodiscard]] bool agrees() const { return digits >= need || (resolvable && digits >= *resolvable); }
 };
 
+/// What a driven coordinate needs, by both solvers: judged with its joint's wrench, here for the reader.
+struct AppliedForceRow {
+  std::string name;           // "slide_z of cart"
+  double acceleration = 0.0;  // that was asked for
+  std::string unit;           // of the force
+  std::array<double, 2> tau{};
+  double digits = 16.0;
+};
+
 /// What an analysis found, and how far the solvers agree on it.
 struct AnalysisVerdict {
   std::string analysis;  // "statics", ...
@@ -43,6 +52,8 @@ struct AnalysisVerdict {
   /// The machine whose wrenches these are, where it is not the one that was asked about: inverse dynamics drives it.
   std::optional<Model> driven;
   std::vector<NumberRow> numbers;
+  /// Of inverse dynamics.
+  std::vector<AppliedForceRow> forces;
   /// What it found, in words and tables.
   std::string text;
   std::array<std::optional<Linearization>, 2> linearizations;

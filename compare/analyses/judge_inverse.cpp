@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "compare/analyses/inverse.h"
@@ -20,6 +21,9 @@
 namespace concord::compare::analyses {
 
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array kNoValues{kNone, kNone};  // of rows that sum up many numbers
 
 /// What accelerations are held against [1/s2]: those of the bodies, what forces cause, and of what moves though nothing
 /// acts on it, as a balanced rotor or a sledge, a part of its speed's square, of which round-off is left.
@@ -83,7 +87,24 @@ NumberRow as_asked(const Model& driven, const State& state, const Evaluation& th
     worst =
         std::min(worst, matching_digits(found - one.acceleration, std::max(scale * unit, std::abs(one.acceleration))));
   }
-  return {fmt::format("as asked: accelerations by {}, read from the bodies", solver), "", {}, worst, kAsAsked};
+  return {fmt::format("as asked: accelerations by {}, read from the bodies", solver), "", kNoValues, worst, kAsAsked};
+}
+
+AppliedForceRow force_row(const Model& model, const Model& driven, const std::array<Evaluation, 2>& there,
+                          const Prescribed& one) {
+  const std::array<double, 2> tau{force_to_apply(driven, there[0], one), force_to_apply(driven, there[1], one)};
+  const bool turns = turning_speeds(*model.joints[one.joint].type).at(static_cast<std::size_t>(one.speed(model)));
+  const double digits = matching_digits(tau[0] - tau[1], std::max(std::abs(tau[0]), std::abs(tau[1])));
+  return {one.name(model), one.acceleration, turns ? "N m" : "N", tau, digits};
+}
+
+std::string text_of(const std::vector<AppliedForceRow>& forces) {
+  Lines lines{{"driven", "acceleration", "tau by cartesian", "by relative", "unit", "digits"}};
+  for (const AppliedForceRow& row : forces) {
+    lines.push_back({row.name, fmt::format("{:g}", row.acceleration), fmt::format("{:.12g}", row.tau[0]),
+                     fmt::format("{:.12g}", row.tau[1]), row.unit, format_digits(row.digits)});
+  }
+  return format_table(lines, {false, true, true, true, false, true});
 }
 
 bool starts(const SolverMakers& makers, const Model& model) {
@@ -111,19 +132,8 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);
   judge_wrenches(driven, solvers, {one_sample(start, there[0]), one_sample(start, there[1])}, Found::motion, result);
 
-  Lines lines{{"driven", "acceleration", "tau by cartesian", "by relative", "unit", "digits"}};
-  for (const Prescribed& one : coordinates) {
-    const auto tau = [&](Who who) { return force_to_apply(driven, there[index(who)], one); };
-    const bool turn = turning_speeds(*model.joints[one.joint].type).at(static_cast<std::size_t>(one.speed(model)));
-    // Judged with the joint's wrench as its scale among the other rows; here for the reader.
-    const double scale = std::max(std::abs(tau(Who::cartesian)), std::abs(tau(Who::relative)));
-    const double digits = matching_digits(tau(Who::cartesian) - tau(Who::relative), scale);
-    lines.push_back({one.name(model), fmt::format("{:g}", one.acceleration),
-                     fmt::format("{:.12g}", tau(Who::cartesian)), fmt::format("{:.12g}", tau(Who::relative)),
-                     turn ? "N m" : "N", format_digits(digits)});
-  }
-  result.text += "forces that make the machine move as asked:\n" +
-                 format_table(lines, {false, true, true, true, false, true}) + '\n';
+  for (const Prescribed& one : coordinates) result.forces.push_back(force_row(model, driven, there, one));
+  result.text += "forces that make the machine move as asked:\n" + text_of(result.forces) + '\n';
   for (const Who who : kBothSolvers) {
     result.numbers.push_back(as_asked(driven, start, there[index(who)], coordinates, solvers[index(who)]->name()));
     result.text +=
@@ -134,10 +144,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
       const double digits = round_trip_digits(driven, start, there[index(who)], solver->evaluate(start));
       result.numbers.push_back(
           {fmt::format("round trip: forces by {}, accelerations by {}", solvers[index(who)]->name(), solver->name()),
-           "",
-           {},
-           digits,
-           kRoundTrip});
+           "", kNoValues, digits, kRoundTrip});
       result.text += fmt::format("{}: {} digits\n", result.numbers.back().name, format_digits(digits));
     }
   }

@@ -237,6 +237,14 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                                    {"need", row.need},
                                    {"verdict", row.agrees() ? "agree" : "differ"}});
   }
+  for (const AppliedForceRow& row : result.forces) {
+    document["forces"].push_back({{"driven", row.name},
+                                  {"acceleration", row.acceleration},
+                                  {"unit", row.unit},
+                                  {"cartesian", row.tau[0]},
+                                  {"relative", row.tau[1]},
+                                  {"digits", digits(row.digits)}});
+  }
   for (std::size_t who = 0; who < 2; ++who) {
     if (!result.linearizations[who]) continue;
     document["modes"][verdict.solvers[who].name] = modes_json(*result.linearizations[who]);

@@ -282,5 +282,22 @@ TEST_F(AnalysesTest, JsonAndCsvHoldWrenchesOfBothSolversAndModes) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2);
 }
 
+/// Whoever asks for forces reads them, and no number where a row has many.
+TEST_F(AnalysesTest, JsonHoldsTheForcesOfInverseDynamics) {
+  AnalysisVerdict found;
+  found.analysis = "inverse";
+  found.forces.push_back({"turn_z of A", 2.5, "N m", {-4.0, -4.5}, 1.2});
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  found.numbers.push_back({"as asked", "", {none, none}, 13.0, 9.0});
+  const auto document = nlohmann::json::parse(format_analysis_json(model_, found));
+  const auto& force = document["forces"][0];
+  EXPECT_EQ(force["driven"], "turn_z of A");
+  EXPECT_EQ(force["acceleration"], 2.5);
+  EXPECT_EQ(force["unit"], "N m");
+  EXPECT_EQ(force["cartesian"], -4.0);
+  EXPECT_EQ(force["relative"], -4.5);
+  EXPECT_TRUE(document["numbers"][0]["cartesian"].is_null());
+}
+
 }  // namespace
 }  // namespace concord::compare::analyses
