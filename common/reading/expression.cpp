@@ -138,8 +138,13 @@ std::string hint_on_name(const std::string& name, const std::vector<std::string>
       {"degrees", "degrees are written 'deg', as in '20 deg'"},
       {"PI", "write 'pi'"},
       {"Pi", "write 'pi'"}};
+  static constexpr std::string_view kUnits[] = {"kg", "g",  "t",  "m", "mm", "cm",  "km", "s",
+                                                "ms", "Hz", "kN", "N", "Nm", "rpm", "Pa"};
   for (const auto& [written, hint] : kMeant) {
     if (name == written) return hint;
+  }
+  if (std::find(std::begin(kUnits), std::end(kUnits), name) != std::end(kUnits)) {
+    return "numbers are in SI units, without a word for the unit";
   }
   return suggestion(name, parameters, "parameters");
 }

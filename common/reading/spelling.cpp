@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace concord {
 
@@ -14,6 +15,39 @@ namespace {
 constexpr std::size_t kLongestGuess = 100;
 constexpr std::size_t kMostGuesses = 1000;
 constexpr std::ptrdiff_t kMostListed = 60;
+
+/// What other programs, and textbooks, call words of the format.
+constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
+    {"prismatic", "translational"},
+    {"slider", "translational"},
+    {"hinge", "revolute"},
+    {"pin", "revolute"},
+    {"ball", "spherical"},
+    {"socket", "spherical"},
+    {"cardan", "universal"},
+    {"hooke", "universal"},
+    {"fixed", "weld"},
+    {"rigid", "weld"},
+    {"floating", "free"},
+    {"rod", "distance"},
+    {"helical", "screw"},
+    {"sine", "harmonic"},
+    {"sin", "harmonic"},
+    {"cosine", "harmonic"},
+    {"step", "smooth_step"},
+    {"table", "spline"},
+    {"local", "body"},
+    {"world", "global"},
+};
+
+/// The candidate that is meant by another name, or nullptr.
+const std::string* known_elsewhere_as(std::string_view word, const std::vector<std::string>& candidates) {
+  for (const auto& [other, own] : kOtherNames) {
+    const auto found = word == other ? std::find(candidates.begin(), candidates.end(), own) : candidates.end();
+    if (found != candidates.end()) return &*found;
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -39,6 +73,9 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   if (candidates.empty()) return fmt::format("there are no {}", plural);
   if (word.size() > kLongestGuess || candidates.size() > kMostGuesses) {
     return fmt::format("known {}: {}", plural, join_names(candidates));
+  }
+  if (const std::string* meant = known_elsewhere_as(word, candidates)) {
+    return fmt::format("did you mean '{}'?", *meant);
   }
   const auto distance_to = [word](const std::string& candidate) {
     return edit_distance(word, std::string_view(candidate).substr(0, 2 * kLongestGuess));

@@ -144,7 +144,7 @@ TEST(Expression, SaysHowItIsWrittenHere) {
       {"5 %", "0.05 for 5 %"},        {"1\u00a0+ 2", "usual"},
       {"log(2)", "is 'ln'"},          {"0.5 * rad", "in radians"},
       {"pow(2, 3)", "written '^'"},   {"90 * degrees", "written 'deg'"},
-      {"2 * PI", "write 'pi'"}};
+      {"2 * PI", "write 'pi'"},       {"1.2 * kg", "SI units"}};
   for (const auto& [expression, hint] : cases)
     EXPECT_THAT(expression_complaint(expression), HasSubstr(hint)) << expression;
 }

@@ -23,6 +23,13 @@ TEST(Spelling, SuggestsTheNearestWordOrListsAll) {
   EXPECT_EQ(suggestion("X", {}, "joints"), "there are no joints");
 }
 
+TEST(Spelling, KnowsWhatOtherProgramsCallAWord) {
+  EXPECT_EQ(suggestion("prismatic", {"revolute", "translational"}, "types"), "did you mean 'translational'?");
+  EXPECT_EQ(suggestion("sine", {"harmonic", "spline"}, "laws"), "did you mean 'harmonic'?");
+  EXPECT_EQ(suggestion("local", {"body", "global"}, "axes"), "did you mean 'body'?");
+  EXPECT_EQ(suggestion("table", {"tables", "chair"}, "bodies"), "did you mean 'tables'?") << "no law is asked for";
+}
+
 TEST(Spelling, JoinsNames) {
   EXPECT_EQ(join_names({"a", "b", "c"}), "a, b, c");
   EXPECT_EQ(join_names({}), "");
