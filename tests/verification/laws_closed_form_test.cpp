@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
+#include "judged_machines.h"
 
 /// Force laws and a screw against what their statement says by hand: stops, tables, preload, a nut on its thread.
 namespace concord::verification {
@@ -239,6 +240,31 @@ start.turn = { keep = "500 deg", keep_speed = -4 }
     CHECK(thrust.digits() >= 12.0);
     CHECK(torque.digits() >= 12.0);
   }
+}
+
+// Detects a budget that forgets what cancels: the driver's force is known to round-off of what pushes against it.
+TEST_CASE("A driver moves a block against an actuator, a table or a stop, and all it carries agrees", "[laws][quick]") {
+  const std::string against =
+      GENERATE(as<std::string>(), "{ actuator = 1e4 }", "{ upper_stop = { at = 0, stiffness = 1e7, width = 1e-3 } }",
+               "{ spring_table = { x = [-1, -0.3, 0.2, 1], force = [3e6, 1e6, -1e6, -3e6] } }",
+               "{ damper_table = { x = [-1, -0.3, 0.2, 1], force = [3e6, 1e6, -1e6, -3e6] } }");
+  const std::string joint =
+      GENERATE(as<std::string>(), "type = \"translational\"\ndrive.slide_z", "type = \"revolute\"\ndrive.turn_z");
+  const std::string coordinate = joint.find("slide") != std::string::npos ? "slide_z" : "turn_z";
+  INFO(coordinate << " against " << against);
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -1]
+[[body]]
+name = "block"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[[joint]]
+name = "guide"
+parent = "ground"
+child = "block"
+)toml" + joint + " = { law = \"harmonic\", amplitude = 0.1, frequency = 6 }\nspring." +
+                            coordinate + " = " + against + "\n");
+  expect_to_agree(model, in_short(model, 1.0));
 }
 
 }  // namespace concord::verification
