@@ -204,6 +204,12 @@ std::optional<Attribution> blame_report(const Evidence& evidence) {
   const std::vector<ReportFault> faults = find_report_faults(evidence.model, evidence.states, evidence.ambiguous);
   if (faults.empty()) return blame_own_report(evidence);
   const ReportFault* fault = &faults.front();
+  if (fault->term == Term::point && breaches_of(evidence, AuditRule::both_sides).empty() &&
+      breaches_of(evidence, AuditRule::two_frames).empty()) {
+    // Where drivers prescribe all motion, what is wrong in a body's torques shows in reactions alone.
+    std::optional<Attribution> of_body = blame_dynamics(evidence, true);
+    if (of_body && of_body->term != Term::reaction) return of_body;
+  }
   if (fault->term != Term::subtraction && faults.back().term == Term::reaction) {
     // Wrenches that are found one from the other are wrong together: the body that is out of balance knows the first.
     std::optional<Attribution> of_body = blame_dynamics(evidence, true);

@@ -113,7 +113,15 @@ bool answers_hold(const Verdict& verdict) {
 
 std::string blame_of_run(const Verdict& verdict) {
   const auto& [one, other] = verdict.solvers;
-  if (verdict.same_run.passed && keeps_energy(verdict, one) != keeps_energy(verdict, other)) {
+  const bool one_loses = keeps_energy(verdict, one) != keeps_energy(verdict, other);
+  if (one_loses && !verdict.same_run.passed) {
+    return fmt::format(
+        "to blame: the run of {}, not what it answers: in the same states both solvers agree and the audit holds, and "
+        "this run alone does not keep its energy; look at its steps, projections, events, and at the joint "
+        "accelerations that it integrates",
+        keeps_energy(verdict, one) ? other.name : one.name);
+  }
+  if (one_loses) {
     return fmt::format(
         "to blame: {}, in the power that it integrates: both runs agree and the audit holds, and the work of its "
         "drivers, springs, dampers and forces is not what the motion gains",

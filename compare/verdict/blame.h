@@ -45,7 +45,8 @@ std::optional<Attribution> cause_of_stop(const Model& model, const std::array<So
 /// In the same states both solvers agree, in their ranks too, and the audit holds.
 bool answers_hold(const Verdict& verdict);
 
-/// A note where answers hold and runs do not. Where both runs agree, it is the power that one solver integrates.
+/// A note where answers hold and runs do not. The run that does not keep its energy is to blame, if the other one does;
+/// where both runs agree all the same, it is the power that one solver integrates.
 std::string blame_of_run(const Verdict& verdict);
 
 /// The same where one solver's run stops, and the other one's goes on to its end.

@@ -24,10 +24,11 @@ std::string describe(const StatedValue& value, const std::string& file) {
 }
 
 Attribution cause_of(const StatedValue& value) {
+  const char* page = value.key == "type" ? ", at the page of the joint type in common/joints" : "";
   return {2, Term::statement, value.where,
-          fmt::format("two readings of the file differ on \"{}\", before any solver is asked: look at common/reading "
+          fmt::format("two readings of the file differ on \"{}\", before any solver is asked: look at common/reading{} "
                       "and at compare/reread",
-                      value.key)};
+                      value.key, page)};
 }
 
 std::string text_of(const Model& model, const SecondReading& reading) {

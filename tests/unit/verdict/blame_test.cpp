@@ -115,7 +115,7 @@ TEST(BlameOfRuns, EnergyThatOneRunLosesAloneIsItsPower) {
   verdict.solvers[1].energy_error = 1e-2;
   EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: relative, in the power that it integrates"));
   verdict.same_run.passed = false;
-  EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: a run"));
+  EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: the run of relative, not what it answers"));
   verdict.same_run.passed = true;
   verdict.solvers[0].energy_error = 1e-2;
   EXPECT_THAT(blame_of_run(verdict), HasSubstr("to blame: a run"));

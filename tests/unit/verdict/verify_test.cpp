@@ -221,7 +221,7 @@ TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   EXPECT_TRUE(verdict.same_state.passed);
   EXPECT_THAT(verdict.findings.at(0).symptom, HasSubstr("same run: "));
   EXPECT_FALSE(verdict.attribution);
-  EXPECT_THAT(verdict.notes, Contains(HasSubstr("to blame: a run, not what is answered")));
+  EXPECT_THAT(verdict.notes, Contains(HasSubstr("to blame: the run of relative, not what it answers")));
 }
 
 TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
