@@ -21,50 +21,30 @@ constexpr int kX = 0;
 constexpr int kY = 1;
 constexpr int kZ = 2;
 
-using Motion = Placement (*)(const Numbers& numbers, const VecX& q);
+Placement turn(const Mat3& R) { return {Vec3::Zero(), R}; }
+Placement slide(const Vec3& d) { return {d, Mat3::Identity()}; }
 
-/// The rows of the page's table of types.
-const std::map<std::string, Motion>& motions() {
-  static const std::map<std::string, Motion> all{
-      {"weld",
-       [](const Numbers&, const VecX&) {
-         return Placement{Vec3::Zero(), Mat3::Identity()};
-       }},
-      {"revolute",
-       [](const Numbers&, const VecX& q) {
-         return Placement{Vec3::Zero(), turned(kZ, q(0))};
-       }},
+using Motion = Placement (*)(const Numbers& numbers, const VecX& q);
+using Motions = std::map<std::string, Motion>;
+
+/// Rows of the page's table of types: without an arm.
+Motions motions_about_a_point() {
+  return {
+      {"weld", [](const Numbers&, const VecX&) { return turn(Mat3::Identity()); }},
+      {"revolute", [](const Numbers&, const VecX& q) { return turn(turned(kZ, q(0))); }},
       {"translational",
        [](const Numbers&, const VecX& q) {
-         return Placement{Vec3(0, 0, q(0)), Mat3::Identity()};
+         return slide({0, 0, q(0)});
        }},
       {"cylindrical",
        [](const Numbers&, const VecX& q) {
          return Placement{Vec3(0, 0, q(0)), turned(kZ, q(1))};
        }},
-      {"spherical",
-       [](const Numbers&, const VecX& q) {
-         return Placement{Vec3::Zero(), ball(q, 0)};
-       }},
-      {"universal",
-       [](const Numbers&, const VecX& q) {
-         return Placement{Vec3::Zero(), turned(kX, q(0)) * turned(kY, q(1))};
-       }},
+      {"spherical", [](const Numbers&, const VecX& q) { return turn(ball(q, 0)); }},
+      {"universal", [](const Numbers&, const VecX& q) { return turn(turned(kX, q(0)) * turned(kY, q(1))); }},
       {"free",
        [](const Numbers&, const VecX& q) {
          return Placement{q.head<3>(), ball(q, 3)};
-       }},
-      {"distance",
-       [](const Numbers& length, const VecX& q) {
-         return Placement{turned(kX, q(0)) * turned(kY, q(1)) * Vec3(0, 0, length[0]), ball(q, 2)};
-       }},
-      {"revolute_spherical",
-       [](const Numbers& length, const VecX& q) {
-         return Placement{turned(kZ, q(0)) * Vec3(length[0], 0, 0), ball(q, 1)};
-       }},
-      {"universal_spherical",
-       [](const Numbers& length, const VecX& q) {
-         return Placement{turned(kY, q(0)) * turned(kZ, q(1)) * Vec3(length[0], 0, 0), ball(q, 2)};
        }},
       {"knife_edge",
        [](const Numbers&, const VecX& q) {
@@ -79,15 +59,33 @@ const std::map<std::string, Motion>& motions() {
          return Placement{Vec3(0, 0, lead[0] * q(0)), turned(kZ, q(0))};
        }},
   };
-  return all;
+}
+
+/// And with an arm of its length.
+Motions motions_of_arms() {
+  return {
+      {"distance",
+       [](const Numbers& length, const VecX& q) {
+         return Placement{turned(kX, q(0)) * turned(kY, q(1)) * Vec3(0, 0, length[0]), ball(q, 2)};
+       }},
+      {"revolute_spherical",
+       [](const Numbers& length, const VecX& q) {
+         return Placement{turned(kZ, q(0)) * Vec3(length[0], 0, 0), ball(q, 1)};
+       }},
+      {"universal_spherical",
+       [](const Numbers& length, const VecX& q) {
+         return Placement{turned(kY, q(0)) * turned(kZ, q(1)) * Vec3(length[0], 0, 0), ball(q, 2)};
+       }},
+  };
 }
 
 }  // namespace
 
 std::optional<Placement> stated_placement(const std::string& type, const Numbers& numbers, const VecX& q) {
-  const auto found = motions().find(type);
-  if (found == motions().end()) return std::nullopt;
-  return found->second(numbers, q);
+  for (const Motions& motions : {motions_about_a_point(), motions_of_arms()}) {
+    if (const auto found = motions.find(type); found != motions.end()) return found->second(numbers, q);
+  }
+  return std::nullopt;
 }
 
 std::optional<StatedSpeeds> stated_speeds(const std::string& type, const Numbers& numbers, const Mat3& R) {
