@@ -170,6 +170,7 @@ void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mo
   velocities.imag() = chart.velocities(coordinates.imag());
   mode.shape = normalized_shape(velocities);
   mode.scaled_shape = normalized_shape(chart.basis() * coordinates);
+  mode.coordinates = coordinates.normalized();
 }
 
 ModePairs pair_modes(const std::vector<Mode>& one, const std::vector<Mode>& other, double resolution) {

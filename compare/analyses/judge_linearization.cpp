@@ -198,12 +198,45 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
   result.linearizations[0] = std::move(turning);
 }
 
+/// How far an eigenvalue and its shape are from solving lambda^2 x = A x + lambda B x, as a part of the three terms,
+/// beyond what is not resolved of them. Both solvers' modes come from one search, which this does not call.
+double misfit_of(const Mode& mode, const Linearization& found) {
+  constexpr double kStray = 1e-5;  // equal eigenvalues stray by the root of the round-off
+  constexpr double kRoundOff = 1e-11;
+  const std::complex<double> lambda = mode.eigenvalue;
+  const Eigen::VectorXcd& x = mode.coordinates;
+  const Eigen::VectorXcd pull = found.A * x;
+  const Eigen::VectorXcd drag = lambda * (found.B * x);
+  const double terms = std::norm(lambda) + pull.norm() + drag.norm();
+  const double sizes = found.A.norm() + std::abs(lambda) * found.B.norm() + std::norm(lambda);
+  const double open = kStray * terms + (kRoundOff + mode.shape_resolution) * sizes +
+                      mode.eigenvalue_resolution * (2.0 * std::abs(lambda) + found.B.norm());
+  return std::max(0.0, (lambda * lambda * x - pull - drag).norm() - open) / terms;
+}
+
+void require_modes_to_fit(const Linearization& found, std::string_view solver, AnalysisVerdict& result) {
+  constexpr double kFits = 1e-4;
+  for (const Mode& mode : found.modes) {
+    if (mode.is_free || mode.eigenvalue == 0.0) continue;
+    const double misfit = misfit_of(mode, found);
+    if (misfit <= kFits) continue;
+    result.wrenches.findings.push_back(
+        {fmt::format(
+             "{}: the mode of {} at {:.6g} Hz does not solve the equations that it is a mode of: they are open by "
+             "{:.1e} of their terms",
+             solver, mode.motion, mode.frequency(), misfit),
+         "linearize: eigenvalues or shapes are none of the matrices"});
+    return;
+  }
+}
+
 /// The equilibria that each solver finds, which must be the same rest.
 Rests rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result) {
   Rests rests = find_rests(model, solvers);
   const auto& [found, states] = rests;
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
+    require_arrived(found[index(who)], solvers[index(who)]->name(), result);
   }
   if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
     refuse_undetermined_rest(model, solvers, found);
@@ -244,6 +277,9 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   if (!at_equilibrium) measure_in_steady_axes(held, solvers, states, result);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
   ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
+  for (const Who who : kBothSolvers) {
+    require_modes_to_fit(*result.linearizations[index(who)], solvers[index(who)]->name(), result);
+  }
   require_unique(result);
   conclude(result);
   return result;

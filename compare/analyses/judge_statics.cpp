@@ -166,6 +166,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   judge_wrenches(held, solvers, rests.states, kind_of(rests), result);
   for (const Who who : kBothSolvers) {
     result.text += equilibrium_text(found[index(who)], solvers[index(who)]->name());
+    require_arrived(found[index(who)], solvers[index(who)]->name(), result);
   }
   compare_stiffness(found, result);
   result.text += '\n' + judge_coordinates(held, solvers[0]->assemble(), {&found[0].state, &found[1].state}, result);

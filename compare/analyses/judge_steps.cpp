@@ -225,6 +225,14 @@ void conclude(AnalysisVerdict& result) {
   conclude(verdict);
 }
 
+void require_arrived(const Equilibrium& found, std::string_view solver, AnalysisVerdict& result) {
+  constexpr double kArrived = 1e-5;  // of the length, rad: the step after it is round-off
+  if (found.last_step <= kArrived) return;
+  result.wrenches.findings.push_back(
+      {fmt::format("{}: the last step of the search for an equilibrium is {:.1e}", solver, found.last_step),
+       fmt::format("allowed {:.1e}: what it says is no rest", kArrived)});
+}
+
 std::string equilibrium_text(const Equilibrium& found, std::string_view solver) {
   std::string text =
       fmt::format("{}: equilibrium after {} steps, the last of {:.1e}", solver, found.iterations - 1, found.last_step);

@@ -26,6 +26,8 @@ struct Mode {
   Eigen::VectorXcd shape;
   /// The same in units of the machine, see Chart, of unit norm: what is compared.
   Eigen::VectorXcd scaled_shape;
+  /// The same in the chart's coordinates, of unit norm: A x + lambda B x = lambda^2 x.
+  Eigen::VectorXcd coordinates;
   std::string motion;  // the joint coordinates that take part most
 
   [[nodiscard]] bool oscillates() const { return eigenvalue.imag() > 0.0; }
