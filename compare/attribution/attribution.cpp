@@ -207,8 +207,8 @@ std::optional<Attribution> blame_report(const Evidence& evidence) {
   if (fault->term == Term::point && breaches_of(evidence, AuditRule::both_sides).empty() &&
       breaches_of(evidence, AuditRule::two_frames).empty()) {
     // Where drivers prescribe all motion, what is wrong in a body's torques shows in reactions alone.
-    std::optional<Attribution> of_body = blame_dynamics(evidence, true);
-    if (of_body && of_body->term != Term::reaction) return of_body;
+    std::optional<Attribution> of_body = blame_dynamics(evidence, false);
+    if (of_body && of_body->term != Term::reaction && of_body->term != Term::unknown) return of_body;
   }
   if (fault->term != Term::subtraction && faults.back().term == Term::reaction) {
     // Wrenches that are found one from the other are wrong together: the body that is out of balance knows the first.
