@@ -226,10 +226,10 @@ void conclude(AnalysisVerdict& result) {
 }
 
 void require_arrived(const Equilibrium& found, std::string_view solver, AnalysisVerdict& result) {
-  constexpr double kArrived = 1e-5;  // of the length, rad: the step after it is round-off
-  if (found.last_step <= kArrived) return;
+  constexpr double kArrived = 1e-8;  // of the length, rad: a search ends with less
+  if (found.step_left <= kArrived) return;
   result.wrenches.findings.push_back(
-      {fmt::format("{}: the last step of the search for an equilibrium is {:.1e}", solver, found.last_step),
+      {fmt::format("{}: the search for an equilibrium ended {:.1e} before it", solver, found.step_left),
        fmt::format("allowed {:.1e}: what it says is no rest", kArrived)});
 }
 

@@ -44,7 +44,7 @@ void require_unique(AnalysisVerdict& result);
 /// The outcome, from the wrenches and the numbers.
 void conclude(AnalysisVerdict& result);
 
-/// A search for an equilibrium has ended at one, its last step being round-off of the way: else a finding.
+/// A search for an equilibrium has ended at one, no step being left to make: else a finding.
 void require_arrived(const Equilibrium& found, std::string_view solver, AnalysisVerdict& result);
 
 /// How a solver found the equilibrium, and along what it meets no stiffness.

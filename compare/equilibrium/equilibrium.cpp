@@ -90,6 +90,7 @@ class PseudoTransientContinuation {
     const Stiffness stiffness = stiffness_here(chart, f.norm());
     const StiffnessSplit split(chart, stiffness, scale_, f);
     const VecX newton = split.newton_step(f);
+    step_left_ = newton.norm();
     const VecX unmet = split.unmet(f);
     const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
@@ -104,11 +105,7 @@ class PseudoTransientContinuation {
     const bool falls = growth.count() > 0 && pull == f;
     const bool by_newton = is_met && !falls && (time_ >= kNearlyAll * longest_time() || length_.crawls(f.norm()));
     if (!by_newton) lengthen(f, growth, falls);
-    if (falls && is_cautious_) {
-      length_.count_fall();
-    } else {
-      length_.count_leap();
-    }
+    length_.count_step(falls && is_cautious_);
     refuse_if_pushed(chart, stiffness.J, unmet, negligible);
     last_step_ = newton.norm();
     const VecX step =
@@ -329,8 +326,8 @@ class PseudoTransientContinuation {
   }
 
   Equilibrium conclude(int iterations) {
-    return {std::move(state_), std::move(evaluation_), iterations,       last_step_,
-            std::move(free_),  unstable_directions_,   std::move(kink_), steps_back_.is_at_edge()};
+    return {std::move(state_), std::move(evaluation_),   iterations, last_step_, std::move(free_), unstable_directions_,
+            std::move(kink_),  steps_back_.is_at_edge(), step_left_};
   }
 
   static constexpr int kPushes = 25;
@@ -364,6 +361,7 @@ class PseudoTransientContinuation {
   std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
+  double step_left_ = 0.0;
   std::deque<std::pair<State, VecX>> last_moves_;
   StepLength length_;
   /// Longer steps would hardly end in a closed state.

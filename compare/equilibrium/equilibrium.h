@@ -33,6 +33,8 @@ struct Equilibrium {
   std::string kink;
   /// It lies where places of rest end on the way to the start, as where a stop begins to press.
   bool is_at_edge = false;
+  /// Size of Newton's next step, which was not made any more.
+  double step_left = 0.0;
 };
 
 /// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler

@@ -18,12 +18,10 @@ class StepLength {
   /// Cuts a step of the chart's coordinates. `as_a_whole`: by its norm, not by its largest change of a joint.
   void shorten(const Chart& chart, bool as_a_whole, VecX& step);
 
-  /// Tells of a step down from an unstable pose. A search that turns back in very many of them leaps to and fro across
-  /// a narrow valley, and goes on in steps half as long.
-  void count_fall();
-  /// Tells of any other step. Where steps turn back again and again without becoming shorter, the longest is halved; it
-  /// grows again where they go one way.
-  void count_leap();
+  /// Tells of a step. A search that turns back in very many steps down from an unstable pose (`falls`) leaps to and fro
+  /// across a narrow valley, and goes on in steps half as long. Where other steps turn back again and again without
+  /// becoming shorter, the longest is halved; it grows again where they go one way.
+  void count_step(bool falls) { falls ? count_fall() : count_leap(); }
   /// Whether accelerations, now of this size, have fallen for many steps, and little in each: the rest lies straight
   /// ahead, and these steps are short for it. Counts the steps in which it is asked.
   [[nodiscard]] bool crawls(double size);
@@ -40,6 +38,9 @@ class StepLength {
   [[nodiscard]] int cut_by_shafts() const { return cut_by_shafts_; }
 
  private:
+  void count_fall();
+  void count_leap();
+
   const Model& model_;
   double longest_;
   double share_ = 1.0;  // of it, as leaps ask for
