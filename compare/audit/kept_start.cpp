@@ -8,6 +8,7 @@
 
 #include "common/joints/named_coordinates.h"
 #include "common/rotation.h"
+#include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/law_of_time.h"
 
@@ -15,6 +16,7 @@ namespace concord::compare {
 
 namespace {
 
+constexpr double kRest = 1e-6;  // of what may be reached: what nothing is compared with
 constexpr double kKept = 1e-7;  // solvers keep to round-off, which a fine thread far away magnifies
 
 class StartAudit {
@@ -30,10 +32,7 @@ class StartAudit {
     }
   }
   /// A machine at rest is compared with a part of what it may reach.
-  void know_speed(double reached) {
-    constexpr double kRest = 1e-6;
-    speed_ = std::max(speed_, kRest * reached);
-  }
+  void know_speed(double reached) { speed_ = std::max(speed_, kRest * reached); }
 
   [[nodiscard]] double length() const { return length_; }
 
@@ -80,15 +79,22 @@ class StartAudit {
 
   void hold_body(const Body& body, const BodyState& state) {
     owner_ = "body " + body.name;
-    hold_modes("a", state.a, body.a_start);
-    hold_modes("adot", state.adot, body.adot_start);
+    std::vector<MassPoint> of_rigid;
+    VecX displaces = VecX::Zero(body.a_start.size());  // by a unit of each modal coordinate [m]
+    for (const MassPoint& point : mass_points_of(body, of_rigid)) {
+      if (body.modal) displaces = displaces.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+    }
+    hold_modes("a", state.a, body.a_start, kRest * length_, displaces);
+    hold_modes("adot", state.adot, body.adot_start, kRest * speed_, displaces);
   }
 
-  void hold_modes(const char* name, const VecX& found, const VecX& stated) {
+  /// `rest`: the displacement, or its rate, that one which is nothing is compared with.
+  void hold_modes(const char* name, const VecX& found, const VecX& stated, double rest, const VecX& displaces) {
     if (stated.size() == 0) return;
-    const double size = std::max(stated.cwiseAbs().maxCoeff(), found.cwiseAbs().maxCoeff());
+    const double largest = std::max(stated.cwiseAbs().maxCoeff(), found.cwiseAbs().maxCoeff());
     for (Eigen::Index m = 0; m < stated.size(); ++m) {
-      hold(fmt::format("{}_{}", name, m + 1), found(m), stated(m), size);
+      const double least = displaces(m) > 0.0 ? rest / displaces(m) : 0.0;
+      hold(fmt::format("{}_{}", name, m + 1), found(m), stated(m), std::max(largest, least));
     }
   }
 

@@ -23,7 +23,8 @@ struct KeptStart {
 };
 
 /// Sizes are 1 rad or the angle, the machine's length or the displacement; of a speed the largest in the run, over the
-/// length for turns; of modal coordinates the largest number of the body.
+/// length for turns; of modal coordinates the largest number of the body, at least what displaces it by a
+/// millionth of these.
 KeptStart audit_kept_start(const Model& model, const Trajectory& run);
 
 /// The same of a start whose run is not known: speeds beside those of the start.

@@ -97,6 +97,18 @@ TEST_F(KeptStartTest, HoldsModalCoordinatesAndTheirRates) {
   EXPECT_EQ(found().what, "adot_2");
 }
 
+/// Modes that rest have coordinates of round-off: they are compared with what displaces the body.
+TEST_F(KeptStartTest, TakesRoundOffOfModesForRest) {
+  ModalData& modal = model_.bodies[2].modal.emplace();
+  modal.mass_points.push_back({1.0, Vec3::Zero(), Mat3X::Identity(3, 2)});
+  model_.bodies[2].a_start = model_.bodies[2].adot_start = VecX::Zero(2);
+  start_.bodies[2].a = start_.bodies[2].adot = VecX::Constant(2, 1e-17);
+  EXPECT_TRUE(found().holds());
+  start_.bodies[2].a(1) = 1e-10;
+  EXPECT_EQ(found().what, "a_2");
+  EXPECT_FALSE(found().holds());
+}
+
 /// A machine at rest has speeds of round-off.
 TEST_F(KeptStartTest, TakesRoundOffOfSpeedsForRest) {
   start_.bodies[1].v.setZero();
