@@ -132,6 +132,26 @@ void limit_memory([[maybe_unused]] double megabytes) {
   _exit(0);
 }
 
+/// Signals that a terminal, or whoever stops a program with all its processes, sends to workers too. What they mean is
+/// their owner's to say, with whose end they end; a worker that they ended by themselves would look like one that
+/// crashed.
+constexpr std::array kSignalsOfOwner{SIGINT, SIGTERM, SIGHUP};
+
+/// A fork whose child ignores the signals of its owner from its first moment.
+pid_t fork_under_signals() {
+  sigset_t held{};
+  sigset_t before{};
+  sigemptyset(&held);
+  for (const int signal : kSignalsOfOwner) sigaddset(&held, signal);
+  pthread_sigmask(SIG_BLOCK, &held, &before);
+  const pid_t process = fork();
+  if (process == 0) {
+    for (const int signal : kSignalsOfOwner) std::signal(signal, SIG_IGN);
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return process;
+}
+
 void become_worker(pid_t owner, const Limits& limits, int words, const std::vector<int>& to_close) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != owner) _exit(0);
@@ -153,7 +173,7 @@ Worker::Worker(const Task& task, const Limits& limits, const std::vector<int>& t
   if (socketpair(AF_UNIX, SOCK_STREAM, 0, sockets.data()) != 0) fail("socketpair");
   if (pipe(pipes.data()) != 0) fail("pipe");
   const pid_t owner = getpid();
-  process_ = fork();
+  process_ = fork_under_signals();
   if (process_ < 0) fail("fork");
   if (process_ == 0) {
     std::vector<int> own_to_close = to_close;

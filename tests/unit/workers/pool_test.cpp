@@ -89,6 +89,15 @@ TEST(Workers, CrashIsReportedWithSignalAndLastWordsAndTheRestGoesOn) {
   EXPECT_EQ(described(reports[5]), "answered/did c");
 }
 
+/// A terminal sends them to all processes of a program at once.
+TEST(Workers, SignalsThatEndTheirOwnerAreNoCrash) {
+  const Task stopped = [](const std::string& input) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
+    return input;
+  };
+  for (const Report& report : do_all({"a", "b"}, 1, stopped)) EXPECT_EQ(report.end, End::answered);
+}
+
 TEST(Workers, HangIsEndedAndReported) {
   const std::vector<Report> reports = do_all({"a", "spin", "b"}, 2);
   ASSERT_EQ(reports.size(), 3U);
