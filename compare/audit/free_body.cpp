@@ -89,6 +89,15 @@ const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassP
   return of_rigid;
 }
 
+VecX largest_displacements(const Body& body) {
+  VecX largest = VecX::Zero(body.n_modes());
+  if (!body.modal) return largest;
+  for (const MassPoint& point : body.modal->mass_points) {
+    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+  }
+  return largest;
+}
+
 Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                    const Evaluation& evaluation) {
   const BodyState& motion = state.bodies[body];

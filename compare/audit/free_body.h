@@ -12,6 +12,9 @@ namespace concord::compare {
 /// The mass points of a flexible body; of a rigid one, six that have its inertia, which are kept in `of_rigid`.
 const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid);
 
+/// How far each mode with unit amplitude moves the body, at most over its mass points [m].
+VecX largest_displacements(const Body& body);
+
 /// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
 struct Balance {
   explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}

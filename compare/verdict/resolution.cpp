@@ -67,15 +67,6 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
   return largest;
 }
 
-VecX largest_displacements(const Body& body) {
-  VecX largest = VecX::Zero(body.n_modes());
-  if (!body.modal) return largest;
-  for (const MassPoint& point : body.modal->mass_points) {
-    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
-  }
-  return largest;
-}
-
 StateSizes sizes_of(const Model& model, const State& state) {
   const double length = model.length_scale();
   StateSizes sizes;

@@ -42,9 +42,6 @@ struct Resolution {
   std::vector<std::string> singular;
 };
 
-/// How far each mode with unit amplitude moves the body, at most over its mass points [m].
-VecX largest_displacements(const Body& body);
-
 /// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
 /// m/s, rad/s] and of each body's modal coordinates and rates; and by how much a unit of each mode moves the body.
 struct StateSizes {

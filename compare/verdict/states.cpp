@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/audit/free_body.h"
 #include "compare/verdict/chart.h"
 
 namespace concord::compare {
@@ -61,14 +62,10 @@ StatePerturbation::StatePerturbation(const Model& model, const std::vector<Owned
   if (turning_ == 0.0 && until > 0.0) turning_ = 1.0 / until;
   speed_ = std::max(speed_, turning_ * length_);
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    if (!model.bodies[i].modal) continue;
+    const VecX shapes = largest_displacements(model.bodies[i]);
     for (int mode = 0; mode < model.bodies[i].n_modes(); ++mode) {
       if (modal_[i](mode) > 0.0) continue;
-      double shape = 0.0;
-      for (const MassPoint& point : model.bodies[i].modal->mass_points) {
-        shape = std::max(shape, point.Psi_t_L.col(mode).norm());
-      }
-      modal_[i](mode) = shape > 0.0 ? kQuietDeflection * length_ / shape : 0.0;
+      modal_[i](mode) = shapes(mode) > 0.0 ? kQuietDeflection * length_ / shapes(mode) : 0.0;
       modal_rate_[i](mode) = modal_[i](mode) * turning_;
     }
   }
