@@ -40,6 +40,19 @@ double size_of_places(const State& state, double length) {
   return length;
 }
 
+double size_of_speeds(const Model& model, const Trajectory& run) {
+  constexpr double kRest = 1e-6;
+  const double length = model.length_scale();
+  const double until = run.samples.empty() ? 0.0 : run.samples.back().state.t;
+  double size = kRest * std::max(std::sqrt(model.gravity.norm() * length), until > 0.0 ? length / until : 0.0);
+  for (const Sample& sample : run.samples) {
+    for (const BodyState& body : sample.state.bodies) {
+      size = std::max({size, body.v.norm(), body.omega.norm() * length});
+    }
+  }
+  return size;
+}
+
 Mat3 exponential_of(const Vec3& theta) {
   const double t = theta.norm();
   const Mat3 theta_tilde = skew(theta);

@@ -73,28 +73,10 @@ class Entries {
   std::vector<std::string> speeds_;
 };
 
-/// The largest speed of a body, and the largest of its angular speed, over a run.
-std::array<double, 2> largest_speeds(const Trajectory& run) {
-  std::array<double, 2> largest{};
-  for (const Sample& sample : run.samples) {
-    for (const BodyState& body : sample.state.bodies) {
-      largest[0] = std::max(largest[0], body.v.norm());
-      largest[1] = std::max(largest[1], body.omega.norm());
-    }
-  }
-  return largest;
-}
-
 class CoordinateAudit {
  public:
-  CoordinateAudit(const Model& model, const Trajectory& run) : model_(model), length_(model.length_scale()) {
-    // A machine at rest has speeds of round-off: of what gravity gives along its length, or of it in the run's time.
-    constexpr double kRest = 1e-6;
-    const auto [line, turn] = largest_speeds(run);
-    const double until = run.samples.empty() ? 0.0 : run.samples.back().state.t;
-    const double of_run = until > 0.0 ? length_ / until : 0.0;
-    const double of_gravity = std::sqrt(model.gravity.norm() * length_);
-    speed_ = std::max({line, turn * length_, kRest * of_run, kRest * of_gravity});
+  CoordinateAudit(const Model& model, const Trajectory& run)
+      : model_(model), length_(model.length_scale()), speed_(size_of_speeds(model, run)) {
     for (const Joint& joint : model.joints) entries_.emplace_back(joint);
   }
 
@@ -140,7 +122,7 @@ class CoordinateAudit {
 
   const Model& model_;
   double length_;
-  double speed_ = 0.0;
+  double speed_;
   std::vector<Entries> entries_;
   ReportedCoordinate worst_;
 };
