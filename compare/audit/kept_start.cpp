@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "common/joints/facts.h"
 #include "common/joints/named_coordinates.h"
-#include "common/rotation.h"
 #include "compare/audit/free_body.h"
-#include "compare/audit/joint_motion.h"
 #include "compare/audit/law_of_time.h"
+#include "compare/audit/places.h"
 
 namespace concord::compare {
 
@@ -21,69 +20,63 @@ constexpr double kKept = 1e-7;  // solvers keep to round-off, which a fine threa
 
 class StartAudit {
  public:
-  StartAudit(const Model& model, const State& start) : model_(model), start_(start), length_(model.length_scale()) {
-    know_speeds_of(start);
-    know_speed(std::sqrt(model.gravity.norm() * length_));
-  }
+  /// `speed`: what speeds are held against [m/s].
+  StartAudit(const Model& model, const State& start, double speed)
+      : model_(model), start_(start), length_(model.length_scale()), speed_(speed) {}
 
-  void know_speeds_of(const State& state) {
-    for (const BodyState& body : state.bodies) {
-      speed_ = std::max({speed_, body.v.norm(), body.omega.norm() * length_});
-    }
+  /// Coordinates of joints alone.
+  KeptStart find_in_coordinates() {
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) hold_coordinates(model_.joints[k], start_.q[k]);
+    return worst_;
   }
-  /// A machine at rest is compared with a part of what it may reach.
-  void know_speed(double reached) { speed_ = std::max(speed_, kRest * reached); }
-
-  [[nodiscard]] double length() const { return length_; }
 
   KeptStart find() {
-    for (std::size_t k = 0; k < model_.joints.size(); ++k) hold_joint(model_.joints[k], start_.q[k], start_.u[k]);
+    find_in_coordinates();
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) hold_speeds(model_.joints[k], start_.u[k]);
     for (std::size_t i = 1; i < model_.bodies.size(); ++i) hold_body(model_.bodies[i], start_.bodies[i]);
     return worst_;
   }
 
  private:
-  void hold_joint(const Joint& joint, const VecX& q, const VecX& u) {
+  void hold_coordinates(const Joint& joint, const VecX& q) {
     const joints::JointType& type = *joint.type;
-    const std::vector<bool> turns = turning_speeds(type);
     owner_ = "joint " + joint.name;
     for (const NamedCoordinate& one : named_coordinates(type)) {
       const WordStart& word = joint.start[static_cast<std::size_t>(one.word)];
-      const int at_q = first_q(type, one.word) + one.component;
-      const int at_u = first_u(type, one.word) + one.component;
-      const bool is_ball = one.kind == joints::CoordinateKind::orientation;
-      const bool is_turn = turns[static_cast<std::size_t>(at_u)];
-      if (word.role_q == StartRole::keep) {
-        if (is_ball) {
-          hold_orientation(one.name, q.segment<4>(at_q), word.q.segment<4>(one.component));
-        } else {
-          hold_place(one.name, q(at_q), word.q(one.component), is_turn);
-        }
-      }
-      if (word.role_u != StartRole::keep) continue;
-      for (int c = 0; c < joints::n_u(one.kind); ++c) {
-        hold_speed(one.name, u(at_u + c), word.u(at_u - first_u(type, one.word) + c), is_turn);
+      if (word.role_q != StartRole::keep) continue;
+      const int at = first_q(type, one.word) + one.component;
+      if (one.kind == joints::CoordinateKind::orientation) {
+        hold_orientation(one.name, q.segment<4>(at), word.q.segment<4>(one.component));
+      } else {
+        hold_place(one.name, q(at), word.q(one.component), one.kind != joints::CoordinateKind::length);
       }
     }
-    for (const Driver& driver : joint.drivers) hold_driver(joint, driver, q, u, turns);
+    for (const Driver& driver : joint.drivers) {
+      hold_place("driver", q(first_q(type, driver.word) + driver.component), LawOfTime(driver.law).at(0.0).value,
+                 !joints::is_length(type.permits[driver.word], driver.component));
+    }
   }
 
-  void hold_driver(const Joint& joint, const Driver& driver, const VecX& q, const VecX& u,
-                   const std::vector<bool>& turns) {
-    const int at_u = first_u(*joint.type, driver.word) + driver.component;
-    const Moving law = LawOfTime(driver.law).at(0.0);
-    const bool is_turn = turns[static_cast<std::size_t>(at_u)];
-    hold_place("driver", q(first_q(*joint.type, driver.word) + driver.component), law.value, is_turn);
-    hold_speed("driver", u(at_u), law.rate, is_turn);
+  void hold_speeds(const Joint& joint, const VecX& u) {
+    const joints::JointType& type = *joint.type;
+    owner_ = "joint " + joint.name;
+    for (const NamedCoordinate& one : named_coordinates(type)) {
+      const WordStart& word = joint.start[static_cast<std::size_t>(one.word)];
+      if (word.role_u != StartRole::keep) continue;
+      const int first = first_u(type, one.word);
+      for (int c = one.component; c < one.component + joints::n_u(one.kind); ++c) {
+        hold_speed(one.name, u(first + c), word.u(c), one.kind != joints::CoordinateKind::length);
+      }
+    }
+    for (const Driver& driver : joint.drivers) {
+      hold_speed("driver", u(first_u(type, driver.word) + driver.component), LawOfTime(driver.law).at(0.0).rate,
+                 !joints::is_length(type.permits[driver.word], driver.component));
+    }
   }
 
   void hold_body(const Body& body, const BodyState& state) {
     owner_ = "body " + body.name;
-    std::vector<MassPoint> of_rigid;
-    VecX displaces = VecX::Zero(body.a_start.size());  // by a unit of each modal coordinate [m]
-    for (const MassPoint& point : mass_points_of(body, of_rigid)) {
-      if (body.modal) displaces = displaces.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
-    }
+    const VecX displaces = largest_displacements(body);
     hold_modes("a", state.a, body.a_start, kRest * length_, displaces);
     hold_modes("adot", state.adot, body.adot_start, kRest * speed_, displaces);
   }
@@ -114,14 +107,14 @@ class StartAudit {
   void hold(const std::string& what, double found, double stated, double size) {
     constexpr double kClearly = 1.0 + 1e-6;  // of equal ones the first counts
     const double off = size > 0.0 ? std::abs(found - stated) / size : 0.0;
-    if (off <= kClearly * worst_.off) return;
+    if (std::isnan(worst_.off) || off <= kClearly * worst_.off) return;
     worst_ = {off, owner_, what, found, stated};
   }
 
   const Model& model_;
   const State& start_;
   double length_;
-  double speed_ = 0.0;
+  double speed_;
   std::string owner_;
   KeptStart worst_;
 };
@@ -135,15 +128,19 @@ std::string KeptStart::text() const {
                      stated);
 }
 
-KeptStart audit_kept_start(const Model& model, const State& start) { return StartAudit(model, start).find(); }
-
 KeptStart audit_kept_start(const Model& model, const Trajectory& run) {
   if (run.samples.empty()) return {};
-  StartAudit audit(model, run.samples.front().state);
-  for (const Sample& sample : run.samples) audit.know_speeds_of(sample.state);
-  const double until = run.samples.back().state.t;
-  if (until > 0.0) audit.know_speed(audit.length() / until);
-  return audit.find();
+  return StartAudit(model, run.samples.front().state, size_of_speeds(model, run)).find();
+}
+
+KeptStart audit_kept_start(const Model& model, const State& start) {
+  Trajectory run;
+  run.samples.push_back({start, {}, 0.0});
+  return audit_kept_start(model, run);
+}
+
+KeptStart audit_kept_coordinates(const Model& model, const State& start) {
+  return StartAudit(model, start, 0.0).find_in_coordinates();
 }
 
 }  // namespace concord::compare

@@ -30,4 +30,7 @@ KeptStart audit_kept_start(const Model& model, const Trajectory& run);
 /// The same of a start whose run is not known: speeds beside those of the start.
 KeptStart audit_kept_start(const Model& model, const State& start);
 
+/// The same of the coordinates of joints alone.
+KeptStart audit_kept_coordinates(const Model& model, const State& start);
+
 }  // namespace concord::compare

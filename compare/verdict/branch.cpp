@@ -10,7 +10,7 @@
 #include "common/error.h"
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/audit/law_of_time.h"
+#include "compare/audit/kept_start.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/states.h"
 
@@ -85,28 +85,7 @@ Apart apart(const Model& model, const State& one, const State& other) {
 
 }  // namespace
 
-bool obeys_the_model(const Model& model, const State& state) {
-  constexpr double kKept = 1e-7;  // solvers keep them to round-off, which a fine thread far away magnifies
-  const double length = model.length_scale();
-  std::vector<VecX> stated = state.q;
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
-    for (std::size_t word = 0; word < joint.start.size(); ++word) {
-      const WordStart& start = joint.start[word];
-      const int first = first_q(*joint.type, static_cast<int>(word));
-      if (start.role_q == StartRole::keep) stated[k].segment(first, start.q.size()) = start.q;
-    }
-    for (const Driver& driver : joint.drivers) {
-      stated[k](first_q(*joint.type, driver.word) + driver.component) = LawOfTime(driver.law).at(0.0).value;
-    }
-  }
-  bool obeys = true;
-  for_each_pair(model, state.q, stated, [&](std::size_t k, const NamedCoordinate& at, const auto&, double a, double b) {
-    const double unit = is_turn(model, k, at) ? 1.0 : length;
-    if (std::abs(a - b) > kKept * std::max(unit, std::abs(b))) obeys = false;
-  });
-  return obeys;
-}
+bool obeys_the_model(const Model& model, const State& state) { return audit_kept_coordinates(model, state).holds(); }
 
 namespace {
 
