@@ -77,9 +77,10 @@ double* write_event_functions(const Tire& tire, const ForceInstant& at, const Ap
 double departure_of(const Tire& tire, const ForceInstant& at, const AppliedForce& applied) {
   const int stretch = stretch_at(*tire.road, applied.child().point.x());
   const TireOnRoad own = place_on_road(tire, stretch, applied.child(), at.name, at.t);
-  const TireOnRoad kept = place_on_road(tire, applied.regime.stretch, applied.child(), at.name, at.t);
-  const Vec3 departure = on_axes(kept, evaluate(tire, applied.regime, kept.contact)) -
-                         on_axes(own, evaluate(tire, regime_at(tire, own.contact), own.contact));
+  const TireRegime own_regime = regime_at(tire, own.contact);
+  if (applied.regime == own_regime) return 0.0;
+  const Vec3 departure =
+      applied.wrenches[index(Side::child)].force - on_axes(own, evaluate(tire, own_regime, own.contact));
   return departure.norm() / (tire.stiffness * tire.radius);
 }
 

@@ -116,37 +116,40 @@ Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& eleme
   const JointPoint& wheel = element.ends.back();
   TireState& state = tires_[*element.tire];
   const int stretch = regimes_are_frozen_ ? state.regime.stretch : stretch_at(*tire.road, wheel.r.x());
-  state.frame = contact_of(tire, stretch, wheel, element.statement->name);
-  if (!regimes_are_frozen_) state.regime = regime_at(tire, state.frame.contact);
-  return wrench_at_center(state.frame, evaluate(tire, state.regime, state.frame.contact));
+  const ContactFrame frame = contact_of(tire, stretch, wheel, element.statement->name);
+  state.contact = frame.contact;
+  if (!regimes_are_frozen_) state.regime = regime_at(tire, frame.contact);
+  return wrench_at_center(frame, evaluate(tire, state.regime, frame.contact));
 }
 
 double AppliedForces::departure_of(const TireState& state) const {
   const Tire& tire = std::get<Tire>(state.statement->what);
   const JointPoint& wheel = elements_[state.element].ends.back();
   const ContactFrame own = contact_of(tire, stretch_at(*tire.road, wheel.r.x()), wheel, state.statement->name);
-  const Vec6 departure = wrench_at_center(own, evaluate(tire, regime_at(tire, own.contact), own.contact)) -
-                         wrench_at_center(state.frame, evaluate(tire, state.regime, state.frame.contact));
-  return departure.head<3>().norm() / (tire.stiffness * tire.radius);
+  const TireRegime own_regime = regime_at(tire, own.contact);
+  if (state.regime == own_regime) return 0.0;
+  const Vec3 force = wrench_at_center(own, evaluate(tire, own_regime, own.contact)).head<3>();
+  const Vec3& exerted = wrenches_[state.element].on_side(Side::child).in_global.force;
+  return (exerted - force).norm() / (tire.stiffness * tire.radius);
 }
 
-std::optional<std::string> AppliedForces::departed_contact() const {
+std::optional<AppliedForces::Contact> AppliedForces::departed_contact() const {
   for (const TireState& tire : tires_) {
-    if (departure_of(tire) > kLargestDeparture) return fmt::format("tire '{}'", tire.statement->name);
+    if (departure_of(tire) > kLargestDeparture) return Contact{"tire", &tire.statement->name};
   }
   for (const OwnedLaw& law : laws_) {
-    if (law.law_in_regime.departure() > kLargestDeparture) return fmt::format("law of '{}'", *law.owner);
+    if (law.law_in_regime.departure() > kLargestDeparture) return Contact{"law of", law.owner};
   }
   return std::nullopt;
 }
 
 AppliedForces::Least AppliedForces::least() const {
-  Least found{std::numeric_limits<double>::infinity(), "", nullptr};
+  Least found{std::numeric_limits<double>::infinity(), {"", nullptr}};
   const auto take = [&found](double value, const char* kind, const std::string& owner) {
-    if (found.owner == nullptr || value < found.value) found = {value, kind, &owner};
+    if (found.contact.owner == nullptr || value < found.value) found = {value, {kind, &owner}};
   };
   for (const TireState& tire : tires_) {
-    take(event_function_of(std::get<Tire>(tire.statement->what), tire.regime, tire.frame.contact), "tire",
+    take(event_function_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact), "tire",
          tire.statement->name);
   }
   for (const OwnedLaw& law : laws_) {
@@ -174,15 +177,17 @@ void AppliedForces::write_event_functions(Eigen::Ref<VecX> values) const {
   double* next = values.data();
   const auto write = [&next](const auto& own) { next = std::copy(own.begin(), own.end(), next); };
   for (const TireState& tire : tires_) {
-    write(event_functions_of(std::get<Tire>(tire.statement->what), tire.regime, tire.frame.contact));
+    write(event_functions_of(std::get<Tire>(tire.statement->what), tire.regime, tire.contact));
   }
   for (const OwnedLaw& law : laws_) write(law.law_in_regime.event_functions());
 }
 
 std::string AppliedForces::least_contact() const {
   const Least found = least();
-  return found.owner == nullptr ? "" : fmt::format("{} '{}'", found.kind, *found.owner);
+  return found.contact.owner == nullptr ? "" : found.contact.name();
 }
+
+std::string AppliedForces::Contact::name() const { return fmt::format("{} '{}'", kind, *owner); }
 
 bool AppliedForces::has_line_springs() const {
   return std::any_of(elements_.begin(), elements_.end(), [](const Element& element) {

@@ -57,8 +57,14 @@ class AppliedForces {
   }
   /// "tire 'left'", "law of 'coil'": of whom the smallest event function is.
   [[nodiscard]] std::string least_contact() const;
-  /// The same of a contact whose force at the last update departs from its law by more than kLargestDeparture.
-  [[nodiscard]] std::optional<std::string> departed_contact() const;
+  /// A tire, or a law with stops or tables.
+  struct Contact {
+    const char* kind;
+    const std::string* owner;
+    [[nodiscard]] std::string name() const;
+  };
+  /// Whose force at the last update departs from its law by more than kLargestDeparture.
+  [[nodiscard]] std::optional<Contact> departed_contact() const;
 
   /// Generalized force on the body of a link: six rigid rows about its origin, global axes, and its modal rows.
   [[nodiscard]] const Vec6& on_body(LinkIndex link) const { return on_body_[link]; }
@@ -93,7 +99,7 @@ class AppliedForces {
     const ForceElement* statement;
     std::size_t element;  // its index among the elements
     TireRegime regime;
-    ContactFrame frame;
+    TireContact contact;
   };
   /// A joint spring and the indices of its coordinate and speed.
   struct Spring {
@@ -121,8 +127,7 @@ class AppliedForces {
   /// The smallest event function, and whose contact has it.
   struct Least {
     double value;
-    const char* kind;
-    const std::string* owner;
+    Contact contact;
   };
   [[nodiscard]] Least least() const;
   void apply_element(double t, const Element& element, ElementWrenches& wrenches);

@@ -30,7 +30,7 @@ void RegimeEvents::set_regimes(double t, const Eigen::Ref<const VecX>& y) {
   forces_->free_regimes();
   take_event_functions(t, y, looks_.front().values);
   forces_->freeze_regimes();
-  departed_.reset();
+  departed_ = false;
 }
 
 int RegimeEvents::advance(double t_end, N_Vector y, double& t) {
@@ -40,11 +40,11 @@ int RegimeEvents::advance(double t_end, N_Vector y, double& t) {
     const int code = stepper_->step(t_end, y, t);
     if (code < 0) return code;
     take_event_functions(t, sundials::view(y), looks_.back().values);
-    std::optional<std::string> departed = forces_->departed_contact();
+    const auto departed = forces_->departed_contact();
     const double step = t - t_before;
     const std::optional<Bracket> bracket = find_bracket(t_before, step);
     if (!bracket) {
-      require_held_regimes(t, std::move(departed));
+      require_held_regimes(t, departed);
       looks_.front().values = looks_.back().values;
       continue;
     }
@@ -196,14 +196,14 @@ int RegimeEvents::approach(Bracket b, N_Vector y, double& t) {
 }
 
 /// At the end of a step that none of the event functions cuts short: the forces are those of the laws.
-void RegimeEvents::require_held_regimes(double t, std::optional<std::string> departed) {
+void RegimeEvents::require_held_regimes(double t, const std::optional<AppliedForces::Contact>& departed) {
   if (departed && departed_) {
     throw SolverError(
         fmt::format("at t = {:.6g} s the force of {} is not what its law says: the end of its regime was missed, which "
                     "is a fault of the program",
-                    t, *departed));
+                    t, departed->name()));
   }
-  departed_ = std::move(departed);
+  departed_ = departed.has_value();
 }
 
 /// Refuses regimes that take turns in no time.

@@ -63,7 +63,7 @@ class RegimeEvents {
   [[nodiscard]] static double guess(const Bracket& bracket, double tolerance);
   int approach(Bracket bracket, N_Vector y, double& t);
   void require_progress(double t);
-  void require_held_regimes(double t, std::optional<std::string> departed);
+  void require_held_regimes(double t, const std::optional<AppliedForces::Contact>& departed);
 
   AppliedForces* forces_;
   ApplyForces apply_;
@@ -74,7 +74,7 @@ class RegimeEvents {
   std::array<Look, 5> looks_;  // into the last step, from its begin to its end
   Look look_;
   std::vector<double> times_;
-  std::optional<std::string> departed_;  // at the end of the last step
+  bool departed_ = false;  // some force from its law, at the end of the last step
 };
 
 }  // namespace concord::relative

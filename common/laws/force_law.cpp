@@ -141,6 +141,8 @@ double event_function_of(const ForceLaw& law, const LawRegime& regime, double x,
 }
 
 double departure_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot) {
+  const LawRegime own = regime_at(law, x, xdot);
+  if (regime == own) return 0.0;
   double size = 0.0;
   for (const auto& stop : {law.upper, law.lower}) {
     if (stop) size = std::max(size, stop->stiffness * stop->width);
@@ -150,7 +152,7 @@ double departure_of(const ForceLaw& law, const LawRegime& regime, double x, doub
     for (const double force : (*table)->points().values()) size = std::max(size, std::abs(force));
   }
   const double departure =
-      std::abs(evaluate_resistance(law, regime, x, xdot).force - evaluate_resistance(law, x, xdot).force);
+      std::abs(evaluate_resistance(law, regime, x, xdot).force - evaluate_resistance(law, own, x, xdot).force);
   return departure > 0.0 ? departure / size : 0.0;
 }
 

@@ -88,6 +88,10 @@ struct LawRegime {
   StopRegime upper = StopRegime::off;
   int spring_piece = 0;
   int damper_piece = 0;
+  bool operator==(const LawRegime& other) const {
+    return lower == other.lower && upper == other.upper && spring_piece == other.spring_piece &&
+           damper_piece == other.damper_piece;
+  }
 };
 
 /// Resistance with the stops and tables in a given regime.
@@ -107,7 +111,7 @@ std::array<double, kLawEvents> event_functions_of(const ForceLaw& law, const Law
 double event_function_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
 /// How far the force in a regime departs from the law's own at x and xdot: as a part of stiffness times width of a stop
-/// and of the largest force of a table. Nothing but round-off in every regime that holds.
+/// and of the largest force of a table. Zero in the regime that the law is in by itself.
 double departure_of(const ForceLaw& law, const LawRegime& regime, double x, double xdot);
 
 /// What departs further from the law at the ends of two steps in a row has missed the end of its regime. At the end of
