@@ -1,3 +1,4 @@
+#include <cmath>
 #include <stdexcept>
 
 #include "common/joints/catalogue.h"
@@ -56,8 +57,8 @@ Numbers numbers_of(const joints::JointType& type) {
 
 /// Coordinates that no symmetry marks out.
 VecX generic_coordinates(const joints::JointType& type) {
-  const VecX numbers{{0.31, -0.83, 0.57, 1.13, -0.41, 0.72, 0.26}};
-  VecX q = numbers.head(std::min<Eigen::Index>(type.n_q(), numbers.size()));
+  VecX q(type.n_q());
+  for (Eigen::Index k = 0; k < q.size(); ++k) q(k) = std::cos(1.0 + 2.0 * static_cast<double>(k));
   for (const JointCoordinate& one : coordinates_of(type)) {
     if (one.kind == joints::CoordinateKind::orientation) q.segment<4>(first_q(type, one.word)).normalize();
   }

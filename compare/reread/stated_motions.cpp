@@ -1,6 +1,7 @@
 #include "compare/reread/stated_motions.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 
 namespace concord::compare::reread {
@@ -82,7 +83,8 @@ Motions motions_of_arms() {
 }  // namespace
 
 std::optional<Placement> stated_placement(const std::string& type, const Numbers& numbers, const VecX& q) {
-  for (const Motions& motions : {motions_about_a_point(), motions_of_arms()}) {
+  static const std::array all{motions_about_a_point(), motions_of_arms()};
+  for (const Motions& motions : all) {
     if (const auto found = motions.find(type); found != motions.end()) return found->second(numbers, q);
   }
   return std::nullopt;

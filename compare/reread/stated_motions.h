@@ -17,7 +17,7 @@ std::optional<joints::Placement> stated_placement(const std::string& type, const
 /// Of the types that forbid speeds alone.
 struct StatedSpeeds {
   int n = 0;       // how many are free
-  MatX forbidden;  /// rows over [ddot; omega_rel] that vanish, in the parent's joint frame
+  MatX forbidden;  // rows over [ddot; omega_rel] that vanish, in the parent's joint frame
 };
 
 /// The same of its speeds where the child stands turned by R; nothing for a type all of whose speeds are free.
