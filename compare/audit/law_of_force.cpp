@@ -5,6 +5,8 @@
 
 namespace concord::compare {
 
+double share_of(double z) { return z >= 1.0 ? 1.0 : z * z * (3.0 - 2.0 * z); }
+
 namespace {
 
 std::optional<Spline> curve_of(const std::optional<ForceTable>& table) {
@@ -19,9 +21,6 @@ double read(const Spline& table, double x) {
   const Moving tangent = table.at(at_unit_rate(end));
   return tangent.value + tangent.rate * (x - end);
 }
-
-/// How much of its stiffness a stop has when it is pressed by the part z of its width.
-double share_of(double z) { return z >= 1.0 ? 1.0 : z * z * (3.0 - 2.0 * z); }
 
 /// Of a stop that is pressed by p at the rate pdot. The spring's part is the stiffness that it has, summed over p: up
 /// to the width by Gauss' rule of two points, which is exact for the share's cubic. It pushes, and never pulls.

@@ -7,6 +7,9 @@
 
 namespace concord::compare {
 
+/// How much of its stiffness a stop has when it is pressed by the part z of its width.
+double share_of(double z);
+
 /// A force law as the third opinion evaluates it, from its statement in data/format alone. The statement must
 /// outlive it.
 class LawOfForce {

@@ -6,6 +6,7 @@
 
 #include "common/overloaded.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/law_of_force.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -25,9 +26,7 @@ struct Reading {
 /// Of a stop that is pressed by p. What its spring and its damper add up counts even where they cancel.
 double terms_of(const SmoothStop& stop, double p, const Reading& reading) {
   if (p <= 0.0) return 0.0;
-  const double z = std::min(1.0, p / stop.width);
-  const double share = z * z * (3.0 - 2.0 * z);
-  return share *
+  return share_of(p / stop.width) *
          (std::abs(stop.stiffness) * (reading.size + std::abs(stop.at)) + std::abs(stop.damping * reading.xdot));
 }
 
