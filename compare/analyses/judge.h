@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +21,10 @@ inline constexpr double kEigenvalue = 8.0;
 inline constexpr double kRoundTrip = 10.0;
 /// Of the accelerations that are asked for, as differences read them from the bodies.
 inline constexpr double kAsAsked = 9.0;
+
+/// Values of a row that sums up many numbers.
+inline constexpr std::array kNoValues{std::numeric_limits<double>::quiet_NaN(),
+                                      std::numeric_limits<double>::quiet_NaN()};
 
 /// A number that both solvers give, beside wrenches: a coordinate of an equilibrium, an eigenvalue, a driver force; or,
 /// without values, what has many numbers, as the shape of a mode.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "compare/analyses/inverse.h"
@@ -21,9 +20,6 @@
 namespace concord::compare::analyses {
 
 namespace {
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array kNoValues{kNone, kNone};  // of rows that sum up many numbers
 
 /// What accelerations are held against [1/s2]: those of the bodies, what forces cause, and of what moves though nothing
 /// acts on it, as a balanced rotor or a sledge, a part of its speed's square, of which round-off is left.

@@ -126,7 +126,7 @@ class ModeJudge {
     if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
     if (*row.resolvable < kFewDigits)
       unresolved_.push_back(fmt::format("{} ({}: {})", line, mode.motion, format_digits(*row.resolvable)));
-    NumberRow shape{fmt::format("shape of mode {}", line), "", {kNone, kNone}, kMostDigits, kEigenvalue};
+    NumberRow shape{fmt::format("shape of mode {}", line), "", kNoValues, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
     shape.resolvable = matching_digits(least_of_shape, 1.0);
