@@ -89,6 +89,8 @@ const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassP
   return of_rigid;
 }
 
+double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
+
 VecX largest_displacements(const Body& body) {
   VecX largest = VecX::Zero(body.n_modes());
   if (!body.modal) return largest;

@@ -12,6 +12,9 @@ namespace concord::compare {
 /// The mass points of a flexible body; of a rigid one, six that have its inertia, which are kept in `of_rigid`.
 const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassPoint>& of_rigid);
 
+/// [kg]
+double mass_of(const Body& body);
+
 /// How far each mode with unit amplitude moves the body, at most over its mass points [m].
 VecX largest_displacements(const Body& body);
 

@@ -14,8 +14,6 @@ namespace concord::compare {
 
 namespace {
 
-double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
-
 /// What springs, actuators and couplings exert on the speeds of joint k, as forces [N]: the sum of their sizes, though
 /// they may cancel.
 double force_of_laws(const Model& model, std::size_t k, const State& state, const Evaluation& evaluation) {

@@ -13,6 +13,8 @@
 #include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/equilibrium/acceleration_scale.h"
+#include "compare/equilibrium/floating_parts.h"
+#include "compare/equilibrium/free_directions.h"
 #include "compare/equilibrium/growth.h"
 #include "compare/equilibrium/step_length.h"
 #include "compare/equilibrium/steps_back.h"
@@ -39,6 +41,7 @@ class PseudoTransientContinuation {
   PseudoTransientContinuation(const Model& model, Solver& solver, const Search& search)
       : model_(model),
         solver_(solver),
+        floating_(model),
         search_(search),
         start_(solver.assemble()),
         state_(displaced(start_)),
@@ -86,7 +89,7 @@ class PseudoTransientContinuation {
     const int rigid = chart.n() - chart.n_modal();
     is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
     if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
-    refuse_singular(chart);
+    refuse_singular(chart, name());
     const Stiffness stiffness = stiffness_here(chart, f.norm());
     const StiffnessSplit split(chart, stiffness, scale_, f);
     const VecX newton = split.newton_step(f);
@@ -94,16 +97,19 @@ class PseudoTransientContinuation {
     const VecX unmet = split.unmet(f);
     const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
     unstable_directions_ = growth.count();
-    name_free_directions(chart, split);
+    free_ = name_free_directions(model_, chart, split.free_directions());
     const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
     if (is_met && is_done(newton.norm(), f.norm() <= negligible)) {
-      if (step_back(chart, split.free_directions())) return false;
+      if (put_floating_parts_back() || step_back(chart, split.free_directions())) return false;
       if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
       return true;
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
-    const bool by_newton = is_met && !falls && (time_ >= kNearlyAll * longest_time() || length_.crawls(f.norm()));
+    const double nearly_longest = kNearlyAll * longest_time();
+    const bool settles = unmet.norm() <= kNearlyMet * f.norm() && search_.lengthening * time_ >= nearly_longest;
+    const bool arrives = is_met && (time_ >= nearly_longest || length_.crawls(f.norm()));
+    const bool by_newton = !falls && (settles || arrives);
     if (!by_newton) lengthen(f, growth, falls);
     length_.count_step(falls && is_cautious_);
     refuse_if_pushed(chart, stiffness.J, unmet, negligible);
@@ -134,8 +140,7 @@ class PseudoTransientContinuation {
       const MatX size = turn.cwiseAbs();
       last_stiffness_ = {turn * last_stiffness_.J * turn.transpose(), size * last_stiffness_.error * size.transpose()};
     } else {
-      last_stiffness_ = stiffness_matrix(
-          chart, solver_, [&](const VecX& delta) { return at_rest(chart, delta); }, scale_);
+      last_stiffness_ = stiffness_matrix(chart, solver_, at_rest(chart), scale_);
       force_at_stiffness_ = f;
       moved_since_stiffness_ = 0.0;
     }
@@ -163,8 +168,7 @@ class PseudoTransientContinuation {
 
   /// A step with rough derivatives, where these can be had.
   bool flow_roughly(Chart& chart, const VecX& f, double reference) {
-    const auto J = rough_stiffness(
-        chart, f, [&](const VecX& delta) { return at_rest(chart, delta); }, reference, search_.rough_differences);
+    const auto J = rough_stiffness(chart, f, at_rest(chart), reference, search_.rough_differences);
     last_basis_.resize(0, 0);
     if (!J) return false;
     const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
@@ -175,26 +179,16 @@ class PseudoTransientContinuation {
     return true;
   }
 
-  /// Neighbours have as many directions of motion as the pose itself, or it is singular: looked at in one of them.
-  void refuse_singular(Chart& chart) const {
-    VecX direction(chart.n());
-    for (Eigen::Index k = 0; k < direction.size(); ++k) direction(k) = std::cos(2.0 * static_cast<double>(k));
-    direction.normalize();
-    for (const double step : {1e-3, 1e-4, 1e-5, 1e-6}) {
-      if (chart.at(step * direction, VecX::Zero(chart.n()))) return;
-    }
-    if (const std::string refusal = chart.refusal_at(1e-6 * direction); !refusal.empty()) throw SolverError(refusal);
-    throw SingularPose(
-        fmt::format("{}: the constraints permit {}, but no closed states with as many directions of motion are found "
-                    "along it: the pose is singular",
-                    name(), chart.describe(direction)));
-  }
-
-  [[nodiscard]] std::optional<VecX> at_rest(const Chart& chart, const VecX& delta) const {
-    const auto state = chart.place_at(delta);
-    if (!state) return std::nullopt;
-    const auto evaluation = evaluation_unless_refused(solver_, *state);
-    return evaluation ? std::optional(chart.accelerations(*state, *evaluation)) : std::nullopt;
+  /// Accelerations at rest, beside the chart's origin.
+  [[nodiscard]] AccelerationsAt at_rest(const Chart& chart) const {
+    return [&](const VecX& delta) -> std::optional<VecX> {
+      auto state = chart.place_at(delta);
+      if (!state) return std::nullopt;
+      auto evaluation = evaluation_unless_refused(solver_, *state);
+      if (!evaluation) return std::nullopt;
+      floating_.turn_back(chart.origin(), *state, *evaluation);
+      return chart.accelerations(*state, *evaluation);
+    };
   }
 
   /// False where there is no step back to make.
@@ -210,6 +204,24 @@ class PseudoTransientContinuation {
       evaluation_ = std::move(nearest->evaluation);
     }
     return !std::holds_alternative<std::monostate>(next);
+  }
+
+  /// Of the rests of a floating part that no force from elsewhere tells apart, the one where it starts is meant; false
+  /// where there is none, or the machine has come there.
+  bool put_floating_parts_back() {
+    constexpr double kNearlyAtRest = 1e-3;  // of what forces cause: what round-off of stiff modes is relaxes
+    if (std::exchange(is_put_back_, true)) return false;
+    auto state = floating_.put_back(start_, state_);
+    if (!state) return false;
+    auto evaluation = evaluation_unless_refused(solver_, *state);
+    if (!evaluation) return false;
+    const Chart chart(model_, solver_, *state);
+    if (chart.accelerations(*state, *evaluation).norm() > kNearlyAtRest * scale_.reference) return false;
+    state_ = std::move(*state);
+    evaluation_ = std::move(*evaluation);
+    last_step_ = 0.0;
+    last_basis_.resize(0, 0);
+    return true;
   }
 
   /// Newton's steps have become round-off; short ones that do not shrink may also lead along a force that bends within
@@ -245,8 +257,7 @@ class PseudoTransientContinuation {
   }
 
   [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J) const {
-    return kink_at_origin(
-        chart, [&](const VecX& delta) { return at_rest(chart, delta); }, J, scale_);
+    return kink_at_origin(chart, at_rest(chart), J, scale_);
   }
 
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
@@ -271,8 +282,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] std::string jump_on_the_way() const {
     for (const auto& [from, step] : last_moves_) {
       const Chart chart(model_, solver_, from);
-      const auto accelerations = [&](const VecX& delta) { return at_rest(chart, delta); };
-      if (const auto jump = find_jump(accelerations, step, scale_)) {
+      if (const auto jump = find_jump(at_rest(chart), step, scale_)) {
         return "; " + rests_on_jump(describe_motion(model_, from, chart.velocities(*jump)));
       }
     }
@@ -315,22 +325,13 @@ class PseudoTransientContinuation {
     return true;
   }
 
-  void name_free_directions(const Chart& chart, const StiffnessSplit& split) {
-    free_.clear();
-    const MatX& directions = split.free_directions();
-    if (directions.cols() == 0) return;
-    MatX motions(chart.basis().rows(), directions.cols());
-    for (Eigen::Index k = 0; k < directions.cols(); ++k) motions.col(k) = chart.velocities(directions.col(k));
-    motions = separate_motions(model_, state_, std::move(motions));
-    for (const auto& motion : motions.colwise()) free_.push_back({describe_motion(model_, state_, motion)});
-  }
-
   Equilibrium conclude(int iterations) {
     return {std::move(state_), std::move(evaluation_),   iterations, last_step_, std::move(free_), unstable_directions_,
             std::move(kink_),  steps_back_.is_at_edge(), step_left_};
   }
 
   static constexpr int kPushes = 25;
+  static constexpr double kNearlyMet = 1e-3;   // what forces that are of second order feign along free directions
   static constexpr double kNearlyAll = 0.9;    // the longest time grows a little while forces fall
   static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
@@ -346,6 +347,7 @@ class PseudoTransientContinuation {
 
   const Model& model_;
   Solver& solver_;
+  FloatingParts floating_;
   Search search_;
   State start_;
   State state_;
@@ -372,6 +374,7 @@ class PseudoTransientContinuation {
   int most_pushes_ = kPushes;
   int short_steps_ = 0;
   StepsBack steps_back_;
+  bool is_put_back_ = false;
   int unstable_directions_ = 0;
   std::string kink_;
 };

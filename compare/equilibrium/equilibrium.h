@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/equilibrium/free_directions.h"
 #include "compare/equilibrium/stiffness.h"
 
 /// Static equilibrium, from a solver's accelerations alone.
@@ -13,18 +14,13 @@ namespace concord::compare {
 /// The model at rest: drivers held where their laws are at t = 0, nothing moves at the start.
 Model held_at_start(const Model& model);
 
-/// A direction in which a machine at rest meets no stiffness; of the equilibria along it the one nearest to the start
-/// is found.
-struct FreeDirection {
-  std::string name;  // "hinge: turn_z 1" or "body coupler: ..."
-};
-
 struct Equilibrium {
   State state;
   Evaluation evaluation;
   int iterations = 0;
   /// Size of the last step in the chart's scaled coordinates.
   double last_step = 0.0;
+  /// Of the equilibria along them the one nearest to the start is found.
   std::vector<FreeDirection> free;
   /// In so many directions the machine would leave the equilibrium.
   int unstable = 0;

@@ -106,6 +106,18 @@ struct Threads {
   }
 };
 
+/// By how much coordinate q with change dq enters a stop, in units of the way to half of its width; of one that is
+/// pressed in part, by half of its width. What presses its whole width knows its stiffness already.
+double into_stops(const ForceLaw& law, double q, double dq) {
+  double most = 0.0;
+  const auto take = [&most](const std::optional<SmoothStop>& stop, double depth, double change) {
+    if (stop && depth < stop->width) most = std::max(most, change / (std::max(0.0, -depth) + 0.5 * stop->width));
+  };
+  if (law.upper) take(law.upper, q - law.upper->at, dq);
+  if (law.lower) take(law.lower, law.lower->at - q, -dq);
+  return most;
+}
+
 }  // namespace
 
 JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
@@ -135,6 +147,14 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
       } else {
         largest.rest = std::max(largest.rest, std::abs(u(c)) / model.length_scale());
       }
+    }
+  }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    for (const JointSpring& spring : joint.springs) {
+      largest.into_stops = std::max(
+          largest.into_stops, into_stops(spring.law, moving.q[k](first_q(*joint.type, spring.word) + spring.component),
+                                         motions[k].u(first_u(*joint.type, spring.word) + spring.component)));
     }
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {

@@ -16,6 +16,7 @@ struct JointStep {
   double turn = 0.0;
   double rest = 0.0;
   double fastest_turn = 0.0;  // gears not counted
+  double into_stops = 0.0;    // in units of the way to half the width of a stop, or by that further into it
 
   [[nodiscard]] double largest() const { return std::max(turn, rest); }
   /// What gears make of the largest change, at most 1.

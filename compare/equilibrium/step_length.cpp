@@ -33,7 +33,7 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
   }
   const double of_shafts = joints.fastest_turn / kMostTurn;
   const double others = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
-  const double cut = std::max(others, of_shafts);
+  const double cut = std::max({others, of_shafts, joints.into_stops});
   if (cut > 1.0) step /= cut;
   if (of_shafts > std::max(others, 1.0)) ++cut_by_shafts_;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "compare/audit/digits.h"
+#include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 
 namespace concord::compare {
@@ -27,8 +28,6 @@ struct BlockScale {
   ScaleSource linear_source = ScaleSource::own_peak;
   ScaleSource angular_source = ScaleSource::own_peak;
 };
-
-double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
 /// Radius of gyration about the body's origin [m].
 double radius_of(const Body& body) {
