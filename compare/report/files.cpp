@@ -199,7 +199,7 @@ void StagedFolder::finish(const std::vector<std::string>& stale) {
   }
 }
 
-void write_file(const fs::path& path, const std::string& text) {
+void write_file(const fs::path& path, std::string_view text) {
   UnfinishedFile unfinished_file(path);
   {
     std::ofstream file(unfinished_file.path(), std::ios::binary);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Files that are there in full or not at all. What is not finished yet stands under a unique name that ends in
@@ -19,7 +20,7 @@ void check_target_folder(const std::filesystem::path& folder);
 
 /// Writes all of `text` or nothing. Creates the folder. Throws InputError if the path cannot be written,
 /// std::runtime_error if the disk is full.
-void write_file(const std::filesystem::path& path, const std::string& text);
+void write_file(const std::filesystem::path& path, std::string_view text);
 
 /// Creates the folder and what leads to it. Throws InputError if that is not possible.
 void make_folder(const std::filesystem::path& folder);

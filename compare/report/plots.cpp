@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
+#include <stdexcept>
+#include <string_view>
 
 #include "compare/report/feed_command.h"
 #include "compare/report/files.h"
@@ -126,6 +129,17 @@ bool run_gnuplot(const std::string& script) {
   return fed.has_started && fed.status == 0 && fed.has_read;
 }
 
+/// gnuplot does not tell of a disk that is full.
+bool is_whole(const std::filesystem::path& svg) {
+  constexpr std::string_view kEnd = "</svg>";
+  std::ifstream file(svg, std::ios::binary | std::ios::ate);
+  const auto size = std::min<std::streamoff>(file.tellg(), 64);
+  std::string last(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)), '\0');
+  file.seekg(-size, std::ios::end);
+  file.read(last.data(), size);
+  return last.find(kEnd) != std::string::npos;
+}
+
 bool has_gnuplot() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }
 
 /// A component of the reaction on the child, over the run.
@@ -145,6 +159,9 @@ std::optional<std::string> draw_page(const std::filesystem::path& svg, const Pag
   if (!has_gnuplot()) return "no plots: gnuplot is not installed (Debian package gnuplot-nox)";
   UnfinishedFile unfinished(svg);
   if (!run_gnuplot(script_of(unfinished.path(), page))) return fmt::format("no plot {}: gnuplot failed", svg.string());
+  if (!is_whole(unfinished.path())) {
+    throw std::runtime_error(fmt::format("{}: cannot be written: gnuplot left it unfinished", svg.string()));
+  }
   unfinished.finish();
   return std::nullopt;
 }

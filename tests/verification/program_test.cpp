@@ -442,7 +442,9 @@ TEST_CASE("A full disk, a closed pipe and a closed stream are exit 3 with a word
 TEST_CASE("A file that grows beyond a limit is told, and leaves nothing half", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
-  CHECK(desk.shell("ulimit -f 1; \"$concord\" compare pendulum.toml --out results > /dev/null") == 3);
+  const int kibibytes = GENERATE(1, 12, 24, 40);
+  CHECK(desk.shell(
+            fmt::format("ulimit -f {}; \"$concord\" compare pendulum.toml --out results > /dev/null", kibibytes)) == 3);
   CHECK(contains(desk.errors(), "could not finish: "));
   CHECK(contains(desk.errors(), "cannot be written: File too large"));
   for (const std::string& left : desk.left_behind()) CHECK_FALSE(contains(left, "unfinished"));
