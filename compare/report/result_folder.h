@@ -31,8 +31,8 @@ std::vector<std::string> result_file_names(const Model& model, const std::array<
 /// .elements.csv if the model has force elements. Throws InputError if the path cannot be written.
 void write_run_files(const std::filesystem::path& folder, const Model& model, const NamedRun& run);
 
-/// Writes solvers' runs into `folder`, see write_run_files(). They replace those of an earlier run together. Throws
-/// InputError if the path cannot be written.
+/// Writes solvers' runs into `folder`, see write_run_files(). They replace those of an earlier run together; what a
+/// comparison said of that, table, JSON and plots, goes. Throws InputError if the path cannot be written.
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
 
 /// Throws InputError if something stands in the folder that results of these names cannot replace; an empty path is no

@@ -450,6 +450,18 @@ TEST_CASE("A file that grows beyond a limit is told, and leaves nothing half", "
   for (const std::string& left : desk.left_behind()) CHECK_FALSE(contains(left, "unfinished"));
 }
 
+TEST_CASE("What a run writes beside a comparison removes what that said", "[program]") {
+  const Desk desk;
+  desk.write("pendulum.toml", kPendulum);
+  REQUIRE(desk.run("compare pendulum.toml --out results").code == 0);
+  REQUIRE(fs::exists(desk.work() / "results" / "pendulum.result.json"));
+  CHECK(desk.run("run pendulum.toml --solver cartesian --samples 7 --out results").code == 0);
+  CHECK(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
+  for (const char* ending : {"result.json", "table.txt", "reaction_hinge.svg"}) {
+    CHECK_FALSE(fs::exists(desk.work() / "results" / (std::string("pendulum.") + ending)));
+  }
+}
+
 TEST_CASE("An interrupted comparison says what was finished and leaves nothing half", "[program]") {
   const Desk desk;
   desk.write("pendulum.toml", kPendulum);
