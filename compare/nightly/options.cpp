@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "compare/report/whole_number.h"
+
 namespace concord::compare::nightly {
 
 NightlyCommands::NightlyCommands(CLI::App& program) {
@@ -17,7 +19,8 @@ void NightlyCommands::add_nightly(CLI::App& program) {
   app->add_option("SUITE", nightly_.suite, "Suite file (TOML; compare/nightly/README.md)")->required();
   app->add_option("--jobs", nightly_.jobs, "Worker processes; default: one for each processor")
       ->check(CLI::Range(1, 1024));
-  app->add_option("--minutes", nightly_.minutes, "Begin no case after so many minutes")->check(CLI::Range(1e-3, 1e5));
+  app->add_option("--minutes", nightly_.minutes, "Begin no case after so many minutes")
+      ->check([](const std::string& text) { return why_not_within(text, 1e-3, 1e5); });
   app->add_option("--only", nightly_.only, "Cases of this name alone: a part of it, or a pattern with * and ?");
   app->add_option("--history", nightly_.history, "SQLite file that remembers every night");
   app->add_flag("--resume", nightly_.resume, "Go on with the last night of the history if it was stopped");

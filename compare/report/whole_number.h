@@ -21,4 +21,14 @@ inline std::string why_no_whole_number(const std::string& text) {
                      text);
 }
 
+/// Nothing if `text` is a number within these limits, which NaN is not, though the library that reads the command line
+/// takes it for one; else what is wrong with it.
+inline std::string why_not_within(const std::string& text, double least, double most) {
+  double number = 0.0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  if (read.ec == std::errc() && read.ptr == end && number >= least && number <= most) return "";
+  return fmt::format("expected a number from {:g} to {:g}, found '{}'", least, most, text);
+}
+
 }  // namespace concord::compare

@@ -12,5 +12,12 @@ TEST(WholeNumberTest, TakesWhatFitsAndNothingElse) {
   }
 }
 
+TEST(WholeNumberTest, TakesNumbersWithinLimitsAndNaNIsNone) {
+  for (const char* good : {"0.5", "1e4", "12"}) EXPECT_EQ(why_not_within(good, 0.5, 1e4), "") << good;
+  for (const char* bad : {"0.4", "1.1e4", "nan", "-nan", "inf", "3x", "", " 3"}) {
+    EXPECT_NE(why_not_within(bad, 0.5, 1e4), "") << bad;
+  }
+}
+
 }  // namespace
 }  // namespace concord::compare
