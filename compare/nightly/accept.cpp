@@ -1,8 +1,11 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <pwd.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 #include <ostream>
 
@@ -50,6 +53,21 @@ std::string summary_of(const Result& result) {
                      result.cost[1].steps);
 }
 
+/// Keeps other programs from accepting results of the same suite meanwhile: each reads all baselines and writes them.
+class AcceptanceLock {
+ public:
+  explicit AcceptanceLock(const fs::path& suite) : file_(open(suite.c_str(), O_RDONLY | O_CLOEXEC)) {
+    while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~AcceptanceLock() { close(file_); }
+  AcceptanceLock(const AcceptanceLock&) = delete;
+  AcceptanceLock& operator=(const AcceptanceLock&) = delete;
+
+ private:
+  int file_;
+};
+
 /// Makes results baselines.
 class Acceptance {
  public:
@@ -69,8 +87,9 @@ class Acceptance {
     }
     asked_.suite = read_suite(suite_file());
     choose_cases();
+    const AcceptanceLock lock(asked_.suite.file);
     check_target(asked_.suite.baselines);
-    check_target(log_file());
+    check_target(log_of(asked_.suite.baselines));
     baselines_ = read_baselines(asked_.suite.baselines);
     take_results();
     if (asked_.is_whole) drop_gone();
@@ -79,11 +98,6 @@ class Acceptance {
   }
 
  private:
-  [[nodiscard]] fs::path log_file() const {
-    fs::path file = asked_.suite.baselines;
-    return file.replace_extension(".log");
-  }
-
   /// The word that names a file; else the suite of the history's last night.
   fs::path suite_file() {
     for (const std::string& word : command_.what) {
@@ -210,13 +224,14 @@ class Acceptance {
   void write() {
     const Origin origin = origin_of_program(command_.commit);
     if (!log_.empty()) {
+      const fs::path log = log_of(asked_.suite.baselines);
       std::error_code unknown;
-      const std::string earlier = fs::exists(log_file(), unknown) ? read_text_file(log_file()) : "";
+      const std::string earlier = fs::exists(log, unknown) ? read_text_file(log) : "";
       std::string reason = command_.reason;
       std::replace(reason.begin(), reason.end(), '\n', ' ');
       write_file(asked_.suite.baselines, format_baselines(baselines_));
-      write_file(log_file(), earlier + fmt::format("{} UTC, {}, {} ({}, {}): {}\n{}", utc_now(), user_words(),
-                                                   origin.version, origin.commit, origin.compiler, reason, log_));
+      write_file(log, earlier + fmt::format("{} UTC, {}, {} ({}, {}): {}\n{}", utc_now(), user_words(), origin.version,
+                                            origin.commit, origin.compiler, reason, log_));
     }
     console_.out << log_
                  << fmt::format("{}: {} accepted, {} not{}\n", asked_.suite.baselines.generic_string(), accepted_,

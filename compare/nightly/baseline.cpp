@@ -196,6 +196,10 @@ Baselines read_baselines(const std::filesystem::path& file) {
   return parse_baselines(read_text_file(file), file.generic_string());
 }
 
+std::filesystem::path log_of(const std::filesystem::path& baselines) {
+  return std::filesystem::path(baselines).replace_extension(".log");
+}
+
 Result as_baseline(const Result& result) {
   const Baselines kept = parse_baselines(format_baselines({{result.id, result}}), result.id);
   return kept.begin()->second;

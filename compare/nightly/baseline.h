@@ -23,6 +23,9 @@ Baselines parse_baselines(std::string_view text, const std::string& file);
 /// What stands in the file; nothing if there is no file.
 Baselines read_baselines(const std::filesystem::path& file);
 
+/// Where it is written down who accepted what, and why: beside the baselines.
+std::filesystem::path log_of(const std::filesystem::path& baselines);
+
 /// What a baseline keeps of a result.
 Result as_baseline(const Result& result);
 

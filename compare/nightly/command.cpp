@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -30,6 +31,9 @@
 namespace concord::compare::nightly {
 
 namespace {
+
+/// What `--out` writes.
+constexpr std::array kFilesOfNight{"table.txt", "regressions.md", "junit.xml", "night.html", "night.json"};
 
 namespace fs = std::filesystem;
 
@@ -185,7 +189,7 @@ class NightlyRun {
   }
 
   void check_outputs() const {
-    std::vector<fs::path> inputs{command_.suite, suite_.baselines, command_.history};
+    std::vector<fs::path> inputs{command_.suite, suite_.baselines, log_of(suite_.baselines), command_.history};
     for (const Case& one : suite_.cases) inputs.push_back(one.model);
     std::sort(inputs.begin(), inputs.end());
     inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
@@ -194,6 +198,9 @@ class NightlyRun {
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
     }
+    if (command_.out.empty()) return;
+    std::error_code ignored;
+    for (const char* stale : kFilesOfNight) fs::remove(command_.out / stale, ignored);
   }
 
   /// Whether a stopped night goes on; it must be wished.
@@ -265,11 +272,12 @@ class NightlyRun {
     if (!command_.report.empty()) write_file(command_.report, page);
     if (command_.out.empty()) return;
     StagedFolder staged(command_.out);
-    write_file(staged.path() / "table.txt", text);
-    write_file(staged.path() / "regressions.md", format_markdown(report));
-    write_file(staged.path() / "junit.xml", format_night_junit(report));
-    write_file(staged.path() / "night.html", page);
-    write_json(staged.path() / "night.json", report, history);
+    const auto& [table, regressions, junit, page_file, json] = kFilesOfNight;
+    write_file(staged.path() / table, text);
+    write_file(staged.path() / regressions, format_markdown(report));
+    write_file(staged.path() / junit, format_night_junit(report));
+    write_file(staged.path() / page_file, page);
+    write_json(staged.path() / json, report, history);
     staged.finish({});
   }
 

@@ -25,7 +25,8 @@ NightReport judge_night(History& history, const Night& night, const std::vector<
     CaseLine& line = report.cases.emplace_back(
         case_line_of(result, judge_case(*one, result, baseline, earlier, night.origin, judging, today)));
     const auto counts = [&](const Entry& entry) { return counts_as_past(entry.result, result); };
-    line.has_past = baseline != nullptr || std::any_of(earlier.begin(), earlier.end(), counts);
+    line.has_past = (judging.against_baseline && baseline != nullptr) ||
+                    (judging.against_median && std::any_of(earlier.begin(), earlier.end(), counts));
   }
   return report;
 }

@@ -222,7 +222,7 @@ class PageData {
 
   std::string past_of(const CaseLine& line, bool is_first) const {
     if (!line.changes.empty() || page_.judging.against_baseline) return past_words(line);
-    return is_first && nights_.size() > 1 ? "first time" : "as before";
+    return is_first ? "first time" : "as before";
   }
 
   NightJson case_json(const CaseLine& line) {

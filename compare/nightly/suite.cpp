@@ -16,6 +16,7 @@
 #include "common/reading/toml_reader.h"
 #include "compare/fuzz/generator.h"
 #include "compare/joint_check/coupling_check.h"
+#include "compare/nightly/baseline.h"
 #include "compare/nightly/case_keys.h"
 #include "compare/nightly/case_tables.h"
 #include "compare/nightly/variants.h"
@@ -90,6 +91,9 @@ class SuiteReader {
     suite_->name = document.text("name").value_or(suite_->file.stem().string());
     suite_->baselines = suite_->file.parent_path() /
                         document.text("baselines").value_or("baselines/" + suite_->file.stem().string() + ".csv");
+    if (suite_->baselines == log_of(suite_->baselines)) {
+      document.complain("baselines", "must not end in .log: there it is written down what was accepted");
+    }
     limits_.seconds = document.positive_number("seconds").value_or(600.0);
     limits_.wall_per_processor = 5.0;  // a case that sleeps must not cost the night
     limits_.megabytes = document.positive_number("megabytes").value_or(4096.0);

@@ -148,7 +148,7 @@
     const now = data.nights.length - 1;
     const stepped = cases.filter((one) => one.steps.some((step) => step.night === now && step.before === now - 1)).map((one) => one.id);
     const shown = stepped.slice(0, 12).join(", ") + (stepped.length > 12 ? ` and ${stepped.length - 12} more` : "");
-    const said = stepped.length ? `${stepped.length} of ${cases.length} cases changed by more than the suite allows: ${shown}` : "no case changed by more than the suite allows";
+    const said = stepped.length ? `${stepped.length} of ${cases.length} cases changed by more than the suite allows: ${shown}` : "of the cases that both nights ran, none changed by more than the suite allows";
     return [`Since the night before (${concord.nightWords(data.nights[now - 1])}): ${said}.`];
   }
 

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "common/reading/text_file.h"
+#include "compare/nightly/baseline.h"
 #include "compare/nightly/history.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/files.h"
@@ -375,6 +376,65 @@ TEST_F(Nights, PageThatCannotBeWrittenIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "p.html"));
   command.report = history_;
   EXPECT_EQ(nightly(command).code, kBadInput);
+}
+
+TEST_F(Nights, PageDoesNotReplaceWhatItIsJudgedBy) {
+  NightlyCommand command;
+  command.history = history_;
+  nightly(command);
+  accept();
+  for (const auto& input : {suite_, baselines_}) {
+    const std::string before = bytes_of(input);
+    EXPECT_EQ(page({history_, input}).code, kBadInput);
+    EXPECT_EQ(bytes_of(input), before);
+  }
+}
+
+TEST_F(Nights, LogOfWhatWasAcceptedIsNoOutputAndNoBaseline) {
+  accept();
+  NightlyCommand command;
+  command.json = folder_.path() / "baselines" / "suite.log";
+  const std::string before = bytes_of(command.json);
+  EXPECT_EQ(nightly(command).code, kBadInput);
+  EXPECT_EQ(bytes_of(command.json), before);
+  write("baselines = \"models/suite.log\"\n[[case]]\nmodels = [\"models/*.toml\"]\n");
+  EXPECT_THAT(accept().err, HasSubstr("suite.toml:2:"));
+}
+
+TEST_F(Nights, ResultsOfAnEarlierNightDoNotPassForThisOnes) {
+  NightlyCommand command;
+  command.out = folder_.path() / "out";
+  nightly(command);
+  ASSERT_TRUE(std::filesystem::exists(command.out / "night.json"));
+  write_file(baselines_, "no baselines\n");
+  EXPECT_EQ(nightly(command).code, kBadInput);
+  EXPECT_TRUE(std::filesystem::is_empty(command.out));
+}
+
+TEST_F(Nights, TwoWhoAcceptAtOnceLoseNothing) {
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    std::filesystem::remove(baselines_);
+    const auto accept_in_a_process = [&](const char* name) {
+      const pid_t child = fork();
+      if (child == 0) {
+        AcceptCommand command;
+        command.what = {name};
+        _exit(accept(command).code);
+      }
+      return child;
+    };
+    for (const pid_t child : {accept_in_a_process("sound"), accept_in_a_process("other")}) waitpid(child, nullptr, 0);
+    EXPECT_EQ(read_baselines(baselines_).size(), 2U);
+  }
+}
+
+TEST_F(Nights, BaselineIsNoPastOfANightThatIsJudgedByOthers) {
+  accept();
+  write("judge.against = \"median\"\n[[case]]\nmodels = [\"models/*.toml\"]\n");
+  NightlyCommand command;
+  command.history = history_;
+  EXPECT_THAT(nightly(command).out, HasSubstr("no past"));
+  EXPECT_THAT(nightly(command).out, Not(HasSubstr("no past")));
 }
 
 TEST_F(Nights, PatternThatMeansNothingIsRefused) {
