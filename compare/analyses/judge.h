@@ -36,6 +36,8 @@ struct NumberRow {
   double need = 0.0;
   /// Digits that 20 resolutions leave, where the resolution was measured: as many are enough.
   std::optional<double> resolvable = {};
+  /// What a change of the value from one night to another is held against, if not the largest number of its unit.
+  std::optional<double> scale = {};
 
   [[nodiscard]] bool agrees() const { return digits >= need || (resolvable && digits >= *resolvable); }
 };

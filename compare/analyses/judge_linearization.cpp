@@ -126,6 +126,10 @@ class ModeJudge {
     if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
     if (*row.resolvable < kFewDigits)
       unresolved_.push_back(fmt::format("{} ({}: {})", line, mode.motion, format_digits(*row.resolvable)));
+    NumberRow decay = row;
+    decay.name = fmt::format("real part of eigenvalue {}", line);
+    decay.values = {mode.eigenvalue.real(), other.eigenvalue.real()};
+    decay.scale = abs_of(mode);
     NumberRow shape{fmt::format("shape of mode {}", line), "", kNoValues, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
@@ -133,6 +137,7 @@ class ModeJudge {
     const bool has_shape = !mode.is_free && least_of_shape < kAnyMixture;
     add_line(mode, digits_text(row), has_shape ? digits_text(shape) : "-", "");
     result_.numbers.push_back(std::move(row));
+    if (!mode.is_free) result_.numbers.push_back(std::move(decay));
     if (has_shape) result_.numbers.push_back(std::move(shape));
   }
 

@@ -114,11 +114,13 @@ Component component_of(const Model& model, const QuantityRow& row, const VecX& p
   return one;
 }
 
-/// Largest sizes along a run, by row of the layout; empty if there is none.
+/// Largest sizes along a run, by row of the layout; of a single sample, as analyses have it, the numbers themselves
+/// with their signs; empty if there is none.
 VecX peaks_of(const QuantityLayout& layout, const Verdict& verdict) {
   const auto& run = verdict.trajectories[1] ? verdict.trajectories[1] : verdict.trajectories[0];
   VecX peaks;
   if (!run) return peaks;
+  if (run->samples.size() == 1) return layout.observe(run->samples.front().state, run->samples.front().evaluation);
   for (const Sample& sample : run->samples) {
     const VecX sizes = layout.observe(sample.state, sample.evaluation).cwiseAbs();
     peaks = peaks.size() == 0 ? sizes : VecX(peaks.cwiseMax(sizes));
@@ -208,7 +210,7 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   take_verdict(machine.model(), verdict, result);
 }
 
-/// Numbers of an analysis have no scale of their own: it is the largest of their unit.
+/// Numbers of an analysis keep their signs. Where they have no scale of their own, it is the largest of their unit.
 void add_numbers(const std::vector<analyses::NumberRow>& numbers, std::vector<Component>& components) {
   std::map<std::string, double> scales;
   for (const analyses::NumberRow& row : numbers) {
@@ -221,8 +223,8 @@ void add_numbers(const std::vector<analyses::NumberRow>& numbers, std::vector<Co
     one.name = row.name;
     one.same_run = row.digits;
     one.need[1] = row.need;
-    if (std::isfinite(row.values[1])) one.peak = std::abs(row.values[1]);
-    one.scale = scales[row.unit];
+    if (std::isfinite(row.values[1])) one.peak = row.values[1];
+    one.scale = row.scale.value_or(scales[row.unit]);
   }
 }
 

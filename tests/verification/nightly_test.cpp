@@ -42,6 +42,7 @@ class NightDesk {
     const std::string command = "cd '" + folder_.string() + "' && bash line.sh > out 2> err";
     return WEXITSTATUS(std::system(command.c_str()));
   }
+  [[nodiscard]] const fs::path& path() const { return folder_; }
   [[nodiscard]] std::string out() const { return text_of(folder_ / "out"); }
   [[nodiscard]] std::string err() const { return text_of(folder_ / "err"); }
   [[nodiscard]] std::string file(const std::string& name) const { return text_of(folder_ / name); }
@@ -104,4 +105,31 @@ TEST_CASE("Two nights on one history do not harm each other", "[program][nightly
   CHECK(desk.run("$concord accept suite.toml --history h.sqlite --reason 'a test' && $concord nightly suite.toml") ==
         0);
   CHECK(desk.run("$concord nightly none.toml") == 2);
+}
+
+TEST_CASE("A night sees an analysis whose numbers change their signs, or whose modes are damped otherwise",
+          "[program][nightly_suite]") {
+  const NightDesk desk;
+  const auto bob = [&](double gravity, double damping) {
+    std::ofstream(desk.path() / "bob.toml")
+        << "format = 1\ngravity = [0, 0, " << gravity << "]\n[[body]]\nname = \"bob\"\nmass = 2\n"
+        << "center_of_mass = [0.4, 0, 0]\ninertia = [0.1, 0.2, 0.3]\n"
+        << "[[joint]]\nname = \"hinge\"\ntype = \"revolute\"\nparent = { body = \"ground\", x = [1, 0, 0], z = [0, 1, "
+           "0] }\n"
+        << "child = { body = \"bob\", x = [1, 0, 0], z = [0, 1, 0] }\nstart.turn_z = { keep = 0, keep_speed = 0 }\n"
+        << "spring.turn_z = { stiffness = 30, damping = " << damping << " }\n";
+  };
+  std::ofstream(desk.path() / "analyses.toml")
+      << "format = 1\n[[case]]\nname = \"rest\"\nwork = \"statics\"\nmodels = [\"bob.toml\"]\n"
+      << "[[case]]\nname = \"modes\"\nwork = \"linearize\"\nat = \"equilibrium\"\nmodels = [\"bob.toml\"]\n";
+  bob(-9.81, 0.3);
+  REQUIRE(desk.run("$concord accept analyses.toml --reason first") == 0);
+  CHECK(desk.run("$concord nightly analyses.toml") == 0);
+  bob(9.81, 0.3);
+  CHECK(desk.run("$concord nightly analyses.toml --only rest") == 1);
+  CHECK(holds(desk.out(), "19.62 | -19.62"));
+  bob(-9.81, 2.5);
+  CHECK(desk.run("$concord nightly analyses.toml --only modes") == 1);
+  INFO(desk.out() << desk.err());
+  CHECK(holds(desk.out(), "real part of eigenvalue 1"));
 }
