@@ -1,6 +1,7 @@
 #pragma once
 
 #include "common/attachment.h"
+#include "common/model.h"
 #include "common/results.h"
 
 /// Where a joint or a force element sits in a state, and how it moves there: kinematics of the third opinion, derived
