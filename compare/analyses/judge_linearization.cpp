@@ -129,7 +129,8 @@ class ModeJudge {
     NumberRow decay = row;
     decay.name = fmt::format("real part of eigenvalue {}", line);
     decay.values = {mode.eigenvalue.real(), other.eigenvalue.real()};
-    decay.scale = abs_of(mode);
+    constexpr double kSeenByNights = 1e-4;  // of the scale; what is not resolved is no change
+    decay.scale = std::max(abs_of(mode), least / kSeenByNights);
     NumberRow shape{fmt::format("shape of mode {}", line), "", kNoValues, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);

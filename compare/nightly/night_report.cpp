@@ -109,7 +109,7 @@ int write_night_report(const NightReportCommand& command, const Console& console
       throw InputError({by.suite->file.string(), 0, 0}, fmt::format("is the suite '{}', but night {} is one of '{}'",
                                                                     by.suite->name, night.id, night.suite));
     }
-    if (by.suite) check_outputs({command.out}, {by.suite->file, by.suite->baselines});
+    if (by.suite) check_outputs({command.out}, {by.suite->file, by.suite->baselines, log_of(by.suite->baselines)});
     const NightReport report = judge_again(history, night, by);
     NightPage page{report, night, by.judging, command.last, {by.words}};
     if (night.finished.empty()) {

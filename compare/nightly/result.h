@@ -35,7 +35,7 @@ struct Component {
   std::optional<double> same_run;
   std::optional<double> refined;
   std::array<double, 3> need{};  // of same state, same run, refined
-  std::optional<double> peak;    // largest size along the run
+  std::optional<double> peak;    // largest size along the run; of one sample the number itself
   double scale = 0.0;            // what differences and the peak are compared with
 };
 

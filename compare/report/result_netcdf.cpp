@@ -48,7 +48,7 @@ std::mutex& netcdf_mutex() {
 }
 
 /// The bytes of an HDF5 file in memory without the unused room behind its end, which its superblock tells (HDF5 File
-/// Format Specification, III.A: of version 0, with offsets of eight bytes).
+/// Format Specification, II.A: of version 0, with offsets of eight bytes).
 std::string_view without_room(const NC_memio& image) {
   constexpr std::size_t kVersion = 8;
   constexpr std::size_t kOffsetSize = 13;
@@ -68,7 +68,9 @@ class NetcdfFile {
  public:
   explicit NetcdfFile(const std::filesystem::path& path) : path_(path) {
     constexpr std::size_t kFirstBytes = 1 << 16;
-    check(nc_create_mem(path.c_str(), NC_NETCDF4, kFirstBytes, &id_), "nc_create_mem");
+    // Where the library gives up, it removes the file of this name, in memory or not: no file can have it.
+    const std::filesystem::path nowhere = path / "in memory";
+    check(nc_create_mem(nowhere.c_str(), NC_NETCDF4, kFirstBytes, &id_), "nc_create_mem");
     open_ = true;
   }
   ~NetcdfFile() {

@@ -383,7 +383,7 @@ TEST_F(Nights, PageDoesNotReplaceWhatItIsJudgedBy) {
   command.history = history_;
   nightly(command);
   accept();
-  for (const auto& input : {suite_, baselines_}) {
+  for (const auto& input : {suite_, baselines_, log_of(baselines_)}) {
     const std::string before = bytes_of(input);
     EXPECT_EQ(page({history_, input}).code, kBadInput);
     EXPECT_EQ(bytes_of(input), before);
