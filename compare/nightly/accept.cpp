@@ -1,11 +1,8 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <pwd.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <map>
 #include <ostream>
 
@@ -53,21 +50,6 @@ std::string summary_of(const Result& result) {
                      result.cost[1].steps);
 }
 
-/// Keeps other programs from accepting results of the same suite meanwhile: each reads all baselines and writes them.
-class AcceptanceLock {
- public:
-  explicit AcceptanceLock(const fs::path& suite) : file_(open(suite.c_str(), O_RDONLY | O_CLOEXEC)) {
-    while (flock(file_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-  }
-  ~AcceptanceLock() { close(file_); }
-  AcceptanceLock(const AcceptanceLock&) = delete;
-  AcceptanceLock& operator=(const AcceptanceLock&) = delete;
-
- private:
-  int file_;
-};
-
 /// Makes results baselines.
 class Acceptance {
  public:
@@ -87,7 +69,7 @@ class Acceptance {
     }
     asked_.suite = read_suite(suite_file());
     choose_cases();
-    const AcceptanceLock lock(asked_.suite.file);
+    const WaitingLock lock(asked_.suite.file);  // who else accepts reads all baselines and writes them, too
     check_target(asked_.suite.baselines);
     check_target(log_of(asked_.suite.baselines));
     baselines_ = read_baselines(asked_.suite.baselines);

@@ -86,25 +86,17 @@ void check_replaceable(const fs::path& path) {
   if (!fs::exists(status) && status.type() != fs::file_type::not_found) refuse(path, trouble.message());
 }
 
-/// Keeps other programs from moving their results into the same folder meanwhile.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder) : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    // A file system without locks does without.
-    while (folder_ >= 0 && ::flock(folder_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-  }
-  ~FolderLock() {
-    if (folder_ >= 0) ::close(folder_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int folder_;
-};
-
 }  // namespace
+
+WaitingLock::WaitingLock(const fs::path& place) : place_(::open(place.c_str(), O_RDONLY | O_CLOEXEC)) {
+  // A file system without locks does without.
+  while (place_ >= 0 && ::flock(place_, LOCK_EX) != 0 && errno == EINTR) {
+  }
+}
+
+WaitingLock::~WaitingLock() {
+  if (place_ >= 0) ::close(place_);
+}
 
 void check_target_folder(const fs::path& folder) {
   if (folder.native().find('\0') != std::string::npos) refuse(folder, "its name holds a NUL");
@@ -187,7 +179,7 @@ void StagedFolder::finish(const std::vector<std::string>& stale) {
   if (trouble) refuse(place_, trouble.message());
   std::sort(names.begin(), names.end());
   for (const fs::path& name : names) check_replaceable(place_ / name);
-  const FolderLock folder_lock(place_);
+  const WaitingLock folder_lock(place_);
   const std::lock_guard guard(unfinished().lock);
   for (const std::string& name : stale) {
     fs::remove(place_ / name, trouble);

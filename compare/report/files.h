@@ -68,6 +68,18 @@ class StagedFolder {
   std::filesystem::path path_;
 };
 
+/// Keeps other programs that lock the same file or folder, which is there, waiting as long as it lives.
+class WaitingLock {
+ public:
+  explicit WaitingLock(const std::filesystem::path& place);
+  ~WaitingLock();
+  WaitingLock(const WaitingLock&) = delete;
+  WaitingLock& operator=(const WaitingLock&) = delete;
+
+ private:
+  int place_;
+};
+
 /// Removes all that is unfinished and keeps other threads from making more: for a program that ends at once.
 void abandon_unfinished_files();
 
