@@ -78,7 +78,7 @@ void write_results(const std::filesystem::path& folder, const Case& one, const s
       console.err << fmt::format("{}: {}\n", one.model.name, *reason);
     }
   }
-  staged.finish(result_file_names(one.model, names));
+  staged.finish(result_file_names(one.model, {names[0], names[1]}));
 }
 
 void tell_wall_times(const Verdict& verdict, const Console& console) {
@@ -310,7 +310,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
-    check_results(command.out, run_file_names(model, solver.name()));
+    check_results(command.out, result_file_names(model, {solver.name()}));
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;

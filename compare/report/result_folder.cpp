@@ -12,6 +12,9 @@
 
 namespace concord::compare {
 
+namespace {
+
+/// The files of one solver's run of a model.
 std::vector<std::string> run_file_names(const Model& model, std::string_view solver) {
   std::vector<std::string> names;
   for (const char* ending : {"nc", "motion.csv", "reactions.csv", "elements.csv"}) {
@@ -20,22 +23,14 @@ std::vector<std::string> run_file_names(const Model& model, std::string_view sol
   return names;
 }
 
-namespace {
-
-/// What a comparison says of two runs.
-std::vector<std::string> verdict_file_names(const Model& model) {
-  std::vector<std::string> names{model.name + ".table.txt", model.name + ".result.json"};
-  for (const Joint& joint : model.joints) names.push_back(fmt::format("{}.reaction_{}.svg", model.name, joint.name));
-  return names;
-}
-
 }  // namespace
 
-std::vector<std::string> result_file_names(const Model& model, const std::array<std::string_view, 2>& solvers) {
-  std::vector<std::string> names = verdict_file_names(model);
+std::vector<std::string> result_file_names(const Model& model, const std::vector<std::string_view>& solvers) {
+  std::vector<std::string> names{model.name + ".table.txt", model.name + ".result.json"};
   for (const std::string_view solver : solvers) {
     for (std::string& name : run_file_names(model, solver)) names.push_back(std::move(name));
   }
+  for (const Joint& joint : model.joints) names.push_back(fmt::format("{}.reaction_{}.svg", model.name, joint.name));
   return names;
 }
 
@@ -57,12 +52,12 @@ void check_results(const std::filesystem::path& folder, const std::vector<std::s
 
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs) {
   StagedFolder staged(folder);
-  std::vector<std::string> stale = verdict_file_names(model);
+  std::vector<std::string_view> solvers;
   for (const NamedRun& run : runs) {
     write_run_files(staged.path(), model, run);
-    for (std::string& name : run_file_names(model, run.solver)) stale.push_back(std::move(name));
+    solvers.push_back(run.solver);
   }
-  staged.finish(stale);
+  staged.finish(result_file_names(model, solvers));
 }
 
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {

@@ -21,11 +21,9 @@ struct NamedRun {
   const Mask* unique = nullptr;
 };
 
-/// The files of one solver's run of a model.
-std::vector<std::string> run_file_names(const Model& model, std::string_view solver);
-
-/// All that a comparison may write for a machine: what an earlier one left would pass for results of this one.
-std::vector<std::string> result_file_names(const Model& model, const std::array<std::string_view, 2>& solvers);
+/// All that a comparison may write for a machine with runs of these solvers: what an earlier one left would pass for
+/// results of this one.
+std::vector<std::string> result_file_names(const Model& model, const std::vector<std::string_view>& solvers);
 
 /// Writes one solver's run into a folder that is there: `model`.`solver`.nc, .motion.csv, .reactions.csv, and
 /// .elements.csv if the model has force elements. Throws InputError if the path cannot be written.
