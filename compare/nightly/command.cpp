@@ -194,13 +194,12 @@ class NightlyRun {
     std::sort(inputs.begin(), inputs.end());
     inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
     compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report}, inputs);
-    if (!command_.out.empty()) check_target_folder(command_.out);
+    check_results(command_.out, {kFilesOfNight.begin(), kFilesOfNight.end()});
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
     }
     if (command_.out.empty()) return;
-    std::error_code ignored;
-    for (const char* stale : kFilesOfNight) fs::remove(command_.out / stale, ignored);
+    for (const char* stale : kFilesOfNight) fs::remove(command_.out / stale);
   }
 
   /// Whether a stopped night goes on; it must be wished.
