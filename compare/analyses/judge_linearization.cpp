@@ -126,20 +126,24 @@ class ModeJudge {
     if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
     if (*row.resolvable < kFewDigits)
       unresolved_.push_back(fmt::format("{} ({}: {})", line, mode.motion, format_digits(*row.resolvable)));
-    NumberRow decay = row;
-    decay.name = fmt::format("real part of eigenvalue {}", line);
-    decay.values = {mode.eigenvalue.real(), other.eigenvalue.real()};
-    constexpr double kSeenByNights = 1e-4;  // of the scale; what is not resolved is no change
-    decay.scale = std::max(abs_of(mode), least / kSeenByNights);
     NumberRow shape{fmt::format("shape of mode {}", line), "", kNoValues, kMostDigits, kEigenvalue};
     const double least_of_shape = kWithinResolution * std::max(mode.shape_resolution, other.shape_resolution);
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
     shape.resolvable = matching_digits(least_of_shape, 1.0);
     const bool has_shape = !mode.is_free && least_of_shape < kAnyMixture;
     add_line(mode, digits_text(row), has_shape ? digits_text(shape) : "-", "");
-    result_.numbers.push_back(std::move(row));
-    if (!mode.is_free) result_.numbers.push_back(std::move(decay));
+    result_.numbers.push_back(row);
+    if (!mode.is_free) result_.numbers.push_back(real_part(std::move(row), line, mode, other, least));
     if (has_shape) result_.numbers.push_back(std::move(shape));
+  }
+
+  /// Beside the eigenvalue's row, as far as that agrees; `least`: what of it is not resolved [1/s].
+  static NumberRow real_part(NumberRow row, std::size_t line, const Mode& mode, const Mode& other, double least) {
+    constexpr double kSeenByNights = 1e-4;  // of the scale; what is not resolved is no change
+    row.name = fmt::format("real part of eigenvalue {}", line);
+    row.values = {mode.eigenvalue.real(), other.eigenvalue.real()};
+    row.scale = std::max(abs_of(mode), least / kSeenByNights);
+    return row;
   }
 
   void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-/// Seeds and numbers of machines on a command line.
+/// Numbers on a command line.
 namespace concord::compare {
 
 /// Nothing if `text` is a whole number from 0 to 2^64 - 1, else what is wrong with it. The library that reads the
