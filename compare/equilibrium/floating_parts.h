@@ -19,16 +19,21 @@ class FloatingParts {
   /// stays at rest; positions and reactions are left alone.
   void turn_back(const State& origin, State& state, Evaluation& evaluation) const;
 
-  /// `here` with each part moved as a whole so far that the joint which leaves it free stands as in `start`; nothing if
-  /// there is no such joint to the ground. Where nothing but the part's own forces acts on it, it rests there too.
+  /// `here` with each part moved as a whole so far that the joint which leaves it free stands as in `start`, if there
+  /// is one such joint alone, and to the ground; nothing without such parts. Where nothing but the part's own forces
+  /// acts on it, it rests there too.
   [[nodiscard]] std::optional<State> put_back(const State& start, const State& here) const;
 
  private:
+  /// A joint to the ground, and the part's body there.
+  struct FreeJoint {
+    std::size_t joint;
+    std::size_t body;
+  };
   struct Part {
     std::vector<std::size_t> bodies;
     std::size_t heaviest = 0;
-    std::optional<std::size_t> joint;  // which leaves it free of the ground
-    std::size_t held = 0;              // its body
+    std::optional<FreeJoint> free_joint;
   };
   std::vector<Part> parts_;
 };
