@@ -123,7 +123,8 @@ VecX solve_truncated(const MatX& matrix, const VecX& right_side, Eigen::Index mo
   const MatX pivots = rows.matrixR().topRows(rank).triangularView<Eigen::Upper>();
   VecX x = VecX::Zero(matrix.cols());
   x.head(rank) = least_squares(pivots.transpose(), rows.colsPermutation().transpose() * right_side);
-  return rows.householderQ() * x;
+  apply_orthogonal_factor(rows, x);
+  return x;
 }
 
 }  // namespace

@@ -94,8 +94,7 @@ MatX permitted_velocities(const Equations& equations) {
   if (transposed.cols() > 0) {
     Eigen::ColPivHouseholderQR<MatX> qr(transposed);
     qr.setThreshold(kRankThreshold);
-    const MatX Q = qr.householderQ();
-    null_space = Q.rightCols(layout.n_Y() - qr.rank());
+    null_space = orthogonal_factor(qr).rightCols(layout.n_Y() - qr.rank());
   }
   null_space = equations.units().asDiagonal() * null_space;
   const double length = equations.model().length_scale();

@@ -85,7 +85,7 @@ RowSelection select_dense_in_order(const MatX& transposed, const std::vector<boo
     (static_cast<Eigen::Index>(k) < live_first ? selection.order : left_over).push_back(first[order[k]]);
   }
   const Eigen::HouseholderQR<MatX> qr_first(transposed(Eigen::all, selection.order));
-  const MatX turned = qr_first.householderQ().transpose() * MatX(transposed(Eigen::all, then));
+  const MatX turned = apply_transposed_factor(qr_first, transposed(Eigen::all, then));
   const Eigen::Index live_then = pivot_columns(turned.bottomRows(turned.rows() - live_first), tolerance, order);
   for (std::size_t k = 0; k < order.size(); ++k) {
     (static_cast<Eigen::Index>(k) < live_then ? selection.order : left_over).push_back(then[order[k]]);

@@ -8,6 +8,7 @@
 template class Eigen::ColPivHouseholderQR<concord::MatX>;
 template class Eigen::HouseholderQR<concord::MatX>;
 template class Eigen::JacobiSVD<concord::MatX>;
+template Eigen::LLT<concord::MatX>& Eigen::LLT<concord::MatX>::compute(const Eigen::EigenBase<concord::MatX>&);
 
 /// Of LAPACK: singular values by divide and conquer, and eigenvalues of a general matrix, which it balances. The last
 /// arguments are the lengths of the texts before.
@@ -97,6 +98,16 @@ MatX orthonormal_columns(const MatX& A) {
 }
 
 MatX orthogonal_completion(const MatX& A) { return Eigen::HouseholderQR<MatX>(A).householderQ(); }
+
+MatX orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors) { return factors.householderQ(); }
+
+void apply_orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors, VecX& x) {
+  x.applyOnTheLeft(factors.householderQ());
+}
+
+MatX apply_transposed_factor(const Eigen::HouseholderQR<MatX>& factors, const MatX& B) {
+  return factors.householderQ().transpose() * B;
+}
 
 VecX singular_values(const MatX& A) { return Eigen::JacobiSVD<MatX>(A).singularValues(); }
 

@@ -11,6 +11,7 @@
 extern template class Eigen::ColPivHouseholderQR<concord::MatX>;
 extern template class Eigen::HouseholderQR<concord::MatX>;
 extern template class Eigen::JacobiSVD<concord::MatX>;
+extern template Eigen::LLT<concord::MatX>& Eigen::LLT<concord::MatX>::compute(const Eigen::EigenBase<concord::MatX>&);
 
 namespace concord {
 
@@ -41,6 +42,11 @@ Eigen::MatrixXcd inverse_of(const Eigen::MatrixXcd& A);
 MatX orthonormal_columns(const MatX& A);
 /// A square orthogonal matrix; its first columns are orthonormal_columns(A).
 MatX orthogonal_completion(const MatX& A);
+
+/// The orthogonal factor of A P = Q R, square; Q x in place; Q^T B.
+MatX orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors);
+void apply_orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors, VecX& x);
+MatX apply_transposed_factor(const Eigen::HouseholderQR<MatX>& factors, const MatX& B);
 
 /// Largest first.
 VecX singular_values(const MatX& A);

@@ -40,8 +40,8 @@ ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const Pre
     flexible_of_link_[l] = static_cast<int>(flexible_.size());
     const int n = link.n_free + m;
     flexible_.push_back({Mat6X::Zero(6, m), MatX::Zero(m, m), VecX::Zero(m), Mat6X::Zero(6, n), Mat6X::Zero(6, n),
-                         MatX::Zero(m, n), MatX::Zero(n, n), Eigen::LLT<MatX>(MatX::Identity(n, n)), MatX::Zero(n, 6),
-                         VecX::Zero(n)});
+                         MatX::Zero(m, n), MatX::Zero(n, n), Eigen::LLT<MatX>(MatX(MatX::Identity(n, n))),
+                         MatX::Zero(n, 6), VecX::Zero(n)});
   }
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/decompositions.h"
 #include "relative/applied_forces.h"
 #include "relative/body_inertia.h"
 #include "relative/closure.h"

@@ -31,9 +31,9 @@ class MultiplierFactors {
   void solve(const IndependentRows& rows, VecX& right) const;
 
  private:
-  MatX selected_;                               // the rows of Lambda, scaled
-  Eigen::LLT<MatX> llt_{MatX::Identity(1, 1)};  // Eigen copies its outcome: there must be one
-  MatX stacked_;                                // Lambda = stacked^T stacked
+  MatX selected_;                                     // the rows of Lambda, scaled
+  Eigen::LLT<MatX> llt_{MatX(MatX::Identity(1, 1))};  // Eigen copies its outcome: there must be one
+  MatX stacked_;                                      // Lambda = stacked^T stacked
   Eigen::ColPivHouseholderQR<MatX> qr_;
   bool is_orthogonal_ = false;  // whether qr_ is used instead of llt_
   mutable VecX permuted_;

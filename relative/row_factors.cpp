@@ -77,7 +77,7 @@ VecX RowFactors::smallest_step(const VecX& misfit) const {
   for (int r = 0; r < rank_; ++r) {
     step(r) = (-misfit(place(r)) - R.col(r).head(r).dot(step.head(r))) / R(r, r);
   }
-  step.applyOnTheLeft(qr_.householderQ());
+  apply_orthogonal_factor(qr_, step);
   return step;
 }
 

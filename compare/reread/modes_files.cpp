@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
+#include "common/decompositions.h"
 #include "compare/reread/bodies.h"
 #include "compare/reread/stated_file.h"
 
@@ -122,9 +122,10 @@ UndampedModes undamped_modes_of(const MatX& G, const MatX& stiffness) {
   for (Eigen::Index k = 0; k < m; ++k) {
     for (Eigen::Index l = 0; l < m; ++l) modes.mass(k, l) = G.block<3, 3>(4 + 3 * k, 4 + 3 * l).trace();
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> solver(stiffness, modes.mass);
-  modes.frequencies = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  modes.shapes = solver.eigenvectors();
+  const std::optional<SymmetricEigenpairs> pairs = symmetric_eigenpairs(stiffness, modes.mass);
+  if (!pairs) throw std::runtime_error("modes without mass");
+  modes.frequencies = pairs->values.cwiseMax(0.0).cwiseSqrt();
+  modes.shapes = pairs->vectors;
   return modes;
 }
 

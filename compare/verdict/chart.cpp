@@ -122,7 +122,7 @@ void Chart::put_modes_first() {
   if (split.maxPivot() <= kRoundOff) return;
   split.setThreshold(kMovesNoMode);
   n_modal_ = static_cast<int>(split.rank());
-  V_ = V_ * MatX(split.householderQ());
+  V_ = V_ * orthogonal_factor(split);
 }
 
 /// The solver scales only v, by the machine's length; here modal rows are scaled too, and columns orthonormal again.
