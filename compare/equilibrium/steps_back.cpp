@@ -18,7 +18,7 @@ constexpr double kRoundOffStep = 1e-14;
 constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
 constexpr double kPartOfTheWay = 0.1;
-constexpr double kShorter = 0.25;
+constexpr double kShorterStep = 0.25;
 constexpr int kNoEdge = 5;            // steps without failure after which longer ones are tried again
 constexpr double kSeenStep = 1e-6;    // its half square is no round-off of the distance
 constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
@@ -72,7 +72,7 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
   if (directions.cols() == 0 || near_ == kMostNear || (returns_ == kMostReturns && !made_)) return {};
   const VecX moved = joint_displacements(model_, start_, here.state);
   if (has_failed(here.state, moved)) {
-    share_ *= kShorter;
+    share_ *= kShorterStep;
     successes_ = 0;
     ++returns_;
     Rest nearest = std::move(made_->rest);
@@ -80,7 +80,7 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
     return nearest;
   }
   if (took_long) shorter_ *= 0.5;
-  if (made_ && ++successes_ % kNoEdge == 0) share_ = std::min(1.0, share_ / kShorter);
+  if (made_ && ++successes_ % kNoEdge == 0) share_ = std::min(1.0, share_ / kShorterStep);
   const MatX rates = joint_rates(chart, directions);
   const MatX weighed = weighed_by_nearness(model_, moved, rates);
   const VecX along = share_ * smallest_least_squares(weighed, moved, kRoundOffStep);
