@@ -1,6 +1,7 @@
 #include "compare/verdict/term_sizes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -286,10 +287,30 @@ class TermSizes {
     return largest;
   }
 
+  /// In joint coordinates a body's acceleration is its neighbour's and the joint's: a ring that hangs loose on a shaft
+  /// stays at rest as the difference of two large numbers.
+  [[nodiscard]] double through_joints(int body, bool angular) const {
+    double largest = 0.0;
+    for (const Joint& joint : model_.joints) {
+      const std::array bodies{joint.on(Side::parent).body, joint.on(Side::child).body};
+      for (const Side side : kSides) {
+        const int neighbour = bodies[1 - index(side)];
+        if (bodies[index(side)] != body || neighbour == kGround) continue;
+        const Vec3 lever = shared_.state.bodies[body].r - shared_.state.bodies[neighbour].r;
+        for (const Evaluation& evaluation : shared_.evaluations) {
+          const BodyAcceleration& its = evaluation.bodies[neighbour];
+          const double turning = its.omegadot.norm();
+          largest = std::max(largest, angular ? turning : its.vdot.norm() + lever.norm() * turning);
+        }
+      }
+    }
+    return largest;
+  }
+
   [[nodiscard]] double of_acceleration(int body, int component) const {
     if (component < 6) {
       const bool angular = component >= 3;
-      return std::max(by_loads(body, angular), through_couplings(body, angular));
+      return std::max({by_loads(body, angular), through_couplings(body, angular), through_joints(body, angular)});
     }
     const BodyLoad& load = loads_.of(body);
     const double mass = load.modal_mass(component - 6);

@@ -203,6 +203,48 @@ TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledW
   EXPECT_EQ(terms(layout.row_of({Kind::total, 0, Side::child, 0})), 0.0) << "a torque brings no force";
 }
 
+TEST(ResolutionTerms, OfAnAccelerationAreThoseOfTheBodyFromWhichItsJointIsMeasured) {
+  // The ring stays at rest; in joint coordinates that is the shaft's acceleration less as much.
+  const Model model = parse_model(R"(
+    format = 1
+    [[body]]
+    name = "shaft"
+    mass = 0.2
+    inertia = [1e-4, 1e-4, 1e-4]
+    [[body]]
+    name = "ring"
+    mass = 0.3
+    inertia = [0.003, 0.004, 0.005]
+    [[joint]]
+    name = "bearing"
+    type = "revolute"
+    parent = "ground"
+    child = "shaft"
+    [[joint]]
+    name = "loose"
+    type = "free"
+    parent = "shaft"
+    child = "ring"
+  )",
+                                  "ring.toml");
+  SharedState shared;
+  shared.state.bodies.resize(3);
+  shared.state.bodies[2].r = Vec3(0.0, 0.3, 0.4);
+  shared.state.q = {VecX::Zero(1), VecX::Zero(7)};
+  shared.state.u = {VecX::Zero(1), VecX::Zero(6)};
+  for (Evaluation& evaluation : shared.evaluations) {
+    evaluation.bodies.resize(3);
+    evaluation.joints.resize(2);
+    evaluation.joints[0].tau = VecX::Zero(1);
+    evaluation.joints[1].tau = VecX::Zero(6);
+    evaluation.bodies[1].omegadot = Vec3(8000.0, 0.0, 0.0);
+  }
+  const QuantityLayout layout(model);
+  const VecX terms = term_sizes(layout, shared);
+  EXPECT_EQ(terms(layout.row_of({Kind::acceleration, 2, Side::child, 3})), 8000.0);
+  EXPECT_EQ(terms(layout.row_of({Kind::acceleration, 2, Side::child, 0})), 4000.0);
+}
+
 TEST_F(ResolutionTest, StatesThatNoDrawIsAcceptedInAreUnknown) {
   const double t = states_[4].state.t;
   const Resolution before = measure_all();
