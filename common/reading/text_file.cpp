@@ -64,7 +64,11 @@ std::string read_text_file(const std::filesystem::path& file) {
   };
   OpenFile open_file(file);
   const bool holds_nul = file.native().find('\0') != std::string::npos;
-  if (!open_file.is_open() || holds_nul) refuse("cannot read the file: is the path right?");
+  const int why_not = errno;
+  if (holds_nul || (!open_file.is_open() && (why_not == ENOENT || why_not == ENOTDIR))) {
+    refuse("cannot read the file: is the path right?");
+  }
+  if (!open_file.is_open()) refuse(fmt::format("cannot read the file: {}", std::strerror(why_not)));
   if (!S_ISREG(open_file.mode())) {
     refuse(fmt::format("cannot read the file: it is {}, expected a regular file", kind_of(open_file.mode())));
   }
