@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 namespace concord::compare::nightly {
@@ -98,10 +99,15 @@ std::optional<StartDraws> read_start(const TableReader& outer) {
   return draws;
 }
 
-/// The numbers of a list that is swept: not none, which would leave the sweep out.
+/// The numbers of a list that is swept: not none, which would leave the sweep out, and each once.
 std::optional<std::vector<double>> read_swept(const TableReader& table, std::string_view key) {
   auto values = table.numbers(key);
-  if (values && values->empty()) table.complain(key, fmt::format("'{}' is an empty list: it sweeps nothing", key));
+  if (!values) return values;
+  if (values->empty()) table.complain(key, fmt::format("'{}' is an empty list: it sweeps nothing", key));
+  std::set<double> once;
+  for (const double value : *values) {
+    if (!once.insert(value).second) table.complain(key, fmt::format("'{}' sweeps {:g} twice", key, value));
+  }
   return values;
 }
 

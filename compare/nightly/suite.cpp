@@ -88,6 +88,7 @@ class SuiteReader {
     const TableReader document(root, "", {"format", "name", "baselines", "seconds", "megabytes", "judge", "case"},
                                reading_);
     check_format(document, kSuiteFormat);
+    check_name(document);
     suite_->name = document.text("name").value_or(suite_->file.stem().string());
     suite_->baselines = suite_->file.parent_path() /
                         document.text("baselines").value_or("baselines/" + suite_->file.stem().string() + ".csv");
@@ -133,7 +134,7 @@ class SuiteReader {
     }
   }
 
-  /// Names of cases stand in tables and in the files of baselines.
+  /// Names of suites and cases stand in tables and in the files of baselines and histories.
   static void check_name(const TableReader& table) {
     const auto name = table.text("name");
     const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
@@ -198,11 +199,13 @@ class SuiteReader {
       models.insert(found.begin(), found.end());
     }
     if (table.has("except")) {
+      const bool had_any = !models.empty();
       for (const std::string& pattern : read_texts(table, "except").value_or(std::vector<std::string>())) {
         const std::vector<fs::path> found = files_of(folder, pattern);
         if (found.empty()) table.complain("except", fmt::format("there is no file '{}'", pattern));
         for (const fs::path& one : found) models.erase(one);
       }
+      if (had_any && models.empty()) table.complain("except", "leaves none of the files that 'models' names");
     }
     return {models.begin(), models.end()};
   }
@@ -271,6 +274,12 @@ class SuiteReader {
     const auto [entry, is_new] = places_.emplace(one.id, table.where());
     if (is_new) {
       suite_->cases.push_back(std::move(one));
+      return;
+    }
+    if (entry->second.line == table.where().line && !one.model.empty()) {
+      table.complain("models", fmt::format("two of the models would be case '{}', one of them '{}': give it a [[case]] "
+                                           "with a 'name' of its own",
+                                           one.id, one.model.generic_string()));
     } else {
       table.complain(fmt::format("there is a case '{}' already (line {}): give one of them another name", one.id,
                                  entry->second.line));

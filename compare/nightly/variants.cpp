@@ -27,6 +27,18 @@ void multiply(std::vector<Case>& cases, std::size_t count, const Change& change)
   cases = std::move(all);
 }
 
+/// Six digits of each value, or as many more as tell them apart.
+std::vector<std::string> words_apart(const std::vector<double>& values) {
+  constexpr int kAllDigits = 17;
+  std::vector<std::string> words;
+  for (int digits = 6; digits <= kAllDigits; ++digits) {
+    words.clear();
+    for (const double value : values) words.push_back(fmt::format("{:.{}g}", value, digits));
+    if (std::set<std::string>(words.begin(), words.end()).size() == words.size()) break;
+  }
+  return words;
+}
+
 /// The model's file and those that it opens: included ones, modes.
 std::string definition_of_model(const std::filesystem::path& model) {
   std::string text = fmt::format(" {} {:016x}", model.filename().string(), hash_of_file(model));
@@ -74,9 +86,10 @@ std::vector<Case> variants_of(const Case& base, const Sweep& sweep) {
   std::vector<Case> cases{base};
   cases.front().id += '/';
   for (const auto& [name, values] : sweep.parameters) {
+    const std::vector<std::string> words = words_apart(values);
     multiply(cases, values.size(), [&, &parameter = name, &all = values](std::size_t k, Case& variant) {
       variant.parameters.emplace_back(parameter, all[k]);
-      return fmt::format("{}={:g}", parameter, all[k]);
+      return fmt::format("{}={}", parameter, words[k]);
     });
   }
   multiply(cases, sweep.cuts.size(), [&](std::size_t k, Case& variant) {
@@ -87,9 +100,10 @@ std::vector<Case> variants_of(const Case& base, const Sweep& sweep) {
     variant.options.integrators = sweep.integrators[k];
     return fmt::format("{}+{}", sweep.integrators[k][0], sweep.integrators[k][1]);
   });
+  const std::vector<std::string> tolerances = words_apart(sweep.rtol);
   multiply(cases, sweep.rtol.size(), [&](std::size_t k, Case& variant) {
     variant.options.rtol = sweep.rtol[k];
-    return fmt::format("rtol={:g}", sweep.rtol[k]);
+    return "rtol=" + tolerances[k];
   });
   multiply(cases, sweep.start ? static_cast<std::size_t>(sweep.start->count) : 0, [&](std::size_t k, Case& variant) {
     variant.start = sweep.start->first;

@@ -152,9 +152,22 @@ TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
   EXPECT_THAT(refusal("[[case]]\nname = \"\"\nmodels = [\"models/one.toml\"]\n"), HasSubstr("suite.toml:3:8: error"));
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nsweep = { rtol = [] }\n"),
               HasSubstr("'rtol' is an empty list: it sweeps nothing"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\"]\nsweep = { rtol = [1e-7, 1e-7] }\n"),
+              HasSubstr("suite.toml:4:18: error: case, sweep: 'rtol' sweeps 1e-07 twice"));
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/*.toml\"]\nexcept = [\"models/*\"]\n"),
+              HasSubstr("suite.toml:4:10: error: case: leaves none of the files that 'models' names"));
+  EXPECT_THAT(refusal("name = \"\"\n[[case]]\nmodels = [\"models/one.toml\"]\n"), HasSubstr("suite.toml:2:8: error"));
+  write_file(folder_.path() / "more" / "one.toml", kPendulum);
+  EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\", \"more/one.toml\"]\n"),
+              HasSubstr("suite.toml:3:10: error: case: two of the models would be case 'one', one of them '"));
   EXPECT_THAT(refusal(""), HasSubstr("there is no case"));
   write_file(folder_.path() / "suite.toml", "format = 9\n[[case]]\nmodels = [\"models/one.toml\"]\n");
   EXPECT_THROW(read_suite(folder_.path() / "suite.toml"), InputError);
+}
+
+TEST_F(Suites, SweptValuesHaveAsManyDigitsInTheirNamesAsTellThemApart) {
+  EXPECT_THAT(ids("[[case]]\nmodels = [\"models/one.toml\"]\nsweep.parameters = { arm = [0.2, 0.20000001, 3] }\n"),
+              ElementsAre("one/arm=0.2", "one/arm=0.20000001", "one/arm=3"));
 }
 
 /// Finds one model that was moved away and takes the night of all the others with it.
