@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "common/error.h"
 #include "common/reading/text_file.h"
@@ -88,10 +90,10 @@ class BaselineParser {
     }
     const std::size_t of = fields[3].find(" of ");
     if (of == std::string::npos) refuse(fmt::format("expected 'N of M', found '{}'", fields[3]));
-    one.judged = static_cast<int>(whole(fields[3].substr(0, of)));
-    one.total = static_cast<int>(whole(fields[3].substr(of + 4)));
-    one.cost = {Cost{fields[4], whole(fields[5]), whole(fields[6])},
-                Cost{fields[7], whole(fields[8]), whole(fields[9])}};
+    one.judged = static_cast<int>(count(fields[3].substr(0, of)));
+    one.total = static_cast<int>(count(fields[3].substr(of + 4)));
+    one.cost = {Cost{fields[4], count(fields[5]), count(fields[6])},
+                Cost{fields[7], count(fields[8]), count(fields[9])}};
     const auto [entry, is_new] = baselines_.emplace(one.id, one);
     if (!is_new) refuse(fmt::format("case '{}' stands there twice", one.id));
     current_ = &entry->second;
@@ -102,6 +104,9 @@ class BaselineParser {
     if (current_ == nullptr) refuse("a component stands before the first case");
     Component one;
     one.name = fields[1];
+    if (!components_.emplace(current_->id, one.name).second) {
+      refuse(fmt::format("'{}' of case '{}' stands there twice", one.name, current_->id));
+    }
     one.same_state = value(fields[2]);
     one.resolvable = value(fields[3]);
     one.same_run = value(fields[4]);
@@ -123,9 +128,16 @@ class BaselineParser {
     if (trouble != std::errc() || read != end) refuse(fmt::format("expected a number, found '{}'", field));
     return found;
   }
-  [[nodiscard]] long whole(const std::string& field) const { return number<long>(field); }
+  [[nodiscard]] long count(const std::string& field) const {
+    const auto found = number<long>(field);
+    if (found < 0) refuse(fmt::format("expected a count, found '{}'", field));
+    return found;
+  }
   [[nodiscard]] std::optional<double> value(const std::string& field) const {
-    return field == "-" ? std::nullopt : std::optional(number<double>(field));
+    if (field == "-") return std::nullopt;
+    const auto found = number<double>(field);
+    if (!std::isfinite(found)) refuse(fmt::format("expected a finite number, found '{}'", field));
+    return found;
   }
 
   [[noreturn]] void refuse(const std::string& reason) const { throw InputError({file_, number_, 1}, reason); }
@@ -137,6 +149,7 @@ class BaselineParser {
   int number_ = 0;
   Baselines baselines_;
   Result* current_ = nullptr;
+  std::set<std::pair<std::string, std::string>> components_;  // case and name of those that were read
 };
 
 }  // namespace

@@ -73,6 +73,12 @@ TEST(Baselines, WrongLinesAreToldWithTheirNumber) {
   EXPECT_THAT(refusal(title + "case,a\n"), HasSubstr("expected 10 fields, found 2"));
   EXPECT_THAT(refusal(title + "case,\"a\n"), HasSubstr("a quotation mark is not closed"));
   EXPECT_THAT(refusal(title + "row,a\n"), HasSubstr("found 'row'"));
+  const std::string start = title + "case,a,agree,1 of 2,ida,1,2,gbs,3,4\n";
+  EXPECT_THAT(refusal(start + ",F_x,nan,2,3,4,5,6\n"),
+              HasSubstr("old.csv:3:1: error: expected a finite number, found"));
+  EXPECT_THAT(refusal(start + ",F_x,1,2,3,4,5,6\n,F_x,1,2,3,4,5,6\n"),
+              HasSubstr("old.csv:4:1: error: 'F_x' of case 'a' stands there twice"));
+  EXPECT_THAT(refusal(title + "case,a,agree,1 of 2,ida,-1,2,gbs,3,4\n"), HasSubstr("expected a count, found '-1'"));
 }
 
 TEST(Results, JsonIsReadBack) {
