@@ -230,8 +230,8 @@ std::string words_of_no_excuse(const KnownRed& known, const std::string& today) 
   return "known red, but for what a solver answers: this is no answer";
 }
 
-/// The case by itself, whatever was before.
-std::optional<Change> own_change(const Case& one, const Result& now, const std::string& today) {
+/// The case by itself. What is known to be red is excused if it ends as was accepted (`baseline`, if there is one).
+std::optional<Change> own_change(const Case& one, const Result& now, const Result* baseline, const std::string& today) {
   const std::string words = red_words(now);
   if (now.is_green() && one.known_red) {
     return Change{ChangeKind::better,
@@ -246,6 +246,10 @@ std::optional<Change> own_change(const Case& one, const Result& now, const std::
   }
   if (now.is_green()) return std::nullopt;
   if (counts_as_known_red(one, now, today)) {
+    if (baseline != nullptr && !baseline->is_green() && baseline->ending != now.ending) {
+      const std::string was = fmt::format("known red, accepted as '{}'", to_string(baseline->ending));
+      return Change{ChangeKind::red, one.id, "", "ending", was, words, "baseline", 1.0, 0};
+    }
     return Change{ChangeKind::known,
                   one.id,
                   "",
@@ -330,7 +334,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
                                const std::string& today) {
   std::vector<Change> changes;
-  const auto own = own_change(one, now, today);
+  const auto own = own_change(one, now, judging.against_baseline ? baseline : nullptr, today);
   if (own) changes.push_back(*own);
   const auto take = [&](const std::vector<Change>& found) {
     for (const Change& change : found) {
@@ -340,7 +344,8 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   };
   if (now.ending == Ending::not_run) return changes;
   if (judging.against_baseline && baseline == nullptr) {
-    const char* advice = own ? "accept it when it is green" : "run concord accept";
+    const bool is_accepted = now.is_green() || counts_as_known_red(one, now, today);
+    const char* advice = is_accepted ? "run concord accept" : "accept it when it is green";
     changes.push_back({ChangeKind::missing, one.id, "", "baseline", "-", advice, "baseline", 1.0, 0});
   } else if (judging.against_baseline) {
     take(changes_between(*baseline, now, judging, "baseline"));

@@ -183,6 +183,21 @@ TEST(Judgement, RedIsRedUnlessItIsKnownAndOnlyUntilItsDay) {
   EXPECT_EQ(told_on("2026-05-06"), "known red until 2026-05-05, which is over");
 }
 
+TEST(Judgement, KnownRedIsNoExcuseForAnotherEndThanTheAcceptedOne) {
+  Result baseline = sound();
+  baseline.ending = Ending::differ;
+  Result now = baseline;
+  Case known = ordinary();
+  known.known_red = KnownRed{"being mended", "2026-05-05"};
+  EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("known red ending"));
+  now.ending = Ending::failed;
+  EXPECT_THAT(judged(known, now, &baseline, {}, {}), ElementsAre("red ending"));
+  EXPECT_EQ(judge_case(known, now, &baseline, {}, kHere, {}, "2026-05-05").at(0).was,
+            "known red, accepted as 'differ'");
+  const auto advice = judge_case(known, now, nullptr, {}, kHere, {}, "2026-05-05").at(1).is;
+  EXPECT_EQ(advice, "run concord accept") << "which takes what is known to be red";
+}
+
 TEST(Judgement, LostCoverageIsWorse) {
   Result baseline = sound();
   baseline.judged = baseline.total = 3;
