@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
 #include "compare/verdict/observe.h"
@@ -14,8 +15,12 @@
 namespace concord::compare {
 
 std::string escape_xml(const std::string& text) {
+  // Bytes that are no UTF-8, of a path, would be no XML.
+  using XmlText = nlohmann::json;
+  const std::string valid =
+      XmlText::parse(XmlText(text).dump(-1, ' ', false, XmlText::error_handler_t::replace)).get<std::string>();
   std::string result;
-  for (const char c : text) {
+  for (const char c : valid) {
     switch (c) {
       case '&':
         result += "&amp;";
@@ -103,7 +108,10 @@ std::vector<TestCase> tests_of(const ReportedCase& one) {
   if (one.verdict == nullptr) return {{"verdict", TestCase::Result::error, one.trouble}};
   const Verdict& verdict = *one.verdict;
   std::vector<TestCase> tests;
-  for (const std::string& failure : verdict.failures) tests.push_back({"verdict", TestCase::Result::error, failure});
+  for (const std::string& failure : verdict.failures) {
+    const std::string name = tests.empty() ? "verdict" : fmt::format("verdict {}", tests.size() + 1);
+    tests.push_back({name, TestCase::Result::error, failure});
+  }
   if (verdict.rows.empty() && verdict.others.empty()) {
     add_attribution(verdict, tests);
     return tests;
