@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <limits>
 
+#include "common/reading/model_file.h"
 #include "compare/python/bindings.h"
 #include "compare/python/run.h"
 #include "compare/python/states.h"
 #include "compare/report/result_files.h"
+#include "compare/report/result_folder.h"
 #include "compare/verdict/observe.h"
 
 /// Time series of a run: its samples, put one after another. Names are those of the NetCDF files.
@@ -233,6 +235,7 @@ void bind_series(py::module_& module) {
       .def(
           "write_netcdf",
           [](const Run& run, const std::filesystem::path& path) {
+            if (!run.model->file.empty()) check_output(path, files_of_model(run.model->file));
             write_netcdf(path, *run.model, run.solver, run.trajectory, run.unique ? &*run.unique : nullptr);
           },
           py::arg("path"))
