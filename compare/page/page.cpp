@@ -24,7 +24,9 @@ std::size_t bytes_for_each(std::size_t machines) {
 PageJson without_result(const ReportedCase& one) {
   std::string words = one.trouble;
   while (!words.empty() && words.back() == '\n') words.pop_back();
-  return {{"model", one.name}, {"outcome", "failed"}, {"sentence", fmt::format("There is no verdict: {}", words)}};
+  return {{"model", one.name},
+          {"outcome", one.is_bad_input ? "bad input" : "failed"},
+          {"sentence", fmt::format("There is no verdict: {}", words)}};
 }
 
 MachineResult result_of(const ReportedCase& one) {
