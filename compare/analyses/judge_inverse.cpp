@@ -86,11 +86,13 @@ NumberRow as_asked(const Model& driven, const State& state, const Evaluation& th
   return {fmt::format("as asked: accelerations by {}, read from the bodies", solver), "", kNoValues, worst, kAsAsked};
 }
 
+/// `size`: of the terms of which the force is the sum. What is round-off of them is held against a part of them.
 AppliedForceRow force_row(const Model& model, const Model& driven, const std::array<Evaluation, 2>& there,
-                          const Prescribed& one) {
+                          const Prescribed& one, double size) {
   const std::array<double, 2> tau{force_to_apply(driven, there[0], one), force_to_apply(driven, there[1], one)};
   const bool turns = turning_speeds(*model.joints[one.joint].type).at(static_cast<std::size_t>(one.speed(model)));
-  const double digits = matching_digits(tau[0] - tau[1], std::max(std::abs(tau[0]), std::abs(tau[1])));
+  const double scale = std::max({std::abs(tau[0]), std::abs(tau[1]), kScaleFloor * size});
+  const double digits = matching_digits(tau[0] - tau[1], scale);
   return {one.name(model), one.acceleration, turns ? "N m" : "N", tau, digits};
 }
 
@@ -128,7 +130,12 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   for (const Who who : kBothSolvers) there[index(who)] = solvers[index(who)]->evaluate(start);
   judge_wrenches(driven, solvers, {one_sample(start, there[0]), one_sample(start, there[1])}, Found::motion, result);
 
-  for (const Prescribed& one : coordinates) result.forces.push_back(force_row(model, driven, there, one));
+  const QuantityLayout layout(driven);
+  const VecX terms = term_sizes(layout, {start, there});
+  for (const Prescribed& one : coordinates) {
+    const int row = layout.row_of({Kind::driver, one.joint, Side::child, one.speed(driven)});
+    result.forces.push_back(force_row(model, driven, there, one, terms(row)));
+  }
   result.text += "forces that make the machine move as asked:\n" + text_of(result.forces) + '\n';
   for (const Who who : kBothSolvers) {
     result.numbers.push_back(as_asked(driven, start, there[index(who)], coordinates, solvers[index(who)]->name()));
