@@ -70,7 +70,7 @@ class Fuzz {
         style_(style_of(command.style)),
         count_(command.count.value_or(command.minutes ? ~std::uint64_t{0} : 1000)),
         jobs_(command.jobs > 0 ? command.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))),
-        scratch_(std::filesystem::temp_directory_path()),
+        scratch_(scratch_place()),
         pool_([this, &makers](const std::string& input) { return work(input, makers); }, jobs_,
               {command.seconds, command.megabytes}) {}
 

@@ -58,7 +58,7 @@ class Acceptance {
         makers_(makers),
         console_(console),
         today_(command.today.empty() ? utc_now().substr(0, 10) : command.today),
-        scratch_(fs::temp_directory_path()) {}
+        scratch_(scratch_place()) {}
 
   int run() {
     if (command_.reason.find_first_not_of(" \t\n") == std::string::npos) {

@@ -47,6 +47,22 @@ std::vector<const Case*> meant_cases(const Suite& suite, const std::string& patt
   return cases;
 }
 
+/// A command that fails is reported, and changes no verdict.
+void notify(const NightlyCommand& command, const std::string& text, const Console& console) {
+  if (command.notify.empty()) return;
+  const FedCommand fed = feed_command(command.notify, text);
+  const int status = fed.status;
+  if (!fed.has_started) throw std::runtime_error("the command of --notify cannot be started");
+  if (status == 0) return;
+  console.err << (WIFSIGNALED(status)
+                      ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))
+                      : fmt::format("the command of --notify ended with {}\n", WEXITSTATUS(status)));
+}
+
+void notify_of_end(const NightlyCommand& command, const std::string& name, const char* why, const Console& console) {
+  notify(command, fmt::format("# red {}: the night could not finish\n\n{}\n", name, why), console);
+}
+
 /// One run of `concord nightly`.
 class NightlyRun {
  public:
@@ -57,7 +73,7 @@ class NightlyRun {
         suite_(read_suite(command.suite)),
         origin_(origin_of_program(command.commit)),
         cases_(meant_cases(suite_, command.only)),
-        scratch_(fs::temp_directory_path()) {}
+        scratch_(scratch_place()) {}
 
   int run() {
     return notified([&] { return run_here(); });
@@ -143,7 +159,7 @@ class NightlyRun {
     try {
       return work();
     } catch (const std::exception& error) {
-      if (!is_reported_) notify(fmt::format("# red {}: the night could not finish\n\n{}\n", suite_.name, error.what()));
+      if (!is_reported_) notify_of_end(command_, suite_.name, error.what(), console_);
       throw;
     }
   }
@@ -164,7 +180,7 @@ class NightlyRun {
     console_.out << text << std::flush;
     write_outputs(report, text, history.get());
     is_reported_ = true;
-    notify(format_markdown(report));
+    notify(command_, format_markdown(report), console_);
     return {report.code, text, is_complete};
   }
 
@@ -209,12 +225,12 @@ class NightlyRun {
       throw InputError({"--resume", 0, 0}, "only a night that is kept can be resumed: give --history FILE");
     }
     const auto stopped = history.stopped_night(suite_.name, origin_);
-    if (!stopped) {
-      console_.err << "nothing to resume: the last night of this suite was finished, was another program's, or is "
-                      "running; a new one begins\n";
+    if (!stopped || is_of_another_file(*stopped)) {
+      console_.err << "nothing to resume: the last night of this suite was finished, was another program's or another "
+                      "suite file's, or is running; a new one begins\n";
       return false;
     }
-    night_ = *stopped;
+    night_ = stopped->id;
     is_resumed_ = true;
     // A merge that was lost has not read what the tasks left.
     const auto folder = cluster_folder(history.process_of(night_));
@@ -222,10 +238,30 @@ class NightlyRun {
       store_task_results(*folder, read_plan(*folder), cases_, night_, history);
     }
     history.take_over(night_);
+    if (command_.only.empty()) history.ask_for_all(night_);
     return true;
   }
 
-  void begin(History& history) { night_ = history.begin(suite_.name, night().suite_file, origin_, started_); }
+  /// Of a suite that only has the same name: its file is still there. A suite may be moved.
+  bool is_of_another_file(const Night& earlier) const {
+    std::error_code unknown;
+    return fs::exists(earlier.suite_file, unknown) && !fs::equivalent(earlier.suite_file, suite_.file, unknown);
+  }
+
+  /// Two suites of one name in one history are each other's past.
+  void tell_of_namesake(History& history) const {
+    const std::vector<Night> nights = history.nights(suite_.name);
+    if (nights.empty() || !is_of_another_file(nights.back())) return;
+    console_.err << fmt::format(
+        "note: the last night of '{}' in this history was that of {}: each is the other's past, "
+        "unless one of them is given another name\n",
+        suite_.name, nights.back().suite_file);
+  }
+
+  void begin(History& history) {
+    tell_of_namesake(history);
+    night_ = history.begin(suite_.name, night().suite_file, origin_, started_, command_.only);
+  }
 
   /// Without those that the night had already, if they were asked the same.
   std::vector<const Case*> to_run(History& history) const {
@@ -242,7 +278,8 @@ class NightlyRun {
   }
 
   Night night() const {
-    return {night_, suite_.name, fs::absolute(suite_.file).lexically_normal().string(), started_, "", origin_};
+    return {night_,  suite_.name,  fs::absolute(suite_.file).lexically_normal().string(), started_, "",
+            origin_, command_.only};
   }
 
   NightReport judge(NightHistory& history, const Baselines& baselines) const {
@@ -287,18 +324,6 @@ class NightlyRun {
     return format_night_page(page, history);
   }
 
-  /// A command that fails is reported, and changes no verdict.
-  void notify(const std::string& text) const {
-    if (command_.notify.empty()) return;
-    const FedCommand fed = feed_command(command_.notify, text);
-    const int status = fed.status;
-    if (!fed.has_started) throw std::runtime_error("the command of --notify cannot be started");
-    if (status == 0) return;
-    console_.err << (WIFSIGNALED(status)
-                         ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))
-                         : fmt::format("the command of --notify ended with {}\n", WEXITSTATUS(status)));
-  }
-
   const NightlyCommand& command_;
   const SolverMakers& makers_;
   const Console& console_;
@@ -312,6 +337,19 @@ class NightlyRun {
   bool is_reported_ = false;
 };
 
+/// A night; a suite that cannot be read is told, too.
+template <class Work>
+int with_night(const NightlyCommand& command, const SolverMakers& makers, const Console& console, const Work& work) {
+  std::optional<NightlyRun> night;
+  try {
+    night.emplace(command, makers, console);
+  } catch (const std::exception& error) {
+    notify_of_end(command, command.suite.string(), error.what(), console);
+    throw;
+  }
+  return work(*night);
+}
+
 /// A merge that cannot report leaves its code, for who waits.
 int merge_night(const fs::path& folder, const SolverMakers& makers, const Console& console) {
   std::optional<ClusterPlan> plan;
@@ -321,7 +359,7 @@ int merge_night(const fs::path& folder, const SolverMakers& makers, const Consol
       throw InputError({folder.string(), 0, 0}, "the results of this night are merged already: all tasks were done");
     }
     fs::current_path(plan->where);
-    return NightlyRun(plan->command, makers, console).merge(folder, *plan);
+    return with_night(plan->command, makers, console, [&](NightlyRun& night) { return night.merge(folder, *plan); });
   });
   if (plan && !read_end(folder)) {
     guarded(console, [&] {
@@ -342,7 +380,7 @@ int submit_night(NightlyCommand command, const SolverMakers& makers, const Conso
          {&command.history, &command.json, &command.junit, &command.markdown, &command.report, &command.out}) {
       if (!path->empty()) *path = fs::absolute(*path).lexically_normal();
     }
-    return NightlyRun(command, makers, console).submit();
+    return with_night(command, makers, console, [](NightlyRun& night) { return night.submit(); });
   });
 }
 
@@ -352,7 +390,8 @@ int run_nightly(const NightlyCommand& command, const SolverMakers& makers, const
   if (!command.slurm_task.empty()) return guarded(console, [&] { return run_cluster_task(command, makers, console); });
   if (!command.slurm_merge.empty()) return merge_night(fs::absolute(command.slurm_merge), makers, console);
   if (command.slurm) return submit_night(command, makers, console);
-  return guarded(console, [&] { return NightlyRun(command, makers, console).run(); });
+  return guarded(console,
+                 [&] { return with_night(command, makers, console, [](NightlyRun& night) { return night.run(); }); });
 }
 
 }  // namespace concord::compare::nightly

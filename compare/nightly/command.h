@@ -89,7 +89,7 @@ struct DiffCommand {
                   // "last-1", or a commit
   std::string b;
   std::filesystem::path history = {};
-  std::filesystem::path suite = {};  // whose [judge] counts; empty: the defaults
+  std::filesystem::path suite = {};  // whose nights and [judge] count; empty: any, the defaults
   std::filesystem::path json = {};
   std::filesystem::path junit = {};
   std::filesystem::path markdown = {};

@@ -133,10 +133,14 @@ std::optional<double> Statement::optional_real(int column) const {
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
 Database::Database(const std::filesystem::path& file, Access access) : file_(file.string()) {
-  std::string name = file_;
+  // With its folder: SQLite means something else by ":memory:" and "file:...".
+  std::string name = std::filesystem::absolute(file).string();
   int flags = SQLITE_OPEN_READWRITE;
   if (access == Access::write) {
-    check_target(file);
+    std::error_code unknown;
+    // Nothing is replaced: a link is followed.
+    const bool is_link = std::filesystem::is_symlink(file, unknown) && std::filesystem::exists(file, unknown);
+    check_target(is_link ? std::filesystem::canonical(file) : file);
     make_folder(file.parent_path());
     flags |= SQLITE_OPEN_CREATE;
   } else {

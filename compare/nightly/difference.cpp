@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <optional>
 #include <ostream>
 
 #include "common/error.h"
@@ -19,19 +20,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One side of a difference: a file of results, or a night.
-ResultsFile side_called(const std::string& name, const fs::path& history_file) {
+/// The suite whose nights are meant: the one that is given; of "last-1" and "last" that of the last night of all; else
+/// any ("").
+std::string suite_meant(const DiffCommand& command, const std::optional<Suite>& suite) {
+  if (suite) return suite->name;
+  if (command.history.empty() || !command.a.starts_with("last") || !command.b.starts_with("last")) return "";
+  const std::vector<Night> nights = History(command.history, Access::read).nights();
+  return nights.empty() ? "" : nights.back().suite;
+}
+
+/// One side of a difference: a file of results, or a night of the suite.
+ResultsFile side_called(const std::string& name, const fs::path& history_file, const std::string& suite) {
   if (history_file.empty() || fs::is_regular_file(name)) return read_results_file(name);
   History history(history_file, Access::read);
-  const std::vector<Night> nights = history.nights();
+  const std::vector<Night> nights = history.nights(suite);
   const Night& night = night_called(name, nights);
-  ResultsFile side{{night.origin, night.suite, {}}, false, false};
+  ResultsFile side{{night.origin, night.suite, {}, night.only}, false, false};
   for (const auto& [id, definition] : history.definitions(night.id)) {
     if (auto result = history.find(night.id, id)) side.night.results.push_back(std::move(*result));
   }
   return side;
 }
 
+/// Whether a night was asked for a case.
+bool was_asked_for(const NightFile& night, const std::string& id) {
+  return night.only.empty() || is_meant(id, night.only);
+}
+
+/// A case of one side alone is gone or new, unless the other side was not asked for it.
 NightReport difference(const NightFile& a, const NightFile& b, const Judging& judging, const DiffCommand& command) {
   NightReport report{
       fmt::format("{} to {}", command.a, command.b), "concord difference", b.origin, utc_now(), {}, {}, 0};
@@ -40,7 +56,11 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
   while (then != a.results.end() || now != b.results.end()) {
     const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
-    if (only_then) {
+    if (only_then && !was_asked_for(b, then->id)) {
+      ++then;
+    } else if (only_now && !was_asked_for(a, now->id)) {
+      ++now;
+    } else if (only_then) {
       report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
       ++then;
     } else if (only_now) {
@@ -63,9 +83,12 @@ int show_difference(const DiffCommand& command, const Console& console) {
   return guarded(console, [&] {
     check_outputs({command.json, command.junit, command.markdown},
                   {command.a, command.b, command.history, command.suite});
-    const Judging judging = command.suite.empty() ? Judging() : read_suite(command.suite).judging;
-    ResultsFile a = side_called(command.a, command.history);
-    ResultsFile b = side_called(command.b, command.history);
+    std::optional<Suite> suite;
+    if (!command.suite.empty()) suite = read_suite(command.suite);
+    const Judging judging = suite ? suite->judging : Judging();
+    const std::string name = suite_meant(command, suite);
+    ResultsFile a = side_called(command.a, command.history, name);
+    ResultsFile b = side_called(command.b, command.history, name);
     require_comparable(a, b, command.a, command.b);
     const NightReport report = difference(a.night, b.night, judging, command);
     console.out << format_report(report) << std::flush;

@@ -40,13 +40,16 @@ ALTER TABLE component ADD COLUMN need_same_state REAL NOT NULL DEFAULT 0;
 ALTER TABLE component ADD COLUMN need_same_run REAL NOT NULL DEFAULT 0;
 ALTER TABLE component ADD COLUMN need_refined REAL NOT NULL DEFAULT 0;
 CREATE INDEX result_by_name ON result(name, night);
+)",
+                                       R"(
+ALTER TABLE night ADD COLUMN only_cases TEXT NOT NULL DEFAULT '';
 )"};
 static_assert(std::size(kMigrations) + 1 == kHistoryFormat);
 
 #define CONCORD_NIGHT_COLUMNS                                                                                   \
   "night.id, night.suite, night.suite_file, night.started, night.finished, night.version, night.commit_words, " \
-  "night.compiler, night.machine"
-constexpr int kNightColumns = 9;
+  "night.compiler, night.machine, night.only_cases"
+constexpr int kNightColumns = 10;
 #define CONCORD_RESULT_COLUMNS                                                                          \
   "result.id, result.name, work, ending, words, judged, total, integrator_cartesian, steps_cartesian, " \
   "evaluations_cartesian, integrator_relative, steps_relative, evaluations_relative, wall_s, processor_s, definition"
@@ -54,7 +57,8 @@ constexpr int kResultColumns = 16;
 
 Night night_of(const Statement& row) {
   return {row.whole(0), row.text(1), row.text(2),
-          row.text(3),  row.text(4), {row.text(5), row.text(6), row.text(7), row.text(8)}};
+          row.text(3),  row.text(4), {row.text(5), row.text(6), row.text(7), row.text(8)},
+          row.text(9)};
 }
 
 }  // namespace
@@ -150,11 +154,11 @@ void History::prepare() {
 }
 
 long History::begin(const std::string& suite, const std::string& suite_file, const Origin& origin,
-                    const std::string& now) {
+                    const std::string& now, const std::string& only) {
   Transaction transaction(database_);
   Statement(database_,
-            "INSERT INTO night(suite, suite_file, started, version, commit_words, compiler, machine, process)"
-            " VALUES(?, ?, ?, ?, ?, ?, ?, ?)")
+            "INSERT INTO night(suite, suite_file, started, version, commit_words, compiler, machine, process,"
+            " only_cases) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(suite)
       .bind(suite_file)
       .bind(now)
@@ -163,21 +167,22 @@ long History::begin(const std::string& suite, const std::string& suite_file, con
       .bind(origin.compiler)
       .bind(origin.machine)
       .bind(this_process())
+      .bind(only)
       .run();
   const long night = database_.last_row();
   transaction.commit();
   return night;
 }
 
-std::optional<long> History::stopped_night(const std::string& suite, const Origin& origin) {
+std::optional<Night> History::stopped_night(const std::string& suite, const Origin& origin) {
   Statement last(database_,
                  "SELECT " CONCORD_NIGHT_COLUMNS ", process FROM night WHERE suite = ? ORDER BY id DESC LIMIT 1");
   if (!last.bind(suite).step()) return std::nullopt;
-  const Night night = night_of(last);
+  Night night = night_of(last);
   Origin same = origin;
   if (is_cluster_machine(night.origin.machine)) same.machine = night.origin.machine;
   if (!night.finished.empty() || night.origin != same || is_running(last.text(kNightColumns))) return std::nullopt;
-  return night.id;
+  return night;
 }
 
 void History::take_over(long night, const std::string& process) {
@@ -187,6 +192,10 @@ void History::take_over(long night, const std::string& process) {
       .bind(night)
       .run();
   transaction.commit();
+}
+
+void History::ask_for_all(long night) {
+  Statement(database_, "UPDATE night SET only_cases = '' WHERE id = ?").bind(night).run();
 }
 
 std::string History::process_of(long night) {

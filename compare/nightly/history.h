@@ -14,7 +14,7 @@
 /// What nights found, kept for ever in a SQLite file.
 namespace concord::compare::nightly {
 
-inline constexpr int kHistoryFormat = 2;
+inline constexpr int kHistoryFormat = 3;
 
 struct Night {
   long id = 0;
@@ -23,6 +23,7 @@ struct Night {
   std::string started;     // "2026-11-22 23:14:05", UTC
   std::string finished;    // empty: it was stopped, or is running
   Origin origin;
+  std::string only = {};  // the pattern of the cases that were asked for; empty: all
 };
 
 /// A case in one night.
@@ -40,13 +41,16 @@ class History {
   /// same.
   explicit History(const std::filesystem::path& file, Access access = Access::write);
 
-  /// Begins a night of this process.
-  long begin(const std::string& suite, const std::string& suite_file, const Origin& origin, const std::string& now);
+  /// Begins a night of this process: of all cases, or those that `only` means.
+  long begin(const std::string& suite, const std::string& suite_file, const Origin& origin, const std::string& now,
+             const std::string& only = "");
   /// The suite's last night, if it was stopped, was done by the same program on the same machine or on a cluster, and
   /// no process or job that is still running does it.
-  std::optional<long> stopped_night(const std::string& suite, const Origin& origin);
+  std::optional<Night> stopped_night(const std::string& suite, const Origin& origin);
   /// From now on this process does the night, or the one that is named.
   void take_over(long night, const std::string& process = "");
+  /// From now on the night is one of all cases.
+  void ask_for_all(long night);
   /// Which does it, or did it last.
   std::string process_of(long night);
   /// As if it had never begun.

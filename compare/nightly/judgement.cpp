@@ -17,6 +17,7 @@ Result result_of_case(History& history, long night, const std::string& id) {
 NightReport judge_night(History& history, const Night& night, const std::vector<const Case*>& cases,
                         const Baselines& baselines, const Judging& judging, const std::string& today) {
   NightReport report{night.suite, "concord night", night.origin, night.started, {}, {}, 0};
+  report.only = night.only;
   for (const Case* one : cases) {
     const Result result = result_of_case(history, night.id, one->id);
     const auto found = baselines.find(one->id);

@@ -132,7 +132,7 @@ Result not_run(const Case& one) {
 
 bool run_cases(std::vector<const Case*> cases, const NightOptions& options, const StoreResult& store,
                const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console) {
-  const StagedFolder scratch(std::filesystem::temp_directory_path());
+  const StagedFolder scratch(scratch_place());
   const int jobs =
       options.jobs > 0 ? options.jobs : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (!options.minutes) put_longest_first(wall_times, cases);

@@ -93,7 +93,8 @@ void NightlyCommands::add_diff(CLI::App& program) {
       ->required();
   app->add_option("B", diff_.b, "The same")->required();
   app->add_option("--history", diff_.history, "The file that remembers the nights");
-  app->add_option("--suite", diff_.suite, "Suite whose [judge] counts; default: the defaults");
+  app->add_option("--suite", diff_.suite,
+                  "Suite whose nights are meant and whose [judge] counts; default: any, and the defaults");
   app->add_option("--json", diff_.json, "File for the difference as JSON");
   app->add_option("--junit", diff_.junit, "File for JUnit XML");
   app->add_option("--markdown", diff_.markdown, "File for the table of changes as Markdown");

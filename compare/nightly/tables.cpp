@@ -52,6 +52,15 @@ std::string format_changes(const NightReport& report) {
   return lines.size() == 1 ? "" : format_table(lines, {false, false, false, false, false, false, false});
 }
 
+/// What is said of green cases, a line for each.
+std::string notes_of(const NightReport& report) {
+  std::string text;
+  for (const CaseLine& line : report.cases) {
+    if (!line.note.empty()) text += fmt::format("note: {}: {}\n", as_cell(line.id), as_cell(line.note));
+  }
+  return text;
+}
+
 /// ": 18 agree, 1 differ, 1 crashed"; nothing where no case was run.
 std::string endings_of(const NightReport& report) {
   std::map<Ending, int> counts;
@@ -119,6 +128,7 @@ Json head_json(const NightReport& report) {
           {"verdict", headline},
           {"exit_code", report.code},
           {"trouble", report.trouble},
+          {"only", report.only},
           {"changes", std::move(changes)}};
 }
 
@@ -165,6 +175,7 @@ CaseLine case_line_of(const Result& result, std::vector<Change> changes) {
     line.steps[who] = result.cost[who].steps;
   }
   for (const Change& change : line.changes) line.code = worse_code(line.code, exit_code(change, result.ending));
+  if (result.is_green()) line.note = result.words;
   return line;
 }
 
@@ -181,7 +192,8 @@ std::string format_headline(const NightReport& report) {
                        : report.code == 4    ? "no baseline"
                        : !report.is_finished ? "unfinished"
                                              : "red";
-  return fmt::format("{} {}: {}{}{}\n", colour, as_cell(report.title),
+  const std::string chosen = report.only.empty() ? "" : fmt::format(", only '{}'", as_cell(report.only));
+  return fmt::format("{} {}{}: {}{}{}\n", colour, as_cell(report.title), chosen,
                      plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
                      turns_of(report));
 }
@@ -207,8 +219,10 @@ std::string format_sentence(const NightReport& report) {
                       : !report.is_finished ? "is not finished"
                                             : "is red";
   if (report.cases.empty()) return fmt::format("The night of {} {}: no case was run.", report.title, state);
-  return fmt::format("The night of {} {}: of {} {}{}.", report.title, state,
-                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings, turns_of(report));
+  const std::string chosen =
+      report.only.empty() ? "" : fmt::format("; only cases called '{}' were asked for", report.only);
+  return fmt::format("The night of {} {}: of {} {}{}{}.", report.title, state,
+                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings, turns_of(report), chosen);
 }
 
 std::string format_report(const NightReport& report) {
@@ -216,6 +230,7 @@ std::string format_report(const NightReport& report) {
   if (!report.cases.empty()) text += format_cases(report) + '\n';
   const std::string changes = format_changes(report);
   if (!changes.empty()) text += changes + '\n';
+  text += notes_of(report);
   if (!report.trouble.empty()) text += report.trouble + '\n';
   return text + format_headline(report);
 }
@@ -225,6 +240,8 @@ std::string format_markdown(const NightReport& report) {
   text += fmt::format("{}, commit {}, {}; {}; {} UTC\n", report.origin.version, report.origin.commit,
                       report.origin.compiler, report.origin.machine, report.started);
   if (!report.trouble.empty()) text += '\n' + as_cell(report.trouble) + '\n';
+  const std::string notes = notes_of(report);
+  if (!notes.empty()) text += '\n' + notes;
   const std::string changes = format_changes(report);
   return text + '\n' + (changes.empty() ? "Nothing changed.\n" : changes);
 }
@@ -292,6 +309,7 @@ NightFile read_night_json(const std::filesystem::path& file) {
     const Json& origin = document.at("origin");
     found.origin = {origin.at("version"), origin.at("commit"), origin.at("compiler"), origin.at("machine")};
     found.title = document.at("title");
+    found.only = document.value("only", "");
     for (const Json& one : document.at("cases")) found.results.push_back(result_from_json(one));
   } catch (const Json::exception& error) {
     refuse(fmt::format("cannot be read: {}", without_tag(error.what())));

@@ -25,6 +25,7 @@ struct CaseLine {
   int code = 0;          // of the program, for this case alone
   bool has_past = true;  // else there was nothing to compare it with
   std::vector<Change> changes;
+  std::string note = {};  // what is said of a green one
 };
 
 CaseLine case_line_of(const Result& result, std::vector<Change> changes);
@@ -40,6 +41,7 @@ struct NightReport {
   int code = 0;
   bool is_finished = true;   // else cases may be missing
   std::string trouble = {};  // why the history lacks cases of this night; empty if it does not
+  std::string only = {};     // the pattern of the cases that were asked for; empty: all of the suite
 };
 
 /// The report's code, from its cases and other changes.
@@ -84,6 +86,7 @@ struct NightFile {
   Origin origin;
   std::string title;
   std::vector<Result> results;
+  std::string only = {};  // as in the report
 };
 /// Throws InputError if it is no such file; a version that is not known is refused by name.
 NightFile read_night_json(const std::filesystem::path& file);

@@ -142,6 +142,15 @@ void require_comparable(ResultsFile& one, ResultsFile& other, const std::string&
   }
   name_after(one, other, a);
   name_after(other, one, b);
+  const auto is_in_other = [&](const Result& result) {
+    const auto is_it = [&](const Result& another) { return another.id == result.id; };
+    return std::any_of(other.night.results.begin(), other.night.results.end(), is_it);
+  };
+  const auto& results = one.night.results;
+  if (results.empty() || other.night.results.empty() || std::any_of(results.begin(), results.end(), is_in_other))
+    return;
+  throw InputError({b, 0, 0}, fmt::format("has no case in common with {}: results of '{}' and of '{}'", a,
+                                          one.night.title, other.night.title));
 }
 
 }  // namespace concord::compare::nightly

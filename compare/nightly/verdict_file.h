@@ -19,7 +19,7 @@ ResultsFile read_results_file(const std::filesystem::path& file);
 
 /// Files of `compare --json` tell the components of one model in other words than nights, so that one kind is compared
 /// with its own alone, and one model without a name with one model. Gives an unnamed model the name that the other side
-/// has. Throws InputError, naming `a` or `b`.
+/// has. Both must have a case in common. Throws InputError, naming `a` or `b`.
 void require_comparable(ResultsFile& one, ResultsFile& other, const std::string& a, const std::string& b);
 
 }  // namespace concord::compare::nightly

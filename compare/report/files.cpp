@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <mutex>
@@ -118,6 +119,15 @@ void check_target_folder(const fs::path& folder) {
 void check_target(const fs::path& path) {
   check_replaceable(path);
   check_target_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
+}
+
+std::filesystem::path scratch_place() {
+  std::error_code trouble;
+  const std::filesystem::path place = std::filesystem::temp_directory_path(trouble);
+  if (!trouble) return place;
+  const char* said = std::getenv("TMPDIR");
+  throw InputError({said != nullptr ? said : "/tmp", 0, 0},
+                   "is no folder, but files of a while must stand in it: set TMPDIR");
 }
 
 void make_folder(const fs::path& folder) {

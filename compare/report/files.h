@@ -22,6 +22,9 @@ void check_target_folder(const std::filesystem::path& folder);
 /// std::runtime_error if the disk is full.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
+/// Where files may stand that last as long as the program: TMPDIR, else /tmp. Throws InputError if it is no folder.
+std::filesystem::path scratch_place();
+
 /// Creates the folder and what leads to it. Throws InputError if that is not possible.
 void make_folder(const std::filesystem::path& folder);
 

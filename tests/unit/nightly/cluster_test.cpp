@@ -212,7 +212,7 @@ TEST_F(ClusterNight, StoppedNightGoesOnWithoutACluster) {
   history_.take_over(night_, cluster_process(place_));
   Origin here = plan_.origin;
   here.machine = "this one";
-  EXPECT_EQ(history_.stopped_night("suite", here), night_);
+  EXPECT_EQ(history_.stopped_night("suite", here).value().id, night_);
   EXPECT_EQ(cluster_folder(history_.process_of(night_)), place_);
   here.commit = "another";
   EXPECT_FALSE(history_.stopped_night("suite", here));

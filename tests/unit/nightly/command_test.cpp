@@ -478,6 +478,73 @@ TEST_F(Nights, NightThatWasStoppedIsNotGreen) {
   EXPECT_THAT(told.out, HasSubstr("night 1: unfinished suite: 2 cases: 2 agree"));
 }
 
+TEST_F(Nights, ChoiceOfCasesIsToldAndLeavesNothingGone) {
+  static_cast<void>(nightly({.history = history_}));
+  const Told chosen = nightly({.only = "sound", .history = history_, .json = folder_.path() / "chosen.json"});
+  EXPECT_THAT(chosen.out, HasSubstr("suite, only 'sound': 1 case"));
+  const Told said = difference({.a = "last-1", .b = "last", .history = history_});
+  EXPECT_EQ(said.code, 0) << said.out;
+  EXPECT_THAT(said.out, Not(HasSubstr("gone")));
+  EXPECT_EQ(difference({.a = "1", .b = (folder_.path() / "chosen.json").string(), .history = history_}).code, 0);
+  const Told shown = page({.history = history_, .out = folder_.path() / "night.html"});
+  EXPECT_THAT(shown.out, HasSubstr("only 'sound'"));
+}
+
+TEST_F(Nights, ResumingAChoiceOfCasesByAllOfThemMakesItAWholeNight) {
+  static_cast<void>(nightly({.only = "sound", .history = history_}));
+  stop_first_night();
+  const Told resumed = nightly({.history = history_, .resume = true});
+  EXPECT_THAT(resumed.err, HasSubstr("night 1 goes on: 1 of 2 cases were done"));
+  EXPECT_EQ(History(history_).nights().at(0).only, "");
+}
+
+TEST_F(Nights, NamesakeInTheHistoryIsToldAndNotResumed) {
+  static_cast<void>(nightly({.history = history_}));
+  stop_first_night();
+  const auto first = suite_;
+  suite_ = folder_.path() / "elsewhere" / "suite.toml";
+  write("[[case]]\nmodels = [\"../models/*.toml\"]\n");
+  const Told own = nightly({.history = history_, .resume = true});
+  EXPECT_THAT(own.err, HasSubstr("another suite file's"));
+  EXPECT_THAT(own.err, HasSubstr("note: the last night of 'suite' in this history was that of " + first.string()));
+  EXPECT_EQ(History(history_).nights().size(), 2U);
+}
+
+TEST_F(Nights, LastNightsOfAHistoryWithSeveralSuitesAreOfOneSuite) {
+  static_cast<void>(nightly({.history = history_}));
+  const auto first = suite_;
+  suite_ = folder_.path() / "joints.toml";
+  write("[[case]]\nwork = \"joint\"\njoints = [\"weld\"]\nposes = 1\n");
+  static_cast<void>(nightly({.history = history_}));
+  const Told refused = difference({.a = "1", .b = "2", .history = history_});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("2: error: has no case in common with 1: results of 'suite' and of 'joints'"));
+  suite_ = first;
+  static_cast<void>(nightly({.history = history_}));
+  const Told said = difference({.a = "last-1", .b = "last", .history = history_});
+  EXPECT_EQ(said.code, 0) << said.out << said.err;
+  EXPECT_THAT(said.out, HasSubstr("2 cases: 2 agree"));
+}
+
+TEST_F(Nights, HistoryMayBeALinkAndIsNeverInMemory) {
+  static_cast<void>(nightly({.history = history_}));
+  std::filesystem::create_symlink(history_, folder_.path() / "link.sqlite");
+  EXPECT_EQ(nightly({.history = folder_.path() / "link.sqlite"}).code, kNoBaseline);
+  EXPECT_EQ(History(history_).nights().size(), 2U);
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  static_cast<void>(nightly({.history = ":memory:"}));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder_.path() / ":memory:"));
+  std::filesystem::current_path(before);
+}
+
+TEST_F(Nights, SuiteThatCannotBeReadIsToldToNotify) {
+  write("[[cases]]\n");
+  const auto told = folder_.path() / "told.txt";
+  EXPECT_EQ(nightly({.notify = "cat > '" + told.string() + "'"}).code, 2);
+  EXPECT_THAT(read_text_file(told), HasSubstr("the night could not finish"));
+}
+
 TEST_F(Nights, NightIsNotJudgedByAnotherSuite) {
   NightlyCommand command;
   command.history = history_;

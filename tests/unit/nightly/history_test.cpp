@@ -127,7 +127,7 @@ TEST_F(Histories, WhatIsNoHistoryOrOfALaterVersionIsRefused) {
     History history(file());
     ADD_FAILURE() << "was opened";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("version 99 of the history is not known: this program reads versions 1 to 2"));
+    EXPECT_THAT(error.what(), HasSubstr("version 99 of the history is not known: this program reads versions 1 to 3"));
   }
 }
 
@@ -142,7 +142,7 @@ TEST_F(Histories, OnlyAStoppedNightOfTheSameProgramThatRunsNoMoreIsResumed) {
     _exit(0);
   }
   waitpid(child, nullptr, 0);
-  EXPECT_EQ(history.stopped_night("smoke", kHere), night);
+  EXPECT_EQ(history.stopped_night("smoke", kHere).value().id, night);
   EXPECT_FALSE(history.stopped_night("other", kHere));
   Origin later = kHere;
   later.commit = "def";
