@@ -1,7 +1,6 @@
 #include "compare/verdict/term_sizes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -27,9 +26,56 @@ struct BodyLoad {
   VecX modal_mass;
 };
 
+/// Bodies between each body and the ground, the fewest there are; the ground has -1.
+std::vector<int> depths(const Model& model) {
+  const auto n = static_cast<int>(model.bodies.size());
+  std::vector<int> depth(model.bodies.size(), n);
+  depth[kGround] = -1;
+  for (bool is_found = true; is_found;) {
+    is_found = false;
+    for (const Joint& joint : model.joints) {
+      const int parent = joint.on(Side::parent).body;
+      const int child = joint.on(Side::child).body;
+      const int least = std::min(depth[parent], depth[child]) + 1;
+      for (const int body : {parent, child}) {
+        if (depth[body] <= least) continue;
+        depth[body] = least;
+        is_found = true;
+      }
+    }
+  }
+  return depth;
+}
+
+/// Accelerations that bodies nearer to the ground carry a body with [rad/s2, m/s2]. In joint coordinates its own is
+/// theirs and its joints': a ring that hangs loose on a shaft stays at rest as the difference of two large numbers.
+struct Carried {
+  double turning = 0.0;
+  double moving = 0.0;
+};
+
+std::vector<Carried> carried_by_joints(const Model& model, const SharedState& shared) {
+  const std::vector<int> depth = depths(model);
+  std::vector<Carried> all(model.bodies.size());
+  for (const Joint& joint : model.joints) {
+    const auto [near, far] = std::minmax(joint.on(Side::parent).body, joint.on(Side::child).body,
+                                         [&](int one, int other) { return depth[one] < depth[other]; });
+    if (near == kGround || depth[near] == depth[far]) continue;
+    const double lever = (shared.state.bodies[far].r - shared.state.bodies[near].r).norm();
+    for (const Evaluation& evaluation : shared.evaluations) {
+      const BodyAcceleration& its = evaluation.bodies[near];
+      const double turning = its.omegadot.norm();
+      all[far].turning = std::max(all[far].turning, turning);
+      all[far].moving = std::max(all[far].moving, its.vdot.norm() + lever * turning);
+    }
+  }
+  return all;
+}
+
 class Loads {
  public:
-  Loads(const Model& model, const SharedState& shared) : model_(model), shared_(shared), bodies_(model.bodies.size()) {
+  Loads(const Model& model, const SharedState& shared)
+      : model_(model), shared_(shared), bodies_(model.bodies.size()), carried_(carried_by_joints(model, shared)) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
     for (const Evaluation& evaluation : shared.evaluations) {
       add_wrenches(evaluation);
@@ -40,6 +86,7 @@ class Loads {
 
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
   [[nodiscard]] const SpringTerms& of_element(int element) const { return elements_[element]; }
+  [[nodiscard]] const Carried& carried(int body) const { return carried_[body]; }
 
  private:
   void add_inertia(int i) {
@@ -68,8 +115,9 @@ class Loads {
     }
     for (const Evaluation& evaluation : shared_.evaluations) {
       const BodyAcceleration& acceleration = evaluation.bodies[i];
-      const double turning = acceleration.omegadot.norm() + state.omega.squaredNorm();
-      const double size = model_.gravity.norm() + acceleration.vdot.norm() + reach * turning;
+      const double turning = std::max(acceleration.omegadot.norm(), carried_[i].turning) + state.omega.squaredNorm();
+      const double moving = std::max(acceleration.vdot.norm(), carried_[i].moving);
+      const double size = model_.gravity.norm() + moving + reach * turning;
       take_force(load, load.mass * size, reach);
       load.torque = std::max(load.torque, load.largest_inertia * turning);  // I omegadot + omega x (I omega)
       load.modal += (load.mass * load.modal_mass).cwiseSqrt() * size;
@@ -162,6 +210,7 @@ class Loads {
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
+  std::vector<Carried> carried_;
   std::vector<SpringTerms> elements_;
 };
 
@@ -287,24 +336,9 @@ class TermSizes {
     return largest;
   }
 
-  /// In joint coordinates a body's acceleration is its neighbour's and the joint's: a ring that hangs loose on a shaft
-  /// stays at rest as the difference of two large numbers.
   [[nodiscard]] double through_joints(int body, bool angular) const {
-    double largest = 0.0;
-    for (const Joint& joint : model_.joints) {
-      const std::array bodies{joint.on(Side::parent).body, joint.on(Side::child).body};
-      for (const Side side : kSides) {
-        const int neighbour = bodies[1 - index(side)];
-        if (bodies[index(side)] != body || neighbour == kGround) continue;
-        const Vec3 lever = shared_.state.bodies[body].r - shared_.state.bodies[neighbour].r;
-        for (const Evaluation& evaluation : shared_.evaluations) {
-          const BodyAcceleration& its = evaluation.bodies[neighbour];
-          const double turning = its.omegadot.norm();
-          largest = std::max(largest, angular ? turning : its.vdot.norm() + lever.norm() * turning);
-        }
-      }
-    }
-    return largest;
+    const Carried& carried = loads_.carried(body);
+    return angular ? carried.turning : carried.moving;
   }
 
   [[nodiscard]] double of_acceleration(int body, int component) const {
