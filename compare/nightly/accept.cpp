@@ -91,6 +91,7 @@ class Acceptance {
       const std::vector<Night> nights = History(command_.history, Access::read).nights();
       if (!nights.empty() && !nights.back().suite_file.empty()) return nights.back().suite_file;
     }
+    if (command_.what.front().ends_with(".toml")) static_cast<void>(read_text_file(command_.what.front()));
     throw InputError({command_.what.front(), 0, 0},
                      "no suite is named: give the suite's file, or --history FILE, whose last night tells it");
   }

@@ -114,7 +114,7 @@ int run_program(int argc, char** argv) {
   }
 
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
-  const compare::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};
+  const compare::Console console{std::cout, std::cerr, compare::can_show_progress()};
   if (const auto* analysis = analyses.parsed()) return compare::analyses::analyse_model(*analysis, makers, console);
   if (joint_command->parsed()) return compare::joint_check::check_joints(line.joint, console);
   if (invariance_command->parsed()) return compare::invariance::try_invariance(line.invariance, makers, console);

@@ -160,7 +160,7 @@ int run_program(int argc, char** argv) {
   }
 
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
-  const compare::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};
+  const compare::Console console{std::cout, std::cerr, compare::can_show_progress()};
   if (compare_command->parsed()) {
     if (!line.oracle.empty() && !find_oracle(line)) return compare::kBadInput;
     return compare::compare_models(line.compare, makers, console);

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <cstdlib>
 #include <exception>
 #include <ostream>
+#include <string_view>
 
 #include "common/error.h"
 #include "compare/verdict/two_readings.h"
@@ -18,6 +22,12 @@ struct Console {
   std::ostream& err;      // errors, wall times
   bool progress = false;  // err is a terminal: show how far long runs are
 };
+
+/// Whether standard error is a terminal on which a line can be written over: not TERM=dumb.
+inline bool can_show_progress() {
+  const char* terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
 
 /// Runs `work` and turns what it throws into a message and an exit code.
 template <class Work>
