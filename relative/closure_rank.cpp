@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
+#include "common/decompositions.h"
 #include "common/error.h"
 #include "relative/closing.h"
 #include "relative/row_factors.h"
@@ -19,6 +21,17 @@ VecX exploring_steps(const Scales& scales, const Topology& topology) {
   VecX steps = scales.speeds();
   for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
   return steps;
+}
+
+/// The rank of rows with these singular values; none in a pose that is within round-off of a singular one: places close
+/// there 1e-8 off, and that far off rows that depend on each other do not.
+std::optional<int> rank_apart_from_singular(const VecX& sigma) {
+  constexpr double kBesideSingular = 1e-6;
+  if (sigma.size() == 0) return 0;
+  const VecX relative = sigma / std::max(sigma(0), 1.0);
+  const auto rank = (relative.array() > kDependentPart).count();
+  if ((relative.array() > kBesideSingular).count() < rank) return std::nullopt;
+  return static_cast<int>(rank);
 }
 
 }  // namespace
@@ -42,17 +55,24 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
   const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
   decide_modes(closed);
-  for (int trial = 0; trial < 4 && most < n_rows; ++trial) {
+  constexpr int kTrials = 8;
+  int looks = 4;
+  for (int trial = 0; trial < kTrials && looks > 0 && most < n_rows; ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
     for (const int c : columns) step(c) = spread(random) * steps(c);
     scaled_->advance(nearby.q, step);
     if (try_to_measure(*scaled_, nearby, free) == HUGE_VAL ||
-        !close_positions(*scaled_, nearby, nothing, Modes::moving))
+        !close_positions(*scaled_, nearby, nothing, Modes::moving)) {
+      --looks;
       continue;
-    const int found = scaled_->rank(nearby, ClosureRows::of_velocities, Modes::moving);
-    if (found <= most) continue;
-    most = found;
+    }
+    scaled_->move(nearby);
+    const auto found = rank_apart_from_singular(singular_values(scaled_->rows(scaled_->free_columns())));
+    if (!found) continue;
+    --looks;
+    if (*found <= most) continue;
+    most = *found;
     decide_modes(nearby);
   }
   is_decided_ = true;

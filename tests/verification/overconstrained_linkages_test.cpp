@@ -92,6 +92,50 @@ TEST_CASE("Engines whose parts are held many times over run, and both solvers fi
   for (const std::string& name : machines_of("engines")) expect_to_agree(machine_of("engines", name), {});
 }
 
+TEST_CASE("A coupler on four equal cranks moves in poses from which others are flat", "[closure]") {
+  // Every pose is a parallelogram; a search for a general one that ends in the flat pose must not take it for one.
+  const double turn = GENERATE(0.4, 0.9272952180016123, 1.3, 2.2);
+  const double arm = GENERATE(0.25, 0.31);
+  std::string text = fmt::format(R"toml(format = 1
+name = "cranks"
+gravity = [0.4, -9.81, 0]
+[[body]]
+name = "coupler"
+mass = 3
+center_of_mass = [0.45, 0.02, 0]
+inertia = [0.01, 0.3, 0.3]
+start.pose = {{ origin = [{:.17g}, {:.17g}, 0] }}
+[run]
+until = 0.02
+samples = 10
+)toml",
+                                 arm * std::cos(turn), arm * std::sin(turn));
+  for (int k = 0; k < 4; ++k) {
+    const char* kept = k == 0 ? "keep" : "guess";
+    text += fmt::format(R"toml([[body]]
+name = "crank{0}"
+mass = 1
+center_of_mass = [{2:.17g}, 0, 0]
+inertia = [1e-3, 1e-2, 1e-2]
+[[joint]]
+name = "A{0}"
+type = "revolute"
+parent = {{ body = "ground", point = [{3:.17g}, 0, 0] }}
+child = "crank{0}"
+start.turn_z = {{ {4} = {1:.17g}{5} }}
+[[joint]]
+name = "B{0}"
+type = "revolute"
+parent = {{ body = "crank{0}", point = [{6:.17g}, 0, 0] }}
+child = {{ body = "coupler", point = [{3:.17g}, 0, 0] }}
+start.turn_z = {{ guess = {7:.17g} }}
+)toml",
+                        k, turn, arm / 2, k * 0.33, kept, k == 0 ? ", keep_speed = 1" : "", arm, -turn);
+  }
+  CAPTURE(turn, arm);
+  expect_to_agree(parse_model(text, "cranks.toml"), {});
+}
+
 TEST_CASE("Shafts joined by Hooke's joint start from rest though a row of their loop vanishes in that pose",
           "[closure]") {
   expect_to_agree(machine_of("loops", "hooke_from_rest"), {});
