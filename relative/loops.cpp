@@ -18,6 +18,9 @@ constexpr double kDependent = 1e-14;
 /// Iterative refinement goes on until the residual is this part of the first one, or falls no further.
 constexpr int kMostRefinements = 4;
 constexpr double kRoundOffOfFirst = 2e-16;
+/// Accelerations that the constraints bring down by more than this are known better than the residual that began: that
+/// of a light body under a large force, which the loop takes up.
+constexpr double kBroughtDown = 0.01;
 constexpr double kStagnates = 0.25;
 
 }  // namespace
@@ -281,16 +284,28 @@ const LoopSolution& Loops::close(const ArticulatedInertias& tree, TreeAccelerati
 /// Solves for the multipliers, and again for what round-off has left of the closure until it falls no further.
 void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {
   const IndependentRows& used = solution_.used;
-  const auto acceleration = [&accelerations](JointIndex joint, Side side) {
-    return accelerations.of_point(joint, side);
+  Vec3 sizes;  // of linear and angular accelerations at the cuts, and of those of speeds
+  const auto acceleration = [&](JointIndex joint, Side side) {
+    const Vec6 found = accelerations.of_point(joint, side);
+    sizes(0) = std::max(sizes(0), found.head<3>().lpNorm<Eigen::Infinity>());
+    sizes(1) = std::max(sizes(1), found.tail<3>().lpNorm<Eigen::Infinity>());
+    return found;
   };
+  Vec3 first_sizes;
   double first_residual = 0.0;
   double last_residual = 0.0;
   for (int round = 0; round < kMostRefinements; ++round) {
+    sizes = Vec3(0.0, 0.0, accelerations.udot().lpNorm<Eigen::Infinity>());
     closure_->compute_acceleration_residual(acceleration, accelerations.udot(), solution_.residual);
     const double residual = select_residual();
-    if (round == 0) first_residual = residual;
-    if (round > 0 && (residual <= kRoundOffOfFirst * first_residual || residual > kStagnates * last_residual)) break;
+    if (round == 0) {
+      first_residual = residual;
+      first_sizes = sizes;
+    } else {
+      const bool is_known_better = (sizes.array() < kBroughtDown * first_sizes.array()).any();
+      if (!is_known_better && residual <= kRoundOffOfFirst * first_residual) break;
+      if (residual > kStagnates * last_residual) break;
+    }
     last_residual = residual;
     factors_.solve(used, right_);
     lambda_correction_.setZero();
