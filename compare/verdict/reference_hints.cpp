@@ -12,6 +12,8 @@ namespace concord::compare {
 
 namespace {
 
+constexpr double kClearly = 10.0;  // so many errors are no zero
+
 /// Whether the Euler parameters of a body are, within the allowed error, those of the inverse rotation.
 bool is_inverse(const RunsAtTimes& runs, const Reference& reference, const Column& column, double allowed) {
   if (column.field != Field::euler_parameter) return false;
@@ -48,18 +50,20 @@ bool is_kin(const Column& one, const Column& other) {
          (one.field == Field::coupling) == (other.field == Field::coupling);
 }
 
-/// "it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, else
-/// empty.
+/// "it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, which
+/// must be more than its error, else empty.
 std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& column, double allowed) {
   double product = 0.0;
   double square = 0.0;
+  double largest = 0.0;
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     const double value = value_of(column.column, runs.sample(0, k));
     product += value * column.values[k];
     square += value * value;
+    largest = std::max(largest, std::abs(value));
   }
   const double factor = product / square;
-  if (!std::isfinite(factor) || factor == 0.0) return "";
+  if (largest <= kClearly * allowed || !std::isfinite(factor) || factor == 0.0) return "";
   double difference = 0.0;
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
@@ -78,7 +82,7 @@ std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Re
   const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));
   std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
-  if (peak <= 10.0 * allowed) return factor;
+  if (peak <= kClearly * allowed) return factor;
   if (is_inverse(runs, reference, column.column, allowed)) return "it is the inverse rotation";
   if (fits(runs, column.values, column.column, -1.0, allowed)) return "it has the other sign";
   for (const double sign : {1.0, -1.0}) {

@@ -306,6 +306,21 @@ TEST_F(ReferenceTest, AMissByAFactorNamesIt) {
   }
 }
 
+TEST_F(ReferenceTest, OneWrongNumberAmongZerosIsNoMatterOfUnits) {
+  Verdict verdict = verified();
+  std::string text = "# error A.child.F_z = 1e-9 N\nt [s],A.child.F_z [N]\n";
+  for (auto& run : verdict.trajectories) {
+    for (Sample& sample : run->samples) sample.evaluation.joints[0].reaction[1].in_C.force(2) = 0.0;
+  }
+  for (const std::size_t k : {0U, 70U, 130U, 200U}) {
+    const double round_off = k == 70U ? 1e-14 : 0.0;
+    for (auto& run : verdict.trajectories) run->samples[k].evaluation.joints[0].reaction[1].in_C.force(2) = round_off;
+    text += fmt::format("{},{}\n", verdict.trajectories[0]->samples[k].state.t, k == 70U ? "1e-6" : "0");
+  }
+  judge_reference(model_, read(text), verdict);
+  EXPECT_THAT(verdict.findings.at(0).symptom, Not(HasSubstr("times as large")));
+}
+
 TEST_F(ReferenceTest, AMissSaysWhichOtherColumnFits) {
   const Verdict verdict = verified();
   const auto hint_for = [&](const std::string& column, const std::function<double(const Sample&)>& said) {
