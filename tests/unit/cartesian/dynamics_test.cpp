@@ -53,8 +53,8 @@ TEST(Dynamics, TellASingularMatrixAndItsTime) {
   } catch (const SingularPose& error) {
     EXPECT_STREQ(
         error.what(),
-        "cartesian: at t = 0.25 s the equations of motion are singular: the machine is in a singular pose, or a "
-        "body can move without inertia");
+        "cartesian: at t = 0.25 s the equations of motion are singular: the machine is in a singular pose, a body can "
+        "move without inertia, or inertias lie too far apart for double precision");
   }
 }
 
