@@ -109,7 +109,9 @@ MatX apply_transposed_factor(const Eigen::HouseholderQR<MatX>& factors, const Ma
   return factors.householderQ().transpose() * B;
 }
 
-VecX singular_values(const MatX& A) { return Eigen::JacobiSVD<MatX>(A).singularValues(); }
+VecX singular_values(const MatX& A) {
+  return A.size() == 0 ? VecX() : VecX(Eigen::JacobiSVD<MatX>(A).singularValues());
+}
 
 SymmetricEigenpairs symmetric_eigenpairs(const MatX& A) {
   const Eigen::SelfAdjointEigenSolver<MatX> solution(A);

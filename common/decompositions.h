@@ -48,7 +48,7 @@ MatX orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors);
 void apply_orthogonal_factor(const Eigen::ColPivHouseholderQR<MatX>& factors, VecX& x);
 MatX apply_transposed_factor(const Eigen::HouseholderQR<MatX>& factors, const MatX& B);
 
-/// Largest first.
+/// Largest first; none of an empty matrix.
 VecX singular_values(const MatX& A);
 
 /// Eigenvalues in ascending order, unit eigenvectors as columns.

@@ -73,4 +73,9 @@ TEST(Decompositions, OfNothingAndOfWhatIsNotFinite) {
 }
 
 }  // namespace
+TEST(Decompositions, SingularValuesOfNothingAreNone) {
+  EXPECT_EQ(singular_values(MatX(3, 0)).size(), 0);
+  EXPECT_EQ(singular_values(MatX(0, 2)).size(), 0);
+}
+
 }  // namespace concord
