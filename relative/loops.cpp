@@ -23,6 +23,12 @@ constexpr double kRoundOffOfFirst = 2e-16;
 constexpr double kBroughtDown = 0.01;
 constexpr double kStagnates = 0.25;
 
+double largest_of(const VecX& values, const std::vector<int>& places) {
+  double largest = 0.0;
+  for (const int place : places) largest = std::max(largest, std::abs(values(place)));
+  return largest;
+}
+
 }  // namespace
 
 Loops::Loops(const Kinematics& kinematics, const Closure& closure, const ArticulatedInertias& tree)
@@ -36,6 +42,11 @@ Loops::Loops(const Kinematics& kinematics, const Closure& closure, const Articul
   solution_.residual.setZero(n);
   solution_.used = IndependentRows(n);
   lambda_correction_.setZero(n);
+  for (const JointIndex k : upward<JointIndex>(kinematics.topology().joints.size())) {
+    const Span& span = kinematics.topology().joints[k];
+    const Mobilizer& mobilizer = kinematics.mobilizer(k);
+    for (int c = 0; c < span.n_u; ++c) (mobilizer.kind(c).is_length ? slides_ : turns_).push_back(span.first_u + c);
+  }
   set_rank(n);
 }
 
@@ -284,25 +295,25 @@ const LoopSolution& Loops::close(const ArticulatedInertias& tree, TreeAccelerati
 /// Solves for the multipliers, and again for what round-off has left of the closure until it falls no further.
 void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerations) {
   const IndependentRows& used = solution_.used;
-  Vec3 sizes;  // of linear and angular accelerations at the cuts, and of those of speeds
+  Eigen::Array4d sizes;  // of accelerations at the cuts, linear and angular, and of those of slides and turns
   const auto acceleration = [&](JointIndex joint, Side side) {
     const Vec6 found = accelerations.of_point(joint, side);
     sizes(0) = std::max(sizes(0), found.head<3>().lpNorm<Eigen::Infinity>());
     sizes(1) = std::max(sizes(1), found.tail<3>().lpNorm<Eigen::Infinity>());
     return found;
   };
-  Vec3 first_sizes;
+  Eigen::Array4d first_sizes;
   double first_residual = 0.0;
   double last_residual = 0.0;
   for (int round = 0; round < kMostRefinements; ++round) {
-    sizes = Vec3(0.0, 0.0, accelerations.udot().lpNorm<Eigen::Infinity>());
+    sizes << 0.0, 0.0, largest_of(accelerations.udot(), slides_), largest_of(accelerations.udot(), turns_);
     closure_->compute_acceleration_residual(acceleration, accelerations.udot(), solution_.residual);
     const double residual = select_residual();
     if (round == 0) {
       first_residual = residual;
       first_sizes = sizes;
     } else {
-      const bool is_known_better = (sizes.array() < kBroughtDown * first_sizes.array()).any();
+      const bool is_known_better = (sizes < kBroughtDown * first_sizes).any();
       if (!is_known_better && residual <= kRoundOffOfFirst * first_residual) break;
       if (residual > kStagnates * last_residual) break;
     }

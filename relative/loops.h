@@ -142,6 +142,8 @@ class Loops {
   VecX right_;  // of the used rows, and what solves them
   VecX lambda_correction_;
   VecX force_;
+  std::vector<int> slides_;  // speeds that are lengths per second, and those that are angles
+  std::vector<int> turns_;
 };
 
 }  // namespace concord::relative
