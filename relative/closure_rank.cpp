@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <random>
 
 #include "common/decompositions.h"
@@ -23,15 +22,11 @@ VecX exploring_steps(const Scales& scales, const Topology& topology) {
   return steps;
 }
 
-/// The rank of rows with these singular values; none in a pose that is within round-off of a singular one: places close
-/// there 1e-8 off, and that far off rows that depend on each other do not.
-std::optional<int> rank_apart_from_singular(const VecX& sigma) {
+/// Whether a pose is singular but for round-off: near a singular pose residuals vanish with the square of the distance,
+/// so that a pose may close 1e-8 off, where rows that depend on each other have singular values of that size.
+bool is_beside_singular(const VecX& sigma, int rank) {
   constexpr double kBesideSingular = 1e-6;
-  if (sigma.size() == 0) return 0;
-  const VecX relative = sigma / std::max(sigma(0), 1.0);
-  const auto rank = (relative.array() > kDependentPart).count();
-  if ((relative.array() > kBesideSingular).count() < rank) return std::nullopt;
-  return static_cast<int>(rank);
+  return rank > 0 && sigma(rank - 1) <= kBesideSingular * std::max(sigma(0), 1.0);
 }
 
 }  // namespace
@@ -57,6 +52,9 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   decide_modes(closed);
   constexpr int kTrials = 8;
   int looks = 4;
+  bool is_clear = false;  // whether a pose was found that is apart from singular ones
+  int doubtful = 0;       // the largest rank of the others
+  Coordinates doubtful_pose = closed;
   for (int trial = 0; trial < kTrials && looks > 0 && most < n_rows; ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
@@ -68,12 +66,23 @@ void ClosureRank::decide_near(const Coordinates& closed) {
       continue;
     }
     scaled_->move(nearby);
-    const auto found = rank_apart_from_singular(singular_values(scaled_->rows(scaled_->free_columns())));
-    if (!found) continue;
+    const MatX Phi = scaled_->rows(scaled_->free_columns());
+    const int found = rank_of_rows(Phi);
+    if (is_beside_singular(singular_values(Phi), found)) {
+      if (found > doubtful) doubtful_pose = nearby;
+      doubtful = std::max(doubtful, found);
+      continue;
+    }
     --looks;
-    if (*found <= most) continue;
-    most = *found;
+    is_clear = true;
+    if (found <= most) continue;
+    most = found;
     decide_modes(nearby);
+  }
+  // A machine whose rows are hardly independent anywhere has the rank that it shows.
+  if (!is_clear && doubtful > most) {
+    most = doubtful;
+    decide_modes(doubtful_pose);
   }
   is_decided_ = true;
   scaled_->equations().loops().set_rank(most);

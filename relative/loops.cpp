@@ -313,6 +313,7 @@ void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerat
       first_residual = residual;
       first_sizes = sizes;
     } else {
+      if (residual == 0.0) break;
       const bool is_known_better = (sizes < kBroughtDown * first_sizes).any();
       if (!is_known_better && residual <= kRoundOffOfFirst * first_residual) break;
       if (residual > kStagnates * last_residual) break;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 
@@ -137,7 +139,12 @@ void read_integrators(const TableReader& table, Sweep& sweep) {
   for (const toml::node& entry : list != nullptr ? *list : toml::array()) {
     const toml::array* pair = entry.as_array();
     const bool is_pair = pair != nullptr && pair->size() == 2 && pair->get(0)->is_string() && pair->get(1)->is_string();
-    if (is_pair) sweep.integrators.push_back({**pair->get(0)->as_string(), **pair->get(1)->as_string()});
+    if (!is_pair) continue;
+    const std::array<std::string, 2> both{**pair->get(0)->as_string(), **pair->get(1)->as_string()};
+    if (std::find(sweep.integrators.begin(), sweep.integrators.end(), both) != sweep.integrators.end()) {
+      return table.complain("integrators", fmt::format("'integrators' sweeps {} and {} twice", both[0], both[1]));
+    }
+    sweep.integrators.push_back(both);
   }
   if (list != nullptr && !list->empty() && sweep.integrators.size() == list->size()) return;
   table.complain("integrators", "'integrators' must be a list of pairs: the Cartesian solver's, the relative one's");

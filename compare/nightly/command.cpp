@@ -1,7 +1,6 @@
 #include "compare/nightly/command.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <ostream>
 
 #include "common/error.h"
+#include "common/reading/text_file.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/cluster.h"
 #include "compare/nightly/history.h"
@@ -18,12 +18,12 @@
 #include "compare/nightly/night.h"
 #include "compare/nightly/night_history.h"
 #include "compare/nightly/night_page.h"
+#include "compare/nightly/notification.h"
 #include "compare/nightly/plan.h"
 #include "compare/nightly/submission.h"
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
-#include "compare/report/feed_command.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
 #include "compare/slurm/slurm.h"
@@ -45,22 +45,6 @@ std::vector<const Case*> meant_cases(const Suite& suite, const std::string& patt
   }
   if (cases.empty()) throw InputError({suite.file.string(), 0, 0}, fmt::format("no case is called '{}'", pattern));
   return cases;
-}
-
-/// A command that fails is reported, and changes no verdict.
-void notify(const NightlyCommand& command, const std::string& text, const Console& console) {
-  if (command.notify.empty()) return;
-  const FedCommand fed = feed_command(command.notify, text);
-  const int status = fed.status;
-  if (!fed.has_started) throw std::runtime_error("the command of --notify cannot be started");
-  if (status == 0) return;
-  console.err << (WIFSIGNALED(status)
-                      ? fmt::format("the command of --notify was ended by signal {}\n", WTERMSIG(status))
-                      : fmt::format("the command of --notify ended with {}\n", WEXITSTATUS(status)));
-}
-
-void notify_of_end(const NightlyCommand& command, const std::string& name, const char* why, const Console& console) {
-  notify(command, fmt::format("# red {}: the night could not finish\n\n{}\n", name, why), console);
 }
 
 /// One run of `concord nightly`.
@@ -230,6 +214,11 @@ class NightlyRun {
                       "suite file's, or is running; a new one begins\n";
       return false;
     }
+    if (!stopped->only.empty() && !command_.only.empty() && stopped->only != command_.only) {
+      throw InputError(
+          {"--only", 0, 0},
+          fmt::format("the stopped night was asked for '{}': resume it for these, or for all", stopped->only));
+    }
     night_ = stopped->id;
     is_resumed_ = true;
     // A merge that was lost has not read what the tasks left.
@@ -242,10 +231,12 @@ class NightlyRun {
     return true;
   }
 
-  /// Of a suite that only has the same name: its file is still there. A suite may be moved.
+  /// Of a suite that only has the same name: its file is still there and says something else. A suite may be moved, and
+  /// may lie in several checkouts.
   bool is_of_another_file(const Night& earlier) const {
     std::error_code unknown;
-    return fs::exists(earlier.suite_file, unknown) && !fs::equivalent(earlier.suite_file, suite_.file, unknown);
+    return fs::is_regular_file(earlier.suite_file, unknown) &&
+           read_text_file(earlier.suite_file) != read_text_file(suite_.file);
   }
 
   /// Two suites of one name in one history are each other's past.

@@ -20,20 +20,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The suite whose nights are meant: the one that is given; of "last-1" and "last" that of the last night of all; else
-/// any ("").
+bool is_counted_from_last(const std::string& name) { return name == "last" || name.starts_with("last-"); }
+
+/// The suite from whose last night "last-1" is counted: the one that is given; else that of the night on the other
+/// side; else that of the last night of all.
 std::string suite_meant(const DiffCommand& command, const std::optional<Suite>& suite) {
   if (suite) return suite->name;
-  if (command.history.empty() || !command.a.starts_with("last") || !command.b.starts_with("last")) return "";
+  if (command.history.empty()) return "";
   const std::vector<Night> nights = History(command.history, Access::read).nights();
+  for (const std::string& name : {command.a, command.b}) {
+    if (!is_counted_from_last(name) && !fs::is_regular_file(name)) return night_called(name, nights).suite;
+  }
   return nights.empty() ? "" : nights.back().suite;
 }
 
-/// One side of a difference: a file of results, or a night of the suite.
+/// One side of a difference: a file of results, or a night.
 ResultsFile side_called(const std::string& name, const fs::path& history_file, const std::string& suite) {
   if (history_file.empty() || fs::is_regular_file(name)) return read_results_file(name);
   History history(history_file, Access::read);
-  const std::vector<Night> nights = history.nights(suite);
+  const std::vector<Night> nights = history.nights(is_counted_from_last(name) ? suite : "");
   const Night& night = night_called(name, nights);
   ResultsFile side{{night.origin, night.suite, {}, night.only}, false, false};
   for (const auto& [id, definition] : history.definitions(night.id)) {

@@ -90,7 +90,7 @@ NightReport judge_again(History& history, const Night& night, const Yardstick& b
   const Baselines baselines = by.suite ? read_baselines(by.suite->baselines) : Baselines();
   NightReport report = judge_night(history, night, cases.list(), baselines, by.judging, night.started.substr(0, 10));
   // Of a choice of cases nothing is gone.
-  if (by.suite && names.size() >= by.suite->cases.size()) add_gone(*by.suite, baselines, report);
+  if (by.suite && night.only.empty()) add_gone(*by.suite, baselines, report);
   report.is_finished = !night.finished.empty();
   report.code = code_of(report);
   return report;

@@ -271,18 +271,18 @@ class SuiteReader {
   }
 
   void add(const TableReader& table, Case one) {
-    const auto [entry, is_new] = places_.emplace(one.id, table.where());
+    const auto [entry, is_new] = places_.emplace(one.id, Place{table.where(), one.model});
     if (is_new) {
       suite_->cases.push_back(std::move(one));
       return;
     }
-    if (entry->second.line == table.where().line && !one.model.empty()) {
+    if (entry->second.where.line == table.where().line && entry->second.model != one.model) {
       table.complain("models", fmt::format("two of the models would be case '{}', one of them '{}': give it a [[case]] "
                                            "with a 'name' of its own",
                                            one.id, one.model.generic_string()));
     } else {
       table.complain(fmt::format("there is a case '{}' already (line {}): give one of them another name", one.id,
-                                 entry->second.line));
+                                 entry->second.where.line));
     }
   }
 
@@ -319,7 +319,11 @@ class SuiteReader {
   Suite* suite_;
   FileReading reading_;
   workers::Limits limits_;
-  std::map<std::string, SourceLocation> places_;
+  struct Place {
+    SourceLocation where;
+    fs::path model;
+  };
+  std::map<std::string, Place> places_;  // of cases, by name
 };
 
 }  // namespace

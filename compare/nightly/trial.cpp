@@ -168,7 +168,7 @@ std::string words_of(const Verdict& verdict) {
   for (const std::string& failure : verdict.failures) tell(failure);
   if (told > kMost) text += fmt::format("\nand {} more", told - kMost);
   if (verdict.attribution) text += fmt::format("\nto blame: {}", describe(*verdict.attribution));
-  if (text.empty() && verdict.same_run.horizon) {
+  if (verdict.outcome == Outcome::agree && verdict.same_run.horizon) {
     text = fmt::format("judged up to t = {:.4g} s of {:g} s: the motion is too sensitive beyond",
                        *verdict.same_run.horizon, verdict.run.until);
   }

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <limits>
 
-#include "common/reading/model_file.h"
 #include "compare/python/bindings.h"
 #include "compare/python/run.h"
 #include "compare/python/states.h"
@@ -235,7 +234,7 @@ void bind_series(py::module_& module) {
       .def(
           "write_netcdf",
           [](const Run& run, const std::filesystem::path& path) {
-            if (!run.model->file.empty()) check_output(path, files_of_model(run.model->file));
+            if (!run.model->file.empty()) check_output(path, {run.model->file});
             write_netcdf(path, *run.model, run.solver, run.trajectory, run.unique ? &*run.unique : nullptr);
           },
           py::arg("path"))

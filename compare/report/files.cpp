@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <mutex>
@@ -125,9 +124,7 @@ std::filesystem::path scratch_place() {
   std::error_code trouble;
   const std::filesystem::path place = std::filesystem::temp_directory_path(trouble);
   if (!trouble) return place;
-  const char* said = std::getenv("TMPDIR");
-  throw InputError({said != nullptr ? said : "/tmp", 0, 0},
-                   "is no folder, but files of a while must stand in it: set TMPDIR");
+  throw InputError({"TMPDIR", 0, 0}, "temporary files go to a folder that is none: see TMPDIR, TMP, TEMP and TEMPDIR");
 }
 
 void make_folder(const fs::path& folder) {

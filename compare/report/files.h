@@ -22,7 +22,7 @@ void check_target_folder(const std::filesystem::path& folder);
 /// std::runtime_error if the disk is full.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// Where files may stand that last as long as the program: TMPDIR, else /tmp. Throws InputError if it is no folder.
+/// Where temporary files go: TMPDIR, TMP, TEMP or TEMPDIR, else /tmp. Throws InputError if it is no folder.
 std::filesystem::path scratch_place();
 
 /// Creates the folder and what leads to it. Throws InputError if that is not possible.

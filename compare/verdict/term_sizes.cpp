@@ -47,8 +47,9 @@ std::vector<int> depths(const Model& model) {
   return depth;
 }
 
-/// Accelerations that bodies nearer to the ground carry a body with [rad/s2, m/s2]. In joint coordinates its own is
-/// theirs and its joints': a ring that hangs loose on a shaft stays at rest as the difference of two large numbers.
+/// Accelerations that the neighbours nearer to the ground carry a body with [rad/s2, m/s2]. In joint coordinates its
+/// own is theirs and its joints': a ring that hangs loose on a shaft stays at rest as the difference of two large
+/// numbers. Depths are those of the machine with all joints; a tree that cuts some of them may carry a body otherwise.
 struct Carried {
   double turning = 0.0;
   double moving = 0.0;

@@ -498,12 +498,20 @@ TEST_F(Nights, ResumingAChoiceOfCasesByAllOfThemMakesItAWholeNight) {
   EXPECT_EQ(History(history_).nights().at(0).only, "");
 }
 
+TEST_F(Nights, ChoiceOfCasesIsNotResumedByAnotherChoice) {
+  static_cast<void>(nightly({.only = "sound", .history = history_}));
+  stop_first_night();
+  const Told resumed = nightly({.only = "other", .history = history_, .resume = true});
+  EXPECT_EQ(resumed.code, 2);
+  EXPECT_THAT(resumed.err, HasSubstr("--only: error: the stopped night was asked for 'sound'"));
+}
+
 TEST_F(Nights, NamesakeInTheHistoryIsToldAndNotResumed) {
   static_cast<void>(nightly({.history = history_}));
   stop_first_night();
   const auto first = suite_;
   suite_ = folder_.path() / "elsewhere" / "suite.toml";
-  write("[[case]]\nmodels = [\"../models/*.toml\"]\n");
+  write("# other\n[[case]]\nmodels = [\"../models/*.toml\"]\n");
   const Told own = nightly({.history = history_, .resume = true});
   EXPECT_THAT(own.err, HasSubstr("another suite file's"));
   EXPECT_THAT(own.err, HasSubstr("note: the last night of 'suite' in this history was that of " + first.string()));
@@ -521,9 +529,12 @@ TEST_F(Nights, LastNightsOfAHistoryWithSeveralSuitesAreOfOneSuite) {
   EXPECT_THAT(refused.err, HasSubstr("2: error: has no case in common with 1: results of 'suite' and of 'joints'"));
   suite_ = first;
   static_cast<void>(nightly({.history = history_}));
-  const Told said = difference({.a = "last-1", .b = "last", .history = history_});
-  EXPECT_EQ(said.code, 0) << said.out << said.err;
-  EXPECT_THAT(said.out, HasSubstr("2 cases: 2 agree"));
+  for (const char* before : {"last-1", "1"}) {
+    const Told said = difference({.a = before, .b = "last", .history = history_});
+    EXPECT_EQ(said.code, 0) << said.out << said.err;
+    EXPECT_THAT(said.out, HasSubstr("2 cases: 2 agree"));
+  }
+  EXPECT_EQ(difference({.a = "last", .b = "2", .history = history_}).code, 0) << "the last of the second night's suite";
 }
 
 TEST_F(Nights, HistoryMayBeALinkAndIsNeverInMemory) {

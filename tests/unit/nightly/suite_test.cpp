@@ -17,6 +17,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kPendulum = R"(format = 1
 gravity = [0.3, -9.81, 0.2]
@@ -157,6 +158,10 @@ TEST_F(Suites, WhatIsWrongIsToldAtItsPlace) {
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/*.toml\"]\nexcept = [\"models/*\"]\n"),
               HasSubstr("suite.toml:4:10: error: case: leaves none of the files that 'models' names"));
   EXPECT_THAT(refusal("name = \"\"\n[[case]]\nmodels = [\"models/one.toml\"]\n"), HasSubstr("suite.toml:2:8: error"));
+  const std::string twice = refusal(
+      "[[case]]\nmodels = [\"models/one.toml\"]\nsweep.integrators = [[\"ida\", \"gbs\"], [\"ida\", \"gbs\"]]\n");
+  EXPECT_THAT(twice, HasSubstr("'integrators' sweeps ida and gbs twice"));
+  EXPECT_THAT(twice, Not(HasSubstr("two of the models")));
   write_file(folder_.path() / "more" / "one.toml", kPendulum);
   EXPECT_THAT(refusal("[[case]]\nmodels = [\"models/one.toml\", \"more/one.toml\"]\n"),
               HasSubstr("suite.toml:3:10: error: case: two of the models would be case 'one', one of them '"));
