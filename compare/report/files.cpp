@@ -122,7 +122,7 @@ void check_target(const fs::path& path) {
 
 std::filesystem::path scratch_place() {
   std::error_code trouble;
-  const std::filesystem::path place = std::filesystem::temp_directory_path(trouble);
+  std::filesystem::path place = std::filesystem::temp_directory_path(trouble);
   if (!trouble) return place;
   throw InputError({"TMPDIR", 0, 0}, "temporary files go to a folder that is none: see TMPDIR, TMP, TEMP and TEMPDIR");
 }
