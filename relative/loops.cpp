@@ -297,7 +297,7 @@ void Loops::refine(const ArticulatedInertias& tree, TreeAccelerations& accelerat
   const IndependentRows& used = solution_.used;
   Eigen::Array4d sizes;  // of accelerations at the cuts, linear and angular, and of those of slides and turns
   const auto acceleration = [&](JointIndex joint, Side side) {
-    const Vec6 found = accelerations.of_point(joint, side);
+    Vec6 found = accelerations.of_point(joint, side);
     sizes(0) = std::max(sizes(0), found.head<3>().lpNorm<Eigen::Infinity>());
     sizes(1) = std::max(sizes(1), found.tail<3>().lpNorm<Eigen::Infinity>());
     return found;
