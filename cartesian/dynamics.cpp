@@ -71,11 +71,10 @@ const Solution& Dynamics::solve(Pivots pivots) {
   equations_.moving_constraints().write_gamma(equations_.time(), gamma_);
   matrix_.fill(equations_);
   if (!factor_and_solve(pivots)) {
-    throw SingularPose(
-        fmt::format("cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular "
-                    "pose, a body can "
-                    "move without inertia, or inertias lie too far apart for double precision",
-                    equations_.time()));
+    throw SingularPose(fmt::format(
+        "cartesian: at t = {:.6g} s the equations of motion are singular: the machine is in a singular pose, a body "
+        "can move without inertia, or inertias lie too far apart for double precision",
+        equations_.time()));
   }
   solution_.Ydot_ = unknowns_.head(solution_.Ydot_.size());
   solution_.lambda_ = unknowns_.tail(solution_.lambda_.size());
