@@ -22,8 +22,8 @@ VecX exploring_steps(const Scales& scales, const Topology& topology) {
   return steps;
 }
 
-/// Whether a pose is singular but for round-off: near a singular pose residuals vanish with the square of the distance,
-/// so that a pose may close 1e-8 off, where rows that depend on each other have singular values of that size.
+/// Whether rows of these singular values are dependent but for round-off: near a singular pose residuals vanish with
+/// the square of the distance, so that a pose may close 1e-8 off, where their singular values are of that size.
 bool is_beside_singular(const VecX& sigma, int rank) {
   constexpr double kBesideSingular = 1e-6;
   return rank > 0 && sigma(rank - 1) <= kBesideSingular * std::max(sigma(0), 1.0);
@@ -41,21 +41,22 @@ void ClosureRank::decide_modes(const Coordinates& closed) {
 }
 
 void ClosureRank::decide_near(const Coordinates& closed) {
-  const int n_rows = scaled_->closure().n_rows();
-  int most = scaled_->rank(closed, ClosureRows::of_velocities, Modes::moving);
+  constexpr int kTrials = 8;
+  int looks = 4;
+  struct Found {
+    int rank;
+    Coordinates pose;
+  };
+  Found clear{scaled_->rank(closed, ClosureRows::of_velocities, Modes::moving), closed};
+  Found doubtful{0, closed};
+  bool is_clear = false;  // whether a pose was found that is apart from singular ones
   std::mt19937 random(1);
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
   Closure free(scaled_->equations().kinematics(), nothing);
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
   const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
-  decide_modes(closed);
-  constexpr int kTrials = 8;
-  int looks = 4;
-  bool is_clear = false;  // whether a pose was found that is apart from singular ones
-  int doubtful = 0;       // the largest rank of the others
-  Coordinates doubtful_pose = closed;
-  for (int trial = 0; trial < kTrials && looks > 0 && most < n_rows; ++trial) {
+  for (int trial = 0; trial < kTrials && looks > 0 && clear.rank < scaled_->closure().n_rows(); ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
     for (const int c : columns) step(c) = spread(random) * steps(c);
@@ -66,26 +67,19 @@ void ClosureRank::decide_near(const Coordinates& closed) {
       continue;
     }
     scaled_->move(nearby);
-    const MatX Phi = scaled_->rows(scaled_->free_columns());
-    const int found = rank_of_rows(Phi);
-    if (is_beside_singular(singular_values(Phi), found)) {
-      if (found > doubtful) doubtful_pose = nearby;
-      doubtful = std::max(doubtful, found);
-      continue;
-    }
-    --looks;
-    is_clear = true;
-    if (found <= most) continue;
-    most = found;
-    decide_modes(nearby);
+    const VecX sigma = singular_values(scaled_->rows(scaled_->free_columns()));
+    const int rank = rank_of_singular_values(sigma);
+    const bool is_doubtful = is_beside_singular(sigma, rank);
+    if (!is_doubtful) --looks;
+    is_clear = is_clear || !is_doubtful;
+    Found& best = is_doubtful ? doubtful : clear;
+    if (rank > best.rank) best = {rank, nearby};
   }
   // A machine whose rows are hardly independent anywhere has the rank that it shows.
-  if (!is_clear && doubtful > most) {
-    most = doubtful;
-    decide_modes(doubtful_pose);
-  }
+  const Found& most = !is_clear && doubtful.rank > clear.rank ? doubtful : clear;
+  decide_modes(most.pose);
   is_decided_ = true;
-  scaled_->equations().loops().set_rank(most);
+  scaled_->equations().loops().set_rank(most.rank);
 }
 
 void ClosureRank::require_general(const Coordinates& coordinates, const Evaluated& evaluated) const {

@@ -18,10 +18,10 @@ constexpr double kDependent = 1e-14;
 /// Iterative refinement goes on until the residual is this part of the first one, or falls no further.
 constexpr int kMostRefinements = 4;
 constexpr double kRoundOffOfFirst = 2e-16;
+constexpr double kStagnates = 0.25;
 /// Accelerations that the constraints bring down by more than this are known better than the residual that began: that
 /// of a light body under a large force, which the loop takes up.
 constexpr double kBroughtDown = 0.01;
-constexpr double kStagnates = 0.25;
 
 double largest_of(const VecX& values, const std::vector<int>& places) {
   double largest = 0.0;

@@ -8,9 +8,10 @@ namespace concord::relative {
 
 double largest_entry(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
 
-int rank_of_rows(const MatX& scaled) {
-  if (scaled.size() == 0) return 0;
-  const VecX sigma = singular_values(scaled);
+int rank_of_rows(const MatX& scaled) { return rank_of_singular_values(singular_values(scaled)); }
+
+int rank_of_singular_values(const VecX& sigma) {
+  if (sigma.size() == 0) return 0;
   return static_cast<int>((sigma.array() > kDependentPart * std::max(sigma(0), 1.0)).count());
 }
 

@@ -22,8 +22,9 @@ inline constexpr double kDependentPart = 1e-10;
 
 /// Largest absolute value; 0 of none.
 double largest_entry(const VecX& values);
-/// Number of singular values above kDependentPart.
+/// How many singular values are above kDependentPart: of rows, and of these, the largest first.
 int rank_of_rows(const MatX& scaled);
+int rank_of_singular_values(const VecX& sigma);
 
 /// Residuals, sizes and rows of the equations' closure as parts of the machine's length, of radians and of its rate.
 /// After Equations::move, unless a function says that it moves the machine itself.
