@@ -121,19 +121,28 @@ TEST_F(ResolutionTest, TermsThatCancelCountThoughNothingIsLeft) {
   EXPECT_GT(terms(layout_.first_row(Kind::acceleration, 1)), 5.0);
 }
 
-/// Two balanced discs on hinges, coupled 3 to -5, the first one driven; at rest but for the second, which turns at 4
-/// rad/s.
-SharedState state_of_coupled_discs(const Model& model) {
+/// All that the terms look at, at rest in the origin and without any force.
+SharedState state_at_rest(const Model& model) {
   SharedState shared;
   shared.state.bodies.resize(model.bodies.size());
-  shared.state.q.assign(model.joints.size(), VecX::Zero(1));
-  shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
+  for (const Joint& joint : model.joints) {
+    shared.state.q.emplace_back(VecX::Zero(joint.type->n_q()));
+    shared.state.u.emplace_back(VecX::Zero(joint.type->n_u()));
+  }
   for (Evaluation& evaluation : shared.evaluations) {
     evaluation.bodies.resize(model.bodies.size());
     evaluation.joints.resize(model.joints.size());
-    for (JointWrenches& joint : evaluation.joints) joint.tau = VecX::Zero(1);
-    evaluation.couplings = {0.0};
+    for (std::size_t k = 0; k < model.joints.size(); ++k) evaluation.joints[k].tau = shared.state.u[k];
+    evaluation.couplings.assign(model.couplings.size(), 0.0);
   }
+  return shared;
+}
+
+/// Two balanced discs on hinges, coupled 3 to -5, the first one driven; at rest but for the second, which turns at 4
+/// rad/s.
+SharedState state_of_coupled_discs(const Model& model) {
+  SharedState shared = state_at_rest(model);
+  shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
   return shared;
 }
 
@@ -153,16 +162,8 @@ TEST(ResolutionTerms, OfABodysSumTakeTheRoundOffOfAJointsForceByItsLever) {
     child = { body = "stone", point = [0.4, 0, 0] }
   )",
                                   "falling.toml");
-  SharedState shared;
-  shared.state.bodies.resize(2);
-  shared.state.q.assign(1, VecX::Zero(7));
-  for (Evaluation& evaluation : shared.evaluations) {
-    evaluation.bodies.resize(2);
-    evaluation.joints.resize(1);
-    evaluation.joints[0].tau = VecX::Zero(6);
-  }
   const QuantityLayout layout(model);
-  const VecX terms = term_sizes(layout, shared);
+  const VecX terms = term_sizes(layout, state_at_rest(model));
   EXPECT_GE(terms(layout.row_of({Kind::body_sum, 1, Side::child, 4})), 0.8 * 9.5 * 0.4);
 }
 
@@ -227,18 +228,9 @@ TEST(ResolutionTerms, OfABodyReachWhatTheBodiesNearerToTheGroundCarryItWith) {
     child = "ring"
   )",
                                   "ring.toml");
-  SharedState shared;
-  shared.state.bodies.resize(3);
+  SharedState shared = state_at_rest(model);
   shared.state.bodies[2].r = Vec3(0.0, 0.3, 0.4);
-  shared.state.q = {VecX::Zero(1), VecX::Zero(7)};
-  shared.state.u = {VecX::Zero(1), VecX::Zero(6)};
-  for (Evaluation& evaluation : shared.evaluations) {
-    evaluation.bodies.resize(3);
-    evaluation.joints.resize(2);
-    evaluation.joints[0].tau = VecX::Zero(1);
-    evaluation.joints[1].tau = VecX::Zero(6);
-    evaluation.bodies[1].omegadot = Vec3(8000.0, 0.0, 0.0);
-  }
+  for (Evaluation& evaluation : shared.evaluations) evaluation.bodies[1].omegadot = Vec3(8000.0, 0.0, 0.0);
   const QuantityLayout layout(model);
   const VecX terms = term_sizes(layout, shared);
   EXPECT_GE(terms(layout.row_of({Kind::acceleration, 2, Side::child, 3})), 8000.0);
