@@ -14,13 +14,19 @@
 
 namespace concord::compare {
 
+namespace {
+
+/// With a sign in place of bytes that are no UTF-8, as a path may hold: they would be no XML.
+std::string valid_utf8(const std::string& text) {
+  const std::string quoted = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json::parse(quoted).get<std::string>();
+}
+
+}  // namespace
+
 std::string escape_xml(const std::string& text) {
-  // Bytes that are no UTF-8, of a path, would be no XML.
-  using XmlText = nlohmann::json;
-  const std::string valid =
-      XmlText::parse(XmlText(text).dump(-1, ' ', false, XmlText::error_handler_t::replace)).get<std::string>();
   std::string result;
-  for (const char c : valid) {
+  for (const char c : valid_utf8(text)) {
     switch (c) {
       case '&':
         result += "&amp;";
