@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <set>
-#include <utility>
 
 #include "common/error.h"
 #include "common/reading/text_file.h"
@@ -97,6 +96,7 @@ class BaselineParser {
     const auto [entry, is_new] = baselines_.emplace(one.id, one);
     if (!is_new) refuse(fmt::format("case '{}' stands there twice", one.id));
     current_ = &entry->second;
+    names_.clear();
   }
 
   void add_component(const std::vector<std::string>& fields) {
@@ -104,7 +104,7 @@ class BaselineParser {
     if (current_ == nullptr) refuse("a component stands before the first case");
     Component one;
     one.name = fields[1];
-    if (!components_.emplace(current_->id, one.name).second) {
+    if (!names_.insert(one.name).second) {
       refuse(fmt::format("'{}' of case '{}' stands there twice", one.name, current_->id));
     }
     one.same_state = value(fields[2]);
@@ -149,7 +149,7 @@ class BaselineParser {
   int number_ = 0;
   Baselines baselines_;
   Result* current_ = nullptr;
-  std::set<std::pair<std::string, std::string>> components_;  // case and name of those that were read
+  std::set<std::string> names_;  // of its components
 };
 
 }  // namespace

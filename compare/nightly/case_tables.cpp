@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <utility>
 
 namespace concord::compare::nightly {
@@ -103,14 +102,18 @@ std::optional<StartDraws> read_start(const TableReader& outer) {
 
 /// The numbers of a list that is swept: not none, which would leave the sweep out, and each once.
 std::optional<std::vector<double>> read_swept(const TableReader& table, std::string_view key) {
-  auto values = table.numbers(key);
-  if (!values) return values;
+  const auto values = table.numbers(key);
+  if (!values) return std::nullopt;
   if (values->empty()) table.complain(key, fmt::format("'{}' is an empty list: it sweeps nothing", key));
-  std::set<double> once;
+  std::vector<double> once;
   for (const double value : *values) {
-    if (!once.insert(value).second) table.complain(key, fmt::format("'{}' sweeps {:g} twice", key, value));
+    if (std::find(once.begin(), once.end(), value) == once.end()) {
+      once.push_back(value);
+    } else {
+      table.complain(key, fmt::format("'{}' sweeps {:g} twice", key, value));
+    }
   }
-  return values;
+  return once;
 }
 
 void read_swept_parameters(const TableReader& outer, Sweep& sweep) {

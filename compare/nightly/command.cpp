@@ -10,7 +10,6 @@
 #include <ostream>
 
 #include "common/error.h"
-#include "common/reading/text_file.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/cluster.h"
 #include "compare/nightly/history.h"
@@ -24,6 +23,7 @@
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
+#include "compare/report/file_hash.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
 #include "compare/slurm/slurm.h"
@@ -234,9 +234,8 @@ class NightlyRun {
   /// Of a suite that only has the same name: its file is still there and says something else. A suite may be moved, and
   /// may lie in several checkouts.
   bool is_of_another_file(const Night& earlier) const {
-    std::error_code unknown;
-    return fs::is_regular_file(earlier.suite_file, unknown) &&
-           read_text_file(earlier.suite_file) != read_text_file(suite_.file);
+    const std::uint64_t hash = hash_of_file(earlier.suite_file);
+    return hash != 0 && hash != hash_of_file(suite_.file);
   }
 
   /// Two suites of one name in one history are each other's past.

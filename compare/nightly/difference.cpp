@@ -22,30 +22,44 @@ namespace fs = std::filesystem;
 
 bool is_counted_from_last(const std::string& name) { return name == "last" || name.starts_with("last-"); }
 
-/// The suite from whose last night "last-1" is counted: the one that is given; else that of the night on the other
-/// side; else that of the last night of all.
-std::string suite_meant(const DiffCommand& command, const std::optional<Suite>& suite) {
-  if (suite) return suite->name;
-  if (command.history.empty()) return "";
-  const std::vector<Night> nights = History(command.history, Access::read).nights();
-  for (const std::string& name : {command.a, command.b}) {
-    if (!is_counted_from_last(name) && !fs::is_regular_file(name)) return night_called(name, nights).suite;
+/// The sides of a difference: files of results, or nights of a history.
+class Sides {
+ public:
+  Sides(const DiffCommand& command, const std::optional<Suite>& suite) : command_(command) {
+    if (command.history.empty()) return;
+    history_.emplace(command.history, Access::read);
+    nights_ = history_->nights();
+    suite_ = suite ? suite->name : suite_meant();
   }
-  return nights.empty() ? "" : nights.back().suite;
-}
 
-/// One side of a difference: a file of results, or a night.
-ResultsFile side_called(const std::string& name, const fs::path& history_file, const std::string& suite) {
-  if (history_file.empty() || fs::is_regular_file(name)) return read_results_file(name);
-  History history(history_file, Access::read);
-  const std::vector<Night> nights = history.nights(is_counted_from_last(name) ? suite : "");
-  const Night& night = night_called(name, nights);
-  ResultsFile side{{night.origin, night.suite, {}, night.only}, false, false};
-  for (const auto& [id, definition] : history.definitions(night.id)) {
-    if (auto result = history.find(night.id, id)) side.night.results.push_back(std::move(*result));
+  ResultsFile called(const std::string& name) {
+    if (!is_night(name)) return read_results_file(name);
+    const std::vector<Night> nights = is_counted_from_last(name) ? history_->nights(suite_) : nights_;
+    const Night& night = night_called(name, nights);
+    ResultsFile side{{night.origin, night.suite, {}, night.only}, false, false};
+    for (const auto& [id, definition] : history_->definitions(night.id)) {
+      if (auto result = history_->find(night.id, id)) side.night.results.push_back(std::move(*result));
+    }
+    return side;
   }
-  return side;
-}
+
+ private:
+  [[nodiscard]] bool is_night(const std::string& name) const { return history_ && !fs::is_regular_file(name); }
+
+  /// From whose last night "last-1" is counted, if no suite is given: that of the night on the other side; else that of
+  /// the last night of all.
+  [[nodiscard]] std::string suite_meant() const {
+    for (const std::string& name : {command_.a, command_.b}) {
+      if (is_night(name) && !is_counted_from_last(name)) return night_called(name, nights_).suite;
+    }
+    return nights_.empty() ? "" : nights_.back().suite;
+  }
+
+  const DiffCommand& command_;
+  std::optional<History> history_;
+  std::vector<Night> nights_;  // of all suites
+  std::string suite_;
+};
 
 /// Whether a night was asked for a case.
 bool was_asked_for(const NightFile& night, const std::string& id) {
@@ -61,13 +75,13 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
   while (then != a.results.end() || now != b.results.end()) {
     const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
-    if (only_then && !was_asked_for(b, then->id)) {
+    if (only_then) {
+      if (was_asked_for(b, then->id)) {
+        report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
+      }
       ++then;
     } else if (only_now && !was_asked_for(a, now->id)) {
       ++now;
-    } else if (only_then) {
-      report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
-      ++then;
     } else if (only_now) {
       std::vector<Change> changes{{ChangeKind::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0}};
       if (!now->is_green())
@@ -91,9 +105,9 @@ int show_difference(const DiffCommand& command, const Console& console) {
     std::optional<Suite> suite;
     if (!command.suite.empty()) suite = read_suite(command.suite);
     const Judging judging = suite ? suite->judging : Judging();
-    const std::string name = suite_meant(command, suite);
-    ResultsFile a = side_called(command.a, command.history, name);
-    ResultsFile b = side_called(command.b, command.history, name);
+    Sides sides(command, suite);
+    ResultsFile a = sides.called(command.a);
+    ResultsFile b = sides.called(command.b);
     require_comparable(a, b, command.a, command.b);
     const NightReport report = difference(a.night, b.night, judging, command);
     console.out << format_report(report) << std::flush;
