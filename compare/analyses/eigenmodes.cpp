@@ -139,6 +139,51 @@ class FirstOrder {
   MatX matrix_;
 };
 
+/// (lambda^2 - A - lambda B) x for a unit x, and how large its terms are.
+struct Residual {
+  Eigen::VectorXcd open;
+  double terms = 0.0;
+
+  Residual(const MotionMatrices& matrices, Complex value, const Eigen::VectorXcd& x) {
+    const Eigen::VectorXcd pull = matrices.A * x;
+    const Eigen::VectorXcd drag = value * (matrices.B * x);
+    open = value * value * x - pull - drag;
+    terms = std::norm(value) + pull.norm() + drag.norm();
+  }
+  [[nodiscard]] double part() const { return open.norm() / terms; }
+};
+
+/// The search takes free rates whose decay is not resolved for steady ones. Modes that are not much faster than such a
+/// decay feel it: inverse iteration on all of the equations, at first about the eigenvalue found and then with a Newton
+/// step for it, brings such a mode to where it solves them. One that solves them nowhere nearby is not resolved.
+void refine_slow_mode(const MotionMatrices& matrices, Mode& mode, Eigen::VectorXcd& coordinates) {
+  constexpr double kSolved = 1e-9;
+  constexpr double kNearby = 0.5;
+  constexpr int kStepsAboutIt = 4;
+  constexpr int kSteps = 12;
+  const bool is_real = mode.eigenvalue.imag() == 0.0;
+  Complex value = mode.eigenvalue;
+  Eigen::VectorXcd x = coordinates.normalized();
+  double open = Residual(matrices, value, x).part();
+  for (int step = 0; step < kSteps && open > kSolved; ++step) {
+    Eigen::MatrixXcd all = -matrices.A - value * matrices.B;
+    all.diagonal().array() += value * value;
+    const Eigen::VectorXcd next = inverse_of(all) * (2.0 * value * x - matrices.B * x);
+    if (!next.allFinite()) break;
+    if (step >= kStepsAboutIt) value -= 1.0 / x.dot(next);
+    if (is_real) value.imag(0.0);
+    x = next.normalized();
+    open = Residual(matrices, value, x).part();
+  }
+  if (open <= kSolved && std::abs(value - mode.eigenvalue) <= kNearby * std::abs(mode.eigenvalue)) {
+    mode.eigenvalue = value;
+    coordinates = x;
+  } else {
+    mode.eigenvalue_resolution = std::abs(mode.eigenvalue);
+    mode.shape_resolution = 1.0;
+  }
+}
+
 /// Without damping an eigenvalue is real or imaginary; equal ones stray by the root of the round-off.
 void settle_on_an_axis(Complex& eigenvalue) {
   const double negligible = kStray * std::abs(eigenvalue);
@@ -221,6 +266,7 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
   found.resolution = std::sqrt(split.least());
   found.free_places = found.free_rates = motions.free;
   found.slowest = found.resolution;
+  constexpr double kSlow = 1e3;  // times what is resolved of a decay
   Eigenpairs pairs;
   if (search.is_undamped) {
     pairs = undamped_pairs(matrices.A, motions);
@@ -238,7 +284,12 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (search.is_undamped) settle_on_an_axis(mode.eigenvalue);
     if (mode.eigenvalue.imag() < 0.0) continue;  // the other one of its pair is there
-    set_shape(search.chart, pairs.vectors.col(k), mode);
+    Eigen::VectorXcd coordinates = pairs.vectors.col(k);
+    const bool is_slow = std::abs(mode.eigenvalue) < kSlow * found.resolution;
+    if (is_slow && !mode.is_free && found.free_rates.cols() > 0) {
+      refine_slow_mode(matrices, mode, coordinates);
+    }
+    set_shape(search.chart, coordinates, mode);
     found.moving.push_back(std::move(mode));
   }
   return found;
@@ -318,6 +369,7 @@ void split_unresolved_pairs(std::vector<Mode>& modes) {
     const bool is_resolved = imaginary > kWithinResolution * modes[k].eigenvalue_resolution;
     if (!modes[k].oscillates() || is_resolved || imaginary >= std::abs(modes[k].eigenvalue.real())) continue;
     modes[k].eigenvalue.imag(0.0);
+    modes[k].is_half_of_unresolved_pair = true;
     modes.push_back(modes[k]);
   }
 }

@@ -26,6 +26,11 @@ std::string eigenvalue_text(const Mode& mode) {
                            : fmt::format("{:.10g}", mode.eigenvalue.real());
 }
 
+/// Nothing is known of it but that it is small.
+bool is_unresolved(const Mode& mode) {
+  return !mode.is_free && std::abs(mode.eigenvalue) <= kWithinResolution * mode.eigenvalue_resolution;
+}
+
 /// Judges one mode after the other, and makes the lines of the table.
 class ModeJudge {
  public:
@@ -78,11 +83,6 @@ class ModeJudge {
     return !may_have(other_, free_of(one_)) && !may_have(one_, free_of(other_));
   }
 
-  /// Nothing is known of it but that it is small.
-  static bool is_unresolved(const Mode& mode) {
-    return !mode.is_free && abs_of(mode) <= kWithinResolution * mode.eigenvalue_resolution;
-  }
-
   /// Eigenvalues, two of a pair.
   static int count_unresolved(const Linearization& found) {
     int count = 0;
@@ -94,10 +94,11 @@ class ModeJudge {
 
   /// Round-off decides which of the eigenvalues that are not resolved are pairs and which are real.
   static std::array<int, 2> range_of_modes(const Linearization& found) {
-    const auto resolved = static_cast<int>(
-        std::count_if(found.modes.begin(), found.modes.end(), [](const Mode& mode) { return !is_unresolved(mode); }));
-    const int unresolved = count_unresolved(found);
-    return {resolved + (unresolved + 1) / 2, resolved + unresolved};
+    const auto is_open = [](const Mode& mode) { return is_unresolved(mode) || mode.is_half_of_unresolved_pair; };
+    const auto is_half = [](const Mode& mode) { return mode.is_half_of_unresolved_pair && !is_unresolved(mode); };
+    const auto resolved = static_cast<int>(found.modes.size() - std::ranges::count_if(found.modes, is_open));
+    const int open = count_unresolved(found) + static_cast<int>(std::ranges::count_if(found.modes, is_half));
+    return {resolved + (open + 1) / 2, resolved + open};
   }
 
   [[nodiscard]] bool decides_how_many() const {
@@ -149,7 +150,8 @@ class ModeJudge {
   void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {
     add_line(mode, format_digits(0.0), "-", fmt::format(" (found by {} alone)", solver));
     NumberRow row{fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue};
-    if (is_unresolved(mode) || (mode.is_free && !decides_what_is_free())) row.resolvable = 0.0;
+    const bool is_open = is_unresolved(mode) || mode.is_half_of_unresolved_pair;
+    if (is_open || (mode.is_free && !decides_what_is_free())) row.resolvable = 0.0;
     result_.numbers.push_back(std::move(row));
   }
 
@@ -227,7 +229,7 @@ double misfit_of(const Mode& mode, const Linearization& found) {
 void require_modes_to_fit(const Linearization& found, std::string_view solver, AnalysisVerdict& result) {
   constexpr double kFits = 1e-4;
   for (const Mode& mode : found.modes) {
-    if (mode.is_free || mode.eigenvalue == 0.0) continue;
+    if (mode.is_free || mode.eigenvalue == 0.0 || is_unresolved(mode) || mode.is_half_of_unresolved_pair) continue;
     const double misfit = misfit_of(mode, found);
     if (misfit <= kFits) continue;
     result.wrenches.findings.push_back(

@@ -22,6 +22,8 @@ struct Mode {
   double shape_resolution = 0.0;
   /// Takes part in nothing that pulls back: its eigenvalue is zero within the round-off of differences.
   bool is_free = false;
+  /// One of two real eigenvalues that may as well be a conjugate pair: the imaginary part is not resolved, and left out.
+  bool is_half_of_unresolved_pair = false;
   /// Velocities [v; omega; adot] of bodies 1, 2, ... in SI units, of unit norm.
   Eigen::VectorXcd shape;
   /// The same in units of the machine, see Chart, of unit norm: what is compared.
