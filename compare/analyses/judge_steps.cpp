@@ -202,7 +202,9 @@ void note_numbers(AnalysisVerdict& result) {
 
 void require_judged(AnalysisVerdict& result) {
   const ComponentCount count = count_components(result.wrenches);
-  if (count.total == 0 || count.judged > 0 || has_judged_sums(result.wrenches)) return;
+  const bool compares_anything =
+      count.judged > 0 || has_judged_sums(result.wrenches) || result.wrenches.same_state.digits;
+  if (count.total == 0 || compares_anything) return;
   result.wrenches.failures.emplace_back("no reaction was judged: none is unique, or none is resolved");
 }
 
