@@ -82,11 +82,13 @@ std::optional<Axis> arm_of_link(const joints::JointType& type) {
   return std::nullopt;
 }
 
-/// A rotation that leads an axis to a unit vector.
-Mat3 with_axis(Axis axis, const Vec3& to) {
+/// A rotation that leads an axis to a unit vector, and the next one as near to `next` as may be.
+Mat3 with_axis(Axis axis, const Vec3& to, const Vec3& next) {
+  constexpr double kTooNear = 0.1;
+  const Vec3 across = next - to.dot(next) * to;
   Mat3 G;
   G.col(index(axis)) = to;
-  G.col((index(axis) + 1) % 3) = to.unitOrthogonal();
+  G.col((index(axis) + 1) % 3) = across.norm() > kTooNear ? Vec3(across.normalized()) : to.unitOrthogonal();
   G.col((index(axis) + 2) % 3) = to.cross(G.col((index(axis) + 1) % 3));
   return G;
 }
@@ -104,7 +106,9 @@ Reversal reversal_of(const Model& model, int k, const std::optional<State>& at) 
   } else if (const auto arm = arm_of_link(*joint.type); arm && at) {
     const RelativeMotion now = relative_motion_of(joint, *at);
     const Vec3 along = -(now.R.transpose() * now.d).normalized();
-    reversal.Q[index(Side::child)] = with_axis(*arm, along);
+    // The start keeps turns of the arm: they go on about the same lines, as in a plane that the arms may not leave.
+    const Vec3 next = now.R.transpose() * Vec3::Unit((index(*arm) + 1) % 3);
+    reversal.Q[index(Side::child)] = with_axis(*arm, along, next);
     reversal.reading = Reading::anew;
   }
   return reversal;

@@ -102,6 +102,35 @@ samples = 50
                                 "motor.toml"));
 }
 
+// Detects a mirrored arm whose turns are about other lines, which two arms in one plane do not permit.
+TEST_CASE("Each solver says the same of a load on two rods in one plane, however it is described", "[invariance]") {
+  expect_invariance(parse_model(R"(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "load"
+mass = 2.3
+inertia = [0.4, 1.4, 1.2]
+start.pose = { origin = [0.1, 0.05, 1.7], rotation_vector = [0, 0, 0] }
+[[joint]]
+name = "left"
+type = "distance"
+parent = { body = "ground", point = [-2, 0, 4], x = [0, 1, 0], z = [0.6, 0, -0.8] }
+child = { body = "load", point = [-0.6, -0.05, 0.3], x = [0, 1, 0], z = [0.6, 0, -0.8] }
+length = 2.5
+start.ball = { keep = { axis = [0, 0, 1], angle = 0 }, keep_speed = [0.02, 0.01, 0] }
+start.turn_y = { keep = 0, keep_speed = 0.02 }
+[[joint]]
+name = "right"
+type = "distance"
+parent = { body = "ground", point = [2, 0, 4], x = [0, 1, 0], z = [-0.6, 0, -0.8] }
+child = { body = "load", point = [0.4, -0.05, 0.3], x = [0, 1, 0], z = [-0.6, 0, -0.8] }
+length = 2.5
+[run]
+until = 0.5
+)",
+                                "load.toml"));
+}
+
 TEST_CASE("Each solver says the same of textbook machines, however they are described", "[invariance][nightly]") {
   for (const std::string& name : machines_of("textbook")) {
     DYNAMIC_SECTION(name) { expect_invariance(machine_of("textbook", name)); }
