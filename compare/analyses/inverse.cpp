@@ -29,16 +29,14 @@ void check_asked(const Model& model, const std::vector<AskedAcceleration>& asked
       return other.joint == one.joint && other.coordinate == one.coordinate;
     };
     if (std::count_if(asked.begin(), asked.end(), same) > 1) {
-      throw InputError({"command line", 0, 0}, fmt::format("inverse: two accelerations are asked for {}", name));
+      throw InputError(one.where, fmt::format("inverse: two accelerations are asked for {}", name));
     }
     if (is_kept) continue;
     std::vector<std::string> names;
     for (const Prescribed& kept : coordinates) names.push_back(kept.name(model));
-    throw InputError(
-        {model.file, 0, 0},
-        fmt::format("inverse: an acceleration is asked for {}, which the model does not keep at its start; "
-                    "it keeps {}",
-                    name, fmt::join(names, ", ")));
+    throw InputError(one.where, fmt::format("inverse: an acceleration is asked for {}, which {} does not keep at its "
+                                            "start; it keeps {}",
+                                            name, model.file, fmt::join(names, ", ")));
   }
 }
 

@@ -27,6 +27,7 @@ struct AskedAcceleration {
   std::string joint;
   std::string coordinate;
   double value = 0.0;
+  SourceLocation where{"--acceleration", 0, 0};  // who asks for it
 };
 
 /// The coordinates that the model keeps at its start, each with the acceleration asked for, else zero. Throws

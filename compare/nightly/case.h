@@ -47,7 +47,8 @@ struct FuzzShare {
 
 /// One thing that a night does: one variant of one model, one joint type, or one share of random machines.
 struct Case {
-  std::string id;  // unique in the suite: "car", "statics/car", "car/speed=20,cut=front"
+  std::string id;        // unique in the suite: "car", "statics/car", "car/speed=20,cut=front"
+  SourceLocation where;  // of its [[case]] in the suite
   Work work = Work::compare;
   std::filesystem::path model;
 

@@ -73,7 +73,7 @@ std::vector<analyses::AskedAcceleration> read_accelerations(const TableReader& o
     if (dot == std::string_view::npos) {
       table.complain(name, fmt::format("'{}' must be \"joint.coordinate\", such as \"hinge.turn_z\"", name));
     } else if (const auto value = table.number(name)) {
-      asked.push_back({std::string(name.substr(0, dot)), std::string(name.substr(dot + 1)), *value});
+      asked.push_back({std::string(name.substr(0, dot)), std::string(name.substr(dot + 1)), *value, table.where(name)});
     }
   }
   return asked;

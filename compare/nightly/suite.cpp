@@ -154,6 +154,7 @@ class SuiteReader {
       base.work = static_cast<Work>(known - names.begin());
       refuse_keys_without_meaning(table, base.work);
     }
+    base.where = table.where();
     base.limits = limits_;
     base.limits.seconds = table.positive_number("seconds").value_or(limits_.seconds);
     base.limits.megabytes = table.positive_number("megabytes").value_or(limits_.megabytes);

@@ -1,6 +1,7 @@
 #include "compare/nightly/trial.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,12 +29,15 @@ void tell_stage(std::string_view stage) {
   std::fprintf(stderr, "stage: %.*s\n", static_cast<int>(stage.size()), stage.data());
 }
 
-InputError refusal(const Case& one, const std::string& reason) { return {{one.model.generic_string(), 0, 0}, reason}; }
+/// What the suite asks of a model and the model cannot give is refused at the case in the suite.
+InputError refusal(const Case& one, const std::string& reason) {
+  return {one.where, fmt::format("{}: {}", one.model.generic_string(), reason)};
+}
 
 void name_cuts(const Case& one, Model& model) {
   std::set<std::string> asked(one.cut->begin(), one.cut->end());
   for (Joint& joint : model.joints) joint.named_as_cut = asked.erase(joint.name) > 0;
-  if (!asked.empty()) throw refusal(one, fmt::format("the suite cuts joint '{}', which is not there", *asked.begin()));
+  if (!asked.empty()) throw refusal(one, fmt::format("no joint is called '{}', which the case cuts", *asked.begin()));
 }
 
 /// Sizes by which a coordinate and its speeds are moved.
@@ -75,7 +79,7 @@ void move_start(const Case& one, Model& model) {
       }
     }
   }
-  if (!moves) throw refusal(one, "the suite draws starts, but the model keeps no coordinate or speed that they move");
+  if (!moves) throw refusal(one, "the case draws starts, but the model keeps no coordinate or speed that they move");
 }
 
 /// What is recorded of each component; of other kinds only the worst of a kind.
@@ -199,8 +203,20 @@ void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
   add_components(model, verdict, result.components);
 }
 
+void check_integrators(const Case& one, const StartedMachine& machine) {
+  for (const Who who : kBothSolvers) {
+    const std::string& asked = one.options.integrators[index(who)];
+    const Solver& solver = machine.solver(who);
+    const std::vector<std::string> known = solver.integrators();
+    if (asked.empty() || std::find(known.begin(), known.end(), asked) != known.end()) continue;
+    throw refusal(one, fmt::format("the {} solver has no integrator '{}'; it has {}", solver.name(), asked,
+                                   fmt::join(known, ", ")));
+  }
+}
+
 void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   const StartedMachine machine(model_of(one), makers);
+  check_integrators(one, machine);
   VerifyOptions options = one.options;
   options.makers = &makers;
   std::string last;

@@ -206,6 +206,24 @@ TEST_F(Suites, ParametersCutsNeedsAndStartsReachTheModel) {
   EXPECT_THROW(model_of(read("[[case]]\nmodels = [\"models/one.toml\"]\ncut = [\"hing\"]\n").cases.at(0)), InputError);
 }
 
+TEST_F(Suites, WhatAModelCannotGiveIsRefusedAtTheCase) {
+  const SolverMakers makers{cartesian::make_solver, relative::make_solver};
+  const auto words_of = [&](const std::string& keys) {
+    const Suite suite = read("[[case]]\nmodels = [\"models/one.toml\"]\n" + keys);
+    const Result result = try_case(suite.cases.at(0), folder_.path(), makers);
+    EXPECT_EQ(result.ending, Ending::bad_input);
+    return result.words;
+  };
+  EXPECT_THAT(words_of("cut = [\"hing\"]\n"),
+              AllOf(HasSubstr("suite.toml:2:1: error: "),
+                    HasSubstr("one.toml: no joint is called 'hing', which the case cuts")));
+  EXPECT_THAT(words_of("cartesian = \"erk\"\n"),
+              AllOf(HasSubstr("suite.toml:2:1: error: "), HasSubstr("no integrator 'erk'; it has gbs, ida")));
+  EXPECT_THAT(
+      words_of("work = \"inverse\"\naccelerations = { \"hinge.turn_x\" = 2.5 }\n"),
+      AllOf(HasSubstr("suite.toml:5:"), HasSubstr("turn_x of hinge, which "), HasSubstr("one.toml does not keep")));
+}
+
 TEST_F(Suites, DefinitionTellsWhatIsAskedAndOfWhichFile) {
   const std::string text = "[[case]]\nmodels = [\"models/one.toml\"]\nuntil = 0.3\n";
   const std::string before = definition_of(read(text).cases.at(0));
