@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "compare/report/option_limits.h"
 #include "compare/report/whole_number.h"
 
 namespace concord::compare::nightly {
@@ -18,7 +19,7 @@ void NightlyCommands::add_nightly(CLI::App& program) {
   nightly_app_ = app;
   app->add_option("SUITE", nightly_.suite, "Suite file (TOML; compare/nightly/README.md)")->required();
   app->add_option("--jobs", nightly_.jobs, "Worker processes; default: one for each processor")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024));
   app->add_option("--minutes", nightly_.minutes, "Begin no case after so many minutes")
       ->check([](const std::string& text) { return why_not_within(text, 1e-3, 1e5); });
   app->add_option("--only", nightly_.only, "Cases of this name alone: a part of it, or a pattern with * and ?");
@@ -70,7 +71,7 @@ void NightlyCommands::add_accept(CLI::App& program) {
   app->add_option("--history", accept_.history, "Accept the suite's last night in this file instead of running it");
   app->add_option("--from", accept_.from, "Accept a file that `nightly --json` wrote instead of running the cases");
   app->add_option("--jobs", accept_.jobs, "Worker processes; default: one for each processor")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024));
   app->add_option("--commit", accept_.commit, "Commit to record; default: CONCORD_COMMIT, else the built one");
 }
 
@@ -81,7 +82,7 @@ void NightlyCommands::add_history(CLI::App& program) {
   app->add_option("--history", history_.history, "The file that remembers")->required();
   app->add_option("--suite", history_.suite, "Name of the suite, where several have a case of this name");
   app->add_option("--component", history_.component, "One component alone: its name or a part of it");
-  app->add_option("--last", history_.last, "So many nights; default: 30")->check(CLI::Range(1, 100000));
+  app->add_option("--last", history_.last, "So many nights; default: 30")->check(whole_number_from(1, 100000));
 }
 
 void NightlyCommands::add_diff(CLI::App& program) {

@@ -14,6 +14,7 @@
 #include "compare/page/command.h"
 #include "compare/program/analysis_options.h"
 #include "compare/program/frame.h"
+#include "compare/report/option_limits.h"
 #include "compare/report/origin.h"
 #include "compare/report/whole_number.h"
 #include "relative/solver.h"
@@ -37,9 +38,10 @@ CLI::App* add_joint(CLI::App& program, CommandLine& line) {
   command->add_flag("--all", line.joint.all, "Every type of the catalogue");
   command->add_option("--seed", line.joint.seed, "Seed of the poses; default: 19971025")
       ->check(compare::why_no_whole_number);
-  command->add_option("--poses", line.joint.poses, "How many poses; default: 20")->check(CLI::Range(1, 10000));
+  command->add_option("--poses", line.joint.poses, "How many poses; default: 20")
+      ->check(compare::whole_number_from(1, 10000));
   command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
-      ->check(CLI::Range(0, 1000000));
+      ->check(compare::whole_number_from(0, 1000000));
   command->add_option("--out", line.joint.out, "Folder for the sheets, as text and as JSON");
   return command;
 }
@@ -71,7 +73,7 @@ CLI::App* add_report(CLI::App& program, CommandLine& line) {
       ->add_option("--suite", line.night_report.suite, "Suite by which it is judged; default: where it lay that night")
       ->group(of_history);
   command->add_option("--last", line.night_report.last, "So many nights in the trends; default: 100")
-      ->check(CLI::Range(1, 100000))
+      ->check(compare::whole_number_from(1, 100000))
       ->group(of_history);
   return command;
 }

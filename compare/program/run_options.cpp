@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/reading/magnitude.h"
+#include "compare/report/option_limits.h"
 
 namespace concord::compare {
 
@@ -56,7 +57,7 @@ void add_run_options(CLI::App& command, VerifyOptions& options) {
       .add_option("--samples", options.samples,
                   "Equal intervals of the output grid; default: what the model says, else 300; `compare` takes a "
                   "multiple that gives at least 200 states")
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number_from(1, 1000000));
 }
 
 }  // namespace concord::compare
