@@ -102,7 +102,7 @@ Json document(const Model& model, const Verdict& verdict) {
   solvers["relative"] = solver(verdict.solvers[1]);
   Json said{{"format", kVerdictFormat},
             {"verdict", to_string(verdict.outcome)},
-            {"judged", verdict.judged},
+            {"judged", count_reactions(verdict).judged},
             {"total", verdict.total},
             {"same_state", rung(verdict.same_state)},
             {"same_run", rung(verdict.same_run)},

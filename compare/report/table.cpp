@@ -21,6 +21,14 @@ std::string cuts_of(const SolverSummary& solver) {
   return solver.cut_joints.empty() ? "" : fmt::format("{} cuts {}", solver.name, fmt::join(solver.cut_joints, ", "));
 }
 
+/// Whether the model asks something else of a component than the comparator does.
+bool changes_needs(const Verdict& verdict) {
+  return std::ranges::any_of(verdict.rows, [&](const QuantityRow& row) {
+    return row.need.same_state != verdict.need.same_state || row.need.same_run != verdict.need.same_run ||
+           row.need.refined != verdict.need.refined;
+  });
+}
+
 std::string head(const Verdict& verdict) {
   std::string text = fmt::format("{}: {}, {}, {}", verdict.name, plural(verdict.bodies, "body", "bodies"),
                                  plural(verdict.joints, "joint", "joints"), plural(verdict.loops, "loop", "loops"));
@@ -44,8 +52,9 @@ std::string head(const Verdict& verdict) {
                       verdict.solvers[1].integrator);
   text += fmt::format(
       "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
-      "motions {:g}\n",
-      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences);
+      "motions {:g}{}\n",
+      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences,
+      changes_needs(verdict) ? "; [[need]] of the model asks otherwise" : "");
   return text;
 }
 

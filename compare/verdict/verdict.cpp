@@ -40,12 +40,25 @@ int exit_code(Outcome outcome) {
   }
 }
 
+namespace {
+
+void add(const QuantityRow& row, ComponentCount& count) {
+  ++count.total;
+  if (row.judgement != Judgement::not_judged) ++count.judged;
+}
+
+}  // namespace
+
+ComponentCount count_reactions(const Verdict& verdict) {
+  ComponentCount count;
+  for (const QuantityRow& row : verdict.rows) add(row, count);
+  return count;
+}
+
 ComponentCount count_components(const Verdict& verdict) {
-  ComponentCount count{verdict.judged, verdict.total};
+  ComponentCount count = count_reactions(verdict);
   for (const QuantityRow& row : verdict.others) {
-    if (row.quantity.kind != Kind::element) continue;
-    ++count.total;
-    if (is_judged(row)) ++count.judged;
+    if (row.quantity.kind == Kind::element) add(row, count);
   }
   return count;
 }

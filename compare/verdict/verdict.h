@@ -210,11 +210,13 @@ struct Verdict {
   std::array<std::optional<Trajectory>, 2> trajectories;
 };
 
-/// Components of joints' reactions and of force elements: how many are judged, of how many.
+/// How many components have a judgement, of how many. Where a run stops on its way none has.
 struct ComponentCount {
   int judged = 0;
   int total = 0;
 };
+ComponentCount count_reactions(const Verdict& verdict);
+/// Of reactions and force elements.
 ComponentCount count_components(const Verdict& verdict);
 
 /// Leaves the first of equal lines, and drops lines with which an earlier one ends, as after "same run: ".

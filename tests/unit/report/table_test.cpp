@@ -56,12 +56,28 @@ TEST(ComponentCount, HoldsForceElementsToo) {
   Verdict verdict;
   verdict.name = "thrown";
   verdict.others.resize(5);
-  for (QuantityRow& row : verdict.others) row.quantity.kind = Kind::element;
-  verdict.others[1].unique = false;
+  for (QuantityRow& row : verdict.others) {
+    row.quantity.kind = Kind::element;
+    row.judgement = Judgement::agree;
+  }
+  verdict.others[1].judgement = Judgement::not_judged;
   verdict.others[4].quantity.kind = Kind::acceleration;
   EXPECT_EQ(count_components(verdict).judged, 3);
   EXPECT_EQ(count_components(verdict).total, 4);
   EXPECT_THAT(format_verdict(sprung_pendulum_model(), verdict, false), HasSubstr("thrown: 3 of 4 components judged"));
+}
+
+TEST_F(TableTest, TellsThatTheModelAsksForOtherDigits) {
+  EXPECT_THAT(text(false), Not(HasSubstr("[[need]]")));
+  NeedOverride need;
+  need.same_run = 9.0;
+  model_.needs.push_back(need);
+  EXPECT_THAT(text(false), HasSubstr("of motions 7; [[need]] of the model asks otherwise\n"));
+}
+
+TEST_F(TableTest, NothingIsJudgedByARunThatStops) {
+  relative_.cannot_integrate = true;
+  EXPECT_THAT(text(false), HasSubstr("\nfailed pendulum: 0 of 10 components judged; "));
 }
 
 TEST_F(TableTest, AllHasEveryComponent) { EXPECT_EQ(rows_of(text(true)).size(), 10U); }
