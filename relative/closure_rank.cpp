@@ -42,6 +42,8 @@ void ClosureRank::decide_modes(const Coordinates& closed) {
 
 void ClosureRank::decide_near(const Coordinates& closed) {
   constexpr int kTrials = 8;
+  // In the units of the coordinates. What folds to a pose that it cannot leave closes near that pose again and again.
+  constexpr double kElsewhere = 1e-4;
   int looks = 4;
   struct Found {
     int rank;
@@ -49,7 +51,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   };
   Found clear{scaled_->rank(closed, ClosureRows::of_velocities, Modes::moving), closed};
   Found doubtful{0, closed};
-  bool is_clear = false;  // whether a pose was found that is apart from singular ones
+  bool is_clear = false;  // whether another pose was found that is apart from singular ones
   std::mt19937 random(1);
   std::uniform_real_distribution<double> spread(-0.2, 0.2);
   const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
@@ -71,7 +73,8 @@ void ClosureRank::decide_near(const Coordinates& closed) {
     const int rank = rank_of_singular_values(sigma);
     const bool is_doubtful = is_beside_singular(sigma, rank);
     if (!is_doubtful) --looks;
-    is_clear = is_clear || !is_doubtful;
+    const bool has_moved = scaled_->size_of_q(nearby.q - closed.q) > kElsewhere;
+    is_clear = is_clear || (!is_doubtful && has_moved);
     Found& best = is_doubtful ? doubtful : clear;
     if (rank > best.rank) best = {rank, nearby};
   }

@@ -136,6 +136,62 @@ start.turn_z = {{ guess = {7:.17g} }}
   expect_to_agree(parse_model(text, "cranks.toml"), {});
 }
 
+/// Two bars, the second one's frame turned in it, over a span of their whole length.
+Model stretched_triangle(double longer, double shorter, double turn) {
+  return parse_model(
+      fmt::format(R"toml(format = 1
+gravity = [0.3, -9.7, 0.2]
+[[body]]
+name = "long"
+mass = 0.6
+center_of_mass = [0.1, 0.01, 0]
+inertia = [0.003, 0.005, 0.006]
+[[body]]
+name = "short"
+mass = 0.9
+center_of_mass = [0.03, -0.01, 0.02]
+inertia = [0.008, 0.009, 0.009]
+[[joint]]
+name = "A"
+type = "revolute"
+parent = "ground"
+child = "long"
+start.turn_z = {{ guess = 0, guess_speed = 0 }}
+[[joint]]
+name = "B"
+type = "revolute"
+parent = {{ body = "long", point = [{0:.17g}, 0, 0] }}
+child = "short"
+start.turn_z = {{ guess = {1:.17g}, keep_speed = 0 }}
+[[joint]]
+name = "C"
+type = "revolute"
+parent = {{ body = "ground", point = [{2:.17g}, 0, 0] }}
+child = {{ body = "short", point = [{3:.17g}, {4:.17g}, 0], axis = [0, 0, 1], angle = {5:.17g} }}
+start.turn_z = {{ keep = 0, guess_speed = 0 }}
+[run]
+until = 0.05
+)toml",
+                  longer, turn, longer + shorter, shorter * std::cos(turn), -shorter * std::sin(turn), -turn),
+      "stretched.toml");
+}
+
+TEST_CASE("A triangle of bars that is stretched flat is refused as singular: no other pose of it is near",
+          "[closure]") {
+  // It can move infinitely little and no further: all poses that close nearby are this one, and round-off decides in
+  // which of them rows are independent.
+  const double longer = GENERATE(0.23, 0.37, 0.5);
+  const double shorter = GENERATE(0.02, 0.04);
+  const double turn = GENERATE(0.0, 0.2617993877991494, 0.6981317007977318);
+  CAPTURE(longer, shorter, turn);
+  const Model model = stretched_triangle(longer, shorter, turn);
+  for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
+    const auto solver = make(model);
+    INFO(solver->name());
+    CHECK_THROWS_WITH(solver->integrate({0.05, 1e-11, 10, ""}, {}), Catch::Contains("at t = 0 s"));
+  }
+}
+
 TEST_CASE("Shafts joined by Hooke's joint start from rest though a row of their loop vanishes in that pose",
           "[closure]") {
   expect_to_agree(machine_of("loops", "hooke_from_rest"), {});
