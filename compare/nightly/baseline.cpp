@@ -18,8 +18,15 @@ constexpr std::string_view kBaselineTitle = "concord baseline";
 constexpr std::size_t kCaseFields = 10;
 constexpr std::size_t kComponentFields = 8;
 
-std::string rounded_digits(const std::optional<double>& value) { return value ? fmt::format("{:.2f}", *value) : "-"; }
-std::string rounded_value(const std::optional<double>& value) { return value ? fmt::format("{:.7g}", *value) : "-"; }
+/// A solver's NaN is no number that a later night could be compared with.
+bool is_number(const std::optional<double>& value) { return value && std::isfinite(*value); }
+
+std::string rounded_digits(const std::optional<double>& value) {
+  return is_number(value) ? fmt::format("{:.2f}", *value) : "-";
+}
+std::string rounded_value(const std::optional<double>& value) {
+  return is_number(value) ? fmt::format("{:.7g}", *value) : "-";
+}
 
 std::string case_line(const Result& one) {
   return format_fields({"case", one.id, to_string(one.ending), fmt::format("{} of {}", one.judged, one.total),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
@@ -56,6 +57,17 @@ TEST(Baselines, TextIsReadBackAndWrittenTheSame) {
   EXPECT_FALSE(one.components[0].same_run);
   EXPECT_DOUBLE_EQ(*one.components[0].peak, 17.25);
   EXPECT_EQ(format_baselines(parse_baselines(format_baselines(read), "x.csv")), format_baselines(read));
+}
+
+/// Finds a baseline that is written with what no later night can read.
+TEST(Baselines, WhatIsNoNumberIsLeftOut) {
+  Result one = crank();
+  one.components[0].same_state = std::numeric_limits<double>::quiet_NaN();
+  one.components[0].peak = std::numeric_limits<double>::infinity();
+  const Baselines read = parse_baselines(format_baselines({{one.id, one}}), "x.csv");
+  EXPECT_FALSE(read.at(one.id).components[0].same_state);
+  EXPECT_FALSE(read.at(one.id).components[0].peak);
+  EXPECT_TRUE(read.at(one.id).components[0].resolvable);
 }
 
 TEST(Baselines, VersionThatIsNotKnownIsRefusedByName) {
