@@ -176,18 +176,23 @@ SlopeMisfit answer(const Question& question, const JointAlongMotion& joint) {
                       kGoodRate);
 }
 
-/// Whether the joint's speeds follow from the motion with more than ten times its errors, lengths in units of the
-/// machine's.
-bool magnifies(const joints::JointType& type, const JointMotion& motion, double length) {
-  constexpr double kPlain = 0.1;
-  if (motion.S.cols() == 0) return false;
+/// How much of motion the joint's speeds make at least, lengths in units of the machine's: 1 of most joints, 0 in a
+/// pose where a coordinate has no meaning.
+double least_motion(const joints::JointType& type, const JointMotion& motion, double length) {
+  if (motion.S.cols() == 0) return 1.0;
   Mat6X directions = motion.S;
   directions.topRows(3) /= length;
   const std::vector<bool> turns = turning_speeds(type);
   for (std::size_t k = 0; k < turns.size(); ++k) {
     if (!turns[k]) directions.col(static_cast<Eigen::Index>(k)) *= length;
   }
-  return singular_values(directions).minCoeff() < kPlain;
+  return singular_values(directions).minCoeff();
+}
+
+/// Whether the joint's speeds follow from the motion with more than ten times its errors.
+bool magnifies(const joints::JointType& type, const JointMotion& motion, double length) {
+  constexpr double kPlain = 0.1;
+  return least_motion(type, motion, length) < kPlain;
 }
 
 /// The state with one of its bodies off by as much as solvers leave states open: by a part of the length, of 1 rad, and
@@ -249,12 +254,15 @@ JointKinematics read_kinematics(const Joint& joint, const State& state, const Ev
 
 VecX joint_accelerations(const Joint& joint, const State& state, const Evaluation& evaluation, const VecX& hint,
                          double length) {
-  constexpr double kStep = 0.03;  // rad: errs by its eighth power over 630
+  constexpr double kStep = 0.015;  // rad: errs by its eighth power over 630
+  constexpr double kLeast = 1e-3;
   constexpr double kWeights[] = {4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
   const JointAlongMotion on_its_way(joint, state, evaluation, hint, length);
   JointKinematics found;
   measure(on_its_way, joint, state, evaluation, hint, found);
-  const double h = kStep / rate_of(*joint.type, found, length);
+  // Where speeds make little of motion, they change over as little of it.
+  const double part = std::clamp(least_motion(*joint.type, found.motion, length), kLeast, 1.0);
+  const double h = kStep * part / rate_of(*joint.type, found, length);
   VecX udot = VecX::Zero(found.motion.u.size());
   for (int k = 1; k <= 4; ++k)
     udot += kWeights[k - 1] / h * (on_its_way.speeds_after(k * h) - on_its_way.speeds_after(-k * h));
