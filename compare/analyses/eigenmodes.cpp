@@ -139,49 +139,61 @@ class FirstOrder {
   MatX matrix_;
 };
 
-/// (lambda^2 - A - lambda B) x for a unit x, and how large its terms are.
+/// (lambda^2 - A - lambda B) x for a unit x: what is open of it, how large its terms are, and what they are made of.
 struct Residual {
   Eigen::VectorXcd open;
   double terms = 0.0;
+  double sizes = 0.0;
 
   Residual(const MotionMatrices& matrices, Complex value, const Eigen::VectorXcd& x) {
     const Eigen::VectorXcd pull = matrices.A * x;
     const Eigen::VectorXcd drag = value * (matrices.B * x);
     open = value * value * x - pull - drag;
     terms = std::norm(value) + pull.norm() + drag.norm();
+    sizes = std::norm(value) + matrices.A.norm() + std::abs(value) * matrices.B.norm();
   }
-  [[nodiscard]] double part() const { return open.norm() / terms; }
+  /// As a part of the terms, or of what round-off leaves of them.
+  [[nodiscard]] bool is_within(double part, double round_off) const {
+    return open.norm() <= part * terms + round_off * sizes;
+  }
 };
+
+constexpr double kSlow = 1e3;  // times what is resolved of a decay
 
 /// The search takes free rates whose decay is not resolved for steady ones. Modes that are not much faster than such a
 /// decay feel it: inverse iteration on all of the equations, at first about the eigenvalue found and then with a Newton
-/// step for it, brings such a mode to where it solves them. One that solves them nowhere nearby is not resolved.
-void refine_slow_mode(const MotionMatrices& matrices, Mode& mode, Eigen::VectorXcd& coordinates) {
+/// step for it, brings such a mode to where it solves them. False where it solves them nowhere nearby, and is left as
+/// it was.
+bool refine_slow_mode(const MotionMatrices& matrices, Complex& eigenvalue, Eigen::VectorXcd& coordinates) {
   constexpr double kSolved = 1e-9;
+  constexpr double kRoundOff = 1e-13;
   constexpr double kNearby = 0.5;
+  constexpr double kReal = 1e-6;
   constexpr int kStepsAboutIt = 4;
   constexpr int kSteps = 12;
-  const bool is_real = mode.eigenvalue.imag() == 0.0;
-  Complex value = mode.eigenvalue;
+  Complex value = eigenvalue;
   Eigen::VectorXcd x = coordinates.normalized();
-  double open = Residual(matrices, value, x).part();
-  for (int step = 0; step < kSteps && open > kSolved; ++step) {
-    Eigen::MatrixXcd all = -matrices.A - value * matrices.B;
-    all.diagonal().array() += value * value;
-    const Eigen::VectorXcd next = inverse_of(all) * (2.0 * value * x - matrices.B * x);
-    if (!next.allFinite()) break;
+  bool is_solved = Residual(matrices, value, x).is_within(kSolved, kRoundOff);
+  if (is_solved) return true;
+  for (int step = 0; step < kSteps && !is_solved; ++step) {
+    Eigen::MatrixXcd equations = -matrices.A - value * matrices.B;
+    equations.diagonal().array() += value * value;
+    const Eigen::VectorXcd next = inverse_of(equations) * (2.0 * value * x - matrices.B * x);
+    if (!next.allFinite()) return false;
     if (step >= kStepsAboutIt) value -= 1.0 / x.dot(next);
-    if (is_real) value.imag(0.0);
+    if (eigenvalue.imag() == 0.0) value.imag(0.0);
     x = next.normalized();
-    open = Residual(matrices, value, x).part();
+    is_solved = Residual(matrices, value, x).is_within(kSolved, kRoundOff);
   }
-  if (open <= kSolved && std::abs(value - mode.eigenvalue) <= kNearby * std::abs(mode.eigenvalue)) {
-    mode.eigenvalue = value;
-    coordinates = x;
-  } else {
-    mode.eigenvalue_resolution = std::abs(mode.eigenvalue);
-    mode.shape_resolution = 1.0;
+  const bool stays_a_pair = eigenvalue.imag() == 0.0 || std::abs(value.imag()) > kReal * std::abs(value);
+  if (!is_solved || !stays_a_pair || std::abs(value - eigenvalue) > kNearby * std::abs(eigenvalue)) return false;
+  if (value.imag() < 0.0) {  // the other one of its pair
+    value = std::conj(value);
+    x = x.conjugate().eval();
   }
+  eigenvalue = value;
+  coordinates = x;
+  return true;
 }
 
 /// Without damping an eigenvalue is real or imaginary; equal ones stray by the root of the round-off.
@@ -258,6 +270,35 @@ int FoundModes::count_free() const {
   return static_cast<int>(moving_free + free_places.cols() + free_rates.cols());
 }
 
+namespace {
+
+/// One that clearly does not solve its equations, or solves them where another one does, is not resolved.
+void refine_slow_modes(const Chart& chart, const MotionMatrices& matrices, FoundModes& found) {
+  constexpr double kOpen = 1e-4;
+  constexpr double kRoundOff = 1e-11;
+  constexpr double kSame = 1e-6;
+  for (Mode& mode : found.moving) {
+    if (mode.is_free || std::abs(mode.eigenvalue) >= kSlow * found.resolution) continue;
+    Mode refined = mode;
+    Eigen::VectorXcd coordinates = mode.coordinates;
+    bool is_refined = refine_slow_mode(matrices, refined.eigenvalue, coordinates);
+    if (is_refined) set_shape(chart, coordinates, refined);
+    is_refined = is_refined && std::ranges::none_of(found.moving, [&](const Mode& other) {
+                   const double apart = std::abs(other.eigenvalue - refined.eigenvalue);
+                   return &other != &mode && apart <= kSame * std::abs(refined.eigenvalue) &&
+                          shape_difference(other, refined) <= kSame;
+                 });
+    if (is_refined) {
+      mode = std::move(refined);
+    } else if (!Residual(matrices, mode.eigenvalue, mode.coordinates).is_within(kOpen, kRoundOff)) {
+      mode.eigenvalue_resolution = std::abs(mode.eigenvalue);
+      mode.shape_resolution = 1.0;
+    }
+  }
+}
+
+}  // namespace
+
 FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors) {
   const StiffnessSplit split(search.chart, {matrices.A, errors.A}, search.scale, VecX::Zero(search.chart.n()),
                              search.strictness);
@@ -266,7 +307,6 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
   found.resolution = std::sqrt(split.least());
   found.free_places = found.free_rates = motions.free;
   found.slowest = found.resolution;
-  constexpr double kSlow = 1e3;  // times what is resolved of a decay
   Eigenpairs pairs;
   if (search.is_undamped) {
     pairs = undamped_pairs(matrices.A, motions);
@@ -284,14 +324,10 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
     if (mode.is_free) mode.eigenvalue = 0.0;
     if (search.is_undamped) settle_on_an_axis(mode.eigenvalue);
     if (mode.eigenvalue.imag() < 0.0) continue;  // the other one of its pair is there
-    Eigen::VectorXcd coordinates = pairs.vectors.col(k);
-    const bool is_slow = std::abs(mode.eigenvalue) < kSlow * found.resolution;
-    if (is_slow && !mode.is_free && found.free_rates.cols() > 0) {
-      refine_slow_mode(matrices, mode, coordinates);
-    }
-    set_shape(search.chart, coordinates, mode);
+    set_shape(search.chart, pairs.vectors.col(k), mode);
     found.moving.push_back(std::move(mode));
   }
+  if (found.free_rates.cols() > 0 && !search.is_undamped) refine_slow_modes(search.chart, matrices, found);
   return found;
 }
 
@@ -367,7 +403,9 @@ void split_unresolved_pairs(std::vector<Mode>& modes) {
   for (std::size_t k = 0; k < n_found; ++k) {
     const double imaginary = modes[k].eigenvalue.imag();
     const bool is_resolved = imaginary > kWithinResolution * modes[k].eigenvalue_resolution;
-    if (!modes[k].oscillates() || is_resolved || imaginary >= std::abs(modes[k].eigenvalue.real())) continue;
+    const bool is_known = modes[k].eigenvalue_resolution < std::abs(modes[k].eigenvalue);
+    if (!modes[k].oscillates() || is_resolved || !is_known) continue;
+    if (imaginary >= std::abs(modes[k].eigenvalue.real())) continue;
     modes[k].eigenvalue.imag(0.0);
     modes[k].is_half_of_unresolved_pair = true;
     modes.push_back(modes[k]);

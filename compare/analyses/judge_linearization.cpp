@@ -107,6 +107,16 @@ class ModeJudge {
     return one_.modes.size() == other_.modes.size() || one[1] < other[0] || other[1] < one[0];
   }
 
+  /// Whether a mode that one solver alone has is more than one of those that round-off decides about in the other.
+  [[nodiscard]] bool tells_how_many(const Mode& alone) const {
+    if (decides_how_many()) return true;
+    return std::ranges::none_of(std::array{&one_, &other_}, [&](const Linearization* found) {
+      return std::ranges::any_of(found->modes, [&](const Mode& mode) {
+        return (is_unresolved(mode) || mode.is_half_of_unresolved_pair) && abs_of(alone) <= abs_of(mode);
+      });
+    });
+  }
+
   template <class Counts>
   NumberRow count(const char* name, const Counts& counts) {
     const auto number_of = [&](const std::vector<Mode>& modes) {
@@ -150,7 +160,7 @@ class ModeJudge {
   void judge_alone(const char* solver, const Mode& mode, const std::array<double, 2>& values) {
     add_line(mode, format_digits(0.0), "-", fmt::format(" (found by {} alone)", solver));
     NumberRow row{fmt::format("eigenvalue {} of {} alone", lines_.size() - 1, solver), "1/s", values, 0.0, kEigenvalue};
-    const bool is_open = is_unresolved(mode) || mode.is_half_of_unresolved_pair;
+    const bool is_open = is_unresolved(mode) || mode.is_half_of_unresolved_pair || !tells_how_many(mode);
     if (is_open || (mode.is_free && !decides_what_is_free())) row.resolvable = 0.0;
     result_.numbers.push_back(std::move(row));
   }
@@ -221,15 +231,17 @@ double misfit_of(const Mode& mode, const Linearization& found) {
   const Eigen::VectorXcd drag = lambda * (found.B * x);
   const double terms = std::norm(lambda) + pull.norm() + drag.norm();
   const double sizes = found.A.norm() + std::abs(lambda) * found.B.norm() + std::norm(lambda);
-  const double open = kStray * terms + (kRoundOff + mode.shape_resolution) * sizes +
-                      mode.eigenvalue_resolution * (2.0 * std::abs(lambda) + found.B.norm());
+  // Of half a pair the imaginary part is left out, which may be as large as what is taken for not resolved.
+  const double times = mode.is_half_of_unresolved_pair ? kWithinResolution : 1.0;
+  const double open = kStray * terms + (kRoundOff + times * mode.shape_resolution) * sizes +
+                      times * mode.eigenvalue_resolution * (2.0 * std::abs(lambda) + found.B.norm());
   return std::max(0.0, (lambda * lambda * x - pull - drag).norm() - open) / terms;
 }
 
 void require_modes_to_fit(const Linearization& found, std::string_view solver, AnalysisVerdict& result) {
   constexpr double kFits = 1e-4;
   for (const Mode& mode : found.modes) {
-    if (mode.is_free || mode.eigenvalue == 0.0 || is_unresolved(mode) || mode.is_half_of_unresolved_pair) continue;
+    if (mode.is_free || mode.eigenvalue == 0.0 || is_unresolved(mode)) continue;
     const double misfit = misfit_of(mode, found);
     if (misfit <= kFits) continue;
     result.wrenches.findings.push_back(
