@@ -31,6 +31,20 @@ bool is_unresolved(const Mode& mode) {
   return !mode.is_free && std::abs(mode.eigenvalue) <= kWithinResolution * mode.eigenvalue_resolution;
 }
 
+/// Below it a solver's differences tell nothing from zero [1/s]: what is slower is called free.
+double slowest_told_by(const Linearization& found) { return std::max(found.resolution, found.slowest); }
+
+std::string free_text(const Linearization& one, const Linearization& other) {
+  const auto has_free = [](const Linearization& found) {
+    return std::ranges::any_of(found.modes, [](const Mode& mode) { return mode.is_free; });
+  };
+  if (!has_free(one) && !has_free(other)) return "";
+  return fmt::format(
+      "free: differences of cartesian tell no rate below {:.2g} 1/s from zero, those of relative none below "
+      "{:.2g}\n",
+      slowest_told_by(one), slowest_told_by(other));
+}
+
 /// Judges one mode after the other, and makes the lines of the table.
 class ModeJudge {
  public:
@@ -70,17 +84,28 @@ class ModeJudge {
   static double abs_of(const Mode& mode) { return std::abs(mode.eigenvalue); }
 
   /// Not where each solver's number is among those that the other one finds by asking for more or less, or that
-  /// eigenvalues of which nothing is resolved may add.
+  /// eigenvalues may add of which nothing is resolved, or which the other one does not tell from zero.
   [[nodiscard]] bool decides_what_is_free() const {
     const auto free_of = [](const Linearization& found) {
       return static_cast<int>(
           std::count_if(found.modes.begin(), found.modes.end(), [](const Mode& mode) { return mode.is_free; }));
     };
-    const auto may_have = [](const Linearization& found, int count) {
-      return found.free_range[0] <= count && count <= found.free_range[1] + count_unresolved(found);
+    const auto may_have = [](const Linearization& found, int count, const Linearization& other) {
+      const int more = count_unresolved(found) + count_slower(found, slowest_told_by(other));
+      return found.free_range[0] <= count && count <= found.free_range[1] + more;
     };
     if (free_of(one_) == free_of(other_)) return true;
-    return !may_have(other_, free_of(one_)) && !may_have(one_, free_of(other_));
+    return !may_have(other_, free_of(one_), one_) && !may_have(one_, free_of(other_), other_);
+  }
+
+  /// Eigenvalues up to this rate, two of a pair, of those that are resolved.
+  static int count_slower(const Linearization& found, double rate) {
+    int count = 0;
+    for (const Mode& mode : found.modes) {
+      const bool is_slower = !mode.is_free && !is_unresolved(mode) && abs_of(mode) <= rate;
+      if (is_slower) count += mode.oscillates() ? 2 : 1;
+    }
+    return count;
   }
 
   /// Eigenvalues, two of a pair.
@@ -299,6 +324,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   judge_wrenches(held, solvers, states, kind, result);
   // Where both have found their equilibrium, what is left of its accelerations is no motion.
   if (!at_equilibrium) measure_in_steady_axes(held, solvers, states, result);
+  result.text += free_text(*result.linearizations[0], *result.linearizations[1]);
   result.text += fmt::format("modes about the {}, by cartesian:\n", at_equilibrium ? "equilibrium" : "start");
   ModeJudge(*result.linearizations[0], *result.linearizations[1], result).judge();
   for (const Who who : kBothSolvers) {

@@ -59,6 +59,17 @@ TEST_CASE("Modes of a thin rod agree as far as accelerations about its own axis 
   CHECK(found.wrenches.outcome == Outcome::agree);
 }
 
+TEST_CASE(
+    "A rate that one solver's differences do not tell from zero is no difference, and the table says which are not",
+    "[analyses][quick]") {
+  const Model model = machine_of("modes", "hardly_braked_slides");
+  const AnalysisVerdict found = judge_linearization(model, kMakers, false);
+  const std::string table = format_analysis(model, found, true);
+  INFO(table);
+  CHECK(found.wrenches.outcome == Outcome::agree);
+  CHECK_THAT(table, Catch::Contains("free: differences of cartesian tell no rate below"));
+}
+
 TEST_CASE("A loop near a singular pose agrees as far as its closing is known", "[quick]") {
   const Model model = machine_of("modes", "nearly_flat");
   expect_to_agree(model, in_short(model, 1.0));
