@@ -17,12 +17,14 @@ namespace concord::compare::analyses {
 struct Mode {
   std::complex<double> eigenvalue;  // 1/s
   /// By how much the eigenvalue [1/s] and the shape (see shape_difference()) move when the derivatives change by what
-  /// they may be wrong by, measured; 0 of a free one.
+  /// they may be wrong by, measured; 0 of a free one, |eigenvalue| and 1 of one that no draw finds again or that does
+  /// not solve its equations.
   double eigenvalue_resolution = 0.0;
   double shape_resolution = 0.0;
   /// Takes part in nothing that pulls back: its eigenvalue is zero within the round-off of differences.
   bool is_free = false;
-  /// One of two real eigenvalues that may as well be a conjugate pair: the imaginary part is not resolved, and left out.
+  /// One of two real eigenvalues that may as well be a conjugate pair: the imaginary part is not resolved, and left
+  /// out.
   bool is_half_of_unresolved_pair = false;
   /// Velocities [v; omega; adot] of bodies 1, 2, ... in SI units, of unit norm.
   Eigen::VectorXcd shape;

@@ -48,7 +48,7 @@ struct FuzzShare {
 /// One thing that a night does: one variant of one model, one joint type, or one share of random machines.
 struct Case {
   std::string id;        // unique in the suite: "car", "statics/car", "car/speed=20,cut=front"
-  SourceLocation where;  // of its [[case]] in the suite
+  SourceLocation where;  // of its [[case]] in the suite: what its model cannot give is refused there
   Work work = Work::compare;
   std::filesystem::path model;
 

@@ -100,10 +100,11 @@ Json document(const Model& model, const Verdict& verdict) {
   Json solvers;
   solvers["cartesian"] = solver(verdict.solvers[0]);
   solvers["relative"] = solver(verdict.solvers[1]);
+  const ComponentCount reactions = count_reactions(verdict);
   Json said{{"format", kVerdictFormat},
             {"verdict", to_string(verdict.outcome)},
-            {"judged", count_reactions(verdict).judged},
-            {"total", verdict.total},
+            {"judged", reactions.judged},
+            {"total", reactions.total},
             {"same_state", rung(verdict.same_state)},
             {"same_run", rung(verdict.same_run)},
             {"refined", rung(verdict.refined)},

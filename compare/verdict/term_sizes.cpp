@@ -55,8 +55,7 @@ struct Carried {
   double moving = 0.0;
 };
 
-std::vector<Carried> carried_by_joints(const Model& model, const SharedState& shared) {
-  const std::vector<int> depth = depths(model);
+std::vector<Carried> carried_by_joints(const Model& model, const SharedState& shared, const std::vector<int>& depth) {
   std::vector<Carried> all(model.bodies.size());
   for (const Joint& joint : model.joints) {
     const auto [near, far] = std::minmax(joint.on(Side::parent).body, joint.on(Side::child).body,
@@ -76,7 +75,11 @@ std::vector<Carried> carried_by_joints(const Model& model, const SharedState& sh
 class Loads {
  public:
   Loads(const Model& model, const SharedState& shared)
-      : model_(model), shared_(shared), bodies_(model.bodies.size()), carried_(carried_by_joints(model, shared)) {
+      : model_(model),
+        shared_(shared),
+        bodies_(model.bodies.size()),
+        depths_(depths(model)),
+        carried_(carried_by_joints(model, shared, depths_)) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
     for (const Evaluation& evaluation : shared.evaluations) {
       add_wrenches(evaluation);
@@ -88,6 +91,8 @@ class Loads {
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
   [[nodiscard]] const SpringTerms& of_element(int element) const { return elements_[element]; }
   [[nodiscard]] const Carried& carried(int body) const { return carried_[body]; }
+  /// A neighbour beyond the body: what acts on it reaches the ground by the body.
+  [[nodiscard]] bool is_beyond(int neighbour, int body) const { return depths_[neighbour] > depths_[body]; }
 
  private:
   void add_inertia(int i) {
@@ -211,6 +216,7 @@ class Loads {
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
+  std::vector<int> depths_;
   std::vector<Carried> carried_;
   std::vector<SpringTerms> elements_;
 };
@@ -265,7 +271,7 @@ class TermSizes {
   /// of a body that falls, with next to nothing in its joint, that is more than what the joint passes. Couplings on one
   /// joint may balance each other.
   [[nodiscard]] double of_sum(int body, bool is_torque) const {
-    double size = is_torque ? loads_.of(body).torque : loads_.of(body).force;
+    double size = std::max(is_torque ? loads_.of(body).torque : loads_.of(body).force, from_beyond(body, is_torque));
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
       for (const Attachment& side : model_.joints[k].sides) {
         if (side.body != body) continue;
@@ -312,10 +318,28 @@ class TermSizes {
     return size;
   }
 
+  /// What acts on the neighbours beyond a body is taken apart into what moves them and what their joints pass on to it:
+  /// its round-off acts on the body even where a joint passes next to nothing, as a slide along which a spring pulls.
+  [[nodiscard]] double from_beyond(int body, bool is_torque) const {
+    double size = 0.0;
+    for (const Joint& joint : model_.joints) {
+      const int parent = joint.on(Side::parent).body;
+      const int child = joint.on(Side::child).body;
+      const bool passes_anything = joint.type->rows() > 0;
+      if (!passes_anything || (parent != body && child != body) || body == kGround) continue;
+      const int neighbour = parent == body ? child : parent;
+      if (!loads_.is_beyond(neighbour, body)) continue;
+      const BodyLoad& load = loads_.of(neighbour);
+      size = std::max(size, is_torque ? load.torque : load.force);
+    }
+    return size;
+  }
+
   [[nodiscard]] double by_loads(int body, bool angular) const {
     const BodyLoad& load = loads_.of(body);
     const double inertia = angular ? load.least_inertia : load.mass;
-    return inertia > 0.0 ? (angular ? load.torque : load.force) / inertia : 0.0;
+    const double size = std::max(angular ? load.torque : load.force, from_beyond(body, angular));
+    return inertia > 0.0 ? size / inertia : 0.0;
   }
 
   /// A coupling passes the accelerations of its other coordinates on, by the ratio of their factors.

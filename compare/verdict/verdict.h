@@ -176,6 +176,8 @@ struct Verdict {
   std::vector<QuantityRow> rows;  // reaction components that the joints can carry
   std::vector<QuantityRow>
       others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
+  /// Components of reactions that are unique and resolved in some state, of all: whether or not a rung judged them, see
+  /// count_reactions().
   int judged = 0;
   int total = 0;
 

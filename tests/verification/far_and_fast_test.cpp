@@ -11,6 +11,11 @@ namespace {
 
 // The work of drivers is integrated like the rest: a step as long as the time between two outputs, or a law that comes
 // and goes between them, may not lose it.
+// Detects round-off of what acts on a body's neighbours that is taken for a difference of the body's own small forces.
+TEST_CASE("A stage that hardly anything acts on agrees beside neighbours that springs pull hard") {
+  for (const std::string& name : machines_of("slides")) expect_to_agree(machine_of("slides", name), {});
+}
+
 TEST_CASE("Machines that motors and gears move fast agree and keep their energy", "[fast]") {
   for (const std::string& name : machines_of("fast")) {
     DYNAMIC_SECTION(name) {
