@@ -75,6 +75,7 @@ class ModeJudge {
 
  private:
   static constexpr double kFewDigits = 3.0;
+  static constexpr double kHalfADigit = 0.5;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   static std::string digits_text(const NumberRow& row) {
@@ -159,7 +160,9 @@ class ModeJudge {
     NumberRow row = number(fmt::format("eigenvalue {}", line), "1/s", abs_of(mode), abs_of(other), scale, kEigenvalue);
     row.digits = matching_digits(std::abs(mode.eigenvalue - other.eigenvalue), scale);
     row.resolvable = matching_digits(least, scale);
-    if (mode.is_free != other.is_free && !decides_what_is_free()) row.resolvable = 0.0;
+    // Of an eigenvalue that may as well be a third of it nothing is known.
+    const bool is_known = *row.resolvable >= kHalfADigit && (mode.is_free == other.is_free || decides_what_is_free());
+    if (!is_known) row.resolvable = 0.0;
     if (*row.resolvable < kFewDigits)
       unresolved_.push_back(fmt::format("{} ({}: {})", line, mode.motion, format_digits(*row.resolvable)));
     NumberRow shape{fmt::format("shape of mode {}", line), "", kNoValues, kMostDigits, kEigenvalue};
