@@ -1,7 +1,6 @@
 #include "compare/nightly/trial.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -205,12 +204,11 @@ void take_verdict(const Model& model, const Verdict& verdict, Result& result) {
 
 void check_integrators(const Case& one, const StartedMachine& machine) {
   for (const Who who : kBothSolvers) {
-    const std::string& asked = one.options.integrators[index(who)];
-    const Solver& solver = machine.solver(who);
-    const std::vector<std::string> known = solver.integrators();
-    if (asked.empty() || std::find(known.begin(), known.end(), asked) != known.end()) continue;
-    throw refusal(one, fmt::format("the {} solver has no integrator '{}'; it has {}", solver.name(), asked,
-                                   fmt::join(known, ", ")));
+    try {
+      chosen_integrator(machine.model(), machine.solver(who), one.options.integrators[index(who)]);
+    } catch (const InputError& error) {
+      throw refusal(one, error.diagnostics().front().message);
+    }
   }
 }
 
