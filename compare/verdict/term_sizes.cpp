@@ -9,6 +9,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/spring_terms.h"
+#include "compare/verdict/way_to_ground.h"
 
 namespace concord::compare {
 
@@ -26,27 +27,6 @@ struct BodyLoad {
   VecX modal_mass;
 };
 
-/// Bodies between each body and the ground, the fewest there are; the ground has -1.
-std::vector<int> depths(const Model& model) {
-  const auto n = static_cast<int>(model.bodies.size());
-  std::vector<int> depth(model.bodies.size(), n);
-  depth[kGround] = -1;
-  for (bool is_found = true; is_found;) {
-    is_found = false;
-    for (const Joint& joint : model.joints) {
-      const int parent = joint.on(Side::parent).body;
-      const int child = joint.on(Side::child).body;
-      const int least = std::min(depth[parent], depth[child]) + 1;
-      for (const int body : {parent, child}) {
-        if (depth[body] <= least) continue;
-        depth[body] = least;
-        is_found = true;
-      }
-    }
-  }
-  return depth;
-}
-
 /// Accelerations that the neighbours nearer to the ground carry a body with [rad/s2, m/s2]. In joint coordinates its
 /// own is theirs and its joints': a ring that hangs loose on a shaft stays at rest as the difference of two large
 /// numbers. Depths are those of the machine with all joints; a tree that cuts some of them may carry a body otherwise.
@@ -58,9 +38,9 @@ struct Carried {
 std::vector<Carried> carried_by_joints(const Model& model, const SharedState& shared, const std::vector<int>& depth) {
   std::vector<Carried> all(model.bodies.size());
   for (const Joint& joint : model.joints) {
-    const auto [near, far] = std::minmax(joint.on(Side::parent).body, joint.on(Side::child).body,
-                                         [&](int one, int other) { return depth[one] < depth[other]; });
-    if (near == kGround || depth[near] == depth[far]) continue;
+    const auto bodies = near_and_far(joint, depth);
+    if (!bodies) continue;
+    const auto [near, far] = *bodies;
     const double lever = (shared.state.bodies[far].r - shared.state.bodies[near].r).norm();
     for (const Evaluation& evaluation : shared.evaluations) {
       const BodyAcceleration& its = evaluation.bodies[near];
@@ -79,20 +59,23 @@ class Loads {
         shared_(shared),
         bodies_(model.bodies.size()),
         depths_(depths(model)),
-        carried_(carried_by_joints(model, shared, depths_)) {
+        carried_(carried_by_joints(model, shared, depths_)),
+        beyond_(model.bodies.size()) {
     for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
     for (const Evaluation& evaluation : shared.evaluations) {
       add_wrenches(evaluation);
       add_coordinate_forces(evaluation);
     }
     add_springs();
+    pass_on_to_ground();
   }
 
   [[nodiscard]] const BodyLoad& of(int body) const { return bodies_[body]; }
   [[nodiscard]] const SpringTerms& of_element(int element) const { return elements_[element]; }
   [[nodiscard]] const Carried& carried(int body) const { return carried_[body]; }
-  /// A neighbour beyond the body: what acts on it reaches the ground by the body.
-  [[nodiscard]] bool is_beyond(int neighbour, int body) const { return depths_[neighbour] > depths_[body]; }
+  /// What acts on the neighbours beyond a body is taken apart into what moves them and what their joints pass on to it:
+  /// its round-off acts on the body even where a joint passes next to nothing, as a slide along which a spring pulls.
+  [[nodiscard]] const SpringTerms& beyond(int body) const { return beyond_[body]; }
 
  private:
   void add_inertia(int i) {
@@ -213,11 +196,23 @@ class Loads {
     }
   }
 
+  /// After all loads are known.
+  void pass_on_to_ground() {
+    for (const Joint& joint : model_.joints) {
+      const auto bodies = near_and_far(joint, depths_);
+      if (!bodies || joint.type->rows() == 0) continue;
+      const BodyLoad& load = bodies_[bodies->second];
+      SpringTerms& terms = beyond_[bodies->first];
+      terms = {std::max(terms.force, load.force), std::max(terms.torque, load.torque)};
+    }
+  }
+
   const Model& model_;
   const SharedState& shared_;
   std::vector<BodyLoad> bodies_;
   std::vector<int> depths_;
   std::vector<Carried> carried_;
+  std::vector<SpringTerms> beyond_;
   std::vector<SpringTerms> elements_;
 };
 
@@ -271,7 +266,7 @@ class TermSizes {
   /// of a body that falls, with next to nothing in its joint, that is more than what the joint passes. Couplings on one
   /// joint may balance each other.
   [[nodiscard]] double of_sum(int body, bool is_torque) const {
-    double size = std::max(is_torque ? loads_.of(body).torque : loads_.of(body).force, from_beyond(body, is_torque));
+    double size = on_and_beyond(body, is_torque);
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
       for (const Attachment& side : model_.joints[k].sides) {
         if (side.body != body) continue;
@@ -318,28 +313,17 @@ class TermSizes {
     return size;
   }
 
-  /// What acts on the neighbours beyond a body is taken apart into what moves them and what their joints pass on to it:
-  /// its round-off acts on the body even where a joint passes next to nothing, as a slide along which a spring pulls.
-  [[nodiscard]] double from_beyond(int body, bool is_torque) const {
-    double size = 0.0;
-    for (const Joint& joint : model_.joints) {
-      const int parent = joint.on(Side::parent).body;
-      const int child = joint.on(Side::child).body;
-      const bool passes_anything = joint.type->rows() > 0;
-      if (!passes_anything || (parent != body && child != body) || body == kGround) continue;
-      const int neighbour = parent == body ? child : parent;
-      if (!loads_.is_beyond(neighbour, body)) continue;
-      const BodyLoad& load = loads_.of(neighbour);
-      size = std::max(size, is_torque ? load.torque : load.force);
-    }
-    return size;
+  /// Loads on a body and on its neighbours beyond it.
+  [[nodiscard]] double on_and_beyond(int body, bool is_torque) const {
+    const BodyLoad& load = loads_.of(body);
+    const SpringTerms& beyond = loads_.beyond(body);
+    return is_torque ? std::max(load.torque, beyond.torque) : std::max(load.force, beyond.force);
   }
 
   [[nodiscard]] double by_loads(int body, bool angular) const {
     const BodyLoad& load = loads_.of(body);
     const double inertia = angular ? load.least_inertia : load.mass;
-    const double size = std::max(angular ? load.torque : load.force, from_beyond(body, angular));
-    return inertia > 0.0 ? size / inertia : 0.0;
+    return inertia > 0.0 ? on_and_beyond(body, angular) / inertia : 0.0;
   }
 
   /// A coupling passes the accelerations of its other coordinates on, by the ratio of their factors.
