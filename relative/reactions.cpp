@@ -26,6 +26,15 @@ double size_of_modal_terms(const BodyInertia& inertia, double linear, double ang
 
 }  // namespace
 
+/// The same of forces and torques that hold each other in balance: the accelerations that each of them would give the
+/// body cancel.
+void Reactions::set_modal_shares(const BodyInertia& inertia, Load& load) {
+  const MassMoments& moments = inertia.moments();
+  const double largest_mode = std::sqrt(inertia.flexible()->M_aa().diagonal().maxCoeff());
+  load.modal_share_of_forces = largest_mode / std::sqrt(moments.mass);
+  load.modal_share_of_torques = largest_mode / std::sqrt(moments.I.trace());
+}
+
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
     : kinematics_(&kinematics), closure_(&closure) {
   found_.couplings.assign(kinematics.model().couplings.size(), 0.0);
@@ -136,6 +145,7 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
         std::max(flexible->U().cwiseAbs().maxCoeff(),
                  size_of_modal_terms(inertia, load.size_of_linear + kinematics_->model().gravity.norm(),
                                      load.size_of_angular, addot));
+    set_modal_shares(inertia, load);
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }
@@ -224,6 +234,10 @@ Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(BodyIndex(joint.on(Side::child).body), child, on_child);
   subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
+  if (!has_modes_) return on_parent;
+  const double forces = on_child.head<3>().norm();
+  take_size_at(BodyIndex(joint.on(Side::child).body), child, forces, on_child.tail<3>().norm());
+  take_size_at(BodyIndex(joint.on(Side::parent).body), parent, forces, on_parent.tail<3>().norm());
   return on_parent;
 }
 
@@ -274,16 +288,22 @@ void Reactions::pass_size_on(LinkIndex l) {
   if (link.reference == kGround) return;
   const JointPoint& own = kinematics_->point(link.joint, link.own_side());
   const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
-  Load& inboard = loads_[*kinematics_->topology().link_of_body[link.reference]];
   const double forces = loads_[l].size_of_forces;
   const double lever = own.lever.norm() + (own.r - reference.r).norm();
-  const double torques = loads_[l].size_of_torques + lever * forces;
-  inboard.size_of_forces += forces;
-  inboard.size_of_torques += torques + reference.lever.norm() * forces;
-  if (reference.n_modes() == 0) return;
-  inboard.largest_modal_term =
-      std::max(inboard.largest_modal_term, forces * reference.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                                               torques * reference.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+  take_size_at(link.reference, reference, forces, loads_[l].size_of_torques + lever * forces);
+}
+
+/// What acts at a point has its own round-off in all that a body sums up there, though little of it moves the modes: so
+/// does an axial force on bending.
+void Reactions::take_size_at(BodyIndex body, const JointPoint& point, double forces, double torques) {
+  if (body == kGround) return;
+  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
+  load.size_of_forces += forces;
+  load.size_of_torques += torques + point.lever.norm() * forces;
+  if (point.n_modes() == 0) return;
+  load.largest_modal_term =
+      std::max(load.largest_modal_term, forces * point.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                                            torques * point.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
 }
 
 void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
@@ -294,9 +314,10 @@ void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
   const double before = std::max(load.largest_modal_term, load.rho_a.cwiseAbs().maxCoeff());
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
   const double torques = load.size_of_torques + own.lever.norm() * load.size_of_forces;
-  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
-                       load.size_of_forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                       torques * own.Ga().bottomRows<3>().cwiseAbs().maxCoeff();
+  const double terms =
+      before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
+      load.size_of_forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
+      torques * (load.modal_share_of_torques + own.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
   if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;
   found_.modal_residual = residual / terms;

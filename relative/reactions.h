@@ -56,6 +56,9 @@ class Reactions {
     double size_of_angular = 0.0;
     double size_of_forces = 0.0;
     double size_of_torques = 0.0;
+    double modal_share_of_forces =
+        0.0;  // the largest that one of such size does to a modal row, as inertia passes it on
+    double modal_share_of_torques = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
@@ -79,7 +82,9 @@ class Reactions {
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
   void set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations);
   static void take_size(const Vec6& terms, Load& load);
+  static void set_modal_shares(const BodyInertia& inertia, Load& load);
   void pass_size_on(LinkIndex l);
+  void take_size_at(BodyIndex body, const JointPoint& point, double forces, double torques);
   void audit_modal_rows(LinkIndex l, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);

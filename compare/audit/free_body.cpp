@@ -61,9 +61,27 @@ Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& po
   return balance;
 }
 
+/// What round-off of the forces on a body is held against in its modal rows, though the forces cancel.
+struct Extent {
+  explicit Extent(const Body& body, const std::vector<MassPoint>& points) : modal_shares(VecX::Zero(body.n_modes())) {
+    double mass = 0.0;
+    for (const MassPoint& point : points) {
+      length = std::max(length, point.s0_L.norm());
+      mass += point.mass;
+      modal_shares += point.mass * point.Psi_t_L.colwise().norm().transpose();
+    }
+    if (mass > 0.0) modal_shares /= mass;
+  }
+
+  double length = 0.0;  // from the origin to the farthest mass point, undeformed
+  VecX modal_shares;    // what a force does to the modal rows by the acceleration that it alone would give the body
+};
+
 /// Takes away the generalized force of a wrench (global axes, at the deformed joint point), by its power (S20):
-/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
-void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
+/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T. A torque is known to the round-off of the
+/// force times the extent of the body: that of a strut on two pins is nothing else.
+void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, const Extent& extent,
+                     Balance& balance) {
   const auto n_modes = state.a.size();
   const Mat3 A = rotation_of(state.p);
   const PlacedFrame frame = place(side, state);
@@ -76,8 +94,10 @@ void subtract_wrench(const Attachment& side, const BodyState& state, const Wrenc
   VecX sizes(6 + n_modes);
   sizes.head<3>().setConstant(wrench.force.norm());
   sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
-  sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
-                        wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
+  const double force = wrench.force.norm();
+  const double torque = wrench.torque.norm() + (frame.lever.norm() + extent.length) * force;
+  sizes.tail(n_modes) = force * (side.Psi_t_L.colwise().norm().transpose() + extent.modal_shares) +
+                        torque * J_Psi_r.colwise().norm().transpose();
   balance.raise_scales(sizes);
 }
 
@@ -104,18 +124,19 @@ Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int
                    const Evaluation& evaluation) {
   const BodyState& motion = state.bodies[body];
   Balance balance = inertia_and_stiffness(model.bodies[body], points, model.gravity, motion, evaluation.bodies[body]);
+  const Extent extent(model.bodies[body], points);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     for (const Side side : kSides) {
       const Attachment& attachment = model.joints[k].on(side);
       if (attachment.body != body) continue;
-      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, balance);
+      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, extent, balance);
     }
   }
   for (std::size_t k = 0; k < model.elements.size(); ++k) {
     for (const Side side : kSides) {
       const Attachment* end = end_of(model.elements[k], side);
       if (end == nullptr || end->body != body) continue;
-      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, balance);
+      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, extent, balance);
     }
   }
   return balance;

@@ -323,4 +323,16 @@ until = 0.5
   CHECK(verdict.notes.empty());
 }
 
+TEST_CASE("A strut whose modes feel next to nothing of its axial force agrees, and its resolution is known",
+          "[resting]") {
+  for (const std::string& name : machines_of("struts")) {
+    INFO(name);
+    const Model model = machine_of("struts", name);
+    const compare::Verdict verdict = judged(model, in_short(model, 1.0));
+    INFO(compare::format_verdict(model, verdict, false));
+    CHECK(verdict.outcome == compare::Outcome::agree);
+    for (const std::string& note : verdict.notes) CHECK(note.find("resolution unknown") == std::string::npos);
+  }
+}
+
 }  // namespace concord::verification
