@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,24 +20,45 @@ namespace concord::cartesian {
 
 namespace {
 
-/// Rank at a closed pose near the start; 0 if none was found.
-int rank_nearby(Equations& equations, const State& start, Modes modes, std::mt19937& engine) {
-  constexpr double kFar = 0.2;  // in the machine's units
+/// Rank at a closed pose, and whether it hangs by singular values that a pose nearly as singular has too.
+struct RankThere {
+  int rank = 0;
+  bool doubtful = false;
+};
+
+/// The largest angle [rad] by which a body is turned between two poses.
+double turned_between(const Layout& layout, const VecX& one, const VecX& other) {
+  double largest = 0.0;
+  for (const BodyIndex i : layout.moving_bodies()) {
+    const double cosine = std::abs(layout.p(one, i).dot(layout.p(other, i)));
+    largest = std::max(largest, 2.0 * std::acos(std::min(cosine, 1.0)));
+  }
+  return largest;
+}
+
+/// Rank at a closed pose about `far` from the start, in the machine's units; nothing if none was found, or one to which
+/// a body turns so far that the machine may not move there: what is put together otherwise may be a structure.
+std::optional<RankThere> rank_nearby(Equations& equations, const State& start, Modes modes, double far,
+                                     std::mt19937& engine) {
+  constexpr double kElsewhere = 0.6;  // rad
   const Layout& layout = equations.layout();
-  std::uniform_real_distribution<double> spread(-kFar, kFar);
+  std::uniform_real_distribution<double> spread(-far, far);
   VecX q(layout.n_q());
   VecX Y(layout.n_Y());
   layout.unpack(start, q, Y);
+  const VecX from = q;
   VecX move = VecX::NullaryExpr(layout.n_Y(), [&] { return spread(engine); }).cwiseProduct(equations.units());
   for (const BodyIndex i : layout.moving_bodies()) layout.adot(move, i).setZero();
   layout.displace(move, q);
   Y.setZero();
   equations.count_turns_from(start.q);
   try {
-    if (!close_machine(equations, start.t, Hold::joints_alone, modes, q, Y).closed) return 0;
-    return choose_rows(equations, -1).rank;
+    if (!close_machine(equations, start.t, Hold::joints_alone, modes, q, Y).closed) return std::nullopt;
+    if (turned_between(layout, from, q) > kElsewhere) return std::nullopt;
+    const RankDecision decision = decide_rank(scaled_jacobian(equations).matrix);
+    return RankThere{decision.rank, (decision.near_values.array() > kRankThreshold).any()};
   } catch (const SolverError&) {
-    return 0;  // a deformation out of range on the way
+    return std::nullopt;  // a deformation out of range on the way
   }
 }
 
@@ -58,7 +82,7 @@ int rank_nearby(Equations& equations, const State& start, Modes modes, std::mt19
 }  // namespace
 
 MachineRank decide_for_the_machine(Equations& equations, const State& start) {
-  constexpr int kPoses = 4;
+  constexpr std::array kFar{0.2, 0.1, 0.04, 0.01};
   const Layout& layout = equations.layout();
   VecX q(layout.n_q());
   VecX Y(layout.n_Y());
@@ -70,9 +94,17 @@ MachineRank decide_for_the_machine(Equations& equations, const State& start) {
   machine.generic = may_lose_rank(equations.model()) ? choose_rows(equations, n_rows).rank : n_rows;
   if (machine.generic == n_rows) return machine;
   std::mt19937 engine(20);
-  for (int pose = 0; pose < kPoses; ++pose) {
-    machine.generic = std::max(machine.generic, rank_nearby(equations, start, machine.closing_modes, engine));
+  int doubtful = 0;
+  bool is_clear = false;
+  for (const double far : kFar) {
+    const auto there = rank_nearby(equations, start, machine.closing_modes, far, engine);
+    if (!there) continue;
+    is_clear = is_clear || !there->doubtful;
+    int& rank = there->doubtful ? doubtful : machine.generic;
+    rank = std::max(rank, there->rank);
   }
+  // A machine whose rows are hardly independent anywhere has the rank that it shows.
+  if (!is_clear) machine.generic = std::max(machine.generic, doubtful);
   equations.count_turns_from(start.q);
   return machine;
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -134,6 +135,65 @@ start.turn_z = {{ guess = {7:.17g} }}
   }
   CAPTURE(turn, arm);
   expect_to_agree(parse_model(text, "cranks.toml"), {});
+}
+
+TEST_CASE("A platform on three equal cranks moves, however large the machine is that it is a part of", "[closure]") {
+  // Put together otherwise, the three cranks hold the platform: such a pose, far from the start, tells nothing of it.
+  const int tilt = GENERATE(15, 25, 35);
+  const double far = GENERATE(7.0, 30.0, 45.0);
+  std::string text = fmt::format(R"toml(format = 1
+gravity = [0, 0.5, -9.81]
+[parameters]
+tilt = "{} deg"
+[[body]]
+name = "platform"
+mass = 2.5
+center_of_mass = [0.4, 0.05, 0.02]
+inertia = [0.1, 0.12, 0.2]
+[run]
+until = 0.02
+samples = 10
+)toml",
+                                 tilt);
+  constexpr std::array<std::array<double, 2>, 3> kFeet{{{0.0, 0.0}, {0.5, -0.1}, {1.1, 0.2}}};
+  for (int k = 0; k < 3; ++k) {
+    const auto& [x, y] = kFeet[k];
+    text += fmt::format(R"toml([[body]]
+name = "crank{0}"
+mass = 0.8
+center_of_mass = [0.25, 0, 0]
+inertia = [0.001, 0.02, 0.02]
+[[joint]]
+name = "A{0}"
+type = "revolute"
+parent = {{ body = "ground", point = ["2 + {1}*cos(tilt)", {2}, "-{1}*sin(tilt)"], axis = [0, 1, 0], angle = "tilt" }}
+child = "crank{0}"
+start.turn_z = {{ {3} }}
+[[joint]]
+name = "B{0}"
+type = "revolute"
+parent = {{ body = "crank{0}", point = [0.5, 0, 0] }}
+child = {{ body = "platform", point = [{1}, {2}, 0] }}
+start.turn_z = {{ guess = -0.9 }}
+)toml",
+                        k, x, y, k == 0 ? "keep = 0.9, keep_speed = 0" : "guess = 0.9");
+  }
+  text += fmt::format(R"toml([[body]]
+name = "pendulum"
+mass = 1
+center_of_mass = [0, 0, -0.3]
+inertia = [0.03, 0.03, 0.001]
+[[joint]]
+name = "far"
+type = "revolute"
+both = {{ z = [0, 1, 0], x = [1, 0, 0] }}
+parent = {{ body = "ground", point = [{:g}, 0, 0] }}
+child = "pendulum"
+start.turn_z = {{ keep = 0.1, keep_speed = 0 }}
+)toml",
+                      far);
+  CAPTURE(tilt, far);
+  expect_to_agree(parse_model(text, "platform.toml"), {});
 }
 
 /// Two bars, the second one's frame turned in it, over a span of their whole length.
