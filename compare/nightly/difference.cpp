@@ -36,7 +36,7 @@ class Sides {
     if (!is_night(name)) return read_results_file(name);
     const std::vector<Night> nights = is_counted_from_last(name) ? history_->nights(suite_) : nights_;
     const Night& night = night_called(name, nights);
-    ResultsFile side{{night.origin, night.suite, {}, night.only}, false, false};
+    ResultsFile side{{night.origin, night.suite, {}, night.only, !night.finished.empty()}, false, false};
     for (const auto& [id, definition] : history_->definitions(night.id)) {
       if (auto result = history_->find(night.id, id)) side.night.results.push_back(std::move(*result));
     }
@@ -61,37 +61,64 @@ class Sides {
   std::string suite_;
 };
 
-/// Whether a night was asked for a case.
-bool was_asked_for(const NightFile& night, const std::string& id) {
-  return night.only.empty() || is_meant(id, night.only);
+/// One side of a difference: what it is called, and how many cases of the other side it never came to.
+class Side {
+ public:
+  Side(const std::string& name, const NightFile& night) : name_(name), night_(night) {}
+
+  /// Whether it lacks a case that it was asked for, and came to its end.
+  bool lacks(const std::string& id) {
+    if (!night_.only.empty() && !is_meant(id, night_.only)) return false;
+    if (!night_.is_finished) ++not_run_;
+    return night_.is_finished;
+  }
+
+  /// Nothing of one that is finished.
+  [[nodiscard]] std::string trouble() const {
+    if (night_.is_finished) return "";
+    return fmt::format("night {} is not finished: of the other side's cases {} not run there", name_,
+                       not_run_ == 1 ? "1 was" : fmt::format("{} were", not_run_));
+  }
+
+ private:
+  const std::string& name_;
+  const NightFile& night_;
+  int not_run_ = 0;
+};
+
+CaseLine new_case(const Result& now) {
+  std::vector<Change> changes{{ChangeKind::fresh, now.id, "", "case", "-", to_string(now.ending), "A", 1.0, 0}};
+  if (!now.is_green()) changes.push_back({ChangeKind::red, now.id, "", "ending", "-", red_words(now), "", 1.0, 0});
+  return case_line_of(now, std::move(changes));
 }
 
-/// A case of one side alone is gone or new, unless the other side was not asked for it.
+/// A case of one side alone is gone or new, unless the other side was not asked for it, or did not come to it.
 NightReport difference(const NightFile& a, const NightFile& b, const Judging& judging, const DiffCommand& command) {
   NightReport report{
       fmt::format("{} to {}", command.a, command.b), "concord difference", b.origin, utc_now(), {}, {}, 0};
+  Side before(command.a, a);
+  Side after(command.b, b);
   auto then = a.results.begin();
   auto now = b.results.begin();
   while (then != a.results.end() || now != b.results.end()) {
     const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
     if (only_then) {
-      if (was_asked_for(b, then->id)) {
+      if (after.lacks(then->id)) {
         report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
       }
       ++then;
-    } else if (only_now && !was_asked_for(a, now->id)) {
-      ++now;
     } else if (only_now) {
-      std::vector<Change> changes{{ChangeKind::fresh, now->id, "", "case", "-", to_string(now->ending), "A", 1.0, 0}};
-      if (!now->is_green())
-        changes.push_back({ChangeKind::red, now->id, "", "ending", "-", red_words(*now), "", 1.0, 0});
-      report.cases.push_back(case_line_of(*now++, std::move(changes)));
+      if (before.lacks(now->id)) report.cases.push_back(new_case(*now));
+      ++now;
     } else {
       std::vector<Change> changes = changes_between(*then++, *now, judging, "A");
       report.cases.push_back(case_line_of(*now++, std::move(changes)));
     }
   }
+  report.is_finished = a.is_finished && b.is_finished;
+  const std::string between = before.trouble().empty() || after.trouble().empty() ? "" : "\n";
+  report.trouble = before.trouble() + between + after.trouble();
   report.code = code_of(report);
   return report;
 }

@@ -40,7 +40,7 @@ struct NightReport {
   std::vector<Change> others;  // of cases that are gone
   int code = 0;
   bool is_finished = true;   // else cases may be missing
-  std::string trouble = {};  // why the history lacks cases of this night; empty if it does not
+  std::string trouble = {};  // why the history lacks cases of this night, or of one that is compared; else empty
   std::string only = {};     // the pattern of the cases that were asked for; empty: all of the suite
 };
 
@@ -87,6 +87,7 @@ struct NightFile {
   std::string title;
   std::vector<Result> results;
   std::string only = {};  // as in the report
+  bool is_finished = true;
 };
 /// Throws InputError if it is no such file; a version that is not known is refused by name.
 NightFile read_night_json(const std::filesystem::path& file);

@@ -478,6 +478,19 @@ TEST_F(Nights, NightThatWasStoppedIsNotGreen) {
   EXPECT_THAT(told.out, HasSubstr("night 1: unfinished suite: 2 cases: 2 agree"));
 }
 
+TEST_F(Nights, NightThatWasStoppedLacksNoCasesInADifference) {
+  static_cast<void>(nightly({.history = history_}));
+  stop_first_night();
+  model("later");
+  static_cast<void>(nightly({.history = history_}));
+  for (const auto& [one, other] : {std::pair("1", "2"), std::pair("2", "1")}) {
+    const Told said = difference({.a = one, .b = other, .history = history_});
+    EXPECT_EQ(said.code, kCouldNotFinish);
+    EXPECT_THAT(said.out, HasSubstr("night 1 is not finished: of the other side's cases 1 was not run there\n"));
+    EXPECT_THAT(said.out, AllOf(Not(HasSubstr("gone")), Not(HasSubstr("new"))));
+  }
+}
+
 TEST_F(Nights, ChoiceOfCasesIsToldAndLeavesNothingGone) {
   static_cast<void>(nightly({.history = history_}));
   const Told chosen = nightly({.only = "sound", .history = history_, .json = folder_.path() / "chosen.json"});
