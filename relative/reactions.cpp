@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/unbalanced_body.h"
 #include "relative/wrenches.h"
@@ -14,6 +15,7 @@ namespace {
 
 /// Modal rows of a body out of balance by more than this part of their largest term are no round-off.
 constexpr double kLargestModalResidual = 1e-8;
+constexpr double kRoundOffOfForces = 64.0 * std::numeric_limits<double>::epsilon();
 
 /// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
 /// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
@@ -26,13 +28,12 @@ double size_of_modal_terms(const BodyInertia& inertia, double linear, double ang
 
 }  // namespace
 
-/// The same of forces and torques that hold each other in balance: the accelerations that each of them would give the
-/// body cancel.
+/// As size_of_modal_terms(), of a unit force and a unit torque, as if nothing held them in balance.
 void Reactions::set_modal_shares(const BodyInertia& inertia, Load& load) {
   const MassMoments& moments = inertia.moments();
   const double largest_mode = std::sqrt(inertia.flexible()->M_aa().diagonal().maxCoeff());
-  load.modal_share_of_forces = largest_mode / std::sqrt(moments.mass);
-  load.modal_share_of_torques = largest_mode / std::sqrt(moments.I.trace());
+  if (moments.mass > 0.0) load.modal_share_of_forces = largest_mode / std::sqrt(moments.mass);
+  if (moments.I.trace() > 0.0) load.modal_share_of_torques = largest_mode / std::sqrt(moments.I.trace());
 }
 
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
@@ -134,6 +135,7 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
+    load.cut_forces = load.cut_torques = load.cut_modal_term = 0.0;
     if (has_modes_) set_size(l, inertia, accelerations);
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
@@ -200,6 +202,7 @@ void Reactions::clear_loads() {
     load.rho.setZero();
     load.rho_a.setZero();
     load.largest_modal_term = load.size_of_forces = load.size_of_torques = 0.0;
+    load.cut_forces = load.cut_torques = load.cut_modal_term = 0.0;
   }
 }
 
@@ -236,8 +239,8 @@ Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
   if (!has_modes_) return on_parent;
   const double forces = on_child.head<3>().norm();
-  take_size_at(BodyIndex(joint.on(Side::child).body), child, forces, on_child.tail<3>().norm());
-  take_size_at(BodyIndex(joint.on(Side::parent).body), parent, forces, on_parent.tail<3>().norm());
+  take_size_of_cut(BodyIndex(joint.on(Side::child).body), child, forces, on_child.tail<3>().norm());
+  take_size_of_cut(BodyIndex(joint.on(Side::parent).body), parent, forces, on_parent.tail<3>().norm());
   return on_parent;
 }
 
@@ -288,22 +291,37 @@ void Reactions::pass_size_on(LinkIndex l) {
   if (link.reference == kGround) return;
   const JointPoint& own = kinematics_->point(link.joint, link.own_side());
   const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
-  const double forces = loads_[l].size_of_forces;
+  Load& inboard = loads_[*kinematics_->topology().link_of_body[link.reference]];
   const double lever = own.lever.norm() + (own.r - reference.r).norm();
-  take_size_at(link.reference, reference, forces, loads_[l].size_of_torques + lever * forces);
+  take_size_of_cut(link.reference, reference, loads_[l].cut_forces,
+                   loads_[l].cut_torques + lever * loads_[l].cut_forces);
+  const double forces = loads_[l].size_of_forces;
+  const double torques = loads_[l].size_of_torques + lever * forces;
+  inboard.size_of_forces += forces;
+  inboard.size_of_torques += torques + reference.lever.norm() * forces;
+  if (reference.n_modes() == 0) return;
+  inboard.largest_modal_term =
+      std::max(inboard.largest_modal_term, forces * reference.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                                               torques * reference.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
 }
 
-/// What acts at a point has its own round-off in all that a body sums up there, though little of it moves the modes: so
-/// does an axial force on bending.
-void Reactions::take_size_at(BodyIndex body, const JointPoint& point, double forces, double torques) {
+/// What acts at a point has its round-off in all that a body sums up there, though it may move no mode.
+void Reactions::take_size_of_cut(BodyIndex body, const JointPoint& point, double forces, double torques) {
   if (body == kGround) return;
   Load& load = loads_[*kinematics_->topology().link_of_body[body]];
-  load.size_of_forces += forces;
-  load.size_of_torques += torques + point.lever.norm() * forces;
+  load.cut_forces += forces;
+  load.cut_torques += torques + point.lever.norm() * forces;
   if (point.n_modes() == 0) return;
-  load.largest_modal_term =
-      std::max(load.largest_modal_term, forces * point.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                                            torques * point.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+  load.cut_modal_term = std::max(load.cut_modal_term, forces * point.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                                                          torques * point.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+}
+
+/// What forces on a body would do to its modal rows if none held another one in balance.
+double Reactions::size_of_cancelling(const Load& load, const JointPoint& own) {
+  const double forces = load.size_of_forces + load.cut_forces;
+  const double torques = load.size_of_torques + load.cut_torques + own.lever.norm() * forces;
+  return load.cut_modal_term + forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
+         torques * (load.modal_share_of_torques + own.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
 }
 
 void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
@@ -314,12 +332,12 @@ void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
   const double before = std::max(load.largest_modal_term, load.rho_a.cwiseAbs().maxCoeff());
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
   const double torques = load.size_of_torques + own.lever.norm() * load.size_of_forces;
-  const double terms =
-      before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
-      load.size_of_forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
-      torques * (load.modal_share_of_torques + own.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
+                       load.size_of_forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                       torques * own.Ga().bottomRows<3>().cwiseAbs().maxCoeff();
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
   if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;
+  if (residual > kLargestModalResidual * terms && residual <= kRoundOffOfForces * size_of_cancelling(load, own)) return;
   found_.modal_residual = residual / terms;
   found_.worst_modal_body = link.body;
 }

@@ -56,8 +56,12 @@ class Reactions {
     double size_of_angular = 0.0;
     double size_of_forces = 0.0;
     double size_of_torques = 0.0;
-    double modal_share_of_forces =
-        0.0;  // the largest that one of such size does to a modal row, as inertia passes it on
+    /// Likewise of wrenches of cut joints, and what these do to a modal row; and what a force and a torque do to it by
+    /// the accelerations that they alone would give the body.
+    double cut_forces = 0.0;
+    double cut_torques = 0.0;
+    double cut_modal_term = 0.0;
+    double modal_share_of_forces = 0.0;
     double modal_share_of_torques = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
@@ -84,7 +88,8 @@ class Reactions {
   static void take_size(const Vec6& terms, Load& load);
   static void set_modal_shares(const BodyInertia& inertia, Load& load);
   void pass_size_on(LinkIndex l);
-  void take_size_at(BodyIndex body, const JointPoint& point, double forces, double torques);
+  void take_size_of_cut(BodyIndex body, const JointPoint& point, double forces, double torques);
+  [[nodiscard]] static double size_of_cancelling(const Load& load, const JointPoint& own);
   void audit_modal_rows(LinkIndex l, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);

@@ -61,9 +61,10 @@ Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& po
   return balance;
 }
 
-/// What round-off of the forces on a body is held against in its modal rows, though the forces cancel.
+/// What forces on a body may do to its modal rows, though they cancel.
 struct Extent {
   explicit Extent(const Body& body, const std::vector<MassPoint>& points) : modal_shares(VecX::Zero(body.n_modes())) {
+    if (body.n_modes() == 0) return;
     double mass = 0.0;
     for (const MassPoint& point : points) {
       length = std::max(length, point.s0_L.norm());
@@ -94,10 +95,11 @@ void subtract_wrench(const Attachment& side, const BodyState& state, const Wrenc
   VecX sizes(6 + n_modes);
   sizes.head<3>().setConstant(wrench.force.norm());
   sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
-  const double force = wrench.force.norm();
-  const double torque = wrench.torque.norm() + (frame.lever.norm() + extent.length) * force;
-  sizes.tail(n_modes) = force * (side.Psi_t_L.colwise().norm().transpose() + extent.modal_shares) +
-                        torque * J_Psi_r.colwise().norm().transpose();
+  sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
+                        wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
+  balance.cancelling += wrench.force.norm() * extent.modal_shares + (frame.lever.norm() + extent.length) *
+                                                                        wrench.force.norm() *
+                                                                        J_Psi_r.colwise().norm().transpose();
   balance.raise_scales(sizes);
 }
 

@@ -18,12 +18,15 @@ double mass_of(const Body& body);
 /// How far each mode with unit amplitude moves the body, at most over its mass points [m].
 VecX largest_displacements(const Body& body);
 
-/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
+/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind; and of modal
+/// rows what forces would add that hold each other in balance, whose round-off no solver is without.
 struct Balance {
-  explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}
+  explicit Balance(int n_modes)
+      : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)), cancelling(VecX::Zero(n_modes)) {}
 
   VecX rows;
   VecX scales;
+  VecX cancelling;
 
   void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
 };
