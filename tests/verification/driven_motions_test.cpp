@@ -80,6 +80,66 @@ TEST_CASE("A driven slider-crank stays on its branch, however few its output tim
   }
 }
 
+TEST_CASE("Two slides that a rod joins stay on their branch, however far other bodies of the machine are",
+          "[analyses][quick]") {
+  const double far = GENERATE(0.5, 9.0);
+  const Model model = parse(fmt::format(R"(format = 1
+[[body]]
+name = "across"
+mass = 1
+inertia = [0.001, 0.001, 0.001]
+[[body]]
+name = "along"
+mass = 0.6
+inertia = [0.001, 0.001, 0.001]
+[[body]]
+name = "fan"
+mass = 2
+inertia = [0.1, 0.1, 0.1]
+[[joint]]
+name = "first"
+type = "translational"
+both = {{ z = [1, 0, 0], x = [0, 1, 0] }}
+parent = "ground"
+child = "across"
+drive.slide_z = {{ law = "harmonic", amplitude = 0.057, frequency = 7 }}
+[[joint]]
+name = "second"
+type = "translational"
+both = {{ z = [0, 1, 0], x = [0, 0, 1] }}
+parent = "ground"
+child = "along"
+start.slide_z = {{ guess = 0.06 }}
+[[joint]]
+name = "rod"
+type = "distance"
+length = 0.06
+parent = "across"
+child = "along"
+[[joint]]
+name = "far"
+type = "revolute"
+parent = {{ body = "ground", point = [{}, 0, 0] }}
+child = {{ body = "fan", point = [0.1, 0, 0] }}
+drive.turn_z = {{ law = "constant_speed", speed = 3 }}
+)",
+                                        far));
+  for (const int samples : {1, 2, 3, 7, 20}) {
+    INFO(samples);
+    compare::VerifyOptions options;
+    options.until = 1.0;
+    options.samples = samples;
+    const auto result = compare::analyses::judge_kinematics(model, kMakers, options);
+    REQUIRE(result.wrenches.outcome == compare::Outcome::agree);
+    for (const auto& run : result.wrenches.trajectories) {
+      for (const Sample& sample : run->samples) {
+        const double x = 0.057 * std::sin(7.0 * sample.state.t);
+        CHECK(sample.state.bodies[2].r.y() == Approx(std::sqrt(0.0036 - x * x)).epsilon(1e-10));
+      }
+    }
+  }
+}
+
 TEST_CASE("A driven wheel and what a gear turns by it count their turns between output times", "[analyses][quick]") {
   const Model model = parse(R"(format = 1
 [[body]]
