@@ -37,6 +37,7 @@ Json wrench_row(const char* owner, const std::string& name, const QuantityRow& r
       {"same_state_resolvable_digits", judged(detail.resolvable)},
       {"same_state_resolutions", detail.ratio},
       {"same_run_digits", judged(row.same_run)},
+      {"same_run_scale", row.same_run ? Json(detail_of(row, Rung::same_run).scale) : Json(nullptr)},
       {"refined_digits", judged(row.refined)},
       {"need", std::move(need)},
       {"judged_by_resolution", is_judged_by_resolution(row)},

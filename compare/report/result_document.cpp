@@ -120,11 +120,13 @@ ResultJson result_row(const Model& model, const QuantityRow& row) {
   ResultJson digits = ResultJson::array();
   ResultJson resolvable = ResultJson::array();
   ResultJson needs = ResultJson::array();
+  ResultJson scales = ResultJson::array();
   const bool is_shown = is_judged(row);
   for (const Rung rung : kRungs) {
     digits.push_back(is_shown ? or_null(digits_of(row, rung)) : ResultJson());
     resolvable.push_back(is_shown ? or_null(detail_of(row, rung).resolvable) : ResultJson());
     needs.push_back(need_of(row, rung));
+    scales.push_back(digits_of(row, rung) ? ResultJson(detail_of(row, rung).scale) : ResultJson());
   }
   const RungDetail& detail = detail_of(row, Rung::same_state);
   return {
@@ -135,6 +137,7 @@ ResultJson result_row(const Model& model, const QuantityRow& row) {
       {"unit", unit_of(model, row.quantity)},
       {"scale", row.scale},
       {"scale_from", name_of(row.source)},
+      {"scales", std::move(scales)},
       {"digits", std::move(digits)},
       {"resolvable", std::move(resolvable)},
       {"need", std::move(needs)},

@@ -124,6 +124,7 @@ bool is_left_out(const QuantityRow& row, Rung rung) {
 
 RungDetail detail_from(const Measured& found) {
   RungDetail detail;
+  detail.scale = found.scale;
   detail.unexplained = found.unexplained_digits;
   if (found.resolution > 0.0) detail.resolvable = matching_digits(found.resolution, found.scale);
   detail.ratio = found.ratio;

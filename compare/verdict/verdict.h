@@ -33,6 +33,8 @@ int exit_code(Outcome outcome);
 
 /// What stands behind the digits of one row on one rung.
 struct RungDetail {
+  /// What its differences are held against there, in its unit: a run may reach less than the states of all rungs.
+  double scale = 0.0;
   /// Digits of what exceeds round-off: these are compared with the need.
   double unexplained = 16.0;
   /// Digits that double precision resolves, -log10(resolution / scale); missing where that is unknown.

@@ -124,7 +124,9 @@ concord.Plots = class {
     const floor = row && row.scale > 0 ? row.scale * 1e-17 : Math.max(1e-300, 1e-4 * largest);
     // Exponents on a linear scale: the library's logarithmic one does not go below 1e-16.
     const sizes = Array.from(d, (value) => (Number.isNaN(value) ? null : Math.log10(Math.max(value, floor))));
-    const need = row && row.scale > 0 ? row.scale * 10 ** -row.need[1] : null;
+    // Results of older programs do not hold the scale of the run itself.
+    const scale = row && row.scales ? row.scales[1] : row && row.scale;
+    const need = scale > 0 ? scale * 10 ** -row.need[1] : null;
     const lines = [{}, { stroke: concord.colour("--ink"), width: 1.2 }, { stroke: concord.colour("--bad"), width: 1, dash: [2, 3] }];
     box.append(concord.element("p", { class: "values", text: `|difference| [${unit}]` + (need === null ? "" : `, need of the same run ${concord.short(need)}`) }));
     const scales = { y: { range: (u, least, most) => [Math.floor(least - 0.2), Math.ceil(most + 0.2)] } };

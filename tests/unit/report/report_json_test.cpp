@@ -37,8 +37,8 @@ TEST_F(ReportJsonTest, HasTheseKeys) {
   }
   EXPECT_THAT(keys(json["joints"][0]),
               ElementsAre("joint", "side", "component", "scale", "scale_from", "unique", "states", "same_state_digits",
-                          "same_state_resolvable_digits", "same_state_resolutions", "same_run_digits", "refined_digits",
-                          "need", "judged_by_resolution", "verdict"));
+                          "same_state_resolvable_digits", "same_state_resolutions", "same_run_digits", "same_run_scale",
+                          "refined_digits", "need", "judged_by_resolution", "verdict"));
   EXPECT_THAT(keys(json["joints"][0]["states"]), ElementsAre("judged", "not_unique", "too_coarse"));
   EXPECT_THAT(keys(json["joints"][0]["need"]), ElementsAre("same_state", "same_run", "refined"));
   EXPECT_THAT(keys(json["solvers"]), ElementsAre("cartesian", "relative"));
