@@ -14,8 +14,8 @@ struct MachineRank {
   Modes closing_modes = Modes::kept;
 };
 
-/// The start alone may be a singular pose; so poses round about are looked at too, closed without drivers: those to which
-/// no body turns far, and that are not nearly singular themselves where there are others.
+/// The start alone may be a singular pose; so poses round about are looked at too, closed without drivers: those to
+/// which no body turns far, and that are not nearly singular themselves where there are others.
 MachineRank decide_for_the_machine(Equations& equations, const State& start);
 
 /// Takes rows that are independent at the last update, whatever was in use before, and solves with them. Throws
