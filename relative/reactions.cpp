@@ -234,7 +234,7 @@ Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   const JointPoint& parent = kinematics_->point(k, Side::parent);
   const JointPoint& child = kinematics_->point(k, Side::child);
   const Joint& joint = kinematics_->model().joints[k];
-  const Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
+  Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(BodyIndex(joint.on(Side::child).body), child, on_child);
   subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
   if (!has_modes_) return on_parent;
