@@ -248,16 +248,16 @@ void Auditor::add(const State& state, const Evaluation& evaluation, const Redraw
 
 void Auditor::add_body(int body, const State& state, const Evaluation& evaluation, OwnRoundOff& own) {
   Balance balance = balance_of(model_, mass_points_[body], body, state, evaluation);
+  if (is_suspicious(balance)) forget_round_off_of_forces(model_, mass_points_[body], body, state, evaluation, balance);
   if (is_suspicious(balance)) {
     const auto again = [&](const State& moved, const Evaluation& of_moved) {
       return balance_of(model_, mass_points_[body], body, moved, of_moved).rows;
     };
     balance.rows = own.unexplained(balance, again);
   }
-  std::vector<AuditRow>& rows = bodies_[body].rows;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const auto row = static_cast<Eigen::Index>(r);
-    rows[r].take(std::abs(balance.rows(row)), balance.scales(row), state.t);
+  for (Eigen::Index row = 0; AuditRow & one : bodies_[body].rows) {
+    one.take(std::abs(balance.rows(row)), balance.scales(row), state.t);
+    ++row;
   }
 }
 

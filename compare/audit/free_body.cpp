@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/decompositions.h"
 #include "compare/audit/joint_motion.h"
@@ -61,28 +62,9 @@ Balance inertia_and_stiffness(const Body& body, const std::vector<MassPoint>& po
   return balance;
 }
 
-/// What forces on a body may do to its modal rows, though they cancel.
-struct Extent {
-  explicit Extent(const Body& body, const std::vector<MassPoint>& points) : modal_shares(VecX::Zero(body.n_modes())) {
-    if (body.n_modes() == 0) return;
-    double mass = 0.0;
-    for (const MassPoint& point : points) {
-      length = std::max(length, point.s0_L.norm());
-      mass += point.mass;
-      modal_shares += point.mass * point.Psi_t_L.colwise().norm().transpose();
-    }
-    if (mass > 0.0) modal_shares /= mass;
-  }
-
-  double length = 0.0;  // from the origin to the farthest mass point, undeformed
-  VecX modal_shares;    // what a force does to the modal rows by the acceleration that it alone would give the body
-};
-
 /// Takes away the generalized force of a wrench (global axes, at the deformed joint point), by its power (S20):
-/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T. A torque is known to the round-off of the
-/// force times the extent of the body: that of a strut on two pins is nothing else.
-void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, const Extent& extent,
-                     Balance& balance) {
+/// Q_r = F, Q_pi = T + (A s_P) x F, Q_a = Psi_t^T A^T F + (J Psi_r)^T A^T T.
+void subtract_wrench(const Attachment& side, const BodyState& state, const Wrench& wrench, Balance& balance) {
   const auto n_modes = state.a.size();
   const Mat3 A = rotation_of(state.p);
   const PlacedFrame frame = place(side, state);
@@ -97,10 +79,24 @@ void subtract_wrench(const Attachment& side, const BodyState& state, const Wrenc
   sizes.segment<3>(3).setConstant(std::max(wrench.torque.norm(), frame.lever.norm() * wrench.force.norm()));
   sizes.tail(n_modes) = wrench.force.norm() * side.Psi_t_L.colwise().norm().transpose() +
                         wrench.torque.norm() * J_Psi_r.colwise().norm().transpose();
-  balance.cancelling += wrench.force.norm() * extent.modal_shares + (frame.lever.norm() + extent.length) *
-                                                                        wrench.force.norm() *
-                                                                        J_Psi_r.colwise().norm().transpose();
   balance.raise_scales(sizes);
+}
+
+/// Visits what joints (total wrenches) and force elements exert on a body: visit(attachment, wrench), in global axes.
+template <class Visit>
+void for_each_wrench_on(int body, const Model& model, const Evaluation& evaluation, Visit visit) {
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment& attachment = model.joints[k].on(side);
+      if (attachment.body == body) visit(attachment, evaluation.joints[k].total_on(side).in_global);
+    }
+  }
+  for (std::size_t k = 0; k < model.elements.size(); ++k) {
+    for (const Side side : kSides) {
+      const Attachment* end = end_of(model.elements[k], side);
+      if (end != nullptr && end->body == body) visit(*end, evaluation.elements[k].on_side(side).in_global);
+    }
+  }
 }
 
 }  // namespace
@@ -126,22 +122,35 @@ Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int
                    const Evaluation& evaluation) {
   const BodyState& motion = state.bodies[body];
   Balance balance = inertia_and_stiffness(model.bodies[body], points, model.gravity, motion, evaluation.bodies[body]);
-  const Extent extent(model.bodies[body], points);
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    for (const Side side : kSides) {
-      const Attachment& attachment = model.joints[k].on(side);
-      if (attachment.body != body) continue;
-      subtract_wrench(attachment, motion, evaluation.joints[k].total_on(side).in_global, extent, balance);
-    }
-  }
-  for (std::size_t k = 0; k < model.elements.size(); ++k) {
-    for (const Side side : kSides) {
-      const Attachment* end = end_of(model.elements[k], side);
-      if (end == nullptr || end->body != body) continue;
-      subtract_wrench(*end, motion, evaluation.elements[k].on_side(side).in_global, extent, balance);
-    }
-  }
+  for_each_wrench_on(body, model, evaluation, [&](const Attachment& side, const Wrench& wrench) {
+    subtract_wrench(side, motion, wrench, balance);
+  });
   return balance;
+}
+
+void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
+                                const Evaluation& evaluation, Balance& balance) {
+  constexpr double kUnits = 64.0 * std::numeric_limits<double>::epsilon();
+  const BodyState& motion = state.bodies[body];
+  // By the acceleration that a force alone would give the body, and by its moment about any of the mass points: the
+  // torque of a strut on two pins is nothing but the round-off of that.
+  VecX by_acceleration = VecX::Zero(motion.a.size());
+  double mass = 0.0;
+  double extent = 0.0;
+  for (const MassPoint& point : points) {
+    by_acceleration += point.mass * point.Psi_t_L.colwise().norm().transpose();
+    mass += point.mass;
+    extent = std::max(extent, point.s0_L.norm());
+  }
+  if (mass > 0.0) by_acceleration /= mass;
+  VecX terms = VecX::Zero(motion.a.size());
+  for_each_wrench_on(body, model, evaluation, [&](const Attachment& side, const Wrench& wrench) {
+    const Mat3X J_Psi_r = exponential_rate(side.Psi_r_L * motion.a) * side.Psi_r_L;
+    const double reach = place(side, motion).lever.norm() + extent;
+    terms += wrench.force.norm() * (by_acceleration + reach * J_Psi_r.colwise().norm().transpose());
+  });
+  auto modal = balance.rows.tail(terms.size()).array();
+  modal = (modal.abs() <= kUnits * terms.array()).select(0.0, modal).eval();
 }
 
 double largest_force_in(const Model& model, const Evaluation& evaluation) {

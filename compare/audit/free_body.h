@@ -18,15 +18,12 @@ double mass_of(const Body& body);
 /// How far each mode with unit amplitude moves the body, at most over its mass points [m].
 VecX largest_displacements(const Body& body);
 
-/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind; and of modal
-/// rows what forces would add that hold each other in balance, whose round-off no solver is without.
+/// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
 struct Balance {
-  explicit Balance(int n_modes)
-      : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)), cancelling(VecX::Zero(n_modes)) {}
+  explicit Balance(int n_modes) : rows(VecX::Zero(6 + n_modes)), scales(VecX::Zero(6 + n_modes)) {}
 
   VecX rows;
   VecX scales;
-  VecX cancelling;
 
   void raise_scales(const VecX& terms) { scales = scales.cwiseMax(terms); }
 };
@@ -35,6 +32,11 @@ struct Balance {
 /// total wrenches of joints and the wrenches of force elements on it.
 Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                    const Evaluation& evaluation);
+
+/// Makes modal rows zero that are 64 units of round-off, or less, of what forces on the body would add to them if none
+/// held another one in balance, as an axial force on a strut is held.
+void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
+                                const Evaluation& evaluation, Balance& balance);
 
 /// Largest force of joints and elements, and of springs, drivers and couplings on joint speeds, torques of these at the
 /// machine's length [N]: a joint that balances its own springs passes nothing on, nor does a gear that passes a motor's

@@ -67,7 +67,6 @@ VecX OwnRoundOff::unexplained(const Balance& balance,
   constexpr int kDraws = 5;
   constexpr double kWithinRoundOff = 20.0;
   constexpr double kCoarsest = 1e-6;
-  constexpr double kUnitsOfForces = 64.0 * std::numeric_limits<double>::epsilon();
   if (!drawn_) {
     drawn_.emplace();
     for (int k = 0; redraw_ && k < kDraws; ++k) {
@@ -78,9 +77,7 @@ VecX OwnRoundOff::unexplained(const Balance& balance,
   for (const auto& [moved, of_moved] : *drawn_) {
     changes = changes.cwiseMax((again(moved, of_moved) - balance.rows).cwiseAbs());
   }
-  VecX explained = (kWithinRoundOff * changes).cwiseMin(kCoarsest * balance.scales);
-  const auto modal = explained.tail(balance.cancelling.size()).array();
-  explained.tail(balance.cancelling.size()) = modal.max(kUnitsOfForces * balance.cancelling.array()).matrix().eval();
+  const VecX explained = (kWithinRoundOff * changes).cwiseMin(kCoarsest * balance.scales);
   return (balance.rows.array().abs() <= explained.array()).select(0.0, balance.rows);
 }
 

@@ -40,9 +40,8 @@ class OwnRoundOff {
   OwnRoundOff(const State& state, const Redraw& redraw) : state_(state), redraw_(redraw) {}
 
   /// The rows of a balance, without those that are within 20 times of what they change by when the state moves by
-  /// round-off; rows beyond 1e-6 of their scale stay, as no sound solver resolves so little, but for modal rows that
-  /// are 64 units of round-off of forces that cancel, as an axial one on a strut. `again` computes the rows for another
-  /// state and answer.
+  /// round-off; rows beyond 1e-6 of their scale stay, as no sound solver resolves so little. `again` computes the rows
+  /// for another state and answer.
   VecX unexplained(const Balance& balance, const std::function<VecX(const State&, const Evaluation&)>& again);
 
  private:
