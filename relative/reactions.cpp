@@ -19,9 +19,8 @@ constexpr double kRoundOffOfForces = 64.0 * std::numeric_limits<double>::epsilon
 
 /// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
 /// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
-double size_of_modal_terms(const BodyInertia& inertia, double linear, double angular, const VecX& addot) {
-  const MatX& M_aa = inertia.flexible()->M_aa();
-  const double largest_mode = std::sqrt(M_aa.diagonal().maxCoeff());
+double size_of_modal_terms(const BodyInertia& inertia, double largest_mode, double linear, double angular,
+                           const VecX& addot) {
   const double rigid = std::sqrt(inertia.moments().mass) * linear + std::sqrt(inertia.moments().I.trace()) * angular;
   return largest_mode * (rigid + largest_mode * addot.cwiseAbs().maxCoeff());
 }
@@ -29,9 +28,7 @@ double size_of_modal_terms(const BodyInertia& inertia, double linear, double ang
 }  // namespace
 
 /// As size_of_modal_terms(), of a unit force and a unit torque, as if nothing held them in balance.
-void Reactions::set_modal_shares(const BodyInertia& inertia, Load& load) {
-  const MassMoments& moments = inertia.moments();
-  const double largest_mode = std::sqrt(inertia.flexible()->M_aa().diagonal().maxCoeff());
+void Reactions::set_modal_shares(const MassMoments& moments, double largest_mode, Load& load) {
   if (moments.mass > 0.0) load.modal_share_of_forces = largest_mode / std::sqrt(moments.mass);
   if (moments.I.trace() > 0.0) load.modal_share_of_torques = largest_mode / std::sqrt(moments.I.trace());
 }
@@ -94,8 +91,8 @@ const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
 }
 
 void Reactions::take_size(const Vec6& terms, Load& load) {
-  load.size_of_forces += terms.head<3>().norm();
-  load.size_of_torques += terms.tail<3>().norm();
+  load.terms.forces += terms.head<3>().norm();
+  load.terms.torques += terms.tail<3>().norm();
 }
 
 /// Terms of accelerations may cancel: those by speeds of the body and of its joint's point, what modes add at that
@@ -122,8 +119,8 @@ void Reactions::set_size(LinkIndex l, const BodyInertia& inertia, const TreeAcce
   }
   const double mass = inertia.moments().mass;
   const double second = inertia.moments().I.trace();
-  load.size_of_forces = mass * load.size_of_linear + std::sqrt(mass * second) * load.size_of_angular;
-  load.size_of_torques = std::sqrt(mass * second) * load.size_of_linear + second * load.size_of_angular;
+  load.terms.forces = mass * load.size_of_linear + std::sqrt(mass * second) * load.size_of_angular;
+  load.terms.torques = std::sqrt(mass * second) * load.size_of_linear + second * load.size_of_angular;
   take_size(inertia.p(), load);
 }
 
@@ -135,7 +132,7 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
-    load.cut_forces = load.cut_torques = load.cut_modal_term = 0.0;
+    load.of_cuts = {};
     if (has_modes_) set_size(l, inertia, accelerations);
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
@@ -143,11 +140,12 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     take_size(flexible->M_ra().cwiseAbs().rowwise().sum() * addot.cwiseAbs().maxCoeff(), load);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
-    load.largest_modal_term =
+    const double largest_mode = std::sqrt(flexible->M_aa().diagonal().maxCoeff());
+    load.terms.modal_term =
         std::max(flexible->U().cwiseAbs().maxCoeff(),
-                 size_of_modal_terms(inertia, load.size_of_linear + kinematics_->model().gravity.norm(),
+                 size_of_modal_terms(inertia, largest_mode, load.size_of_linear + kinematics_->model().gravity.norm(),
                                      load.size_of_angular, addot));
-    set_modal_shares(inertia, load);
+    set_modal_shares(inertia.moments(), largest_mode, load);
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }
@@ -161,7 +159,7 @@ void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
     load.rho -= applied.on_body(l);
     if (has_modes_) take_size(applied.on_body(l), load);
     if (load.rho_a.size() == 0) continue;
-    load.largest_modal_term = std::max(load.largest_modal_term, applied.on_modes(l).cwiseAbs().maxCoeff());
+    load.terms.modal_term = std::max(load.terms.modal_term, applied.on_modes(l).cwiseAbs().maxCoeff());
     load.rho_a -= applied.on_modes(l);
   }
 }
@@ -201,8 +199,7 @@ void Reactions::clear_loads() {
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
-    load.largest_modal_term = load.size_of_forces = load.size_of_torques = 0.0;
-    load.cut_forces = load.cut_torques = load.cut_modal_term = 0.0;
+    load.terms = load.of_cuts = {};
   }
 }
 
@@ -237,10 +234,8 @@ Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(BodyIndex(joint.on(Side::child).body), child, on_child);
   subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
-  if (!has_modes_) return on_parent;
-  const double forces = on_child.head<3>().norm();
-  take_size_of_cut(BodyIndex(joint.on(Side::child).body), child, forces, on_child.tail<3>().norm());
-  take_size_of_cut(BodyIndex(joint.on(Side::parent).body), parent, forces, on_parent.tail<3>().norm());
+  take_size_of_cut(BodyIndex(joint.on(Side::child).body), child, on_child);
+  take_size_of_cut(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
   return on_parent;
 }
 
@@ -291,36 +286,36 @@ void Reactions::pass_size_on(LinkIndex l) {
   if (link.reference == kGround) return;
   const JointPoint& own = kinematics_->point(link.joint, link.own_side());
   const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
+  const Load& outboard = loads_[l];
   Load& inboard = loads_[*kinematics_->topology().link_of_body[link.reference]];
   const double lever = own.lever.norm() + (own.r - reference.r).norm();
-  take_size_of_cut(link.reference, reference, loads_[l].cut_forces,
-                   loads_[l].cut_torques + lever * loads_[l].cut_forces);
-  const double forces = loads_[l].size_of_forces;
-  const double torques = loads_[l].size_of_torques + lever * forces;
-  inboard.size_of_forces += forces;
-  inboard.size_of_torques += torques + reference.lever.norm() * forces;
-  if (reference.n_modes() == 0) return;
-  inboard.largest_modal_term =
-      std::max(inboard.largest_modal_term, forces * reference.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                                               torques * reference.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+  const auto pass = [&](const Sizes& from, Sizes& to) {
+    to.take_at(reference, from.forces, from.torques + lever * from.forces);
+  };
+  pass(outboard.terms, inboard.terms);
+  pass(outboard.of_cuts, inboard.of_cuts);
 }
 
-/// What acts at a point has its round-off in all that a body sums up there, though it may move no mode.
-void Reactions::take_size_of_cut(BodyIndex body, const JointPoint& point, double forces, double torques) {
-  if (body == kGround) return;
-  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
-  load.cut_forces += forces;
-  load.cut_torques += torques + point.lever.norm() * forces;
+void Reactions::Sizes::take_at(const JointPoint& point, double more_forces, double more_torques) {
+  forces += more_forces;
+  torques += more_torques + point.lever.norm() * more_forces;
   if (point.n_modes() == 0) return;
-  load.cut_modal_term = std::max(load.cut_modal_term, forces * point.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                                                          torques * point.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
+  const auto largest = [](const auto& rows) { return rows.cwiseAbs().maxCoeff(); };
+  modal_term = std::max(
+      modal_term, more_forces * largest(point.Ga().topRows<3>()) + more_torques * largest(point.Ga().bottomRows<3>()));
+}
+
+void Reactions::take_size_of_cut(BodyIndex body, const JointPoint& point, const Vec6& wrench) {
+  if (!has_modes_ || body == kGround) return;
+  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
+  load.of_cuts.take_at(point, wrench.head<3>().norm(), wrench.tail<3>().norm());
 }
 
 /// What forces on a body would do to its modal rows if none held another one in balance.
 double Reactions::size_of_cancelling(const Load& load, const JointPoint& own) {
-  const double forces = load.size_of_forces + load.cut_forces;
-  const double torques = load.size_of_torques + load.cut_torques + own.lever.norm() * forces;
-  return load.cut_modal_term + forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
+  const double forces = load.terms.forces + load.of_cuts.forces;
+  const double torques = load.terms.torques + load.of_cuts.torques + own.lever.norm() * forces;
+  return load.of_cuts.modal_term + forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
          torques * (load.modal_share_of_torques + own.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
 }
 
@@ -329,11 +324,11 @@ void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
   if (load.rho_a.size() == 0) return;
   const Link& link = kinematics_->topology().links[l];
   const JointPoint& own = kinematics_->point(link.joint, link.own_side());
-  const double before = std::max(load.largest_modal_term, load.rho_a.cwiseAbs().maxCoeff());
+  const double before = std::max(load.terms.modal_term, load.rho_a.cwiseAbs().maxCoeff());
   load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
-  const double torques = load.size_of_torques + own.lever.norm() * load.size_of_forces;
+  const double torques = load.terms.torques + own.lever.norm() * load.terms.forces;
   const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
-                       load.size_of_forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
+                       load.terms.forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
                        torques * own.Ga().bottomRows<3>().cwiseAbs().maxCoeff();
   const double residual = load.rho_a.cwiseAbs().maxCoeff();
   if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;

@@ -46,21 +46,26 @@ class Reactions {
   const JointReactions& compute_self_stress(const VecX& lambda);
 
  private:
+  /// Sizes of terms that are summed up on a link, outboard links' among them, and of what they do to a modal row.
+  struct Sizes {
+    double forces = 0.0;
+    double torques = 0.0;
+    double modal_term = 0.0;  // the largest
+
+    /// Terms of such sizes that act at a point of the body: they have their round-off in all that the body sums up
+    /// there, though they may move no mode.
+    void take_at(const JointPoint& point, double more_forces, double more_torques);
+  };
   /// rho of one link: six rigid rows about the body's origin and the modal rows.
   struct Load {
     Vec6 rho = Vec6::Zero();
     VecX rho_a;
-    double largest_modal_term = 0.0;
-    /// Of the terms that rho sums up, outboard bodies' among them: round-off is relative to these where they cancel.
+    /// Round-off is relative to the terms where they cancel; wrenches of cut joints count apart.
+    Sizes terms;
+    Sizes of_cuts;
     double size_of_linear = 0.0;  // accelerations, those that the reference body passes on among them
     double size_of_angular = 0.0;
-    double size_of_forces = 0.0;
-    double size_of_torques = 0.0;
-    /// Likewise of wrenches of cut joints, and what these do to a modal row; and what a force and a torque do to it by
-    /// the accelerations that they alone would give the body.
-    double cut_forces = 0.0;
-    double cut_torques = 0.0;
-    double cut_modal_term = 0.0;
+    /// What a unit force and a unit torque do to a modal row by the accelerations that they alone would give the body.
     double modal_share_of_forces = 0.0;
     double modal_share_of_torques = 0.0;
   };
@@ -86,9 +91,9 @@ class Reactions {
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
   void set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations);
   static void take_size(const Vec6& terms, Load& load);
-  static void set_modal_shares(const BodyInertia& inertia, Load& load);
+  static void set_modal_shares(const MassMoments& moments, double largest_mode, Load& load);
   void pass_size_on(LinkIndex l);
-  void take_size_of_cut(BodyIndex body, const JointPoint& point, double forces, double torques);
+  void take_size_of_cut(BodyIndex body, const JointPoint& point, const Vec6& wrench);
   [[nodiscard]] static double size_of_cancelling(const Load& load, const JointPoint& own);
   void audit_modal_rows(LinkIndex l, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
