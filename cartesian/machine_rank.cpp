@@ -20,7 +20,8 @@ namespace concord::cartesian {
 
 namespace {
 
-/// Rank at a closed pose, and whether it hangs by singular values that a pose nearly as singular has too.
+/// Rank at a closed pose, and whether it counts singular values below 1e-6 of the largest: beside a singular pose there
+/// are such.
 struct RankThere {
   int rank = 0;
   bool doubtful = false;

@@ -61,7 +61,7 @@ constexpr double kLargestStep = 1.0;
 
 /// How one vector of a body moves from one end of a step to the other: a place, or an orientation by its turns.
 struct Way {
-  Vec3 misfit;  // of the far end from where it is foreseen to be
+  std::array<Vec3, 2> misfits;  // of each end from where the other one foresees it
   std::array<Vec3, 2> rates;
   std::array<Vec3, 2> rates_of_rates;
 };
@@ -75,7 +75,8 @@ bool is_smooth(const Way& way, double h, double unit) {
   constexpr double kRoundOff = 1e-9;
   const double speeds = way.rates[0].norm() + way.rates[1].norm();
   const double changes = h * (way.rates_of_rates[0].norm() + way.rates_of_rates[1].norm());
-  if (!(way.misfit.norm() <= kOfWay * h * (speeds + changes) + kRoundOff * unit)) return false;
+  const double misfit = std::max(way.misfits[0].norm(), way.misfits[1].norm());
+  if (!(misfit <= kOfWay * h * (speeds + changes) + kRoundOff * unit)) return false;
   const double allowed = kOfSpeed * speeds + kOfChange * changes + kRoundOff * unit / h;
   constexpr double kOfJerk = 4.0;  // 3 for a motion that starts from rest without a jump of its acceleration
   const double jerk = h * (way.rates_of_rates[1] - way.rates_of_rates[0]).norm();
@@ -191,15 +192,15 @@ class Follower {
   [[nodiscard]] bool is_foreseen(const Sample& now, const State& guess, const Sample& next, double h) const {
     const State back = predict(model_, next, -h);
     for (std::size_t i = 1; i < guess.bodies.size(); ++i) {
-      const std::array ends{&now.state.bodies[i], &next.state.bodies[i]};
-      const std::array rates{&now.evaluation.bodies[i], &next.evaluation.bodies[i]};
-      Way place{ends[1]->r - guess.bodies[i].r, {ends[0]->v, ends[1]->v}, {rates[0]->vdot, rates[1]->vdot}};
-      Way turn{turn_between(guess.bodies[i], *ends[1]),
-               {ends[0]->omega, ends[1]->omega},
-               {rates[0]->omegadot, rates[1]->omegadot}};
-      if (!is_smooth(place, h, length_) || !is_smooth(turn, h, 1.0)) return false;
-      place.misfit = ends[0]->r - back.bodies[i].r;
-      turn.misfit = turn_between(back.bodies[i], *ends[0]);
+      const BodyState& begin = now.state.bodies[i];
+      const BodyState& end = next.state.bodies[i];
+      const BodyAcceleration& at_begin = now.evaluation.bodies[i];
+      const BodyAcceleration& at_end = next.evaluation.bodies[i];
+      const Way place{
+          {end.r - guess.bodies[i].r, begin.r - back.bodies[i].r}, {begin.v, end.v}, {at_begin.vdot, at_end.vdot}};
+      const Way turn{{turn_between(guess.bodies[i], end), turn_between(back.bodies[i], begin)},
+                     {begin.omega, end.omega},
+                     {at_begin.omegadot, at_end.omegadot}};
       if (!is_smooth(place, h, length_) || !is_smooth(turn, h, 1.0)) return false;
     }
     return true;

@@ -66,8 +66,8 @@ class Side {
  public:
   Side(const std::string& name, const NightFile& night) : name_(name), night_(night) {}
 
-  /// Whether it lacks a case that it was asked for, and came to its end.
-  bool lacks(const std::string& id) {
+  /// Takes note of a case that is not in it; returns whether that tells anything: it was asked for it, and is finished.
+  bool note_missing(const std::string& id) {
     if (!night_.only.empty() && !is_meant(id, night_.only)) return false;
     if (!night_.is_finished) ++not_run_;
     return night_.is_finished;
@@ -104,12 +104,12 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
     const bool only_then = now == b.results.end() || (then != a.results.end() && then->id < now->id);
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
     if (only_then) {
-      if (after.lacks(then->id)) {
+      if (after.note_missing(then->id)) {
         report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
       }
       ++then;
     } else if (only_now) {
-      if (before.lacks(now->id)) report.cases.push_back(new_case(*now));
+      if (before.note_missing(now->id)) report.cases.push_back(new_case(*now));
       ++now;
     } else {
       std::vector<Change> changes = changes_between(*then++, *now, judging, "A");
