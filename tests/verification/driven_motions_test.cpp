@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 
 #include "closed_forms.h"
@@ -60,24 +61,31 @@ start.slide_z = { guess = 0.28 }
 )");
 }
 
-TEST_CASE("A driven slider-crank stays on its branch, however few its output times are", "[analyses][quick]") {
-  const Model model = driven_slider_crank(R"({ law = "constant_speed", speed = 11 })");
-  for (const int samples : {1, 2, 3, 5, 40}) {
+/// Both solvers agree on the motion until then with each number of samples, and the states that they find pass
+/// check(state, first state).
+template <class Check>
+void expect_with_samples(const Model& model, double until, std::initializer_list<int> numbers, Check check) {
+  for (const int samples : numbers) {
     INFO(samples);
     compare::VerifyOptions options;
-    options.until = 1.0;
+    options.until = until;
     options.samples = samples;
     const auto result = compare::analyses::judge_kinematics(model, kMakers, options);
     REQUIRE(result.wrenches.outcome == compare::Outcome::agree);
     for (const auto& run : result.wrenches.trajectories) {
-      for (const Sample& sample : run->samples) {
-        const double turn = 11.0 * sample.state.t;
-        const double place = 0.08 * std::cos(turn) + std::sqrt(0.04 - 0.0064 * std::sin(turn) * std::sin(turn));
-        CHECK(sample.state.bodies[3].r.x() == Approx(place).epsilon(1e-12));
-        CHECK(sample.state.q[0](0) == Approx(turn).epsilon(1e-12));
-      }
+      for (const Sample& sample : run->samples) check(sample.state, run->samples.front().state);
     }
   }
+}
+
+TEST_CASE("A driven slider-crank stays on its branch, however few its output times are", "[analyses][quick]") {
+  const Model model = driven_slider_crank(R"({ law = "constant_speed", speed = 11 })");
+  expect_with_samples(model, 1.0, {1, 2, 3, 5, 40}, [](const State& state, const State& /*first*/) {
+    const double turn = 11.0 * state.t;
+    const double place = 0.08 * std::cos(turn) + std::sqrt(0.04 - 0.0064 * std::sin(turn) * std::sin(turn));
+    CHECK(state.bodies[3].r.x() == Approx(place).epsilon(1e-12));
+    CHECK(state.q[0](0) == Approx(turn).epsilon(1e-12));
+  });
 }
 
 TEST_CASE("Two slides that a rod joins stay on their branch, however far other bodies of the machine are",
@@ -124,20 +132,10 @@ child = {{ body = "fan", point = [0.1, 0, 0] }}
 drive.turn_z = {{ law = "constant_speed", speed = 3 }}
 )",
                                         far));
-  for (const int samples : {1, 2, 3, 7, 20}) {
-    INFO(samples);
-    compare::VerifyOptions options;
-    options.until = 1.0;
-    options.samples = samples;
-    const auto result = compare::analyses::judge_kinematics(model, kMakers, options);
-    REQUIRE(result.wrenches.outcome == compare::Outcome::agree);
-    for (const auto& run : result.wrenches.trajectories) {
-      for (const Sample& sample : run->samples) {
-        const double x = 0.057 * std::sin(7.0 * sample.state.t);
-        CHECK(sample.state.bodies[2].r.y() == Approx(std::sqrt(0.0036 - x * x)).epsilon(1e-10));
-      }
-    }
-  }
+  expect_with_samples(model, 1.0, {1, 2, 3, 7, 20}, [](const State& state, const State& /*first*/) {
+    const double x = 0.057 * std::sin(7.0 * state.t);
+    CHECK(state.bodies[2].r.y() == Approx(std::sqrt(0.0036 - x * x)).epsilon(1e-10));
+  });
 }
 
 TEST_CASE("A driven wheel and what a gear turns by it count their turns between output times", "[analyses][quick]") {
@@ -167,22 +165,11 @@ child = "pinion"
 name = "gear"
 terms = [{ joint = "hinge", coordinate = "turn_z", factor = 1 }, { joint = "bearing", coordinate = "turn_z", factor = 0.4 }]
 )");
-  for (const int samples : {1, 3, 7}) {
-    INFO(samples);
-    compare::VerifyOptions options;
-    options.until = 1.3;
-    options.samples = samples;
-    const auto result = compare::analyses::judge_kinematics(model, kMakers, options);
-    REQUIRE(result.wrenches.outcome == compare::Outcome::agree);
-    for (const auto& run : result.wrenches.trajectories) {
-      const std::vector<VecX>& start = run->samples.front().state.q;
-      for (const Sample& sample : run->samples) {
-        const double turned = 23.0 * (std::sin(8.0 * sample.state.t + 0.3) - std::sin(0.3));
-        CHECK(sample.state.q[0](0) - start[0](0) == Approx(turned).margin(1e-10));
-        CHECK(sample.state.q[1](0) - start[1](0) == Approx(-2.5 * turned).margin(1e-10));
-      }
-    }
-  }
+  expect_with_samples(model, 1.3, {1, 3, 7}, [](const State& state, const State& first) {
+    const double turned = 23.0 * (std::sin(8.0 * state.t + 0.3) - std::sin(0.3));
+    CHECK(state.q[0](0) - first.q[0](0) == Approx(turned).margin(1e-10));
+    CHECK(state.q[1](0) - first.q[1](0) == Approx(-2.5 * turned).margin(1e-10));
+  });
 }
 
 TEST_CASE("A skate is no machine for kinematics, though its speeds are driven", "[analyses][quick]") {
