@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kEnergyRoundOff = 1e-15;  // of the terms of an energy
 constexpr double kHalfAUnit = 1.2e-16;     // of a number: what a step may lose of it
-/// Of what the largest force would do along the length: the part of it that a place off by its tolerance does, where a
-/// thousand times the tolerance of energy is allowed, is no error.
+/// Of what the largest force would do along the length, or the largest torque over a turn of one: the part of it that a
+/// place off by its tolerance does, where a thousand times the tolerance of energy is allowed, is no error.
 constexpr double kSmallestScale = 1e-3;
 
 struct Energies {
@@ -65,7 +65,6 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
   EnergyReport report;
   if (trajectory.samples.empty()) return report;
   const Energies start = energies_of(model, trajectory.samples.front().state);
-  const double length = model.length_scale();
   const double steps = std::max(1.0, static_cast<double>(trajectory.statistics.steps));
   const double until = trajectory.samples.back().state.t - trajectory.samples.front().state.t;
   // What comes and goes between two samples leaves its errors behind, too.
@@ -77,7 +76,7 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
     lowest = std::min(lowest, now.potential);
     highest = std::max(highest, now.potential);
     report.scale = std::max({report.scale, now.kinetic, std::abs(sample.work), highest - lowest,
-                             kSmallestScale * length * largest_force_in(model, sample.evaluation)});
+                             kSmallestScale * largest_torque_in(model, sample.evaluation)});
     const double gained = now.kinetic + now.potential - start.kinetic - start.potential;
     // High above the ground, or at rest, the sums lose more digits than the energy that moves has. Each step rounds the
     // state once more: a body that hardly moves may stay where it is while its forces work, time and again.

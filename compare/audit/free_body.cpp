@@ -178,4 +178,15 @@ double largest_force_in(const Model& model, const Evaluation& evaluation) {
   return largest;
 }
 
+double largest_torque_in(const Model& model, const Evaluation& evaluation) {
+  double largest = model.length_scale() * largest_force_in(model, evaluation);
+  for (const JointWrenches& joint : evaluation.joints) {
+    largest = std::max(largest, joint.total_on(Side::child).in_global.torque.norm());
+  }
+  for (const ElementWrenches& element : evaluation.elements) {
+    largest = std::max(largest, element.on_side(Side::child).in_global.torque.norm());
+  }
+  return largest;
+}
+
 }  // namespace concord::compare

@@ -43,4 +43,8 @@ void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>
 /// torque to a brake.
 double largest_force_in(const Model& model, const Evaluation& evaluation);
 
+/// Largest torque of joints and elements about where they act, at least that of the largest force at the machine's
+/// length [N m]: a shaft may be twisted by a couple that no force balances.
+double largest_torque_in(const Model& model, const Evaluation& evaluation);
+
 }  // namespace concord::compare

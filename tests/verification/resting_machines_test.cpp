@@ -323,7 +323,7 @@ until = 0.5
   CHECK(verdict.notes.empty());
 }
 
-TEST_CASE("A strut whose modes feel next to nothing of its axial force agrees, and its resolution is known",
+TEST_CASE("A strut or shaft whose modes feel next to nothing of what it carries agrees, and its resolution is known",
           "[resting]") {
   for (const std::string& name : machines_of("struts")) {
     INFO(name);
