@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
+#include <variant>
+#include <vector>
 
 #include "common/error.h"
 #include "common/overloaded.h"
@@ -28,6 +32,14 @@ MovingAxis axis_of(Side side, Axis axis, const JointMotion& at) {
   return {e, at.v_rel.tail<3>().cross(e)};
 }
 
+double largest_radius(const std::vector<joints::PermitSpeed>& words) {
+  double largest = 0.0;
+  for (const joints::PermitSpeed& word : words) {
+    if (const auto* about = std::get_if<joints::SpeedAbout>(&word)) largest = std::max(largest, std::abs(about->below));
+  }
+  return largest;
+}
+
 Vec6 stacked(const Vec3& linear, const Vec3& angular) {
   Vec6 both;
   both << linear, angular;
@@ -48,11 +60,14 @@ Right fitted(const JointColumns& columns,
 }  // namespace
 
 NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Mobilizer& mobilizer)
-    : mobilizer_(&mobilizer), words_(type.permits_speeds), units_(JointVector::Ones(mobilizer.n_u())) {
+    : mobilizer_(&mobilizer),
+      words_(type.permits_speeds),
+      length_(std::max(mobilizer.length(), largest_radius(type.permits_speeds))),
+      units_(JointVector::Ones(mobilizer.n_u())) {
   if (words_.empty()) return;
   n_rows_ = mobilizer.n_u() - static_cast<int>(words_.size());
   for (int c = 0; c < mobilizer.n_u(); ++c) {
-    if (mobilizer.kind(c).is_length) units_(c) = mobilizer.length();
+    if (mobilizer.kind(c).is_length) units_(c) = length_;
   }
   const VecX home = mobilizer.home();
   const VecX still = VecX::Zero(mobilizer.n_u());
@@ -61,7 +76,7 @@ NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, co
   place_columns(at);
   const int n_u = mobilizer.n_u();
   JointColumns outside = at.S.leftCols(n_u).lazyProduct(in_joint_speeds(at).topRows(n_u)) - S_v_;
-  outside.topRows<3>() /= mobilizer.length();
+  outside.topRows<3>() /= length_;
   if (n_rows_ > 0 && outside.cwiseAbs().maxCoeff() <= kContradiction) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
@@ -91,8 +106,8 @@ void NonholonomicConstraint::place_columns(const JointMotion& at) {  // (S15)
 JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) const {
   JointColumns S = at.S.leftCols(mobilizer_->n_u());
   JointColumns S_v = S_v_;
-  S.topRows<3>() /= mobilizer_->length();
-  S_v.topRows<3>() /= mobilizer_->length();
+  S.topRows<3>() /= length_;
+  S_v.topRows<3>() /= length_;
   const JointColumns scaled = S * units_.asDiagonal();
   JointColumns P = JointColumns::Zero(6, S_v.cols());
   P.topRows(mobilizer_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
@@ -103,8 +118,8 @@ JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) cons
 JointVector NonholonomicConstraint::speeds_of(const Vec6& v_rel) const {
   JointColumns S_v = S_v_;
   Vec6 v = v_rel;
-  S_v.topRows<3>() /= mobilizer_->length();
-  v.head<3>() /= mobilizer_->length();
+  S_v.topRows<3>() /= length_;
+  v.head<3>() /= length_;
   return fitted<JointVector>(S_v, v);
 }
 

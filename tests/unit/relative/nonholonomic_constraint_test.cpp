@@ -47,6 +47,14 @@ TEST(RelativeNonholonomicConstraint, IsThatOfAPlanetAsOfABead) {
   }
 }
 
+TEST(RelativeNonholonomicConstraint, IsThatOfAPlanetInASmallMachine) {
+  for (const double radius : {1.37e6, 3.31e7, 7.7e9, 1.37e11, 3.1e14}) {
+    const joints::JointType type = joints::rolling_ball_of({radius});
+    const Mobilizer mobilizer(type, 0.23);
+    EXPECT_NO_THROW(NonholonomicConstraint(type, mobilizer)) << radius;
+  }
+}
+
 TEST_P(RollingType, StaysPermittedAlongItsMotion) {
   ASSERT_EQ(speeds_.n_rows(), mobilizer_.n_u() - static_cast<int>(GetParam()->permits_speeds.size()));
   VecX u = numbers_.vector(mobilizer_.n_u(), 1.5);
