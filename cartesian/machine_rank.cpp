@@ -20,28 +20,41 @@ namespace concord::cartesian {
 
 namespace {
 
-/// Rank at a closed pose, and whether it counts singular values below 1e-6 of the largest: beside a singular pose there
-/// are such.
+/// Rank at a closed pose, whether it counts singular values below 1e-6 of the largest, as there are beside a singular
+/// pose, and whether the pose is another one than the start.
 struct RankThere {
   int rank = 0;
   bool doubtful = false;
+  bool elsewhere = false;
 };
 
-/// The largest angle [rad] by which a body is turned between two poses.
-double turned_between(const Layout& layout, const VecX& one, const VecX& other) {
-  double largest = 0.0;
+/// How far bodies are from another pose: the largest angle [rad], and the largest way in the machine's length.
+struct Distance {
+  double turn = 0.0;
+  double way = 0.0;
+};
+
+Distance distance_between(const Equations& equations, const VecX& one, const VecX& other) {
+  const Layout& layout = equations.layout();
+  Distance distance;
   for (const BodyIndex i : layout.moving_bodies()) {
-    const double cosine = std::abs(layout.p(one, i).dot(layout.p(other, i)));
-    largest = std::max(largest, 2.0 * std::acos(std::min(cosine, 1.0)));
+    const Vec4 p = layout.p(one, i);
+    const Vec4 q = layout.p(other, i);
+    // Half the angle is that of the chord between the Euler parameters, by one sign or the other.
+    const double chord = std::min((p - q).norm(), (p + q).norm());
+    distance.turn = std::max(distance.turn, 4.0 * std::asin(std::min(0.5 * chord, 1.0)));
+    distance.way =
+        std::max(distance.way, (layout.r(one, i) - layout.r(other, i)).norm() / layout.v(equations.units(), i)(0));
   }
-  return largest;
+  return distance;
 }
 
 /// Rank at a closed pose about `far` from the start, in the machine's units; nothing if none was found, or one to which
 /// a body turns so far that the machine may not move there: what is put together otherwise may be a structure.
 std::optional<RankThere> rank_nearby(Equations& equations, const State& start, Modes modes, double far,
                                      std::mt19937& engine) {
-  constexpr double kElsewhere = 0.6;  // rad
+  constexpr double kElsewhere = 1e-4;
+  const double too_far = std::max(0.1, 3.0 * far);  // rad
   const Layout& layout = equations.layout();
   std::uniform_real_distribution<double> spread(-far, far);
   VecX q(layout.n_q());
@@ -55,9 +68,11 @@ std::optional<RankThere> rank_nearby(Equations& equations, const State& start, M
   equations.count_turns_from(start.q);
   try {
     if (!close_machine(equations, start.t, Hold::joints_alone, modes, q, Y).closed) return std::nullopt;
-    if (turned_between(layout, from, q) > kElsewhere) return std::nullopt;
+    const Distance moved = distance_between(equations, from, q);
+    if (moved.turn > too_far) return std::nullopt;
     const RankDecision decision = decide_rank(scaled_jacobian(equations).matrix);
-    return RankThere{decision.rank, (decision.near_values.array() > kRankThreshold).any()};
+    return RankThere{decision.rank, (decision.near_values.array() > kRankThreshold).any(),
+                     std::max(moved.turn, moved.way) > kElsewhere};
   } catch (const SolverError&) {
     return std::nullopt;  // a deformation out of range on the way
   }
@@ -83,7 +98,9 @@ std::optional<RankThere> rank_nearby(Equations& equations, const State& start, M
 }  // namespace
 
 MachineRank decide_for_the_machine(Equations& equations, const State& start) {
-  constexpr std::array kFar{0.2, 0.1, 0.04, 0.01};
+  // Near a flat pose only poses that are nearer still are apart from it.
+  constexpr std::array kFar{0.2, 0.05, 0.0125, 0.003, 0.0008, 0.0002};
+  constexpr int kEnough = 4;
   const Layout& layout = equations.layout();
   VecX q(layout.n_q());
   VecX Y(layout.n_Y());
@@ -96,16 +113,17 @@ MachineRank decide_for_the_machine(Equations& equations, const State& start) {
   if (machine.generic == n_rows) return machine;
   std::mt19937 engine(20);
   int doubtful = 0;
-  bool is_clear = false;
+  int clear = 0;
   for (const double far : kFar) {
+    if (clear == kEnough) break;
     const auto there = rank_nearby(equations, start, machine.closing_modes, far, engine);
     if (!there) continue;
-    is_clear = is_clear || !there->doubtful;
+    if (!there->doubtful && there->elsewhere) ++clear;
     int& rank = there->doubtful ? doubtful : machine.generic;
     rank = std::max(rank, there->rank);
   }
   // A machine whose rows are hardly independent anywhere has the rank that it shows.
-  if (!is_clear) machine.generic = std::max(machine.generic, doubtful);
+  if (clear == 0) machine.generic = std::max(machine.generic, doubtful);
   equations.count_turns_from(start.q);
   return machine;
 }

@@ -44,7 +44,9 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   constexpr int kTrials = 8;
   // In the units of the coordinates. What folds to a pose that it cannot leave closes near that pose again and again.
   constexpr double kElsewhere = 1e-4;
+  constexpr double kNearest = 0.0002;
   int looks = 4;
+  double far = 0.2;
   struct Found {
     int rank;
     Coordinates pose;
@@ -53,7 +55,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   Found doubtful{0, closed};
   bool is_clear = false;  // whether another pose was found that is apart from singular ones
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> spread(-0.2, 0.2);
+  std::uniform_real_distribution<double> part(-1.0, 1.0);
   const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
   Closure free(scaled_->equations().kinematics(), nothing);
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
@@ -61,7 +63,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   for (int trial = 0; trial < kTrials && looks > 0 && clear.rank < scaled_->closure().n_rows(); ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
-    for (const int c : columns) step(c) = spread(random) * steps(c);
+    for (const int c : columns) step(c) = far * part(random) * steps(c);
     scaled_->advance(nearby.q, step);
     if (try_to_measure(*scaled_, nearby, free) == HUGE_VAL ||
         !close_positions(*scaled_, nearby, nothing, Modes::moving)) {
@@ -73,6 +75,8 @@ void ClosureRank::decide_near(const Coordinates& closed) {
     const int rank = rank_of_singular_values(sigma);
     const bool is_doubtful = is_beside_singular(sigma, rank);
     if (!is_doubtful) --looks;
+    // Near a flat pose only poses that are nearer still are apart from it.
+    if (is_doubtful) far = std::max(0.25 * far, kNearest);
     const bool has_moved = scaled_->size_of_q(nearby.q - closed.q) > kElsewhere;
     is_clear = is_clear || (!is_doubtful && has_moved);
     Found& best = is_doubtful ? doubtful : clear;

@@ -38,6 +38,11 @@ void Judge::find_differences_on(const Series& series, const std::vector<Measured
 
 void Judge::judge_uniqueness(WeighedStates& weighed) {
   if (!weighed.dropped.empty()) verdict_.failures.push_back(weighed.dropped);
+  if (weighed.beside_singular > 0) {
+    verdict_.notes.push_back(fmt::format("{} perturbed state{} closed beside a singular pose and {} left out",
+                                         weighed.beside_singular, weighed.beside_singular == 1 ? "" : "s",
+                                         weighed.beside_singular == 1 ? "was" : "were"));
+  }
   verdict_.rank_agrees = weighed.findings.empty() && !weighed.reports.empty();
   std::move(weighed.findings.begin(), weighed.findings.end(), std::back_inserter(verdict_.findings));
   weighed.findings.clear();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -114,17 +115,83 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
   return reports;
 }
 
-std::array<int, 2> general_ranks(const RankReports& reports) {
-  std::array<int, 2> ranks{};
-  for (const auto& both : reports) {
-    for (std::size_t who = 0; who < 2; ++who) ranks[who] = std::max(ranks[who], both[who].rank);
+namespace {
+
+/// Whether a body stands elsewhere in the other pose, by 1e-4 of what the bodies are away from the origin, or is turned
+/// by so much.
+bool are_apart(const State& one, const State& other) {
+  constexpr double kElsewhere = 1e-4;
+  double extent = 0.0;
+  for (const BodyState& body : one.bodies) extent = std::max(extent, body.r.norm());
+  for (std::size_t i = 0; i < one.bodies.size(); ++i) {
+    const BodyState& here = one.bodies[i];
+    const BodyState& there = other.bodies[i];
+    if ((here.r - there.r).norm() > kElsewhere * extent) return true;
+    if (std::min((here.p - there.p).norm(), (here.p + there.p).norm()) > kElsewhere) return true;
   }
-  return ranks;
+  return false;
+}
+
+/// Whether a rank does not count rows that a pose beside a singular one may have by the root of round-off, as far as
+/// it is closed.
+bool is_apart_from_singular(const RankReport& report) {
+  constexpr double kBesideSingular = 1e-6;
+  return report.smallest_kept > kBesideSingular;
+}
+
+/// The largest rank that one solver reports in a general pose, and whether there are general poses.
+struct GeneralRank {
+  int rank = 0;
+  bool is_clear = false;
+};
+
+GeneralRank general_rank(const std::vector<SharedState>& states, const RankReports& reports, std::size_t who) {
+  int largest = 0;
+  int clear = 0;
+  bool moves = false;
+  std::optional<std::size_t> first;
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const RankReport& report = reports[k][who];
+    largest = std::max(largest, report.rank);
+    if (!is_apart_from_singular(report)) continue;
+    clear = std::max(clear, report.rank);
+    if (!first) first = k;
+    moves = moves || are_apart(states[*first].state, states[k].state);
+  }
+  // A machine that is locked in a singular pose is apart from it in no other.
+  return {moves ? clear : largest, moves};
+}
+
+}  // namespace
+
+std::array<int, 2> general_ranks(const std::vector<SharedState>& states, const RankReports& reports) {
+  return {general_rank(states, reports, 0).rank, general_rank(states, reports, 1).rank};
+}
+
+int leave_out_beside_singular(std::vector<SharedState>& states, RankReports& reports) {
+  const std::array general{general_rank(states, reports, 0), general_rank(states, reports, 1)};
+  const auto is_beside_singular = [&](const std::array<RankReport, 2>& both) {
+    return (general[0].is_clear && !is_apart_from_singular(both[0])) ||
+           (general[1].is_clear && !is_apart_from_singular(both[1]));
+  };
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    if (states[k].row < 0 && is_beside_singular(reports[k])) continue;
+    if (kept != k) {
+      states[kept] = std::move(states[k]);
+      reports[kept] = std::move(reports[k]);
+    }
+    ++kept;
+  }
+  const auto left_out = static_cast<int>(states.size() - kept);
+  states.resize(kept);
+  reports.resize(kept);
+  return left_out;
 }
 
 std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
                                      const RankReports& reports) {
-  const std::array<int, 2> general = general_ranks(reports);
+  const std::array<int, 2> general = general_ranks(states, reports);
   std::vector<std::string> lower(states.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
     for (std::size_t who = 0; who < 2; ++who) {

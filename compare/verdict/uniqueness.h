@@ -29,8 +29,13 @@ using RankReports = std::vector<std::array<RankReport, 2>>;
 RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
                          std::string& why);
 
-/// The rank of each solver's constraints in a general pose: the largest in any state.
-std::array<int, 2> general_ranks(const RankReports& reports);
+/// The rank of each solver's constraints in a general pose: the largest in any state that is apart from singular poses,
+/// if the machine has such states in more than one pose; the largest in any otherwise.
+std::array<int, 2> general_ranks(const std::vector<SharedState>& states, const RankReports& reports);
+
+/// Leaves out perturbed states beside a singular pose: a solver finds a rank there that is above the general one by
+/// rows which the root of round-off makes independent, as far as the state is closed. Returns their number.
+int leave_out_beside_singular(std::vector<SharedState>& states, RankReports& reports);
 
 /// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
 /// others.

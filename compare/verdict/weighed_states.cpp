@@ -11,6 +11,7 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   std::string why;
   weighed.reports = report_ranks(solvers, states, dropped, why);
   if (dropped > 0) weighed.dropped = fmt::format("rank: in {} states: {}", dropped, why);
+  weighed.beside_singular = leave_out_beside_singular(states, weighed.reports);
   weighed.states = std::move(states);
   weighed.mask = judged_states(layout, weighed.reports);
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);

@@ -24,6 +24,8 @@ struct WeighedStates {
   std::vector<Finding> findings;
   /// Why states were dropped, because a solver could not find its rank there; empty if none was.
   std::string dropped;
+  /// Number of perturbed states left out because they are beside a singular pose.
+  int beside_singular = 0;
 
   [[nodiscard]] Budget budget() const { return {&resolution.both, &mask}; }
 };

@@ -12,6 +12,7 @@ class UniquenessTest : public ::testing::Test {
   UniquenessTest() {
     report_.constraints = report_.rank = 5;
     report_.degrees_of_freedom = 1;
+    report_.smallest_kept = 0.1;
     report_.joints.resize(1);
     for (int k = 0; k < 4; ++k) {
       states_.emplace_back();
@@ -58,13 +59,27 @@ TEST_F(UniquenessTest, AStateOfLowerRankThanOthersIsASingularPose) {
   const std::array<Solver*, 2> solvers{&cartesian, &relative};
   for (const std::string& why : lower_ranks(solvers, states_, reports_)) EXPECT_EQ(why, "");
   reports_[2][1].rank = 4;
-  EXPECT_EQ(general_ranks(reports_), (std::array{5, 5}));
+  EXPECT_EQ(general_ranks(states_, reports_), (std::array{5, 5}));
   const std::vector<std::string> lower = lower_ranks(solvers, states_, reports_);
   ASSERT_EQ(lower.size(), 4U);
   for (const std::size_t k : {0U, 1U, 3U}) EXPECT_EQ(lower[k], "");
   EXPECT_NE(lower[2].find("at t = 0.2 s the pose is singular: the constraints have rank 4 there, 5 in other poses"),
             std::string::npos)
       << lower[2];
+}
+
+TEST_F(UniquenessTest, ARankByTheRootOfRoundOffIsNotTheGeneralOneOfAMachineThatMoves) {
+  reports_[3][0].rank = 6;
+  reports_[3][0].smallest_kept = 1e-8;
+  states_[3].row = -1;
+  for (SharedState& shared : states_) shared.state.bodies.resize(2);
+  EXPECT_EQ(general_ranks(states_, reports_), (std::array{6, 5})) << "locked";
+  EXPECT_EQ(leave_out_beside_singular(states_, reports_), 0);
+  states_[1].state.bodies[1].r = {0.3, 0.1, 0.2};
+  EXPECT_EQ(general_ranks(states_, reports_), (std::array{5, 5}));
+  EXPECT_EQ(leave_out_beside_singular(states_, reports_), 1);
+  EXPECT_EQ(states_.size(), 3U);
+  EXPECT_EQ(reports_.size(), 3U);
 }
 
 TEST_F(UniquenessTest, EitherSolverKeepsAComponentFromBeingJudgedAndADisagreementIsTold) {
