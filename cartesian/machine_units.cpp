@@ -9,8 +9,19 @@ namespace concord::cartesian {
 
 namespace {
 
-/// Size of a mode's rate that moves some joint of its body by `length` per second (C44).
+/// The largest that a unit of a mode moves any node of its body, turns at `length`.
+double largest_at_nodes(const ModalData& modal, int mode, double length) {
+  double largest = 0.0;
+  for (const ModalNode& node : modal.nodes) {
+    largest = std::max({largest, node.Psi_t_L.col(mode).norm(), node.Psi_r_L.col(mode).norm() * length});
+  }
+  return largest;
+}
+
+/// Size of a mode's rate that moves some joint of its body by `length` per second (C44). What a joint at a node of
+/// vibration moves by is the round-off of the shape.
 double modal_unit(const Model& model, BodyIndex body, int mode, double length) {
+  constexpr double kRoundOff = 1e-9;
   double largest = 0.0;
   for (const Joint& joint : model.joints) {
     for (const Attachment& side : joint.sides) {
@@ -19,7 +30,8 @@ double modal_unit(const Model& model, BodyIndex body, int mode, double length) {
       largest = std::max(largest, side.Psi_r_L.col(mode).norm() * length);
     }
   }
-  if (largest > 0.0) return length / largest;
+  const auto& modal = pick(model.bodies, body).modal;
+  if (modal && largest > kRoundOff * largest_at_nodes(*modal, mode, length)) return length / largest;
   // It moves no joint: by its size at a typical mass point.
   const BodyInertia inertia(pick(model.bodies, body));
   const double shape = std::sqrt(inertia.modal_mass()(mode, mode) / inertia.mass());

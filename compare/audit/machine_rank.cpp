@@ -53,9 +53,12 @@ bool complement(Mat6X directions, Mat6X& across) {
   return singular_values(directions).minCoeff() > kClearDirections;
 }
 
-/// The largest that a unit of a mode moves or turns at any joint, in parts of the length.
+/// The largest that a unit of a mode moves or turns at any joint, in parts of the length; zero if that is round-off of
+/// the shape, as where the mode has a node of vibration.
 VecX sizes_of_modes(const Model& model, int body, double length) {
+  constexpr double kNodeOfVibration = 1e-9;
   VecX sizes = VecX::Zero(model.bodies[body].n_modes());
+  if (sizes.size() == 0) return sizes;
   for (const Joint& joint : model.joints) {
     for (const Attachment& side : joint.sides) {
       if (side.body != body) continue;
@@ -64,7 +67,12 @@ VecX sizes_of_modes(const Model& model, int body, double length) {
       }
     }
   }
-  return sizes;
+  VecX anywhere = VecX::Zero(sizes.size());
+  for (const ModalNode& node : model.bodies[body].modal->nodes) {
+    anywhere = anywhere.cwiseMax(VecX(node.Psi_t_L.colwise().norm().transpose() / length));
+    anywhere = anywhere.cwiseMax(VecX(node.Psi_r_L.colwise().norm().transpose()));
+  }
+  return (sizes.array() > kNodeOfVibration * anywhere.array()).select(sizes, 0.0);
 }
 
 }  // namespace

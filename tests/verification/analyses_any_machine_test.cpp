@@ -109,6 +109,55 @@ start.ball = { keep = { axis = [1, 2, 0], angle = 0 }, keep_speed = [0, 0, 0] }
   }
 }
 
+/// A beam of twenty elements with a hinge at its middle, or held there.
+Model held_at_its_middle(const char* joint, const char* support, const char* modes) {
+  return parse(fmt::format(R"toml(format = 1
+[[body]]
+name = "beam"
+[body.beam]
+length = 1.3
+elements = 20
+section = {{ diameter = 0.022 }}
+youngs_modulus = 2.8e9
+density = 1150
+poissons_ratio = 0.3
+support = "{}"
+modes = {{ {} }}
+[[joint]]
+name = "middle"
+{}
+parent = {{ body = "ground", point = [0.2, 0.1, -0.3], x = [0.6, 0.8, 0], z = [0, 0, 1] }}
+child = {{ body = "beam", node = "10", x = [1, 0, 0], z = [0, 1, 0] }}
+)toml",
+                           support, modes, joint));
+}
+
+constexpr const char* kSprungHinge = R"toml(type = "revolute"
+start.turn_z = { keep = 0.1, keep_speed = 0 }
+spring.turn_z = { stiffness = 130, free = 0.1 })toml";
+
+TEST_CASE("A joint where a mode has a node of vibration feels nothing of it", "[analyses][quick]") {
+  const auto& [joint, support, modes] = GENERATE(table<const char*, const char*, const char*>(
+      {{kSprungHinge, "simply_supported", "torsion = [2]"},
+       {kSprungHinge, "craig_bampton", "axial = [1, 2]"},
+       {"type = \"weld\"", "craig_bampton", "axial = [1, 2]"},
+       {"type = \"weld\"", "free_free", "axial = [1, 2], bending_xz = [1]"}}));
+  CAPTURE(joint, support, modes);
+  const Model model = held_at_its_middle(joint, support, modes);
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.findings.empty());
+  if (joint != kSprungHinge) return;
+  double inertia = 0.0;
+  const ModalData& modal = *model.bodies[1].modal;
+  for (const MassPoint& point : modal.mass_points) {
+    inertia += point.mass * (point.s0_L - modal.nodes[10].s0_L).squaredNorm();
+  }
+  for (const auto& found : result.linearizations) {
+    CHECK(found->modes.front().eigenvalue.imag() == Approx(std::sqrt(130.0 / inertia)).epsilon(1e-3));
+  }
+}
+
 /// Factors of lengths, masses and times.
 struct Size {
   double length;
