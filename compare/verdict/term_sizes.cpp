@@ -107,8 +107,12 @@ class Loads {
       const double turning = std::max(acceleration.omegadot.norm(), carried_[i].turning) + state.omega.squaredNorm();
       const double moving = std::max(acceleration.vdot.norm(), carried_[i].moving);
       const double size = model_.gravity.norm() + moving + reach * turning;
-      take_force(load, load.mass * size, reach);
-      load.torque = std::max(load.torque, load.largest_inertia * turning);  // I omegadot + omega x (I omega)
+      // Inertia of the modes' accelerations, by its mass points: where modes move no mass on the whole, as those of a
+      // body that floats, these add up to their round-off.
+      const VecX of_modes = load.modal_mass.cwiseSqrt().cwiseProduct(acceleration.addot.cwiseAbs());
+      take_force(load, load.mass * size + std::sqrt(load.mass) * of_modes.sum(), reach);
+      load.torque = std::max(load.torque, load.largest_inertia * turning +  // I omegadot + omega x (I omega)
+                                              std::sqrt(load.largest_inertia) * of_modes.sum());
       load.modal += (load.mass * load.modal_mass).cwiseSqrt() * size;
     }
   }
