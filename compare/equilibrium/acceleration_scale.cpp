@@ -1,6 +1,7 @@
 #include "compare/equilibrium/acceleration_scale.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/decompositions.h"
@@ -32,6 +33,18 @@ double force_of_laws(const Model& model, std::size_t k, const State& state, cons
   return sum;
 }
 
+/// What strain exerts on a body's mass, as a force that would move it as much as the modes [N].
+double force_of_strain(const Body& body, const BodyState& state) {
+  if (!body.modal) return 0.0;
+  const VecX modal = (body.modal->stiffness * state.a).cwiseAbs();
+  double sum = 0.0;
+  for (Eigen::Index m = 0; m < modal.size(); ++m) {
+    const double modal_mass = body.modal->G.diagonal().segment<3>(4 + 3 * m).sum();
+    if (modal_mass > 0.0) sum += modal(m) * std::sqrt(mass_of(body) / modal_mass);
+  }
+  return sum;
+}
+
 /// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
 std::vector<double> forces_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
   std::vector<double> forces(model.bodies.size(), 0.0);
@@ -51,6 +64,7 @@ std::vector<double> forces_on_bodies(const Model& model, const State& state, con
     const double of_laws = force_of_laws(model, k, state, evaluation);
     for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
   }
+  for (std::size_t i = 1; i < forces.size(); ++i) forces[i] += force_of_strain(model.bodies[i], state.bodies[i]);
   return forces;
 }
 

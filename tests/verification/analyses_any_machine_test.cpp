@@ -109,6 +109,61 @@ start.ball = { keep = { axis = [1, 2, 0], angle = 0 }, keep_speed = [0, 0, 0] }
   }
 }
 
+/// A beam that floats with a strain, beside a rod on a hinge; nothing else acts.
+std::string strained_beside_a_rod(const char* modes, const char* strain) {
+  return fmt::format(R"toml(format = 1
+[[body]]
+name = "beam"
+start.a = {1}
+[body.beam]
+length = 0.9
+elements = 20
+section = {{ diameter = 0.027 }}
+youngs_modulus = 7.2e10
+density = 2750
+poissons_ratio = 0.3
+support = "free_free"
+modes = {{ {0} }}
+[[body]]
+name = "rod"
+mass = 1.3
+inertia = [6e-5, 0.008, 0.00802]
+center_of_mass = [0.16, 0.01, 0]
+[[joint]]
+name = "flight"
+type = "free"
+parent = "ground"
+child = {{ body = "beam", node = "first" }}
+start.slide_x = {{ keep = 0, keep_speed = 0 }}
+start.slide_y = {{ keep = 0.1, keep_speed = 0 }}
+start.slide_z = {{ keep = 0, keep_speed = 0 }}
+start.ball = {{ keep = {{ axis = [0.2, 0.5, 1], angle = 0.4 }}, keep_speed = [0, 0, 0] }}
+[[joint]]
+name = "hinge"
+type = "revolute"
+parent = {{ body = "ground", point = [0, 1, 0] }}
+child = "rod"
+start.turn_z = {{ keep = 0.2, keep_speed = 0 }}
+)toml",
+                     modes, strain);
+}
+
+TEST_CASE("A strained beam that floats relaxes to a rest in which nothing acts", "[analyses][quick]") {
+  const auto& [modes, strain] = GENERATE(table<const char*, const char*>(
+      {{"axial = [1]", "[1.1e-4]"}, {"bending_xy = [1]", "[1.1e-4]"}, {"torsion = [1]", "[2e-3]"}}));
+  CAPTURE(modes);
+  const Model model = parse(strained_beside_a_rod(modes, strain));
+  const AnalysisVerdict result = judge_statics(model, kMakers);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.findings.empty());
+  CHECK(result.wrenches.failures.empty());
+  for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
+    const auto found = find_equilibrium(model, *make(held_at_start(model)));
+    CHECK(found.free.size() == 7);
+    CHECK(std::abs(found.state.bodies[1].a(0)) < 1e-12);
+  }
+}
+
 /// A beam of twenty elements with a hinge at its middle, or held there.
 Model held_at_its_middle(const char* joint, const char* support, const char* modes) {
   return parse(fmt::format(R"toml(format = 1
