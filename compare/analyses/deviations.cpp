@@ -37,8 +37,14 @@ PlacedFrame place_of(const Joint& joint, Side side, const State& state) {
 Deviations::Deviations(const Model& model, Solver& solver, const State& state, const TurningAxes& axes)
     : model_(model), solver_(solver), chart_(model, solver, state) {
   if (chart_.n() == 0) return;
-  choose_axes(state, axes);
-  find_weights();
+  if (axes.of_bodies) {
+    are_of_bodies_ = true;
+    choose_axes_of_bodies(state, axes);
+    find_weights_of_bodies(state, *axes.of_bodies);
+  } else {
+    choose_axes(state, axes);
+    find_weights();
+  }
   directions_.resize(weights_.size(), chart_.n());
   for (int k = 0; k < chart_.n(); ++k) {
     directions_.col(k) = speeds(chart_.origin_moving(VecX::Unit(chart_.n(), k)));
@@ -74,12 +80,42 @@ void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
   }
 }
 
+void Deviations::choose_axes_of_bodies(const State& state, const TurningAxes& axes) {
+  const Vec3& W = *axes.of_bodies;
+  const Mat3 Q = exponential_of(W * (state.t - axes.since));
+  by_child_.assign(model_.joints.size(), false);
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i, row += 6) {
+    balls_.push_back({i, row + 3, -1.0});
+    turned_.push_back({row, W, Q});
+    turned_.push_back({row + 3, W, Q});
+  }
+}
+
 void Deviations::find_weights() {
   std::vector<double> weights;
   const double length = model_.length_scale();
   for (const Joint& joint : model_.joints) {
     for (const bool turns : turning_speeds(*joint.type)) weights.push_back(turns ? 1.0 : 1.0 / length);
   }
+  add_weights_of_modes(weights);
+}
+
+void Deviations::find_weights_of_bodies(const State& state, const Vec3& W) {
+  constexpr double kTurnsAlong = 1e-3;
+  constexpr double kOfOthers = 1e-3;
+  std::vector<double> weights;
+  const double length = model_.length_scale();
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+    const bool turns_along = (state.bodies[i].omega - W).norm() <= kTurnsAlong * W.norm();
+    const double weight = turns_along ? 1.0 : kOfOthers;
+    weights.insert(weights.end(), 3, weight / length);
+    weights.insert(weights.end(), 3, weight);
+  }
+  add_weights_of_modes(weights);
+}
+
+void Deviations::add_weights_of_modes(std::vector<double>& weights) {
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     if (model_.bodies[i].n_modes() == 0) continue;
     for (const double size : modal_sizes(model_, i)) weights.push_back(size);
@@ -90,7 +126,11 @@ void Deviations::find_weights() {
 VecX Deviations::speeds(const State& state) const {
   VecX rows(weights_.size());
   Eigen::Index next = 0;
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+  for (std::size_t i = 1; are_of_bodies_ && i < model_.bodies.size(); ++i, next += 6) {
+    rows.segment<3>(next) = state.bodies[i].v;
+    rows.segment<3>(next + 3) = state.bodies[i].omega;
+  }
+  for (std::size_t k = 0; !are_of_bodies_ && k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];
     const RelativeMotion relative = relative_motion_of(joint, state);
     VecX u = read_motion(*joint.type, relative, state.q[k]).u;
@@ -111,7 +151,11 @@ VecX Deviations::speeds(const State& state) const {
 VecX Deviations::speed_rates(const State& state, const Evaluation& evaluation) const {
   VecX rows(weights_.size());
   Eigen::Index next = 0;
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+  for (std::size_t i = 1; are_of_bodies_ && i < model_.bodies.size(); ++i, next += 6) {
+    rows.segment<3>(next) = evaluation.bodies[i].vdot;
+    rows.segment<3>(next + 3) = evaluation.bodies[i].omegadot;
+  }
+  for (std::size_t k = 0; !are_of_bodies_ && k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];
     VecX udot = joint_accelerations(joint, state, evaluation, state.q[k], model_.length_scale());
     const int ball = ball_of(*joint.type);
@@ -152,6 +196,18 @@ void Deviations::turn_rows(VecX& rows) const {
   for (const TurnedRows& vector : turned_) {
     rows.segment<3>(vector.first) = (vector.Q.transpose() * rows.segment<3>(vector.first)).eval();
   }
+}
+
+std::optional<TurningAxes> axes_of_fastest_body(const State& state) {
+  TurningAxes axes{state.t, {}};
+  Vec3 fastest = Vec3::Zero();
+  for (const BodyState& body : state.bodies) {
+    if (body.omega.norm() > fastest.norm()) fastest = body.omega;
+  }
+  if (fastest.isZero(0.0)) return std::nullopt;
+  constexpr double kRoundOff = 1e-12;
+  axes.of_bodies = (fastest.array().abs() > kRoundOff * fastest.norm()).select(fastest, 0.0);
+  return axes;
 }
 
 std::optional<TurningAxes> Deviations::steady_axes() {

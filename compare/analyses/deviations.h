@@ -16,6 +16,10 @@ struct TurningAxes {
   std::vector<Vec3> rates;  // by joint, in the axes of its side [rad/s]; empty: none turns
   /// Whether displacements of free joints are seen in them, too: those of a body whose origin goes round.
   bool carry_places = false;
+  /// One rate for all [rad/s, in ground axes]: instead of joint coordinates the places and orientations of bodies
+  /// deviate, seen in axes that turn so. A rotor in bearings that themselves tilt, as in a universal joint or a housing
+  /// on springs, stands still in no joint's axes, but it does in these if what carries it is alike all around.
+  std::optional<Vec3> of_bodies = std::nullopt;
 };
 
 /// Deviations delta from the motion that leads through a state, frozen at its time: the chart's coordinates there, but
@@ -25,7 +29,8 @@ struct TurningAxes {
 /// ball by a rotation vector eps in the axes of the child where that clearly turns slower, of the parent otherwise,
 /// with epsdot = omega - omega* - eps x omega* on the parent's side (plus on the child's), omega* being that of the
 /// motion. Where TurningAxes turn at W against that side, eps and the displacements of a free joint are taken in them:
-/// their rates in these axes are less by W x eps.
+/// their rates in these axes are less by W x eps. Where one rate holds for all bodies, their places and orientations
+/// take the place of what joints have moved, as if each hung on the ground by a free joint.
 ///
 /// Model and solver must outlive it; the state is closed.
 class Deviations {
@@ -52,7 +57,8 @@ class Deviations {
   [[nodiscard]] std::optional<TurningAxes> steady_axes();
 
  private:
-  /// Speeds of all joints, then rates of all modal coordinates, and the same of their rates; balls in their own axes.
+  /// Speeds of all joints, or velocities of all bodies, then rates of all modal coordinates, and the same of their
+  /// rates; balls in their own axes.
   [[nodiscard]] VecX speeds(const State& state) const;
   [[nodiscard]] VecX speed_rates(const State& state, const Evaluation& evaluation) const;
   /// Over the rows of balls eps x values, + or - by their axes; zero elsewhere.
@@ -62,10 +68,14 @@ class Deviations {
   /// Seen in the turning axes instead of those of the sides.
   void turn_rows(VecX& rows) const;
   void choose_axes(const State& state, const TurningAxes& axes);
+  void choose_axes_of_bodies(const State& state, const TurningAxes& axes);
   void find_weights();
+  /// Of the rows of bodies: those that turn with the axes say how the machine deviates, others where these do not.
+  void find_weights_of_bodies(const State& state, const Vec3& W);
+  void add_weights_of_modes(std::vector<double>& weights);
 
   struct BallRows {
-    std::size_t joint;
+    std::size_t joint;  // or body
     Eigen::Index first;
     double sign;  // of omega* x eps in epsdot
   };
@@ -79,6 +89,7 @@ class Deviations {
   const Model& model_;
   Solver& solver_;
   Chart chart_;
+  bool are_of_bodies_ = false;  // the rows
   std::vector<bool> by_child_;  // joints whose ball is seen from the child
   std::vector<BallRows> balls_;
   std::vector<TurnedRows> turned_;
@@ -91,5 +102,8 @@ class Deviations {
   VecX rates_;
   VecX accelerations_;
 };
+
+/// Axes that turn as the fastest body does, for all bodies; nothing if none turns.
+std::optional<TurningAxes> axes_of_fastest_body(const State& state);
 
 }  // namespace concord::compare::analyses

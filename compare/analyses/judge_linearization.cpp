@@ -215,19 +215,24 @@ std::string steadiness_text(const Steadiness& steadiness) {
   if (steadiness.is_steady()) return "";
   return fmt::format(
       "note: the motion is not steady: in a radian of it the matrices change by {:.2g} of the fastest rate; modes are "
-      "those of the machine frozen in this state\n",
+      "those of the machine frozen in this state, and may be those of no motion\n",
       steadiness.change);
 }
 
-std::string axes_text(const Model& model, const TurningAxes& axes) {
-  std::string text;
+std::string axes_text(const Model& model, const TurningLinearization& turning) {
+  const TurningAxes& axes = turning.found.axes;
+  const bool is_steady = turning.steadiness.is_steady();
+  const auto line = [&](const Vec3& W, const std::string& what) {
+    return fmt::format(
+        "note: {} axes that turn at ({:.6g}, {:.6g}, {:.6g}) rad/s; deviations of {} are measured in them\n",
+        is_steady ? "the motion is steady in" : "the matrices do not change in", W(0), W(1), W(2), what);
+  };
+  std::string text = is_steady ? "" : steadiness_text(turning.steadiness);
+  if (axes.of_bodies) text += line(*axes.of_bodies, "all bodies");
   for (std::size_t k = 0; k < axes.rates.size(); ++k) {
-    const Vec3& W = axes.rates[k];
-    if (W.isZero(0.0)) continue;
-    text += fmt::format(
-        "note: the motion is steady in axes that turn at ({:.6g}, {:.6g}, {:.6g}) rad/s; deviations of the ball{} of "
-        "{} are measured in them\n",
-        W(0), W(1), W(2), axes.carry_places ? " and the displacements" : "", model.joints[k].name);
+    if (axes.rates[k].isZero(0.0)) continue;
+    text += line(axes.rates[k], fmt::format("the ball{} of {}", axes.carry_places ? " and the displacements" : "",
+                                            model.joints[k].name));
   }
   return text;
 }
@@ -237,15 +242,15 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
                             AnalysisVerdict& result) {
   const auto state_of = [&](Who who) -> const State& { return states[index(who)].samples[0].state; };
   const Steadiness steadiness = steadiness_of(model, *solvers[0], *result.linearizations[0]);
-  std::optional<Linearization> turning;
+  std::optional<TurningLinearization> turning;
   if (!steadiness.is_steady()) turning = linearize_in_steady_axes(model, *solvers[0], state_of(Who::cartesian));
-  if (!turning) {
+  if (!turning || (!turning->steadiness.is_steady() && steadiness.has_constant_matrices())) {
     result.text += steadiness_text(steadiness);
     return;
   }
-  result.text += axes_text(model, turning->axes);
-  result.linearizations[1] = linearize(model, *solvers[1], state_of(Who::relative), turning->axes);
-  result.linearizations[0] = std::move(turning);
+  result.text += axes_text(model, *turning);
+  result.linearizations[1] = linearize(model, *solvers[1], state_of(Who::relative), turning->found.axes);
+  result.linearizations[0] = std::move(turning->found);
 }
 
 /// How far an eigenvalue and its shape are from solving lambda^2 x = A x + lambda B x, as a part of the three terms,

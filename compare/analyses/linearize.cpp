@@ -151,7 +151,7 @@ Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization
   constexpr double kMovesBy = 1e-4;  // rad, or of the length: the prediction errs by its square
   Steadiness steadiness;
   steadiness.accelerates = found.unsteadiness > kAccelerates;
-  if (steadiness.accelerates || found.rate <= found.resolution) return steadiness;
+  if (found.rate <= found.resolution) return steadiness;
   const Sample now{found.state, solver.evaluate(found.state), 0.0};
   const auto later = solver.close(predict(model, now, kMovesBy / found.rate));
   if (!later) return steadiness;
@@ -167,15 +167,21 @@ Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization
   return steadiness;
 }
 
-std::optional<Linearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state) {
-  std::optional<TurningAxes> axes = Deviations(model, solver, state).steady_axes();
-  if (!axes) return std::nullopt;
-  for (const bool carry_places : {false, true}) {
-    axes->carry_places = carry_places;
-    Linearization found = linearize(model, solver, state, *axes);
-    if (steadiness_of(model, solver, found).is_steady()) return found;
+std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state) {
+  std::vector<TurningAxes> candidates;
+  if (const auto of_balls = Deviations(model, solver, state).steady_axes()) {
+    candidates.assign(2, *of_balls);
+    candidates.back().carry_places = true;
   }
-  return std::nullopt;
+  if (const auto of_bodies = axes_of_fastest_body(state)) candidates.push_back(*of_bodies);
+  std::optional<TurningLinearization> nearly;
+  for (const TurningAxes& axes : candidates) {
+    TurningLinearization turning{linearize(model, solver, state, axes), {}};
+    turning.steadiness = steadiness_of(model, solver, turning.found);
+    if (turning.steadiness.is_steady()) return turning;
+    if (!nearly && turning.steadiness.has_constant_matrices()) nearly = std::move(turning);
+  }
+  return nearly;
 }
 
 }  // namespace concord::compare::analyses

@@ -91,15 +91,24 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
 struct Steadiness {
   bool accelerates = false;  // some joint's speed changes
   /// By how much the matrices change in a radian of motion, as a part of the fastest rate and its square; 0 where the
-  /// machine rests or accelerates.
+  /// machine rests.
   double change = 0.0;
 
-  [[nodiscard]] bool is_steady() const { return !accelerates && change <= 1e-3; }
+  [[nodiscard]] bool has_constant_matrices() const { return change <= 1e-3; }
+  [[nodiscard]] bool is_steady() const { return !accelerates && has_constant_matrices(); }
 };
 Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found);
 
+/// A linearization in axes that turn, and how steady the motion is in them.
+struct TurningLinearization {
+  Linearization found;
+  Steadiness steadiness;
+};
+
 /// The same in axes in which a motion is steady that is not in those of the joints' sides: that of a body that spins
-/// about a principal axis, of a top that precesses. Nothing where there are no such axes.
-std::optional<Linearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state);
+/// about a principal axis, of a top that precesses, of a rotor in bearings that tilt. Where there are none, in axes in
+/// which the matrices do not change at least, as those of a rotor that an unbalance accelerates a little; nothing
+/// where there are no such axes either.
+std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state);
 
 }  // namespace concord::compare::analyses

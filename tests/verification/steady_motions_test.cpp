@@ -275,7 +275,8 @@ start.turn_y = {{ keep = {:.17g}, keep_speed = 0 }}
   CHECK(found[0] == Approx(8.0 * std::sqrt(1.0 - cosine * cosine)).epsilon(1e-9));
 }
 
-TEST_CASE("A rotor with two unequal inertias across its axis is not steady, and so it is said", "[analyses][quick]") {
+TEST_CASE("A rotor with two unequal inertias across its axis is steady if what carries it is alike all around",
+          "[analyses][quick]") {
   std::string text = rotor_on_bushing(kFreeHousing) + R"toml([[joint]]
 name = "spin"
 type = "revolute"
@@ -284,9 +285,164 @@ child = "rotor"
 drive.turn_z = { law = "constant_speed", speed = 200 }
 )toml";
   text.replace(text.find("0.02, 0.02"), 10, "0.02, 0.03");
+  const AnalysisVerdict in_its_axes = judge_linearization(parse(text), kMakers, false);
+  CHECK(in_its_axes.wrenches.outcome == compare::Outcome::agree);
+  CHECK(in_its_axes.text.find("steady in axes that turn at (0, 0, 200) rad/s; deviations of all bodies") !=
+        std::string::npos);
+  text.replace(text.find("0.01, 0.01, 0.012"), 17, "0.01, 0.015, 0.012");
   const AnalysisVerdict result = judge_linearization(parse(text), kMakers, false);
   CHECK(result.wrenches.outcome == compare::Outcome::agree);
   CHECK(result.text.find("the motion is not steady") != std::string::npos);
+}
+
+/// Frequencies [rad/s] of the motions that oscillate, lowest first, by both solvers, which must agree; `note` must be
+/// in what they say of the axes in which the machine deviates.
+std::vector<double> frequencies_in_turning_axes(const std::string& text, const std::string& note) {
+  const Model model = turn_world(parse(text), kTurnedWorld);
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  CHECK(result.text.find(note) != std::string::npos);
+  std::vector<double> found;
+  for (const auto& mode : result.linearizations[1]->modes) {
+    if (mode.oscillates()) found.push_back(mode.eigenvalue.imag());
+    CHECK(std::abs(mode.eigenvalue.real()) < 1e-9 * std::abs(mode.eigenvalue) + 1e-9);
+  }
+  return found;
+}
+
+TEST_CASE("A disc that tilts on a rotor in a housing that tilts whirls as their two gyroscopic equations say",
+          "[analyses][quick]") {
+  constexpr double kSpin = 70.0;
+  const std::string text = fmt::format(R"toml(format = 1
+[[body]]
+name = "housing"
+mass = 2
+inertia = [0.06, 0.047, 0.047]
+[[body]]
+name = "rotor"
+mass = 1
+inertia = [0.003, 0.002, 0.002]
+[[body]]
+name = "disc"
+mass = 5
+inertia = [0.05, 0.027, 0.027]
+[[joint]]
+name = "tilt"
+type = "universal"
+both = {{ x = [0, 1, 0], z = [1, 0, 0] }}
+parent = "ground"
+child = "housing"
+start = {{ turn_x = {{ keep = 0, keep_speed = 0 }}, turn_y = {{ keep = 0, keep_speed = 0 }} }}
+spring = {{ turn_x = {{ stiffness = 210 }}, turn_y = {{ stiffness = 210 }} }}
+[[joint]]
+name = "spin"
+type = "revolute"
+both = {{ y = [0, 1, 0], z = [1, 0, 0] }}
+parent = "housing"
+child = "rotor"
+start.turn_z = {{ keep = 0, keep_speed = {} }}
+[[joint]]
+name = "flexure"
+type = "universal"
+both = {{ x = [0, 1, 0], z = [1, 0, 0] }}
+parent = "rotor"
+child = "disc"
+start = {{ turn_x = {{ keep = 0, keep_speed = 0 }}, turn_y = {{ keep = 0, keep_speed = 0 }} }}
+spring = {{ turn_x = {{ stiffness = 330 }}, turn_y = {{ stiffness = 330 }} }}
+)toml",
+                                       kSpin);
+  const std::vector<double> found = frequencies_in_turning_axes(text, "deviations of all bodies");
+  REQUIRE(found.size() == 4);
+  // phi, psi: tilts of housing and disc as complex numbers in axes at rest, exp(i w t):
+  // (-A w^2 + C W w + k + k_f) phi = k_f psi, (-A_d w^2 + C_d W w + k_f) psi = k_f phi.
+  const auto open = [&](double w) {
+    const double carrier = -(0.047 + 0.002) * w * w + 0.003 * kSpin * w + 210.0 + 330.0;
+    const double disc = -0.027 * w * w + 0.05 * kSpin * w + 330.0;
+    return std::abs(carrier * disc - 330.0 * 330.0) / (330.0 * 330.0 + std::abs(carrier * disc) + w * w);
+  };
+  for (const double frequency : found) {
+    CAPTURE(frequency);
+    CHECK(std::min(open(kSpin + frequency), open(kSpin - frequency)) < 1e-7);
+  }
+}
+
+/// A disc in the middle of a flexible shaft, which a universal joint and a ball on a slide carry; `eccentricity` [m].
+std::string jeffcott_rotor(double spin, double eccentricity) {
+  return fmt::format(R"toml(format = 1
+[[body]]
+name = "shaft"
+[body.beam]
+length = 0.9
+elements = 20
+section = {{ diameter = 0.018 }}
+youngs_modulus = 2.1e11
+poissons_ratio = 0.3
+density = 7800
+support = "simply_supported"
+modes = {{ bending_xy = [1, 3], bending_xz = [1, 3] }}
+[[body]]
+name = "disc"
+mass = 4
+center_of_mass = [0, {1}, 0]
+inertia = [0.04, 0.021, 0.021]
+[[body]]
+name = "yoke"
+mass = 1e-6
+inertia = [1e-9, 1e-9, 1e-9]
+[[body]]
+name = "sleeve"
+mass = 0.001
+inertia = [1e-6, 1e-6, 1e-6]
+[[joint]]
+name = "bearing"
+type = "universal"
+both = {{ x = [0, 1, 0], z = [1, 0, 0] }}
+parent = "ground"
+child = "yoke"
+start.turn_x = {{ guess = 0 }}
+[[joint]]
+name = "spin"
+type = "revolute"
+parent = {{ body = "yoke", y = [0, 1, 0], z = [1, 0, 0] }}
+child = {{ body = "shaft", node = "first", y = [0, 1, 0], z = [1, 0, 0] }}
+start.turn_z = {{ keep = 0, keep_speed = {0} }}
+[[joint]]
+name = "slide"
+type = "translational"
+parent = {{ body = "ground", point = [0.9, 0, 0], y = [0, 1, 0], z = [1, 0, 0] }}
+child = {{ body = "sleeve", y = [0, 1, 0], z = [1, 0, 0] }}
+[[joint]]
+name = "ball"
+type = "spherical"
+parent = "sleeve"
+child = {{ body = "shaft", node = "last" }}
+[[joint]]
+name = "seat"
+type = "weld"
+parent = {{ body = "shaft", node = "10" }}
+child = "disc"
+)toml",
+                     spin, eccentricity);
+}
+
+TEST_CASE("A Jeffcott rotor has its frequencies at rest, less and more by its spin, in axes that turn with it",
+          "[analyses][quick]") {
+  const std::vector<double> at_rest = frequencies_in_turning_axes(jeffcott_rotor(0.0, 0.0), "");
+  REQUIRE(at_rest.size() == 4);
+  const std::vector<double> found = frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0), "steady in axes that turn");
+  REQUIRE(found.size() == 4);
+  for (const int k : {0, 2}) {
+    CHECK(found[k] == Approx(at_rest[k] - 55.0).epsilon(1e-6));
+    CHECK(found[k + 1] == Approx(at_rest[k] + 55.0).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("An unbalance of a micrometre changes the frequencies of a rotor by as little", "[analyses][quick]") {
+  const std::vector<double> balanced = frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0), "");
+  const std::vector<double> found = frequencies_in_turning_axes(jeffcott_rotor(55.0, 1e-6), "matrices do not change");
+  REQUIRE(found.size() == balanced.size());
+  for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == Approx(balanced[k]).epsilon(1e-4));
 }
 
 }  // namespace
