@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <variant>
 
@@ -67,10 +68,23 @@ void note_on(const std::optional<ForceTable>& table, const std::string& what, st
 /// A motion or a road swings beyond its points by a part of its range, as it should.
 constexpr double kSeenOfMotion = 0.5;
 
+/// What the last cubic makes of a law after its last point, where the run is longer.
+void note_beyond(const SplineTable& table, double until, const std::string& what, std::vector<std::string>& notes) {
+  constexpr double kRoundOff = 1e-9;
+  const double last = table.times().back();
+  if (until <= last + kRoundOff * std::abs(last)) return;
+  const int cubic = static_cast<int>(table.times().size()) - 2;
+  notes.push_back(fmt::format(
+      "the {} ends before the run: after its last point, {:.4g} at {:.4g} s, its last cubic goes on and reaches {:.4g} "
+      "at {:.4g} s: give points until then",
+      what, table.values().back(), last, table.evaluate(cubic, until).f, until));
+}
+
 void note_on(const TimeFunction& law, double until, const std::string& what, std::vector<std::string>& notes) {
   const auto* table = std::get_if<SplineTable>(&law);
-  if (table != nullptr)
-    note_on(SplineOfModel{*table, std::min(until, table->times().back()), kSeenOfMotion}, what, notes);
+  if (table == nullptr) return;
+  note_on(SplineOfModel{*table, std::min(until, table->times().back()), kSeenOfMotion}, what, notes);
+  note_beyond(*table, until, what, notes);
 }
 
 void notes_on_law(const ForceLaw& law, double until, const std::string& owner, std::vector<std::string>& notes) {

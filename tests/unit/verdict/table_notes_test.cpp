@@ -69,5 +69,19 @@ TEST(TableNotes, ATableThatStaysBetweenItsPointsIsNoNews) {
   EXPECT_TRUE(notes_on_tables(model, model.run.until).empty());
 }
 
+TEST(TableNotes, ALawOfTimeThatEndsBeforeTheRunIsTold) {
+  Model model = pendulum_model();
+  Driver driver;
+  driver.law = SplineTable({0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 8.0, 27.0});
+  model.joints[0].drivers = {driver};
+  model.run.until = 3.0;
+  EXPECT_TRUE(notes_on_tables(model, model.run.until).empty());
+  const std::vector<std::string> notes = notes_on_tables(model, 10.0);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0],
+            "the driver of joint 'A' ends before the run: after its last point, 27 at 3 s, its last cubic goes on and "
+            "reaches 1000 at 10 s: give points until then");
+}
+
 }  // namespace
 }  // namespace concord::compare
