@@ -10,6 +10,7 @@
 
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
+#include "compare/audit/geometric_stiffness.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/draws.h"
 #include "compare/verdict/judge.h"
@@ -174,6 +175,8 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
 
   for (const Who who : kBothSolvers) judge.judge_audit(who, audit(model, found[index(who)]));
   judge.judge_rows();
+  verdict.geometric_stiffness = geometric_stiffness(model, found[0]);
+  for (const std::string& note : notes_on(*verdict.geometric_stiffness)) result.text += fmt::format("note: {}\n", note);
   for (const Who who : kBothSolvers) verdict.trajectories[index(who)] = found[index(who)];
 }
 

@@ -26,7 +26,8 @@ enum class Found { motion, rest, neutral_rest };
 /// Which of the two kinds of rest.
 Found kind_of(const Rests& rests);
 
-/// Judges the wrenches of what both solvers found: in the same states, and of each as it found them; and audits both.
+/// Judges the wrenches of what both solvers found: in the same states, and of each as it found them; audits both, and
+/// notes what the models of flexible bodies leave out there.
 /// What they found stands in the verdict's trajectories.
 void judge_wrenches(const Model& model, const Solvers& solvers, const std::array<Trajectory, 2>& found, Found kind,
                     AnalysisVerdict& result);

@@ -265,6 +265,17 @@ std::vector<GeometricStiffness> geometric_stiffness(const Model& model, const Tr
   return ratios;
 }
 
+namespace {
+
+std::string range_of(const GeometricStiffness& ratio) {
+  const auto text = [](double part, double t) { return fmt::format("{:+.1f} % (t = {:.6g} s)", 100.0 * part, t); };
+  const std::string lowest = text(ratio.lowest, ratio.t_lowest);
+  const std::string highest = text(ratio.highest, ratio.t_highest);
+  return lowest == highest ? lowest : fmt::format("{} to {}", lowest, highest);
+}
+
+}  // namespace
+
 std::vector<std::string> notes_on(const std::vector<GeometricStiffness>& ratios) {
   std::vector<std::string> notes;
   for (const GeometricStiffness& ratio : ratios) {
@@ -272,11 +283,10 @@ std::vector<std::string> notes_on(const std::vector<GeometricStiffness>& ratios)
       notes.push_back(fmt::format("geometric stiffness of body {}: not known, its modes do not come from a beam table",
                                   ratio.body));
     } else if (ratio.is_notable()) {
-      notes.push_back(fmt::format(
-          "geometric stiffness, which no model has: on body {} axial forces reach {:+.1f} % (t = {:.6g} s) to {:+.1f} "
-          "% (t = {:.6g} s) of the elastic stiffness of mode {} ({})",
-          ratio.body, 100.0 * ratio.lowest, ratio.t_lowest, 100.0 * ratio.highest, ratio.t_highest, ratio.mode,
-          ratio.plane));
+      notes.push_back(
+          fmt::format("geometric stiffness, which no model has: on body {} axial forces reach {} of the elastic "
+                      "stiffness of its lowest mode of {}, a_{}",
+                      ratio.body, range_of(ratio), ratio.plane, ratio.mode));
     }
   }
   return notes;

@@ -54,12 +54,10 @@ Json solver(const SolverSummary& summary) {
           {"energy_error", summary.energy_error ? Json(*summary.energy_error) : Json(nullptr)}};
 }
 
-/// Of the first run that there is; null where it is not known.
+/// Null where it is not known.
 Json geometric_stiffness_of(const Model& model, const Verdict& verdict) {
   Json ratios = Json::array();
-  const auto& run = verdict.trajectories[verdict.trajectories[0] ? 0 : 1];
-  const Trajectory none;
-  for (const GeometricStiffness& ratio : geometric_stiffness(model, run ? *run : none)) {
+  for (const GeometricStiffness& ratio : verdict.geometric_stiffness.value_or(geometric_stiffness(model, {}))) {
     if (!ratio.is_known) {
       ratios.push_back({{"body", ratio.body}, {"lowest", nullptr}, {"highest", nullptr}});
       continue;

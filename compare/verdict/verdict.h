@@ -9,6 +9,7 @@
 #include "common/solver.h"
 #include "compare/attribution/attribution.h"
 #include "compare/audit/audit_ledger.h"
+#include "compare/audit/geometric_stiffness.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/curve_metrics.h"
@@ -204,7 +205,9 @@ struct Verdict {
   /// How each solver's runs converge; where runs differ, or if it was asked for. Explains, and is never judged.
   std::optional<Orders> orders;
 
-  std::vector<Finding> findings;      // differences, worst of each joint first
+  std::vector<Finding> findings;  // differences, worst of each joint first
+  /// Of the first run that there is, over all its samples; nothing where there is none.
+  std::optional<std::vector<GeometricStiffness>> geometric_stiffness;
   std::vector<std::string> notes;     // what the reader must know, no difference
   std::vector<std::string> failures;  // why there is no verdict
 

@@ -253,7 +253,8 @@ class Verification {
   void note_geometric_stiffness(const std::array<const Trajectory*, 2>& trajectories) {
     const Trajectory* run = trajectories[trajectories[0] != nullptr ? 0 : 1];
     if (run == nullptr) return;
-    for (std::string& note : notes_on(geometric_stiffness(model_, *run))) verdict_.notes.push_back(std::move(note));
+    verdict_.geometric_stiffness = geometric_stiffness(model_, *run);
+    for (std::string& note : notes_on(*verdict_.geometric_stiffness)) verdict_.notes.push_back(std::move(note));
   }
 
   /// Keeps the rows that were asked for.

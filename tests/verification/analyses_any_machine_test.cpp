@@ -164,6 +164,39 @@ TEST_CASE("A strained beam that floats relaxes to a rest in which nothing acts",
   }
 }
 
+TEST_CASE("Analyses say that a column is pressed beyond what its model can tell", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "column"
+[body.beam]
+length = 1.1
+section = { diameter = 0.021 }
+youngs_modulus = 2.1e11
+density = 7800
+support = "cantilever"
+modes = { bending_xy = [1, 2], bending_xz = [1, 2] }
+[[joint]]
+name = "base"
+type = "weld"
+parent = "ground"
+child = { body = "column", node = "first" }
+[[load]]
+name = "press"
+body = "column"
+node = "last"
+force = [-8000, 0, 0]
+)toml");
+  // Of the lowest mode of a cantilever: integrals of w'^2 and of w''^2 over its length, 4.6478 / L and 12.3624 / L^3.
+  const double elastic = 2.1e11 * std::numbers::pi / 64.0 * std::pow(0.021, 4) * 12.3624 / (1.1 * 1.1);
+  for (const AnalysisVerdict& result : {judge_statics(model, kMakers), judge_linearization(model, kMakers, false)}) {
+    INFO(format_analysis(model, result, true));
+    CHECK(result.text.find("note: geometric stiffness, which no model has: on body column") != std::string::npos);
+    const auto& ratios = result.wrenches.geometric_stiffness;
+    REQUIRE(ratios);
+    for (const auto& ratio : *ratios) CHECK(ratio.lowest == Approx(-8000.0 * 4.6478 / elastic).epsilon(1e-3));
+  }
+}
+
 /// A beam of twenty elements with a hinge at its middle, or held there.
 Model held_at_its_middle(const char* joint, const char* support, const char* modes) {
   return parse(fmt::format(R"toml(format = 1
