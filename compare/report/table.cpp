@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "compare/audit/digits.h"
+#include "compare/report/table_head.h"
 #include "compare/report/text_table.h"
 #include "compare/report/third_table.h"
 #include "compare/verdict/refinement.h"
@@ -16,47 +17,6 @@
 namespace concord::compare {
 
 namespace {
-
-std::string cuts_of(const SolverSummary& solver) {
-  return solver.cut_joints.empty() ? "" : fmt::format("{} cuts {}", solver.name, fmt::join(solver.cut_joints, ", "));
-}
-
-/// Whether the model asks something else of a component than the comparator does.
-bool changes_needs(const Verdict& verdict) {
-  return std::ranges::any_of(verdict.rows, [&](const QuantityRow& row) {
-    return row.need.same_state != verdict.need.same_state || row.need.same_run != verdict.need.same_run ||
-           row.need.refined != verdict.need.refined;
-  });
-}
-
-std::string head(const Verdict& verdict) {
-  std::string text = fmt::format("{}: {}, {}, {}", verdict.name, plural(verdict.bodies, "body", "bodies"),
-                                 plural(verdict.joints, "joint", "joints"), plural(verdict.loops, "loop", "loops"));
-  std::vector<std::string> cuts;
-  for (const SolverSummary& solver : verdict.solvers) {
-    if (const std::string cut = cuts_of(solver); !cut.empty()) cuts.push_back(cut);
-  }
-  if (!cuts.empty()) text += fmt::format(" ({})", fmt::join(cuts, "; "));
-  text += fmt::format(", {} of which {} modal\n",
-                      plural(verdict.solvers[0].rank.degrees_of_freedom, "degree of freedom", "degrees of freedom"),
-                      verdict.modes);
-  text += "  constraints at the start:";
-  for (std::size_t who = 0; who < 2; ++who) {
-    const SolverSummary& solver = verdict.solvers[who];
-    text +=
-        fmt::format("{} {} {} of rank {}", who == 0 ? "" : ",", solver.name, solver.rank.constraints, solver.rank.rank);
-  }
-  text += fmt::format("\n  run: {:g} s, {} samples, rtol {:g}, refined {:g}, {} by {}, {} by {}\n", verdict.run.until,
-                      verdict.run.samples + 1, verdict.run.rtol, refined_tolerance(verdict.run.rtol),
-                      verdict.solvers[0].name, verdict.solvers[0].integrator, verdict.solvers[1].name,
-                      verdict.solvers[1].integrator);
-  text += fmt::format(
-      "  digits needed: same state {:g}, same run {:g}, refined {:g} or {:g} more than the same run, audit {:g}, of "
-      "motions {:g}{}\n",
-      verdict.need.same_state, verdict.need.same_run, verdict.need.refined, kRefinedRise, kAudit, kAuditByDifferences,
-      changes_needs(verdict) ? "; [[need]] of the model asks otherwise" : "");
-  return text;
-}
 
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
@@ -375,7 +335,7 @@ bool agrees_with_reference(const Verdict& verdict) {
 }
 
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
-  std::string text = head(verdict) + '\n';
+  std::string text = table_head(verdict) + '\n';
   text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const Rung rung : kRungs) {

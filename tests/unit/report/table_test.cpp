@@ -52,6 +52,16 @@ TEST_F(TableTest, CompactHasOneRowForEachJointAndSide) {
   EXPECT_THAT(table, HasSubstr("\nagree pendulum: 10 of 10 components judged; passed: rank, same state 16.0"));
 }
 
+TEST_F(TableTest, WhatASolverCouldNotFindAtItsStartIsNotKnown) {
+  Verdict verdict = verify(model_, cartesian_, relative_, {});
+  verdict.solvers[0].rank = {};
+  EXPECT_THAT(format_verdict(model_, verdict, false),
+              HasSubstr("1 degree of freedom of which 0 modal\n  constraints at "
+                        "the start: cartesian not known, relative 5 of rank 5"));
+  verdict.solvers[1].rank = {};
+  EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr(", degrees of freedom not known\n"));
+}
+
 TEST(ComponentCount, HoldsForceElementsToo) {
   Verdict verdict;
   verdict.name = "thrown";
