@@ -93,8 +93,8 @@ Result result_of_verdict(const std::string& name, const VerdictJson& document) {
 ResultsFile results_of_verdicts(const VerdictJson& document) {
   const char* unknown = "not known";
   ResultsFile found{{{unknown, unknown, unknown, unknown}, "", {}}, true, is_verdict(document)};
-  if (found.is_unnamed) {
-    found.night.results.push_back(result_of_verdict("", document));
+  if (found.is_single) {
+    found.night.results.push_back(result_of_verdict(document.value("name", ""), document));
     return found;
   }
   for (const auto& [name, verdict] : document.items()) found.night.results.push_back(result_of_verdict(name, verdict));
@@ -109,14 +109,22 @@ VerdictJson verdicts_in(const std::filesystem::path& file) {
   return is_verdict(document) || are_verdicts(document) ? document : VerdictJson();
 }
 
-void name_after(ResultsFile& unnamed, const ResultsFile& other, const std::string& file) {
-  if (!unnamed.is_unnamed) return;
-  if (other.night.results.size() != 1) {
+/// One case in both files, though its model may have been renamed between them; files of older versions hold no name.
+std::string name_of_both(const std::string& one, const std::string& other) {
+  if (one.empty() && other.empty()) return "model";
+  if (one.empty() || other.empty() || one == other) return one.empty() ? other : one;
+  return fmt::format("{} / {}", one, other);
+}
+
+void name_after(ResultsFile& single, const ResultsFile& other, const std::string& file) {
+  std::string& id = single.night.results.front().id;
+  if (other.night.results.size() == 1) {
+    id = other.night.results.front().id;
+  } else if (id.empty()) {
     throw InputError({file, 0, 0},
                      "holds one model without its name, the other file several: write both with the "
                      "same models by `concord compare --json`");
   }
-  unnamed.night.results.front().id = other.is_unnamed ? "model" : other.night.results.front().id;
 }
 
 }  // namespace
@@ -140,8 +148,15 @@ void require_comparable(ResultsFile& one, ResultsFile& other, const std::string&
                                  "components have other names",
                                  one.is_of_compare ? b : a));
   }
-  name_after(one, other, a);
-  name_after(other, one, b);
+  if (one.is_single && other.is_single) {
+    std::string& id = one.night.results.front().id;
+    std::string& same = other.night.results.front().id;
+    id = same = name_of_both(id, same);
+  } else if (one.is_single) {
+    name_after(one, other, a);
+  } else if (other.is_single) {
+    name_after(other, one, b);
+  }
   const auto is_in_other = [&](const Result& result) {
     const auto is_it = [&](const Result& another) { return another.id == result.id; };
     return std::any_of(other.night.results.begin(), other.night.results.end(), is_it);

@@ -10,7 +10,7 @@ namespace concord::compare::nightly {
 struct ResultsFile {
   NightFile night;
   bool is_of_compare = false;  // by `concord compare --json`: sides and joints, without bodies, peaks and integrators
-  bool is_unnamed = false;     // and of one model, whose name it does not hold
+  bool is_single = false;      // and of one model, whose name files of older versions do not hold
 };
 
 /// Results of a file that `nightly --json` or `compare --json` wrote. Throws InputError if it is neither; a version

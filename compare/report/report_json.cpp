@@ -101,6 +101,7 @@ Json document(const Model& model, const Verdict& verdict) {
   solvers["relative"] = solver(verdict.solvers[1]);
   const ComponentCount reactions = count_reactions(verdict);
   Json said{{"format", kVerdictFormat},
+            {"name", verdict.name},
             {"verdict", to_string(verdict.outcome)},
             {"judged", reactions.judged},
             {"total", reactions.total},

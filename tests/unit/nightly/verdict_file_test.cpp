@@ -54,7 +54,7 @@ TEST_F(VerdictFiles, VerdictOfOneModelIsRead) {
   const auto document = nlohmann::json::parse(format_json(model_, verdict_));
   const ResultsFile file = read_results_file(written("one.json", document.dump()));
   EXPECT_TRUE(file.is_of_compare);
-  EXPECT_TRUE(file.is_unnamed);
+  EXPECT_TRUE(file.is_single);
   const Result& one = file.night.results.at(0);
   EXPECT_EQ(one.ending, Ending::agree);
   EXPECT_EQ(one.judged, document.at("judged"));
@@ -88,11 +88,25 @@ TEST_F(VerdictFiles, SeveralModelsKeepTheirNames) {
   ResultsFile two = read_results_file(file);
   ASSERT_EQ(two.night.results.size(), 2U);
   EXPECT_EQ(two.night.results[0].id, "another");
-  EXPECT_FALSE(two.is_unnamed);
-  ResultsFile one = read_results_file(written("one.json", format_json(model_, verdict_)));
-  EXPECT_THROW(require_comparable(one, two, "one", "two"), InputError);
+  EXPECT_FALSE(two.is_single);
+  auto document = nlohmann::json::parse(format_json(model_, verdict_));
+  ResultsFile one = read_results_file(written("one.json", document.dump()));
+  EXPECT_NO_THROW(require_comparable(one, two, "one", "two"));
+  document.erase("name");
+  ResultsFile unnamed = read_results_file(written("unnamed.json", document.dump()));
+  EXPECT_THROW(require_comparable(unnamed, two, "unnamed", "two"), InputError);
   ResultsFile night;
   EXPECT_THROW(require_comparable(night, two, "night", "two"), InputError);
+}
+
+TEST_F(VerdictFiles, OneModelUnderTwoNamesIsComparedUnderBoth) {
+  auto document = nlohmann::json::parse(format_json(model_, verdict_));
+  ResultsFile then = read_results_file(written("then.json", document.dump()));
+  document["name"] = "renamed";
+  ResultsFile now = read_results_file(written("now.json", document.dump()));
+  require_comparable(then, now, "then", "now");
+  EXPECT_EQ(then.night.results.at(0).id, verdict_.name + " / renamed");
+  EXPECT_EQ(now.night.results.at(0).id, verdict_.name + " / renamed");
 }
 
 TEST_F(VerdictFiles, VersionThatIsNotKnownIsRefusedByName) {

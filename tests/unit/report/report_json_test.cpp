@@ -30,8 +30,8 @@ class ReportJsonTest : public ::testing::Test {
 
 TEST_F(ReportJsonTest, HasTheseKeys) {
   const Json json = document();
-  EXPECT_THAT(keys(json), ElementsAre("format", "verdict", "judged", "total", "same_state", "same_run", "refined",
-                                      "audit", "joints", "solvers"));
+  EXPECT_THAT(keys(json), ElementsAre("format", "name", "verdict", "judged", "total", "same_state", "same_run",
+                                      "refined", "audit", "joints", "solvers"));
   for (const char* rung : {"same_state", "same_run", "refined", "audit"}) {
     EXPECT_THAT(keys(json[rung]), ElementsAre("digits"));
   }
