@@ -129,6 +129,7 @@ Json head_json(const NightReport& report) {
           {"exit_code", report.code},
           {"trouble", report.trouble},
           {"only", report.only},
+          {"is_finished", report.is_finished},
           {"changes", std::move(changes)}};
 }
 
@@ -310,7 +311,16 @@ NightFile read_night_json(const std::filesystem::path& file) {
     found.origin = {origin.at("version"), origin.at("commit"), origin.at("compiler"), origin.at("machine")};
     found.title = document.at("title");
     found.only = document.value("only", "");
-    for (const Json& one : document.at("cases")) found.results.push_back(result_from_json(one));
+    found.is_finished = document.value("is_finished", true);
+    for (const Json& one : document.at("cases")) {
+      Result result = result_from_json(one);
+      // A case that the night did not come to is none of its results.
+      if (result.ending == Ending::not_run) {
+        found.is_finished = false;
+      } else {
+        found.results.push_back(std::move(result));
+      }
+    }
   } catch (const Json::exception& error) {
     refuse(fmt::format("cannot be read: {}", without_tag(error.what())));
   } catch (const InputError&) {

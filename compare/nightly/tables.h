@@ -81,7 +81,7 @@ void write_night_json(const std::filesystem::path& file, const NightReport& repo
 /// What a JSON error says, without the library's own name for it.
 std::string without_tag(const std::string& words);
 
-/// Results of a file that write_night_json() wrote.
+/// Results of a file that write_night_json() wrote: those of the cases that the night came to.
 struct NightFile {
   Origin origin;
   std::string title;

@@ -491,6 +491,20 @@ TEST_F(Nights, NightThatWasStoppedLacksNoCasesInADifference) {
   }
 }
 
+TEST_F(Nights, FileOfAStoppedNightLacksWhatTheNightDidNotComeTo) {
+  const auto whole = folder_.path() / "whole.json";
+  const auto stopped = folder_.path() / "stopped.json";
+  static_cast<void>(nightly({.history = history_, .json = whole}));
+  auto document = nlohmann::json::parse(read_text_file(whole));
+  EXPECT_EQ(document.at("is_finished"), true);
+  document.at("cases").at(0)["ending"] = to_string(Ending::not_run);
+  std::ofstream(stopped) << document.dump();
+  const Told said = difference({.a = whole.string(), .b = stopped.string()});
+  EXPECT_EQ(said.code, kCouldNotFinish);
+  EXPECT_THAT(said.out, HasSubstr("is not finished: of the other side's cases 1 was not run there\n"));
+  EXPECT_THAT(said.out, AllOf(Not(HasSubstr("worse")), Not(HasSubstr("gone"))));
+}
+
 TEST_F(Nights, ChoiceOfCasesIsToldAndLeavesNothingGone) {
   static_cast<void>(nightly({.history = history_}));
   const Told chosen = nightly({.only = "sound", .history = history_, .json = folder_.path() / "chosen.json"});
