@@ -22,6 +22,16 @@ double mass_in(const Body& body) {
   return sum;
 }
 
+/// How far a unit of each mode moves a body at most, its turns counted at the length [m].
+VecX ways_of_modes(const Body& body, double length) {
+  if (!body.modal) return {};
+  VecX ways = largest_displacements(body);
+  for (const ModalNode& node : body.modal->nodes) {
+    ways = ways.cwiseMax(length * VecX(node.Psi_r_L.colwise().norm().transpose()));
+  }
+  return ways;
+}
+
 /// What of a residual its own uncertainty does not explain.
 double beyond(double residual, double doubt) {
   return std::isnan(residual) ? residual : std::max(0.0, std::abs(residual) - doubt);
@@ -49,6 +59,7 @@ MotionAudit::MotionAudit(const Model& model) : model_(model), length_(model.leng
       coupled_speeds_[static_cast<std::size_t>(term.joint)].push_back(u);
     }
   }
+  for (const Body& body : model.bodies) ways_.push_back(ways_of_modes(body, length_));
   kinematics_.resize(model.joints.size());
   scales_.resize(model.joints.size());
 }
@@ -87,7 +98,7 @@ void MotionAudit::add(const State& state, const Evaluation& evaluation) {
 
 /// Of forces: what gravity does, and what the largest force would do to the machine's mass. A rotor whose places all
 /// lie on its axis moves none of them, and a bearing at rest sees none of what it spins: they are held against a part
-/// of the fastest body's rim.
+/// of the fastest body's rim, or of what its modes move fastest.
 MotionAudit::LeastScales MotionAudit::least_scales(const State& state, const Evaluation& evaluation) const {
   constexpr double kPartOfFastest = 1e-6;
   LeastScales least;
@@ -95,9 +106,11 @@ MotionAudit::LeastScales MotionAudit::least_scales(const State& state, const Eva
   for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     const double turn = state.bodies[i].omega.norm();
     const BodyAcceleration& rates = evaluation.bodies[i];
-    least.speed = std::max({least.speed, length_ * turn, state.bodies[i].v.norm()});
-    least.acceleration =
-        std::max({least.acceleration, length_ * (turn * turn + rates.omegadot.norm()), rates.vdot.norm()});
+    const double modes_move = ways_[i].dot(state.bodies[i].adot.cwiseAbs());
+    const double modes_accelerate = ways_[i].dot(rates.addot.cwiseAbs());
+    least.speed = std::max({least.speed, length_ * turn, state.bodies[i].v.norm(), modes_move});
+    least.acceleration = std::max(
+        {least.acceleration, length_ * (turn * turn + rates.omegadot.norm()), rates.vdot.norm(), modes_accelerate});
   }
   least.speed *= kPartOfFastest;
   least.acceleration *= kPartOfFastest;
