@@ -103,7 +103,7 @@ void Deviations::find_weights() {
 
 void Deviations::find_weights_of_bodies(const State& state, const Vec3& W) {
   constexpr double kTurnsAlong = 1e-3;
-  constexpr double kOfOthers = 1e-3;
+  constexpr double kOfOthers = 1e-4;
   std::vector<double> weights;
   const double length = model_.length_scale();
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
@@ -198,16 +198,24 @@ void Deviations::turn_rows(VecX& rows) const {
   }
 }
 
-std::optional<TurningAxes> axes_of_fastest_body(const State& state) {
-  TurningAxes axes{state.t, {}};
-  Vec3 fastest = Vec3::Zero();
-  for (const BodyState& body : state.bodies) {
-    if (body.omega.norm() > fastest.norm()) fastest = body.omega;
-  }
-  if (fastest.isZero(0.0)) return std::nullopt;
+std::vector<TurningAxes> axes_of_bodies(const State& state) {
+  constexpr std::size_t kMost = 3;
+  constexpr double kSame = 1e-6;  // of the fastest
   constexpr double kRoundOff = 1e-12;
-  axes.of_bodies = (fastest.array().abs() > kRoundOff * fastest.norm()).select(fastest, 0.0);
-  return axes;
+  std::vector<Vec3> rates;
+  for (const BodyState& body : state.bodies) rates.push_back(body.omega);
+  std::stable_sort(rates.begin(), rates.end(),
+                   [](const Vec3& one, const Vec3& other) { return one.norm() > other.norm(); });
+  const double fastest = rates.front().norm();
+  std::vector<TurningAxes> all;
+  for (const Vec3& W : rates) {
+    const auto is_it = [&](const TurningAxes& axes) { return (*axes.of_bodies - W).norm() <= kSame * fastest; };
+    if (all.size() == kMost || !(W.norm() > kSame * fastest)) break;
+    if (std::any_of(all.begin(), all.end(), is_it)) continue;
+    all.push_back({state.t, {}});
+    all.back().of_bodies = (W.array().abs() > kRoundOff * W.norm()).select(W, 0.0);
+  }
+  return all;
 }
 
 std::optional<TurningAxes> Deviations::steady_axes() {

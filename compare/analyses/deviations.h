@@ -103,7 +103,7 @@ class Deviations {
   VecX accelerations_;
 };
 
-/// Axes that turn as the fastest body does, for all bodies; nothing if none turns.
-std::optional<TurningAxes> axes_of_fastest_body(const State& state);
+/// Axes that turn as one of the bodies does, for all bodies: of each speed one, the fastest first, at most three.
+std::vector<TurningAxes> axes_of_bodies(const State& state);
 
 }  // namespace concord::compare::analyses

@@ -132,6 +132,8 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   const ModeSearch search{chart, scale, result.B.norm() <= kNoDamping * frequency, frequency};
   const MotionMatrices matrices{result.A, result.B};
   const MotionMatrices errors{stiffness.error, std::move(damping.error)};
+  result.A_error = errors.A;
+  result.B_error = errors.B;
   FoundModes found = find_modes(search, matrices, errors);
   measure_mode_resolution(search, matrices, errors, found.moving);
   result.free_range = weigh_decisions_on_free(search, matrices, errors, found);
@@ -146,24 +148,77 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
   return result;
 }
 
+namespace {
+
+/// The state h seconds on: velocities by the accelerations half way there.
+std::optional<State> moved_on(const Model& model, Solver& solver, const State& state, double h) {
+  const auto half_way = solver.close(predict(model, {state, solver.evaluate(state), 0.0}, 0.5 * h));
+  if (!half_way) return std::nullopt;
+  return solver.close(predict(model, {state, solver.evaluate(*half_way), 0.0}, h));
+}
+
+/// [0 top; A B], of first order.
+MatX first_order(const MatX& A, const MatX& B, double top) {
+  const Eigen::Index n = A.rows();
+  MatX S = MatX::Zero(2 * n, 2 * n);
+  S.topRightCorner(n, n) = top * MatX::Identity(n, n);
+  S.bottomLeftCorner(n, n) = A;
+  S.bottomRightCorner(n, n) = B;
+  return S;
+}
+
+/// How fast changes dA, dB within dt couple modes to each other and to themselves, for each two as a part of the square
+/// of the faster one's rate; beyond what differences leave open, and of modes that are told from zero.
+double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX& dB, double dt) {
+  constexpr double kTimesOpen = 4.0;
+  constexpr double kRoundOff = 1e-11;
+  const MatX S = first_order(found.A, found.B, 1.0);
+  const GeneralEigenpairs modes = eigenpairs(S);
+  const Eigen::MatrixXcd inverse = inverse_of(modes.vectors);
+  if (!inverse.allFinite()) return 0.0;
+  const MatX coupling = (inverse * first_order(dA, dB, 0.0) * modes.vectors).cwiseAbs();
+  const MatX open =
+      inverse.cwiseAbs() *
+      (kTimesOpen * first_order(found.A_error, found.B_error, 0.0) + kRoundOff * first_order(found.A, found.B, 0.0))
+          .cwiseAbs() *
+      modes.vectors.cwiseAbs();
+  const double slowest = std::max(found.resolution, found.slowest);
+  double largest = 0.0;
+  for (Eigen::Index j = 0; j < coupling.rows(); ++j) {
+    for (Eigen::Index k = 0; k < coupling.cols(); ++k) {
+      const double rates[] = {std::abs(modes.values(j)), std::abs(modes.values(k))};
+      if (!(std::min(rates[0], rates[1]) > slowest)) continue;
+      const double faster = std::max(rates[0], rates[1]);
+      largest = std::max(largest, (coupling(j, k) - open(j, k)) / (dt * faster * faster));
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
 Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found) {
   constexpr double kAccelerates = 1e-8;
-  constexpr double kMovesBy = 1e-4;  // rad, or of the length: the prediction errs by its square
+  constexpr double kMovesBy = 0.01;  // rad, or of the length
   Steadiness steadiness;
   steadiness.accelerates = found.unsteadiness > kAccelerates;
   if (found.rate <= found.resolution) return steadiness;
-  const Sample now{found.state, solver.evaluate(found.state), 0.0};
-  const auto later = solver.close(predict(model, now, kMovesBy / found.rate));
+  const double dt = kMovesBy / found.rate;
+  const auto later = moved_on(model, solver, found.state, dt);
   if (!later) return steadiness;
   const Linearization there = linearize(model, solver, *later, found.axes);
   if (there.directions.cols() != found.directions.cols()) return steadiness;
   const MatX to_here = least_squares(found.directions, there.directions);
   const MatX from_here = least_squares(there.directions, found.directions);
+  const MatX dA = to_here * there.A * from_here - found.A;
+  const MatX dB = to_here * there.B * from_here - found.B;
   double fastest = found.rate;
   for (const Mode& mode : found.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
-  steadiness.change = std::max((to_here * there.A * from_here - found.A).norm() / (fastest * fastest),
-                               (to_here * there.B * from_here - found.B).norm() / fastest) /
-                      kMovesBy;
+  const MatX here = orthonormal_columns(found.directions);
+  const MatX beyond = orthonormal_columns(there.directions);
+  const double turned = (beyond - here * (here.transpose() * beyond)).norm();
+  steadiness.change = std::max({std::max({dA.norm() / (fastest * fastest), dB.norm() / fastest, turned}) / kMovesBy,
+                                coupling_of_modes(found, dA, dB, dt)});
   return steadiness;
 }
 
@@ -173,7 +228,8 @@ std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model,
     candidates.assign(2, *of_balls);
     candidates.back().carry_places = true;
   }
-  if (const auto of_bodies = axes_of_fastest_body(state)) candidates.push_back(*of_bodies);
+  const std::vector<TurningAxes> of_bodies = axes_of_bodies(state);
+  candidates.insert(candidates.end(), of_bodies.begin(), of_bodies.end());
   std::optional<TurningLinearization> nearly;
   for (const TurningAxes& axes : candidates) {
     TurningLinearization turning{linearize(model, solver, state, axes), {}};

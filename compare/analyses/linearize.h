@@ -46,6 +46,9 @@ struct Linearization {
   /// deltaddot = A delta + B deltadot: deviations from the motion through the state, see Deviations.
   MatX A;
   MatX B;
+  /// By how much differences leave their entries open.
+  MatX A_error;
+  MatX B_error;
   /// Speeds of joints and modes, in units of the machine, that the coordinates' rates are: a column for each.
   MatX directions;
   /// Ordered by |lambda|, then by its real part.
@@ -90,8 +93,10 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
 /// By how much the motion of a linearization fails to be steady: 0, or why its modes are those of a frozen machine.
 struct Steadiness {
   bool accelerates = false;  // some joint's speed changes
-  /// By how much the matrices change in a radian of motion, as a part of the fastest rate and its square; 0 where the
-  /// machine rests.
+  /// The largest, 0 where the machine rests, of three: by how much the matrices change in a radian of motion, as a part
+  /// of the fastest rate and its square; by how much the permitted directions turn in it; and by how much modes that
+  /// are told from zero are coupled anew within a radian of the faster of each two, which a part that is stiff or spins
+  /// fast does not hide.
   double change = 0.0;
 
   [[nodiscard]] bool has_constant_matrices() const { return change <= 1e-3; }
