@@ -198,20 +198,25 @@ void Deviations::turn_rows(VecX& rows) const {
   }
 }
 
-std::vector<TurningAxes> axes_of_bodies(const State& state) {
+std::vector<TurningAxes> axes_of_bodies(const Model& model, const State& state) {
   constexpr std::size_t kMost = 3;
   constexpr double kSame = 1e-6;  // of the fastest
   constexpr double kRoundOff = 1e-12;
-  std::vector<Vec3> rates;
-  for (const BodyState& body : state.bodies) rates.push_back(body.omega);
-  std::stable_sort(rates.begin(), rates.end(),
-                   [](const Vec3& one, const Vec3& other) { return one.norm() > other.norm(); });
-  const double fastest = rates.front().norm();
+  std::vector<std::size_t> order;
+  double fastest = 0.0;
+  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
+    order.push_back(i);
+    fastest = std::max(fastest, state.bodies[i].omega.norm());
+  }
+  const auto rank_of = [&](std::size_t i) {
+    return std::pair(model.bodies[i].n_modes() > 0, state.bodies[i].omega.norm());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank_of(a) > rank_of(b); });
   std::vector<TurningAxes> all;
-  for (const Vec3& W : rates) {
+  for (const std::size_t i : order) {
+    const Vec3& W = state.bodies[i].omega;
     const auto is_it = [&](const TurningAxes& axes) { return (*axes.of_bodies - W).norm() <= kSame * fastest; };
-    if (all.size() == kMost || !(W.norm() > kSame * fastest)) break;
-    if (std::any_of(all.begin(), all.end(), is_it)) continue;
+    if (all.size() == kMost || !(W.norm() > kSame * fastest) || std::any_of(all.begin(), all.end(), is_it)) continue;
     all.push_back({state.t, {}});
     all.back().of_bodies = (W.array().abs() > kRoundOff * W.norm()).select(W, 0.0);
   }

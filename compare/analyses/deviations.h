@@ -103,7 +103,8 @@ class Deviations {
   VecX accelerations_;
 };
 
-/// Axes that turn as one of the bodies does, for all bodies: of each speed one, the fastest first, at most three.
-std::vector<TurningAxes> axes_of_bodies(const State& state);
+/// Axes that turn as one of the bodies does, for all bodies: of each speed one, those of flexible bodies first, in
+/// whose axes modes deviate, then the fastest; at most three.
+std::vector<TurningAxes> axes_of_bodies(const Model& model, const State& state);
 
 }  // namespace concord::compare::analyses

@@ -209,10 +209,14 @@ class ModeJudge {
 
 /// About a motion that is not steady, modes say how the machine behaves as if it stayed as it is now.
 std::string steadiness_text(const Steadiness& steadiness) {
+  if (steadiness.is_steady()) return "";
   if (steadiness.accelerates) {
     return "note: the machine accelerates in this state: modes are those of the machine frozen in it\n";
   }
-  if (steadiness.is_steady()) return "";
+  if (std::isinf(steadiness.change)) {
+    return "note: whether the motion is steady is not known, as no closed state a little later is found; modes are "
+           "those of the machine frozen in this state\n";
+  }
   return fmt::format(
       "note: the motion is not steady: in a radian of it the matrices change by {:.2g} of the fastest rate; modes are "
       "those of the machine frozen in this state, and may be those of no motion\n",
@@ -221,13 +225,14 @@ std::string steadiness_text(const Steadiness& steadiness) {
 
 std::string axes_text(const Model& model, const TurningLinearization& turning) {
   const TurningAxes& axes = turning.found.axes;
-  const bool is_steady = turning.steadiness.is_steady();
   const auto line = [&](const Vec3& W, const std::string& what) {
     return fmt::format(
         "note: {} axes that turn at ({:.6g}, {:.6g}, {:.6g}) rad/s; deviations of {} are measured in them\n",
-        is_steady ? "the motion is steady in" : "the matrices do not change in", W(0), W(1), W(2), what);
+        turning.is_steady ? "the motion is steady in"
+                          : "the machine accelerates a little, but its matrices do not change, in",
+        W(0), W(1), W(2), what);
   };
-  std::string text = is_steady ? "" : steadiness_text(turning.steadiness);
+  std::string text;
   if (axes.of_bodies) text += line(*axes.of_bodies, "all bodies");
   for (std::size_t k = 0; k < axes.rates.size(); ++k) {
     if (axes.rates[k].isZero(0.0)) continue;
@@ -244,7 +249,8 @@ void measure_in_steady_axes(const Model& model, const Solvers& solvers, const st
   const Steadiness steadiness = steadiness_of(model, *solvers[0], *result.linearizations[0]);
   std::optional<TurningLinearization> turning;
   if (!steadiness.is_steady()) turning = linearize_in_steady_axes(model, *solvers[0], state_of(Who::cartesian));
-  if (!turning || (!turning->steadiness.is_steady() && steadiness.has_constant_matrices())) {
+  const auto is_as_constant = [&] { return has_constant_matrices(model, *solvers[0], *result.linearizations[0]); };
+  if (!turning || (!turning->is_steady && is_as_constant())) {
     result.text += steadiness_text(steadiness);
     return;
   }

@@ -17,6 +17,7 @@
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
 #include "compare/verdict/prediction.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {
 
@@ -154,7 +155,10 @@ namespace {
 std::optional<State> moved_on(const Model& model, Solver& solver, const State& state, double h) {
   const auto half_way = solver.close(predict(model, {state, solver.evaluate(state), 0.0}, 0.5 * h));
   if (!half_way) return std::nullopt;
-  return solver.close(predict(model, {state, solver.evaluate(*half_way), 0.0}, h));
+  const auto evaluation = evaluation_unless_refused(solver, *half_way);
+  if (!evaluation) return std::nullopt;
+  const auto later = solver.close(predict(model, {state, *evaluation, 0.0}, h));
+  return later && accepts(solver, *later) ? later : std::nullopt;
 }
 
 /// [0 top; A B], of first order.
@@ -197,45 +201,82 @@ double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX&
 
 }  // namespace
 
-Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found) {
-  constexpr double kAccelerates = 1e-8;
-  constexpr double kMovesBy = 0.01;  // rad, or of the length
-  Steadiness steadiness;
-  steadiness.accelerates = found.unsteadiness > kAccelerates;
-  if (found.rate <= found.resolution) return steadiness;
+namespace {
+
+constexpr double kMovesBy = 0.01;  // rad, or of the length
+constexpr double kConstant = 1e-3;
+
+/// By how much permitted directions turn from one set to another, as the sine of an angle.
+double turned_between(const MatX& directions, const MatX& others) {
+  if (others.cols() != directions.cols()) return HUGE_VAL;
+  const MatX here = orthonormal_columns(directions);
+  const MatX there = orthonormal_columns(others);
+  return (there - here * (here.transpose() * there)).norm();
+}
+
+/// See Steadiness::change.
+double change_along_motion(const Model& model, Solver& solver, const Linearization& found) {
   const double dt = kMovesBy / found.rate;
   const auto later = moved_on(model, solver, found.state, dt);
-  if (!later) return steadiness;
+  if (!later) return HUGE_VAL;
   const Linearization there = linearize(model, solver, *later, found.axes);
-  if (there.directions.cols() != found.directions.cols()) return steadiness;
+  const double turned = turned_between(found.directions, there.directions);
+  if (turned == HUGE_VAL) return turned;
   const MatX to_here = least_squares(found.directions, there.directions);
   const MatX from_here = least_squares(there.directions, found.directions);
   const MatX dA = to_here * there.A * from_here - found.A;
   const MatX dB = to_here * there.B * from_here - found.B;
   double fastest = found.rate;
   for (const Mode& mode : found.modes) fastest = std::max(fastest, std::abs(mode.eigenvalue));
-  const MatX here = orthonormal_columns(found.directions);
-  const MatX beyond = orthonormal_columns(there.directions);
-  const double turned = (beyond - here * (here.transpose() * beyond)).norm();
-  steadiness.change = std::max({std::max({dA.norm() / (fastest * fastest), dB.norm() / fastest, turned}) / kMovesBy,
-                                coupling_of_modes(found, dA, dB, dt)});
+  return std::max(std::max({dA.norm() / (fastest * fastest), dB.norm() / fastest, turned}) / kMovesBy,
+                  coupling_of_modes(found, dA, dB, dt));
+}
+
+/// Whether permitted directions stand still in axes that turn, which costs next to nothing to see.
+bool directions_stand_still(const Model& model, Solver& solver, const Deviations& deviations, const TurningAxes& axes) {
+  const State& state = deviations.chart().origin();
+  const auto later = moved_on(model, solver, state, kMovesBy / deviations.speed());
+  if (!later) return false;
+  const Deviations there(model, solver, *later, axes);
+  return turned_between(deviations.directions(), there.directions()) <= kConstant * kMovesBy;
+}
+
+}  // namespace
+
+Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found) {
+  constexpr double kAccelerates = 1e-8;
+  Steadiness steadiness;
+  steadiness.accelerates = found.unsteadiness > kAccelerates;
+  if (!steadiness.accelerates && found.rate > found.resolution) {
+    steadiness.change = change_along_motion(model, solver, found);
+  }
   return steadiness;
 }
 
+bool has_constant_matrices(const Model& model, Solver& solver, const Linearization& found) {
+  return found.rate <= found.resolution || change_along_motion(model, solver, found) <= kConstant;
+}
+
 std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state) {
+  constexpr double kALittle = 0.01;
   std::vector<TurningAxes> candidates;
   if (const auto of_balls = Deviations(model, solver, state).steady_axes()) {
     candidates.assign(2, *of_balls);
     candidates.back().carry_places = true;
   }
-  const std::vector<TurningAxes> of_bodies = axes_of_bodies(state);
+  const std::vector<TurningAxes> of_bodies = axes_of_bodies(model, state);
   candidates.insert(candidates.end(), of_bodies.begin(), of_bodies.end());
   std::optional<TurningLinearization> nearly;
   for (const TurningAxes& axes : candidates) {
-    TurningLinearization turning{linearize(model, solver, state, axes), {}};
-    turning.steadiness = steadiness_of(model, solver, turning.found);
-    if (turning.steadiness.is_steady()) return turning;
-    if (!nearly && turning.steadiness.has_constant_matrices()) nearly = std::move(turning);
+    const Deviations deviations(model, solver, state, axes);
+    if (!(deviations.speed() > 0.0) || !directions_stand_still(model, solver, deviations, axes)) continue;
+    Linearization found = linearize(model, solver, state, axes);
+    const Steadiness steadiness = steadiness_of(model, solver, found);
+    if (steadiness.is_steady()) return TurningLinearization{std::move(found), true};
+    const bool may_be_constant = !nearly && steadiness.accelerates && found.unsteadiness <= kALittle;
+    if (may_be_constant && has_constant_matrices(model, solver, found)) {
+      nearly = TurningLinearization{std::move(found), false};
+    }
   }
   return nearly;
 }

@@ -93,27 +93,29 @@ Linearization linearize(const Model& model, Solver& solver, const State& state, 
 /// By how much the motion of a linearization fails to be steady: 0, or why its modes are those of a frozen machine.
 struct Steadiness {
   bool accelerates = false;  // some joint's speed changes
-  /// The largest, 0 where the machine rests, of three: by how much the matrices change in a radian of motion, as a part
-  /// of the fastest rate and its square; by how much the permitted directions turn in it; and by how much modes that
-  /// are told from zero are coupled anew within a radian of the faster of each two, which a part that is stiff or spins
-  /// fast does not hide.
+  /// The largest of three: by how much the matrices change in a radian of motion, as a part of the fastest rate and its
+  /// square; by how much the permitted directions turn in it; and by how much modes that are told from zero are coupled
+  /// anew within a radian of the faster of each two, which a part that is stiff or spins fast does not hide. 0 where
+  /// the machine rests or accelerates; infinite where no closed state a little later is found.
   double change = 0.0;
 
-  [[nodiscard]] bool has_constant_matrices() const { return change <= 1e-3; }
-  [[nodiscard]] bool is_steady() const { return !accelerates && has_constant_matrices(); }
+  [[nodiscard]] bool is_steady() const { return !accelerates && change <= 1e-3; }
 };
 Steadiness steadiness_of(const Model& model, Solver& solver, const Linearization& found);
 
-/// A linearization in axes that turn, and how steady the motion is in them.
+/// Whether the matrices stay what they are along the motion, though it may accelerate.
+bool has_constant_matrices(const Model& model, Solver& solver, const Linearization& found);
+
+/// A linearization in axes that turn, and whether the motion is steady in them; if not, its matrices are.
 struct TurningLinearization {
   Linearization found;
-  Steadiness steadiness;
+  bool is_steady = true;
 };
 
 /// The same in axes in which a motion is steady that is not in those of the joints' sides: that of a body that spins
 /// about a principal axis, of a top that precesses, of a rotor in bearings that tilt. Where there are none, in axes in
-/// which the matrices do not change at least, as those of a rotor that an unbalance accelerates a little; nothing
-/// where there are no such axes either.
+/// which the machine accelerates by a hundredth of what its forces cause at most and the matrices do not change, as
+/// those of a rotor with a small unbalance; nothing where there are no such axes either.
 std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model, Solver& solver, const State& state);
 
 }  // namespace concord::compare::analyses

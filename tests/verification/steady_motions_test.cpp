@@ -439,10 +439,82 @@ TEST_CASE("A Jeffcott rotor has its frequencies at rest, less and more by its sp
 }
 
 TEST_CASE("An unbalance of a micrometre changes the frequencies of a rotor by as little", "[analyses][quick]") {
-  const std::vector<double> balanced = frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0), "");
-  const std::vector<double> found = frequencies_in_turning_axes(jeffcott_rotor(55.0, 1e-6), "matrices do not change");
+  const std::vector<double> balanced =
+      frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0), "steady in axes that turn");
+  const std::vector<double> found =
+      frequencies_in_turning_axes(jeffcott_rotor(55.0, 1e-6), "its matrices do not change, in axes");
   REQUIRE(found.size() == balanced.size());
   for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == Approx(balanced[k]).epsilon(1e-4));
+}
+
+TEST_CASE("What stands beside a rotor and does not turn with it keeps its own frequency", "[analyses][quick]") {
+  const auto& [axis, stiffness] = GENERATE(table<const char*, double>(
+      {{"[1, 0, 0]", 600.0}, {"[0, 1, 0]", 600.0}, {"[0.6, 0.8, 0]", 600.0}, {"[0, 1, 0]", -600.0}}));
+  CAPTURE(axis, stiffness);
+  const Model model = parse(jeffcott_rotor(55.0, 0.0) + fmt::format(R"toml([[body]]
+name = "lever"
+mass = 1
+inertia = [0.3, 0.3, 0.3]
+[[joint]]
+name = "pivot"
+type = "revolute"
+both = {{ z = {}, x = [0, 0, 1] }}
+parent = {{ body = "ground", point = [3, 0, 0] }}
+child = "lever"
+start.turn_z = {{ keep = 0, keep_speed = 0 }}
+spring.turn_z = {{ stiffness = {} }}
+)toml",
+                                                                    axis, stiffness));
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, result, true));
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  const double own = std::sqrt(600.0 / 0.3);
+  const auto& modes = result.linearizations[1]->modes;
+  const bool swings = stiffness > 0.0;
+  CHECK(std::any_of(modes.begin(), modes.end(), [own, swings](const auto& mode) {
+    const double found = swings ? mode.eigenvalue.imag() : mode.eigenvalue.real();
+    return std::abs(found - own) < 1e-6 * own;
+  }));
+}
+
+TEST_CASE("Modes of a shaft deviate in the axes of the shaft, whatever else turns faster", "[analyses][quick]") {
+  const std::string wheel = R"toml([[body]]
+name = "wheel"
+mass = 0.001
+inertia = [1e-6, 1e-6, 1e-6]
+[[joint]]
+name = "pivot"
+type = "revolute"
+both = { z = [1, 0, 0], x = [0, 1, 0] }
+parent = { body = "ground", point = [3, 0, 0] }
+child = "wheel"
+start.turn_z = { keep = 0, keep_speed = 100 }
+)toml";
+  const auto alone = frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0), "steady in axes that turn");
+  const auto found = frequencies_in_turning_axes(jeffcott_rotor(55.0, 0.0) + wheel, "steady in axes that turn");
+  REQUIRE(found.size() == alone.size());
+  for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k] == Approx(alone[k]).epsilon(1e-9));
+}
+
+TEST_CASE("A pendulum at mid-swing is not steady, though its speed hardly changes there", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "rod"
+mass = 1.4
+center_of_mass = [0, 0, -0.3]
+inertia = [0.02, 0.02, 0.001]
+[[joint]]
+name = "hinge"
+type = "revolute"
+both = { z = [0, 1, 0], x = [1, 0, 0] }
+parent = "ground"
+child = "rod"
+start.turn_z = { keep = 0, keep_speed = 7 }
+)toml");
+  const AnalysisVerdict result = judge_linearization(model, kMakers, false);
+  CHECK(result.wrenches.outcome == compare::Outcome::agree);
+  CHECK(result.text.find("the motion is not steady") != std::string::npos);
 }
 
 }  // namespace
