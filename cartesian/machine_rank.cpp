@@ -21,23 +21,24 @@ namespace concord::cartesian {
 namespace {
 
 /// Rank at a closed pose, whether it counts singular values below 1e-6 of the largest, as there are beside a singular
-/// pose, and whether the pose is another one than the start.
+/// pose, and whether what dependent rows hold is elsewhere than at the start.
 struct RankThere {
   int rank = 0;
   bool doubtful = false;
   bool elsewhere = false;
 };
 
-/// How far bodies are from another pose: the largest angle [rad], and the largest way in the machine's length.
+/// How far some bodies are from another pose: the largest angle [rad], and the largest way in the machine's length.
 struct Distance {
   double turn = 0.0;
   double way = 0.0;
 };
 
-Distance distance_between(const Equations& equations, const VecX& one, const VecX& other) {
+Distance distance_between(const Equations& equations, const std::vector<BodyIndex>& bodies, const VecX& one,
+                          const VecX& other) {
   const Layout& layout = equations.layout();
   Distance distance;
-  for (const BodyIndex i : layout.moving_bodies()) {
+  for (const BodyIndex i : bodies) {
     const Vec4 p = layout.p(one, i);
     const Vec4 q = layout.p(other, i);
     // Half the angle is that of the chord between the Euler parameters, by one sign or the other.
@@ -49,10 +50,30 @@ Distance distance_between(const Equations& equations, const VecX& one, const Vec
   return distance;
 }
 
+/// Bodies that rows hold which depend on each other at the last update: what moves elsewhere in the machine says
+/// nothing of these rows.
+std::vector<BodyIndex> held_by_dependent_rows(const Equations& equations) {
+  constexpr double kRoundOff = 1e-9;
+  const Layout& layout = equations.layout();
+  const SparseMatrix matrix = scaled_jacobian(equations).matrix;
+  const VecX takes_part = decide_rank(matrix).left_null_space.rowwise().norm();
+  VecX effect = VecX::Zero(matrix.cols());
+  for (Eigen::Index k = 0; k < matrix.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator entry(matrix, k); entry; ++entry) {
+      if (takes_part(entry.row()) > kRoundOff) effect(entry.col()) += std::abs(entry.value());
+    }
+  }
+  std::vector<BodyIndex> bodies;
+  for (const BodyIndex i : layout.moving_bodies()) {
+    if (effect.segment(layout.first_Y(i), 6 + layout.n_modes(i)).maxCoeff() > kRoundOff) bodies.push_back(i);
+  }
+  return bodies;
+}
+
 /// Rank at a closed pose about `far` from the start, in the machine's units; nothing if none was found, or one to which
 /// a body turns so far that the machine may not move there: what is put together otherwise may be a structure.
-std::optional<RankThere> rank_nearby(Equations& equations, const State& start, Modes modes, double far,
-                                     std::mt19937& engine) {
+std::optional<RankThere> rank_nearby(Equations& equations, const State& start, Modes modes,
+                                     const std::vector<BodyIndex>& held, double far, std::mt19937& engine) {
   constexpr double kElsewhere = 1e-4;
   const double too_far = std::max(0.1, 3.0 * far);  // rad
   const Layout& layout = equations.layout();
@@ -68,7 +89,7 @@ std::optional<RankThere> rank_nearby(Equations& equations, const State& start, M
   equations.count_turns_from(start.q);
   try {
     if (!close_machine(equations, start.t, Hold::joints_alone, modes, q, Y).closed) return std::nullopt;
-    const Distance moved = distance_between(equations, from, q);
+    const Distance moved = distance_between(equations, held, from, q);
     if (moved.turn > too_far) return std::nullopt;
     const RankDecision decision = decide_rank(scaled_jacobian(equations).matrix);
     return RankThere{decision.rank, (decision.near_values.array() > kRankThreshold).any(),
@@ -111,12 +132,13 @@ MachineRank decide_for_the_machine(Equations& equations, const State& start) {
   const int n_rows = equations.constraints().n_rows();
   machine.generic = may_lose_rank(equations.model()) ? choose_rows(equations, n_rows).rank : n_rows;
   if (machine.generic == n_rows) return machine;
+  const std::vector<BodyIndex> held = held_by_dependent_rows(equations);
   std::mt19937 engine(20);
   int doubtful = 0;
   int clear = 0;
   for (const double far : kFar) {
     if (clear == kEnough) break;
-    const auto there = rank_nearby(equations, start, machine.closing_modes, far, engine);
+    const auto there = rank_nearby(equations, start, machine.closing_modes, held, far, engine);
     if (!there) continue;
     if (!there->doubtful && there->elsewhere) ++clear;
     int& rank = there->doubtful ? doubtful : machine.generic;

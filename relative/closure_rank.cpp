@@ -29,6 +29,31 @@ bool is_beside_singular(const VecX& sigma, int rank) {
   return rank > 0 && sigma(rank - 1) <= kBesideSingular * std::max(sigma(0), 1.0);
 }
 
+/// Over q: 1 for coordinates of joints and modes that closure rows hold which depend on others in this pose, else 0.
+/// What moves elsewhere in the machine says nothing of these rows.
+VecX held_by_dependent_rows(const ScaledClosure& scaled, Coordinates closed) {
+  constexpr double kRoundOff = 1e-9;
+  const Topology& topology = scaled.equations().topology();
+  VecX held = VecX::Zero(topology.n_q);
+  scaled.move(closed);
+  const std::vector<int>& columns = scaled.free_columns();
+  const MatX Phi = scaled.rows(columns);
+  if (Phi.size() == 0) return held;
+  const Svd svd = svd_of(Phi);
+  const MatX dependent = svd.U.rightCols(Phi.rows() - rank_of_singular_values(svd.sigma));
+  const VecX takes_part = (dependent.rowwise().norm().array() > kRoundOff).select(VecX::Ones(Phi.rows()), 0.0);
+  const VecX effect = Phi.cwiseAbs().transpose() * takes_part;
+  const auto mark = [&](const Span& span) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const bool is_its = columns[c] >= span.first_u && columns[c] < span.first_u + span.n_u;
+      if (is_its && effect(static_cast<Eigen::Index>(c)) > kRoundOff) held.segment(span.first_q, span.n_q).setOnes();
+    }
+  };
+  for (const Span& span : topology.joints) mark(span);
+  for (const Span& span : topology.modes) mark(span);
+  return held;
+}
+
 }  // namespace
 
 /// Joints alone close a machine as far as its loops leave the modes free; others must move too. In a pose
@@ -60,6 +85,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   Closure free(scaled_->equations().kinematics(), nothing);
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
   const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
+  const VecX held = held_by_dependent_rows(*scaled_, closed);
   for (int trial = 0; trial < kTrials && looks > 0 && clear.rank < scaled_->closure().n_rows(); ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
@@ -77,7 +103,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
     if (!is_doubtful) --looks;
     // Near a flat pose only poses that are nearer still are apart from it.
     if (is_doubtful) far = std::max(0.25 * far, kNearest);
-    const bool has_moved = scaled_->size_of_q(nearby.q - closed.q) > kElsewhere;
+    const bool has_moved = scaled_->size_of_q(held.cwiseProduct(nearby.q - closed.q)) > kElsewhere;
     is_clear = is_clear || (!is_doubtful && has_moved);
     Found& best = is_doubtful ? doubtful : clear;
     if (rank > best.rank) best = {rank, nearby};

@@ -70,7 +70,7 @@ void SameState::forget_neighbours() {
 
 /// A rank at the start that is lower than in other states is a singular pose.
 void SameState::note_singular_start() {
-  const std::array<int, 2> general = general_ranks(weighed_.states, weighed_.reports);
+  const std::array<int, 2> general = general_ranks(layout_.model(), weighed_.states, weighed_.reports);
   for (std::size_t who = 0; who < 2; ++who) {
     const int rank = verdict_.solvers[who].rank.rank;
     if (rank >= general[who]) continue;
@@ -83,7 +83,7 @@ void SameState::note_singular_start() {
 /// In a singular pose the solvers need not close alike, nor beside one in which a machine is locked: there a closing
 /// holds the root of round-off. Such a state is counted, and no difference.
 void SameState::note_refusals(const std::vector<RefusedState>& refused) {
-  const std::array<int, 2> general = general_ranks(weighed_.states, weighed_.reports);
+  const std::array<int, 2> general = general_ranks(layout_.model(), weighed_.states, weighed_.reports);
   std::vector<std::string> elsewhere;
   std::vector<std::string> there;
   for (const RefusedState& one : refused) {

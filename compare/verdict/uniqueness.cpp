@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -117,19 +118,26 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
 
 namespace {
 
-/// Whether a body stands elsewhere in the other pose, by 1e-4 of what the bodies are away from the origin, or is turned
-/// by so much.
-bool are_apart(const State& one, const State& other) {
+/// Whether a body that joints hold redundantly stands elsewhere in the other pose, by 1e-4 of the model's length, or is
+/// turned by so much; any body where no joint does. What moves beside a locked loop says nothing of it.
+bool are_apart(const Model& model, const RankReport& report, const State& one, const State& other) {
   constexpr double kElsewhere = 1e-4;
-  double extent = 0.0;
-  for (const BodyState& body : one.bodies) extent = std::max(extent, body.r.norm());
-  for (std::size_t i = 0; i < one.bodies.size(); ++i) {
-    const BodyState& here = one.bodies[i];
-    const BodyState& there = other.bodies[i];
-    if ((here.r - there.r).norm() > kElsewhere * extent) return true;
-    if (std::min((here.p - there.p).norm(), (here.p + there.p).norm()) > kElsewhere) return true;
+  std::set<int> bodies;
+  for (std::size_t k = 0; k < report.joints.size(); ++k) {
+    const auto& unique = report.joints[k].unique;
+    const auto has_redundant = [](const auto& flags) {
+      return !std::all_of(flags.begin(), flags.end(), std::identity());
+    };
+    if (!std::any_of(unique.begin(), unique.end(), has_redundant)) continue;
+    for (const Attachment& side : model.joints[k].sides) bodies.insert(side.body);
   }
-  return false;
+  for (int i = 1; bodies.empty() && i < static_cast<int>(one.bodies.size()); ++i) bodies.insert(bodies.end(), i);
+  return std::any_of(bodies.begin(), bodies.end(), [&](int i) {
+    const BodyState& here = one.bodies[static_cast<std::size_t>(i)];
+    const BodyState& there = other.bodies[static_cast<std::size_t>(i)];
+    return (here.r - there.r).norm() > kElsewhere * model.length_scale() ||
+           std::min((here.p - there.p).norm(), (here.p + there.p).norm()) > kElsewhere;
+  });
 }
 
 /// Whether a rank does not count rows that a pose beside a singular one may have by the root of round-off, as far as
@@ -145,7 +153,8 @@ struct GeneralRank {
   bool is_clear = false;
 };
 
-GeneralRank general_rank(const std::vector<SharedState>& states, const RankReports& reports, std::size_t who) {
+GeneralRank general_rank(const Model& model, const std::vector<SharedState>& states, const RankReports& reports,
+                         std::size_t who) {
   int largest = 0;
   int clear = 0;
   bool moves = false;
@@ -156,7 +165,7 @@ GeneralRank general_rank(const std::vector<SharedState>& states, const RankRepor
     if (!is_apart_from_singular(report)) continue;
     clear = std::max(clear, report.rank);
     if (!first) first = k;
-    moves = moves || are_apart(states[*first].state, states[k].state);
+    moves = moves || are_apart(model, report, states[*first].state, states[k].state);
   }
   // A machine that is locked in a singular pose is apart from it in no other.
   return {moves ? clear : largest, moves};
@@ -164,12 +173,13 @@ GeneralRank general_rank(const std::vector<SharedState>& states, const RankRepor
 
 }  // namespace
 
-std::array<int, 2> general_ranks(const std::vector<SharedState>& states, const RankReports& reports) {
-  return {general_rank(states, reports, 0).rank, general_rank(states, reports, 1).rank};
+std::array<int, 2> general_ranks(const Model& model, const std::vector<SharedState>& states,
+                                 const RankReports& reports) {
+  return {general_rank(model, states, reports, 0).rank, general_rank(model, states, reports, 1).rank};
 }
 
-int leave_out_beside_singular(std::vector<SharedState>& states, RankReports& reports) {
-  const std::array general{general_rank(states, reports, 0), general_rank(states, reports, 1)};
+int leave_out_beside_singular(const Model& model, std::vector<SharedState>& states, RankReports& reports) {
+  const std::array general{general_rank(model, states, reports, 0), general_rank(model, states, reports, 1)};
   const auto is_beside_singular = [&](const std::array<RankReport, 2>& both) {
     return (general[0].is_clear && !is_apart_from_singular(both[0])) ||
            (general[1].is_clear && !is_apart_from_singular(both[1]));
@@ -189,9 +199,9 @@ int leave_out_beside_singular(std::vector<SharedState>& states, RankReports& rep
   return left_out;
 }
 
-std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
-                                     const RankReports& reports) {
-  const std::array<int, 2> general = general_ranks(states, reports);
+std::vector<std::string> lower_ranks(const Model& model, const std::array<Solver*, 2>& solvers,
+                                     const std::vector<SharedState>& states, const RankReports& reports) {
+  const std::array<int, 2> general = general_ranks(model, states, reports);
   std::vector<std::string> lower(states.size());
   for (std::size_t k = 0; k < states.size(); ++k) {
     for (std::size_t who = 0; who < 2; ++who) {

@@ -30,17 +30,18 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
                          std::string& why);
 
 /// The rank of each solver's constraints in a general pose: the largest in any state that is apart from singular poses,
-/// if the machine has such states in more than one pose; the largest in any otherwise.
-std::array<int, 2> general_ranks(const std::vector<SharedState>& states, const RankReports& reports);
+/// if what joints hold redundantly has more than one such pose; the largest in any otherwise.
+std::array<int, 2> general_ranks(const Model& model, const std::vector<SharedState>& states,
+                                 const RankReports& reports);
 
 /// Leaves out perturbed states beside a singular pose: a solver finds a rank there that is above the general one by
 /// rows which the root of round-off makes independent, as far as the state is closed. Returns their number.
-int leave_out_beside_singular(std::vector<SharedState>& states, RankReports& reports);
+int leave_out_beside_singular(const Model& model, std::vector<SharedState>& states, RankReports& reports);
 
 /// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
 /// others.
-std::vector<std::string> lower_ranks(const std::array<Solver*, 2>& solvers, const std::vector<SharedState>& states,
-                                     const RankReports& reports);
+std::vector<std::string> lower_ranks(const Model& model, const std::array<Solver*, 2>& solvers,
+                                     const std::vector<SharedState>& states, const RankReports& reports);
 
 /// Where both find a quantity unique, and nothing is undecided.
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports);

@@ -208,8 +208,8 @@ start.turn_z = {{ keep = 0.1, keep_speed = 0 }}
   expect_to_agree(parse_model(text, "platform.toml"), {});
 }
 
-/// Two bars, the second one's frame turned in it, over a span of their whole length.
-Model stretched_triangle(double longer, double shorter, double turn) {
+/// Two bars, the second one's frame turned in it, over a span of their whole length; `beside` is what else there is.
+Model stretched_triangle(double longer, double shorter, double turn, const std::string& beside) {
   return parse_model(
       fmt::format(R"toml(format = 1
 gravity = [0.3, -9.7, 0.2]
@@ -244,7 +244,8 @@ start.turn_z = {{ keep = 0, guess_speed = 0 }}
 [run]
 until = 0.05
 )toml",
-                  longer, turn, longer + shorter, shorter * std::cos(turn), -shorter * std::sin(turn), -turn),
+                  longer, turn, longer + shorter, shorter * std::cos(turn), -shorter * std::sin(turn), -turn) +
+          beside,
       "stretched.toml");
 }
 
@@ -255,8 +256,20 @@ TEST_CASE("A triangle of bars that is stretched flat is refused as singular: no 
   const double longer = GENERATE(0.23, 0.37, 0.5);
   const double shorter = GENERATE(0.02, 0.04);
   const double turn = GENERATE(0.0, 0.2617993877991494, 0.6981317007977318);
-  CAPTURE(longer, shorter, turn);
-  const Model model = stretched_triangle(longer, shorter, turn);
+  const std::string beside = GENERATE("", R"toml([[body]]
+name = "pendulum"
+mass = 1
+center_of_mass = [0.2, 0, 0]
+inertia = [0.001, 0.01, 0.01]
+[[joint]]
+name = "D"
+type = "revolute"
+parent = { body = "ground", point = [0, 1, 0] }
+child = "pendulum"
+start.turn_z = { keep = 0.3, keep_speed = 1 }
+)toml");
+  CAPTURE(longer, shorter, turn, beside);
+  const Model model = stretched_triangle(longer, shorter, turn, beside);
   for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
     const auto solver = make(model);
     INFO(solver->name());
