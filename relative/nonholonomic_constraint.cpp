@@ -35,7 +35,10 @@ MovingAxis axis_of(Side side, Axis axis, const JointMotion& at) {
 double largest_radius(const std::vector<joints::PermitSpeed>& words) {
   double largest = 0.0;
   for (const joints::PermitSpeed& word : words) {
-    if (const auto* about = std::get_if<joints::SpeedAbout>(&word)) largest = std::max(largest, std::abs(about->below));
+    const double radius = std::visit(Overloaded{[](const joints::SpeedAlong&) { return 0.0; },
+                                                [](const joints::SpeedAbout& about) { return std::abs(about.below); }},
+                                     word);
+    largest = std::max(largest, radius);
   }
   return largest;
 }
