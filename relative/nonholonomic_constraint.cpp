@@ -35,10 +35,7 @@ MovingAxis axis_of(Side side, Axis axis, const JointMotion& at) {
 double largest_radius(const std::vector<joints::PermitSpeed>& words) {
   double largest = 0.0;
   for (const joints::PermitSpeed& word : words) {
-    const double radius = std::visit(Overloaded{[](const joints::SpeedAlong&) { return 0.0; },
-                                                [](const joints::SpeedAbout& about) { return std::abs(about.below); }},
-                                     word);
-    largest = std::max(largest, radius);
+    largest = std::max(largest, std::abs(joints::stated_length(word)));
   }
   return largest;
 }
