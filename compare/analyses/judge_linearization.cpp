@@ -214,7 +214,7 @@ std::string steadiness_text(const Steadiness& steadiness) {
     return "note: the machine accelerates in this state: modes are those of the machine frozen in it\n";
   }
   if (std::isinf(steadiness.change)) {
-    return "note: whether the motion is steady is not known, as no closed state a little later is found; modes are "
+    return "note: whether the motion is steady is not known, as there is no linearization a little later; modes are "
            "those of the machine frozen in this state\n";
   }
   return fmt::format(

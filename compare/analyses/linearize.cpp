@@ -199,10 +199,6 @@ double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX&
   return largest;
 }
 
-}  // namespace
-
-namespace {
-
 constexpr double kMovesBy = 0.01;  // rad, or of the length
 constexpr double kConstant = 1e-3;
 
@@ -214,12 +210,23 @@ double turned_between(const MatX& directions, const MatX& others) {
   return (there - here * (here.transpose() * there)).norm();
 }
 
+/// Nothing where there is none: at a kink of a force, in a singular pose.
+std::optional<Linearization> linearize_if_possible(const Model& model, Solver& solver, const State& state,
+                                                   const TurningAxes& axes) {
+  try {
+    return linearize(model, solver, state, axes);
+  } catch (const SolverError&) {
+    return std::nullopt;
+  }
+}
+
 /// See Steadiness::change.
 double change_along_motion(const Model& model, Solver& solver, const Linearization& found) {
   const double dt = kMovesBy / found.rate;
   const auto later = moved_on(model, solver, found.state, dt);
-  if (!later) return HUGE_VAL;
-  const Linearization there = linearize(model, solver, *later, found.axes);
+  const auto at_later = later ? linearize_if_possible(model, solver, *later, found.axes) : std::nullopt;
+  if (!at_later) return HUGE_VAL;
+  const Linearization& there = *at_later;
   const double turned = turned_between(found.directions, there.directions);
   if (turned == HUGE_VAL) return turned;
   const MatX to_here = least_squares(found.directions, there.directions);
@@ -237,8 +244,12 @@ bool directions_stand_still(const Model& model, Solver& solver, const Deviations
   const State& state = deviations.chart().origin();
   const auto later = moved_on(model, solver, state, kMovesBy / deviations.speed());
   if (!later) return false;
-  const Deviations there(model, solver, *later, axes);
-  return turned_between(deviations.directions(), there.directions()) <= kConstant * kMovesBy;
+  try {
+    const Deviations there(model, solver, *later, axes);
+    return turned_between(deviations.directions(), there.directions()) <= kConstant * kMovesBy;
+  } catch (const SolverError&) {  // as in a singular pose
+    return false;
+  }
 }
 
 }  // namespace
@@ -270,12 +281,13 @@ std::optional<TurningLinearization> linearize_in_steady_axes(const Model& model,
   for (const TurningAxes& axes : candidates) {
     const Deviations deviations(model, solver, state, axes);
     if (!(deviations.speed() > 0.0) || !directions_stand_still(model, solver, deviations, axes)) continue;
-    Linearization found = linearize(model, solver, state, axes);
-    const Steadiness steadiness = steadiness_of(model, solver, found);
-    if (steadiness.is_steady()) return TurningLinearization{std::move(found), true};
-    const bool may_be_constant = !nearly && steadiness.accelerates && found.unsteadiness <= kALittle;
-    if (may_be_constant && has_constant_matrices(model, solver, found)) {
-      nearly = TurningLinearization{std::move(found), false};
+    std::optional<Linearization> found = linearize_if_possible(model, solver, state, axes);
+    if (!found) continue;
+    const Steadiness steadiness = steadiness_of(model, solver, *found);
+    if (steadiness.is_steady()) return TurningLinearization{std::move(*found), true};
+    const bool may_be_constant = !nearly && steadiness.accelerates && found->unsteadiness <= kALittle;
+    if (may_be_constant && has_constant_matrices(model, solver, *found)) {
+      nearly = TurningLinearization{std::move(*found), false};
     }
   }
   return nearly;

@@ -96,7 +96,7 @@ struct Steadiness {
   /// The largest of three: by how much the matrices change in a radian of motion, as a part of the fastest rate and its
   /// square; by how much the permitted directions turn in it; and by how much modes that are told from zero are coupled
   /// anew within a radian of the faster of each two, which a part that is stiff or spins fast does not hide. 0 where
-  /// the machine rests or accelerates; infinite where no closed state a little later is found.
+  /// the machine rests or accelerates; infinite where no linearization a little later is found.
   double change = 0.0;
 
   [[nodiscard]] bool is_steady() const { return !accelerates && change <= 1e-3; }

@@ -34,8 +34,8 @@ RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<Shar
 std::array<int, 2> general_ranks(const Model& model, const std::vector<SharedState>& states,
                                  const RankReports& reports);
 
-/// Leaves out perturbed states beside a singular pose: a solver finds a rank there that is above the general one by
-/// rows which the root of round-off makes independent, as far as the state is closed. Returns their number.
+/// Leaves out perturbed states beside a singular pose, if there are general ones: a solver counts rows there which may
+/// be independent by the root of round-off alone, as far as the state is closed. Returns their number.
 int leave_out_beside_singular(const Model& model, std::vector<SharedState>& states, RankReports& reports);
 
 /// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
