@@ -172,7 +172,9 @@ MatX first_order(const MatX& A, const MatX& B, double top) {
 }
 
 /// How fast changes dA, dB within dt couple modes to each other and to themselves, for each two as a part of the square
-/// of the faster one's rate; beyond what differences leave open, and of modes that are told from zero.
+/// of the faster one's rate; beyond what differences leave open, and of modes that are told from zero. A pair that is
+/// nearly one, as of a body that drifts in axes that turn, feels every change many times over: by so much less is
+/// asked.
 double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX& dB, double dt) {
   constexpr double kTimesOpen = 4.0;
   constexpr double kRoundOff = 1e-11;
@@ -188,12 +190,14 @@ double coupling_of_modes(const Linearization& found, const MatX& dA, const MatX&
       modes.vectors.cwiseAbs();
   const double slowest = std::max(found.resolution, found.slowest);
   double largest = 0.0;
+  const Eigen::Index n = found.A.rows();
   for (Eigen::Index j = 0; j < coupling.rows(); ++j) {
+    const double feels = std::max(1.0, inverse.row(j).tail(n).norm() * modes.vectors.col(j).tail(n).norm());
     for (Eigen::Index k = 0; k < coupling.cols(); ++k) {
       const double rates[] = {std::abs(modes.values(j)), std::abs(modes.values(k))};
       if (!(std::min(rates[0], rates[1]) > slowest)) continue;
       const double faster = std::max(rates[0], rates[1]);
-      largest = std::max(largest, (coupling(j, k) - open(j, k)) / (dt * faster * faster));
+      largest = std::max(largest, (coupling(j, k) - open(j, k)) / (dt * faster * faster * feels));
     }
   }
   return largest;
