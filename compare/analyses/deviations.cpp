@@ -27,6 +27,9 @@ bool is_free_joint(const joints::JointType& type) {
   return turning_speeds(type) == std::vector<bool>{false, false, false, true, true, true} && ball_of(type) == 3;
 }
 
+/// Of a body's v, then omega, where bodies deviate.
+Eigen::Index first_row_of(std::size_t body) { return 6 * static_cast<Eigen::Index>(body - 1); }
+
 PlacedFrame place_of(const Joint& joint, Side side, const State& state) {
   const Attachment& attachment = joint.on(side);
   return place(attachment, state.bodies[static_cast<std::size_t>(attachment.body)]);
@@ -83,9 +86,8 @@ void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
 void Deviations::choose_axes_of_bodies(const State& state, const TurningAxes& axes) {
   const Vec3& W = *axes.of_bodies;
   const Mat3 Q = exponential_of(W * (state.t - axes.since));
-  by_child_.assign(model_.joints.size(), false);
-  Eigen::Index row = 0;
-  for (std::size_t i = 1; i < model_.bodies.size(); ++i, row += 6) {
+  for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+    const Eigen::Index row = first_row_of(i);
     balls_.push_back({i, row + 3, -1.0});
     turned_.push_back({row, W, Q});
     turned_.push_back({row + 3, W, Q});
@@ -116,6 +118,7 @@ void Deviations::find_weights_of_bodies(const State& state, const Vec3& W) {
 }
 
 void Deviations::add_weights_of_modes(std::vector<double>& weights) {
+  first_mode_ = static_cast<Eigen::Index>(weights.size());
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     if (model_.bodies[i].n_modes() == 0) continue;
     for (const double size : modal_sizes(model_, i)) weights.push_back(size);
@@ -123,14 +126,9 @@ void Deviations::add_weights_of_modes(std::vector<double>& weights) {
   weights_ = Eigen::Map<const VecX>(weights.data(), static_cast<Eigen::Index>(weights.size()));
 }
 
-VecX Deviations::speeds(const State& state) const {
-  VecX rows(weights_.size());
+void Deviations::put_joint_speeds(const State& state, VecX& rows) const {
   Eigen::Index next = 0;
-  for (std::size_t i = 1; are_of_bodies_ && i < model_.bodies.size(); ++i, next += 6) {
-    rows.segment<3>(next) = state.bodies[i].v;
-    rows.segment<3>(next + 3) = state.bodies[i].omega;
-  }
-  for (std::size_t k = 0; !are_of_bodies_ && k < model_.joints.size(); ++k) {
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];
     const RelativeMotion relative = relative_motion_of(joint, state);
     VecX u = read_motion(*joint.type, relative, state.q[k]).u;
@@ -139,6 +137,33 @@ VecX Deviations::speeds(const State& state) const {
     rows.segment(next, u.size()) = u;
     next += u.size();
   }
+}
+
+void Deviations::put_joint_speed_rates(const State& state, const Evaluation& evaluation, VecX& rows) const {
+  Eigen::Index next = 0;
+  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+    const Joint& joint = model_.joints[k];
+    VecX udot = joint_accelerations(joint, state, evaluation, state.q[k], model_.length_scale());
+    const int ball = ball_of(*joint.type);
+    // d/dt (R^T omega_rel) = R^T omegadot_rel.
+    if (ball >= 0 && by_child_[k]) {
+      udot.segment<3>(ball) = relative_motion_of(joint, state).R.transpose() * Vec3(udot.segment<3>(ball));
+    }
+    rows.segment(next, udot.size()) = udot;
+    next += udot.size();
+  }
+}
+
+VecX Deviations::speeds(const State& state) const {
+  VecX rows(weights_.size());
+  if (are_of_bodies_) {
+    for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+      rows.segment<6>(first_row_of(i)) << state.bodies[i].v, state.bodies[i].omega;
+    }
+  } else {
+    put_joint_speeds(state, rows);
+  }
+  Eigen::Index next = first_mode_;
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     const VecX& adot = state.bodies[i].adot;
     rows.segment(next, adot.size()) = adot;
@@ -150,22 +175,14 @@ VecX Deviations::speeds(const State& state) const {
 
 VecX Deviations::speed_rates(const State& state, const Evaluation& evaluation) const {
   VecX rows(weights_.size());
-  Eigen::Index next = 0;
-  for (std::size_t i = 1; are_of_bodies_ && i < model_.bodies.size(); ++i, next += 6) {
-    rows.segment<3>(next) = evaluation.bodies[i].vdot;
-    rows.segment<3>(next + 3) = evaluation.bodies[i].omegadot;
-  }
-  for (std::size_t k = 0; !are_of_bodies_ && k < model_.joints.size(); ++k) {
-    const Joint& joint = model_.joints[k];
-    VecX udot = joint_accelerations(joint, state, evaluation, state.q[k], model_.length_scale());
-    const int ball = ball_of(*joint.type);
-    // d/dt (R^T omega_rel) = R^T omegadot_rel.
-    if (ball >= 0 && by_child_[k]) {
-      udot.segment<3>(ball) = relative_motion_of(joint, state).R.transpose() * Vec3(udot.segment<3>(ball));
+  if (are_of_bodies_) {
+    for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
+      rows.segment<6>(first_row_of(i)) << evaluation.bodies[i].vdot, evaluation.bodies[i].omegadot;
     }
-    rows.segment(next, udot.size()) = udot;
-    next += udot.size();
+  } else {
+    put_joint_speed_rates(state, evaluation, rows);
   }
+  Eigen::Index next = first_mode_;
   for (std::size_t i = 1; i < model_.bodies.size(); ++i) {
     const VecX& addot = evaluation.bodies[i].addot;
     rows.segment(next, addot.size()) = addot;

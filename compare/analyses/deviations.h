@@ -61,6 +61,8 @@ class Deviations {
   /// rates; balls in their own axes.
   [[nodiscard]] VecX speeds(const State& state) const;
   [[nodiscard]] VecX speed_rates(const State& state, const Evaluation& evaluation) const;
+  void put_joint_speeds(const State& state, VecX& rows) const;
+  void put_joint_speed_rates(const State& state, const Evaluation& evaluation, VecX& rows) const;
   /// Over the rows of balls eps x values, + or - by their axes; zero elsewhere.
   [[nodiscard]] VecX turned_with(const VecX& deviation, const VecX& values) const;
   /// W x values over the rows that are seen in turning axes; zero elsewhere.
@@ -89,8 +91,9 @@ class Deviations {
   const Model& model_;
   Solver& solver_;
   Chart chart_;
-  bool are_of_bodies_ = false;  // the rows
-  std::vector<bool> by_child_;  // joints whose ball is seen from the child
+  bool are_of_bodies_ = false;   // the rows before those of modes
+  Eigen::Index first_mode_ = 0;  // the first row of a mode
+  std::vector<bool> by_child_;   // joints whose ball is seen from the child
   std::vector<BallRows> balls_;
   std::vector<TurnedRows> turned_;
   VecX weights_;     // of the rows
