@@ -109,11 +109,27 @@ const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassP
 
 double mass_of(const Body& body) { return body.modal ? body.modal->G(0, 0) : body.mass; }
 
+VecX modal_masses(const ModalData& modal) {
+  VecX masses(modal.n_modes());
+  for (Eigen::Index m = 0; m < masses.size(); ++m) masses(m) = modal.G.diagonal().segment<3>(4 + 3 * m).sum();
+  return masses;
+}
+
 VecX largest_displacements(const Body& body) {
   VecX largest = VecX::Zero(body.n_modes());
   if (!body.modal) return largest;
   for (const MassPoint& point : body.modal->mass_points) {
     largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+  }
+  return largest;
+}
+
+VecX largest_ways(const Body& body, double length) {
+  VecX largest = largest_displacements(body);
+  if (!body.modal) return largest;
+  for (const ModalNode& node : body.modal->nodes) {
+    largest = largest.cwiseMax(node.Psi_t_L.colwise().norm().transpose());
+    largest = largest.cwiseMax(length * node.Psi_r_L.colwise().norm().transpose());
   }
   return largest;
 }

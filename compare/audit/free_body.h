@@ -15,8 +15,14 @@ const std::vector<MassPoint>& mass_points_of(const Body& body, std::vector<MassP
 /// [kg]
 double mass_of(const Body& body);
 
+/// Of each mode [kg].
+VecX modal_masses(const ModalData& modal);
+
 /// How far each mode with unit amplitude moves the body, at most over its mass points [m].
 VecX largest_displacements(const Body& body);
+
+/// The same, and over its nodes, whose turns count at `length` [m].
+VecX largest_ways(const Body& body, double length);
 
 /// Six rigid rows and m modal rows, with the sum of the sizes of what was added as a scale of each kind.
 struct Balance {

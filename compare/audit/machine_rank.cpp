@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/decompositions.h"
+#include "compare/audit/free_body.h"
 #include "compare/audit/motion_audit.h"
 
 namespace concord::compare {
@@ -67,11 +68,7 @@ VecX sizes_of_modes(const Model& model, int body, double length) {
       }
     }
   }
-  VecX anywhere = VecX::Zero(sizes.size());
-  for (const ModalNode& node : model.bodies[body].modal->nodes) {
-    anywhere = anywhere.cwiseMax(VecX(node.Psi_t_L.colwise().norm().transpose() / length));
-    anywhere = anywhere.cwiseMax(VecX(node.Psi_r_L.colwise().norm().transpose()));
-  }
+  const VecX anywhere = largest_ways(model.bodies[body], length) / length;
   return (sizes.array() > kNodeOfVibration * anywhere.array()).select(sizes, 0.0);
 }
 

@@ -22,16 +22,6 @@ double mass_in(const Body& body) {
   return sum;
 }
 
-/// How far a unit of each mode moves a body at most, its turns counted at the length [m].
-VecX ways_of_modes(const Body& body, double length) {
-  if (!body.modal) return {};
-  VecX ways = largest_displacements(body);
-  for (const ModalNode& node : body.modal->nodes) {
-    ways = ways.cwiseMax(length * VecX(node.Psi_r_L.colwise().norm().transpose()));
-  }
-  return ways;
-}
-
 /// What of a residual its own uncertainty does not explain.
 double beyond(double residual, double doubt) {
   return std::isnan(residual) ? residual : std::max(0.0, std::abs(residual) - doubt);
@@ -59,7 +49,7 @@ MotionAudit::MotionAudit(const Model& model) : model_(model), length_(model.leng
       coupled_speeds_[static_cast<std::size_t>(term.joint)].push_back(u);
     }
   }
-  for (const Body& body : model.bodies) ways_.push_back(ways_of_modes(body, length_));
+  for (const Body& body : model.bodies) ways_.push_back(largest_ways(body, length_));
   kinematics_.resize(model.joints.size());
   scales_.resize(model.joints.size());
 }

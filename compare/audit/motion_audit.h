@@ -44,7 +44,7 @@ class MotionAudit {
   const Model& model_;
   double length_;
   double mass_ = 0.0;
-  std::vector<VecX> ways_;  // of each body: how far a unit of each mode moves it at most, turns at the length [m]
+  std::vector<VecX> ways_;                       // largest_ways() of each body
   std::vector<std::vector<LawOfTime>> drivers_;  // of each joint
   std::vector<AuditEntity> joints_;
   std::vector<AuditEntity> couplings_;

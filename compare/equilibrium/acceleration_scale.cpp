@@ -37,10 +37,10 @@ double force_of_laws(const Model& model, std::size_t k, const State& state, cons
 double force_of_strain(const Body& body, const BodyState& state) {
   if (!body.modal) return 0.0;
   const VecX modal = (body.modal->stiffness * state.a).cwiseAbs();
+  const VecX masses = modal_masses(*body.modal);
   double sum = 0.0;
   for (Eigen::Index m = 0; m < modal.size(); ++m) {
-    const double modal_mass = body.modal->G.diagonal().segment<3>(4 + 3 * m).sum();
-    if (modal_mass > 0.0) sum += modal(m) * std::sqrt(mass_of(body) / modal_mass);
+    if (masses(m) > 0.0) sum += modal(m) * std::sqrt(mass_of(body) / masses(m));
   }
   return sum;
 }

@@ -45,10 +45,10 @@ struct MotionScales {
 
 /// Frequency of each mode alone, rad/s; zero of a mode without stiffness or mass.
 VecX frequencies(const ModalData& modal) {
-  VecX squares = VecX::Zero(modal.stiffness.rows());
+  const VecX masses = modal_masses(modal);
+  VecX squares = VecX::Zero(masses.size());
   for (Eigen::Index m = 0; m < squares.size(); ++m) {
-    const double mass = modal.G.diagonal().segment<3>(4 + 3 * m).sum();
-    if (mass > 0.0) squares(m) = std::max(0.0, modal.stiffness(m, m) / mass);
+    if (masses(m) > 0.0) squares(m) = std::max(0.0, modal.stiffness(m, m) / masses(m));
   }
   return squares.cwiseSqrt();
 }

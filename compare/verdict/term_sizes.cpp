@@ -6,6 +6,7 @@
 
 #include "common/laws/force_elements.h"
 #include "common/results.h"
+#include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/spring_terms.h"
@@ -84,14 +85,11 @@ class Loads {
     BodyLoad& load = bodies_[i];
     const bool flexible = body.modal.has_value();
     load.mass = flexible ? body.modal->G(0, 0) : body.mass;
-    const auto n_modes = static_cast<Eigen::Index>(body.n_modes());
-    load.modal = load.modal_mass = VecX::Zero(n_modes);
+    load.modal = load.modal_mass = VecX::Zero(body.n_modes());
     double reach = body.center_of_mass_L.norm();
     if (flexible) {
       for (const MassPoint& point : body.modal->mass_points) reach = std::max(reach, point.s0_L.norm());
-      for (Eigen::Index m = 0; m < n_modes; ++m) {
-        load.modal_mass(m) = body.modal->G.diagonal().segment<3>(4 + 3 * m).sum();
-      }
+      load.modal_mass = modal_masses(*body.modal);
       load.modal = (body.modal->stiffness.cwiseAbs() * state.a.cwiseAbs()) +
                    (body.modal->damping.cwiseAbs() * state.adot.cwiseAbs());
       const Vec3 center = body.modal->G.block<3, 1>(1, 0) / load.mass;
