@@ -85,7 +85,8 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   Closure free(scaled_->equations().kinematics(), nothing);
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
   const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
-  const VecX held = held_by_dependent_rows(*scaled_, closed);
+  const bool has_dependent = clear.rank < scaled_->closure().n_rows();
+  const VecX held = has_dependent ? held_by_dependent_rows(*scaled_, closed) : VecX();
   for (int trial = 0; trial < kTrials && looks > 0 && clear.rank < scaled_->closure().n_rows(); ++trial) {
     Coordinates nearby = closed;
     VecX step = VecX::Zero(scaled_->equations().topology().n_tree_u);
