@@ -122,6 +122,7 @@ namespace {
 /// turned by so much; any body where no joint does. What moves beside a locked loop says nothing of it.
 bool are_apart(const Model& model, const RankReport& report, const State& one, const State& other) {
   constexpr double kElsewhere = 1e-4;
+  const double away = kElsewhere * model.length_scale();
   std::set<int> bodies;
   for (std::size_t k = 0; k < report.joints.size(); ++k) {
     const auto& unique = report.joints[k].unique;
@@ -135,7 +136,7 @@ bool are_apart(const Model& model, const RankReport& report, const State& one, c
   return std::any_of(bodies.begin(), bodies.end(), [&](int i) {
     const BodyState& here = one.bodies[static_cast<std::size_t>(i)];
     const BodyState& there = other.bodies[static_cast<std::size_t>(i)];
-    return (here.r - there.r).norm() > kElsewhere * model.length_scale() ||
+    return (here.r - there.r).norm() > away ||
            std::min((here.p - there.p).norm(), (here.p + there.p).norm()) > kElsewhere;
   });
 }
@@ -165,7 +166,7 @@ GeneralRank general_rank(const Model& model, const std::vector<SharedState>& sta
     if (!is_apart_from_singular(report)) continue;
     clear = std::max(clear, report.rank);
     if (!first) first = k;
-    moves = moves || are_apart(model, report, states[*first].state, states[k].state);
+    moves = moves || (k != *first && are_apart(model, report, states[*first].state, states[k].state));
   }
   // A machine that is locked in a singular pose is apart from it in no other.
   return {moves ? clear : largest, moves};
