@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -27,6 +30,18 @@ void occupy_standard_streams() {
   }
 }
 
+/// Matrices of one state after another take the memory of those before, instead of giving it back to the system and
+/// asking for it again: a third of the processor time of a ladder of 40 bodies.
+void keep_freed_memory() {
+#if defined(__GLIBC__) && !defined(CONCORD_SANITIZED)
+  constexpr int kKept = 1 << 28;    // bytes
+  constexpr int kAtOnce = 1 << 24;  // bytes that the heap grows by
+  mallopt(M_TRIM_THRESHOLD, kKept);
+  mallopt(M_MMAP_THRESHOLD, kKept);
+  mallopt(M_TOP_PAD, kAtOnce);
+#endif
+}
+
 /// The code, unless the tables could not be written: a full disk, a closed pipe.
 int code_if_told(int code) {
   errno = 0;
@@ -40,6 +55,7 @@ int code_if_told(int code) {
 }  // namespace
 
 int run_guarded(const std::function<int()>& program) {
+  keep_freed_memory();
   occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // writing into a closed pipe fails, and is reported
   std::signal(SIGXFSZ, SIG_IGN);  // so does writing more than a limit allows
