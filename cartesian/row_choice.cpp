@@ -9,11 +9,20 @@ namespace concord::cartesian {
 
 namespace {
 
+constexpr double kWellIndependent = 1e-2;   // what others leave of a row that is well independent of them
+constexpr double kLeastIndependent = 1e-6;  // the same, where rows are exchanged or none can be left over
+
 /// Rows that hold for positions, where there are others; nullptr else.
 const std::vector<bool>* rows_that_go_first(const Constraints& constraints, std::vector<bool>& rows) {
   if (!constraints.has_nonholonomic_rows()) return nullptr;
   for (const RowIndex row : constraints.rows()) rows.push_back(constraints.holds_positions(row));
   return &rows;
+}
+
+/// Whether a sparse QR shows so: where no row may be left over there is none to exchange.
+bool are_all_independent(const SparseMatrix& matrix) {
+  const RowSelection selection = select_rows(matrix.transpose(), nullptr, kLeastIndependent);
+  return selection.live == matrix.rows() && selection.smallest_live >= kLeastIndependent;
 }
 
 }  // namespace
@@ -42,18 +51,19 @@ ScaledJacobian scaled_jacobian(const Equations& equations) {
 }
 
 RowChoice choose_rows(const Equations& equations, int expected) {
-  constexpr double kWell = 1e-2;   // what others leave of a row that is well independent of them
-  constexpr double kLeast = 1e-6;  // the same, of rows that are chosen by exchanges
   const SparseMatrix matrix = scaled_jacobian(equations).matrix;
+  if (expected == matrix.rows() && expected > kDenseRows && are_all_independent(matrix)) {
+    return {expected, std::vector<bool>(matrix.rows(), true)};
+  }
   std::vector<bool> rows;
   const std::vector<bool>* goes_first = rows_that_go_first(equations.constraints(), rows);
   if (matrix.rows() > kDenseRows) {
     const SparseMatrix transposed = matrix.transpose();
-    RowSelection selection = select_rows(transposed, goes_first, kWell);
+    RowSelection selection = select_rows(transposed, goes_first, kWellIndependent);
     // A sparse QR may choose rows that together are nearly dependent, with which velocities do not close to round-off.
     const bool may_be_exchanged = goes_first == nullptr && matrix.rows() <= kMostDenseRows;
-    if (may_be_exchanged && !(selection.live == expected && selection.smallest_live >= kWell)) {
-      selection = select_well(transposed, kLeast);
+    if (may_be_exchanged && !(selection.live == expected && selection.smallest_live >= kWellIndependent)) {
+      selection = select_well(transposed, kLeastIndependent);
     }
     if (selection.live == expected) {
       RowChoice choice{expected, std::vector<bool>(matrix.rows(), false)};
