@@ -5,24 +5,21 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "relative/row_factors.h"
 
 namespace concord::relative {
 
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length
+constexpr double kFarthestStep = 0.5;       // in machine units: half a radian, half the length
+constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
+constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
 
-/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
-/// as it has, away to first order; directions in which the rows are dependent are left alone, those with singular
-/// values below the damping hardly used, and those beyond `rank` not (R65).
-VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
-                   const VecX& misfit, double damping, std::optional<int> rank = {}) {
-  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
-  VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
-  if (Phi.size() == 0) return step;
+/// Directions in which the rows are dependent are left alone, those with singular values below the damping hardly used,
+/// and those beyond `rank` not (R65).
+VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
   const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
   const VecX& sigma = svd.singularValues();
   VecX filter = VecX::Zero(sigma.size());
   const Eigen::Index used = std::min<Eigen::Index>(sigma.size(), rank.value_or(static_cast<int>(sigma.size())));
@@ -30,7 +27,26 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
     if (sigma(i) > kDependentPart * std::max(sigma(0), 1.0))
       filter(i) = sigma(i) / (sigma(i) * sigma(i) + damping * damping);
   }
-  const VecX solution = -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit_in_units);
+  return -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
+}
+
+/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
+/// as it has, away to first order. Rows that are far from dependent need no singular values, which take most of a
+/// closing's time.
+VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
+                   const VecX& misfit, double damping, std::optional<int> rank = {}) {
+  const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
+  VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
+  if (Phi.size() == 0) return step;
+  const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
+  RowFactors factors;
+  factors.compute(Phi);
+  const int n_rows = static_cast<int>(Phi.rows());
+  const bool are_far_from_dependent =
+      rank.value_or(n_rows) >= n_rows && factors.rank() == n_rows &&
+      factors.singular_value(n_rows) > std::max(kFarFromDependent, kBeyondDamping * damping);
+  const VecX solution = are_far_from_dependent ? factors.smallest_step(misfit_in_units)
+                                               : filtered_step(Phi, misfit_in_units, damping, rank);
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
   return step;
 }
