@@ -19,11 +19,6 @@ Body with_frame(Body body, const Pose& frame) {
   }
   ModalData& modal = *body.modal;
   modal.beam.reset();
-  // w = [1; s_0; psi_1; ...] becomes X w.
-  MatX X = MatX::Identity(modal.G.rows(), modal.G.cols());
-  for (Eigen::Index block = 1; block < X.rows(); block += 3) X.block<3, 3>(block, block) = to_new;
-  X.block<3, 1>(1, 0) = -to_new * frame.r;
-  modal.G = X * modal.G * X.transpose();
   for (ModalNode& node : modal.nodes) {
     node.s0_L = to_new * (node.s0_L - frame.r);
     node.Psi_t_L = to_new * node.Psi_t_L;
@@ -33,6 +28,8 @@ Body with_frame(Body body, const Pose& frame) {
     point.s0_L = to_new * (point.s0_L - frame.r);
     point.Psi_t_L = to_new * point.Psi_t_L;
   }
+  // Summed up anew: about a frame that lies far away the integrals hold the body's own only as small differences.
+  modal.G = mass_integrals(modal.mass_points, modal.n_modes());
   return body;
 }
 

@@ -61,6 +61,46 @@ TEST_CASE("Parts in the frame of a vehicle, or of a country, agree as in their o
   CHECK(verdict.outcome == compare::Outcome::agree);
 }
 
+/// A leaf of 0.15 m on a universal joint, in a frame that is `away` [m] from its first end.
+std::string leaf(const Vec3& away, const std::string& support) {
+  const std::string first = fmt::format("[{:.17g}, {:.17g}, {:.17g}]", away.x(), away.y(), away.z());
+  return fmt::format(R"toml(format = 1
+gravity = [0.7, -9.6, 1.5]
+[[body]]
+name = "leaf"
+[body.beam]
+length = 0.15
+elements = 10
+first_end = {}
+section = {{ width_y = 0.014, width_z = 0.004 }}
+youngs_modulus = 1.1e11
+poissons_ratio = 0.3
+density = 4400
+support = "{}"
+modes = {{ bending_xy = [1, 2], bending_xz = [1], torsion = [1] }}
+damping_ratio = 0.03
+[[joint]]
+name = "cross"
+type = "universal"
+parent = {{ body = "ground", point = [0.3, -0.1, 0.2] }}
+child = {{ body = "leaf", node = "first" }}
+start.turn_x = {{ keep = 0.4, keep_speed = 1.5 }}
+start.turn_y = {{ keep = -0.2, keep_speed = -2 }}
+[run]
+until = 0.02
+)toml",
+                     first, support);
+}
+
+TEST_CASE("Flexible parts in the frame of a vehicle, or of a plant, agree as in their own", "[far][quick]") {
+  const std::string support = GENERATE("cantilever", "simply_supported");
+  const NearFrames near(parse(leaf(GENERATE(1.0, 12.0, 900.0) * kVehicle, support)));
+  CHECK_THAT(near.note(), Catch::EndsWith("their frames are far away: leaf"));
+  const compare::Verdict verdict = judged(near.model(), {});
+  INFO(compare::format_verdict(near.model(), verdict, true));
+  CHECK(verdict.outcome == compare::Outcome::agree);
+}
+
 TEST_CASE("Motions about mass centres are led back to the frames that are far away", "[far][quick]") {
   const Vec3 away = GENERATE(1.0, 10.0) * kVehicle;  // the world's origin is moved, too, in the second one
   const NearFrames near(parse(latch(away)));
