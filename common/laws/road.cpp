@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/overloaded.h"
@@ -12,6 +13,15 @@ namespace {
 
 RoadHeight level(double height) { return {height, 0.0, 0.0}; }
 
+int n_edges(const HalfSineBump& /*bump*/) { return 2; }
+int n_edges(const RoadTable& table) { return static_cast<int>(table.spline.times().size()); }
+
+double edge(const HalfSineBump& bump, int k) { return k == 0 ? bump.start : bump.start + bump.length; }
+double edge(const RoadTable& table, int k) {
+  if (k == 0) return table.first;
+  return k + 1 == n_edges(table) ? table.last : table.spline.times()[static_cast<std::size_t>(k)];
+}
+
 RoadHeight evaluate(const HalfSineBump& bump, int stretch, double x) {
   if (stretch != 1) return level(0.0);
   const double k = std::numbers::pi / bump.length;
@@ -20,28 +30,36 @@ RoadHeight evaluate(const HalfSineBump& bump, int stretch, double x) {
 }
 
 RoadHeight evaluate(const RoadTable& table, int stretch, double x) {
-  if (stretch != 1) return level(table.spline.evaluate(stretch == 0 ? table.first : table.last).f);
-  const auto at = table.spline.evaluate(x);
+  if (stretch == 0) return level(table.spline.evaluate(table.first).f);
+  if (stretch == n_edges(table)) return level(table.spline.evaluate(table.last).f);
+  const auto at = table.spline.evaluate(stretch - 1, x);
   return {at.f, at.fdot, at.fddot};
 }
 
 }  // namespace
 
-std::optional<std::array<double, 2>> edges_of(const Road& road) {
-  using Edges = std::optional<std::array<double, 2>>;
-  return std::visit(Overloaded{[](const FlatRoad&) -> Edges { return std::nullopt; },
-                               [](const HalfSineBump& bump) -> Edges {
-                                 return {{bump.start, bump.start + bump.length}};
+std::array<double, 2> edges_of(const Road& road, int stretch) {
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  return std::visit(Overloaded{[](const FlatRoad&) {
+                                 return std::array{-kEver, kEver};
                                },
-                               [](const RoadTable& table) -> Edges {
-                                 return {{table.first, table.last}};
+                               [&](const auto& profile) {
+                                 return std::array{stretch > 0 ? edge(profile, stretch - 1) : -kEver,
+                                                   stretch < n_edges(profile) ? edge(profile, stretch) : kEver};
                                }},
                     road.profile);
 }
 
 int stretch_at(const Road& road, double x) {
-  const auto edges = edges_of(road);
-  return edges ? static_cast<int>(x >= (*edges)[0]) + static_cast<int>(x >= (*edges)[1]) : 0;
+  return std::visit(Overloaded{[](const FlatRoad&) { return 0; },
+                               [&](const HalfSineBump& bump) {
+                                 return static_cast<int>(x >= edge(bump, 0)) + static_cast<int>(x >= edge(bump, 1));
+                               },
+                               [&](const RoadTable& table) {
+                                 if (x < table.first) return 0;
+                                 return x < table.last ? table.spline.piece_at(x) + 1 : n_edges(table);
+                               }},
+                    road.profile);
 }
 
 RoadHeight evaluate(const Road& road, int stretch, double x) {

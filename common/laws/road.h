@@ -1,14 +1,13 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 #include <variant>
 
 #include "common/laws/time_function.h"
 
 /// Road profiles: the height z = h(x) of the ground in the global frame, the same at every y. A profile is smooth in
-/// stretches; where two meet, h is continuous and its slope may jump.
+/// stretches; where two meet, h is continuous and a derivative may jump: the slope, or inside a table the third.
 namespace concord {
 
 /// Height and its first two derivatives over x.
@@ -29,7 +28,7 @@ struct HalfSineBump {
   double height = 0.0;  // m
 };
 
-/// A cubic spline through points inside the table, level with its ends outside.
+/// A cubic spline through points inside the table, level with its ends outside; a stretch between any two points.
 struct RoadTable {
   SplineTable spline;
   double first = 0.0;  // x of the first and the last point
@@ -41,8 +40,8 @@ struct Road {
   std::variant<FlatRoad, HalfSineBump, RoadTable> profile = FlatRoad{};
 };
 
-/// Where three stretches meet, rising [m]: stretch k lies between edge k - 1 and edge k. None: there is one stretch.
-std::optional<std::array<double, 2>> edges_of(const Road& road);
+/// Where a stretch begins and ends [m], infinite where it goes on for ever. Stretches are counted from 0, along x.
+std::array<double, 2> edges_of(const Road& road, int stretch);
 
 /// The stretch that x lies in; an edge belongs to the stretch after it.
 int stretch_at(const Road& road, double x);

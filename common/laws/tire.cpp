@@ -47,10 +47,9 @@ std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireR
   const auto holds = [](bool inside, double value) { return inside ? value : -value; };
   std::array<double, kTireEvents> values{kNone, kNone, kNone, kNone, kNone};
   auto& [behind, ahead, touching, pushing, sliding] = values;
-  if (const auto edges = edges_of(*tire.road)) {
-    if (regime.stretch > 0) behind = (contact.x - (*edges)[regime.stretch - 1]) / tire.radius;
-    if (regime.stretch < 2) ahead = ((*edges)[regime.stretch] - contact.x) / tire.radius;
-  }
+  const auto [begin, end] = edges_of(*tire.road, regime.stretch);
+  behind = (contact.x - begin) / tire.radius;
+  ahead = (end - contact.x) / tire.radius;
   touching = holds(regime.touches, contact.delta / tire.radius);
   if (!regime.touches) return values;
   const double force_scale = tire.stiffness * tire.radius;

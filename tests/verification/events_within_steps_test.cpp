@@ -124,6 +124,67 @@ spring.slide_z = {{ lower_stop = {{ at = 0, stiffness = {}, width = 0.001 }} }}
   }
 }
 
+/// Between two points of a road table the third derivative is constant, at a point it jumps, and with it the change of
+/// a damped tire's force. A quarter of a car, hurried over a road by a driver.
+TEST_CASE("A damped tire moves alike in both solvers over the points of a road table", "[events][quick]") {
+  const double spacing = GENERATE(0.09, 0.31);
+  std::string x;
+  std::string height;
+  for (int k = 0; k * spacing < 9.0; ++k) {
+    x += fmt::format("{}{:.4f}", k == 0 ? "" : ", ", k * spacing);
+    height += fmt::format("{}{:.5f}", k == 0 ? "" : ", ", 0.006 * std::sin(2.1 * k) + 0.003 * std::sin(0.7 * k));
+  }
+  const Model model = parse_model(fmt::format(R"(format = 1
+gravity = [0, 0, -9.81]
+[[road]]
+name = "worn"
+profile = "table"
+x = [{}]
+height = [{}]
+[[body]]
+name = "dolly"
+mass = 12
+inertia = [1, 1.2, 0.9]
+[[body]]
+name = "axle"
+mass = 65
+inertia = [1.4, 1.1, 1.3]
+[[joint]]
+name = "pull"
+type = "translational"
+parent = {{ body = "ground", z = [1, 0, 0], x = [0, 1, 0] }}
+child = {{ body = "dolly", z = [1, 0, 0], x = [0, 1, 0] }}
+drive.slide_z = {{ law = "constant_speed", speed = 9.3 }}
+[[joint]]
+name = "strut"
+type = "translational"
+parent = "dolly"
+child = "axle"
+start.slide_z = {{ keep = 0.27, keep_speed = 0 }}
+[[tire]]
+name = "tire"
+body = "axle"
+road = "worn"
+radius = 0.28
+stiffness = 7e4
+damping = 350
+slip_stiffness = 0
+cornering_stiffness = 0
+friction = 0
+[run]
+until = 0.6
+)",
+                                              x, height),
+                                  "worn_road.toml");
+  const RunOptions options{0.6, 1e-12, 60, ""};
+  const Trajectory one = cartesian::make_solver(model)->integrate(options, {});
+  const Trajectory other = relative::make_solver(model)->integrate(options, {});
+  for (std::size_t k = 0; k < one.samples.size(); ++k) {
+    INFO("t = " << one.samples[k].state.t << " s, a point each " << spacing << " m");
+    CHECK((one.samples[k].state.bodies[2].v - other.samples[k].state.bodies[2].v).norm() < 1e-9);
+  }
+}
+
 /// The tire begins to push, slides, grips for a microsecond and slides the other way, all within a step of 0.7 ms
 /// behind an event: its sliding event function is not quite convex there.
 TEST_CASE("A tire that turns its slip round just as it begins to push moves alike, however far samples are apart",

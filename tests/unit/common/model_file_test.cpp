@@ -386,8 +386,9 @@ friction = 1
 )");
   const Road& hill = *std::get<Tire>(model.elements.front().what).road;
   EXPECT_EQ(hill.name, "hill");
-  EXPECT_EQ(edges_of(hill), (std::array<double, 2>{0.0, 3.0}));
-  EXPECT_NEAR(evaluate(hill, 1, 1.5).h, 0.15, 1e-15);
+  EXPECT_EQ(edges_of(hill, 1)[0], 0.0);
+  EXPECT_EQ(edges_of(hill, 3)[1], 3.0);
+  EXPECT_NEAR(evaluate(hill, 2, 1.5).h, 0.15, 1e-15);
 }
 
 TEST(ModelFile, ReadsCouplingsOfTurnsAndSlides) {

@@ -26,7 +26,7 @@ double road_difference(const Function& f, double x) {
 TEST(Road, DerivativesOfEveryStretchAreThoseByDifferences) {
   const Road table = table_road();
   for (const Road* road : {&kFlat, &kBump, &table}) {
-    for (int stretch = 0; stretch <= (edges_of(*road) ? 2 : 0); ++stretch) {
+    for (int stretch = 0; stretch <= stretch_at(*road, 1e9); ++stretch) {
       // Beyond the edges too: there the stretch's own function goes on. No knot of the table is near.
       for (const double x : {-1.7, 0.22, 0.9, 1.93, 2.31, 2.77, 4.0}) {
         const RoadHeight found = evaluate(*road, stretch, x);
@@ -41,21 +41,38 @@ TEST(Road, DerivativesOfEveryStretchAreThoseByDifferences) {
 }
 
 TEST(Road, IsContinuousAtItsEdgesWhichBelongToTheStretchBehind) {
+  constexpr double kEver = std::numeric_limits<double>::infinity();
   const Road table = table_road();
-  EXPECT_FALSE(edges_of(kFlat));
-  EXPECT_EQ(edges_of(kBump), (std::array<double, 2>{2.0, 2.8}));
-  EXPECT_EQ(edges_of(table), (std::array<double, 2>{-1.0, 2.0}));
+  EXPECT_EQ(edges_of(kFlat, 0), (std::array{-kEver, kEver}));
+  EXPECT_EQ(edges_of(kBump, 1), (std::array{2.0, 2.8}));
+  EXPECT_EQ(edges_of(table, 0), (std::array{-kEver, -1.0}));
+  EXPECT_EQ(edges_of(table, 2), (std::array{0.0, 0.5}));
+  EXPECT_EQ(edges_of(table, 5), (std::array{2.0, kEver}));
   for (const Road* road : {&kBump, &table}) {
-    const std::array<double, 2> edges = edges_of(*road).value();
-    for (int k = 0; k < 2; ++k) {
-      EXPECT_EQ(stretch_at(*road, edges[k]), k + 1) << road->name;
-      EXPECT_EQ(stretch_at(*road, std::nextafter(edges[k], -9.0)), k) << road->name;
-      EXPECT_NEAR(evaluate(*road, k, edges[k]).h, evaluate(*road, k + 1, edges[k]).h, 1e-16) << road->name;
-      EXPECT_GT(std::abs(evaluate(*road, k, edges[k]).slope - evaluate(*road, k + 1, edges[k]).slope), 0.1)
-          << road->name << ": a kink";
+    const int last = stretch_at(*road, 1e9);
+    for (int k = 0; k < last; ++k) {
+      const double edge = edges_of(*road, k)[1];
+      EXPECT_EQ(edges_of(*road, k + 1)[0], edge) << road->name;
+      EXPECT_EQ(stretch_at(*road, edge), k + 1) << road->name;
+      EXPECT_EQ(stretch_at(*road, std::nextafter(edge, -9.0)), k) << road->name;
+      const RoadHeight before = evaluate(*road, k, edge);
+      const RoadHeight behind = evaluate(*road, k + 1, edge);
+      EXPECT_NEAR(before.h, behind.h, 1e-16) << road->name;
+      const bool is_end = k == 0 || k == last - 1;
+      EXPECT_EQ(std::abs(before.slope - behind.slope) > 0.1, is_end) << road->name << ": a kink at " << edge;
+      if (!is_end) EXPECT_NEAR(before.curvature, behind.curvature, 1e-14) << road->name << " " << edge;
     }
   }
   EXPECT_EQ(stretch_at(kFlat, 1e9), 0);
+}
+
+TEST(Road, HasACubicOfItsOwnBetweenTwoPointsOfATable) {
+  const Road table = table_road();
+  const auto third = [&](int stretch) {
+    return evaluate(table, stretch, 0.4).curvature - evaluate(table, stretch, 0.3).curvature;
+  };
+  EXPECT_NEAR(third(1), third(2), 1e-13) << "as the condition at the table's begin asks";
+  EXPECT_GT(std::abs(third(2) - third(3)), 0.1);
 }
 
 TEST(Road, HasTheHeightsOfItsProfile) {
@@ -67,9 +84,9 @@ TEST(Road, HasTheHeightsOfItsProfile) {
   EXPECT_EQ(evaluate(kBump, 0, 2.4).h, 0.0);
   EXPECT_EQ(evaluate(kBump, 2, 2.4).h, 0.0);
   const Road table = table_road();
-  EXPECT_NEAR(evaluate(table, 1, 0.5).h, 0.2, 1e-16);
+  EXPECT_NEAR(evaluate(table, 3, 0.5).h, 0.2, 1e-16);
   EXPECT_NEAR(evaluate(table, 0, -8.0).h, 0.1, 1e-16);
-  EXPECT_NEAR(evaluate(table, 2, 8.0).h, -0.1, 1e-16);
+  EXPECT_NEAR(evaluate(table, 5, 8.0).h, -0.1, 1e-16);
 }
 
 }  // namespace
