@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/joints/facts.h"
 #include "common/rotation.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
@@ -106,6 +107,30 @@ struct Threads {
   }
 };
 
+/// Both ends of an element; kinematics of the third opinion.
+std::array<PlacedFrame, 2> placed_ends(const std::array<Attachment, 2>& ends, const State& state) {
+  const auto at = [&](const Attachment& end) { return place(end, state.bodies[static_cast<std::size_t>(end.body)]); };
+  return {at(ends[0]), at(ends[1])};
+}
+
+SprungCoordinate read(const LineSpring& spring, const State& state) {
+  const auto [parent, child] = placed_ends(spring.ends, state);
+  const Vec3 line = child.r_P - parent.r_P;
+  const double length = line.norm();
+  const double rate = length > 0.0 ? line.dot(child.v_P - parent.v_P) / length : 0.0;
+  return {&spring.law, length, rate, true};
+}
+
+SprungCoordinate read(const TurnSpring& spring, const State& state) {
+  const auto [parent, child] = placed_ends(spring.ends, state);
+  const RelativeMotion motion = relative_motion(parent, child);
+  const Vec3 x = motion.R.col(0);
+  const Vec3 xdot = Vec3(motion.v_rel.tail<3>()).cross(x);
+  const double square = x.head<2>().squaredNorm();
+  const double rate = square > 0.0 ? (x.x() * xdot.y() - x.y() * xdot.x()) / square : 0.0;
+  return {&spring.law, std::atan2(x.y(), x.x()), rate, false};
+}
+
 /// By how much coordinate q with change dq enters a stop, in units of the way to half of its width; of one that is
 /// pressed in part, by half of its width. What presses its whole width knows its stiffness already.
 double into_stops(const ForceLaw& law, double q, double dq) {
@@ -123,6 +148,25 @@ double into_stops(const ForceLaw& law, double q, double dq) {
 JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
   const Joint& joint = model.joints[k];
   return read_motion(*joint.type, relative_motion_of(joint, state), state.q[k]);
+}
+
+std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state) {
+  std::vector<SprungCoordinate> all;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const Joint& joint = model.joints[k];
+    if (joint.springs.empty()) continue;
+    const VecX u = motion_of(model, k, state).u;
+    for (const JointSpring& spring : joint.springs) {
+      all.push_back({&spring.law, state.q[k](first_q(*joint.type, spring.word) + spring.component),
+                     u(first_u(*joint.type, spring.word) + spring.component),
+                     joints::is_length(joint.type->permits[spring.word], spring.component)});
+    }
+  }
+  for (const ForceElement& element : model.elements) {
+    if (const auto* line = std::get_if<LineSpring>(&element.what)) all.push_back(read(*line, state));
+    if (const auto* turn = std::get_if<TurnSpring>(&element.what)) all.push_back(read(*turn, state));
+  }
+  return all;
 }
 
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
@@ -149,13 +193,8 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
       }
     }
   }
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    const Joint& joint = model.joints[k];
-    for (const JointSpring& spring : joint.springs) {
-      largest.into_stops = std::max(
-          largest.into_stops, into_stops(spring.law, moving.q[k](first_q(*joint.type, spring.word) + spring.component),
-                                         motions[k].u(first_u(*joint.type, spring.word) + spring.component)));
-    }
+  for (const SprungCoordinate& one : sprung_coordinates(model, moving)) {
+    largest.into_stops = std::max(largest.into_stops, into_stops(*one.law, one.x, one.xdot));
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     if (model.bodies[i].n_modes() == 0) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include "common/solver.h"
 #include "compare/audit/joint_motion.h"
@@ -23,6 +24,16 @@ struct JointStep {
   [[nodiscard]] double part_of_gears() const { return fastest_turn > largest() ? largest() / fastest_turn : 1.0; }
 };
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
+
+/// What a law of force reads: a coordinate of a joint with a spring on it, the distance of a line spring's ends, the
+/// angle of a turn spring; and its rate.
+struct SprungCoordinate {
+  const ForceLaw* law;
+  double x;     // m or rad
+  double xdot;  // m/s or rad/s
+  bool is_length;
+};
+std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state);
 
 /// The motion of joint k in a state.
 JointMotion motion_of(const Model& model, std::size_t k, const State& state);

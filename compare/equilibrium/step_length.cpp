@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/joints/facts.h"
 #include "compare/equilibrium/joint_changes.h"
 
 namespace concord::compare {
@@ -60,14 +59,10 @@ int StepLength::steps_to_stops(const State& state) const {
   constexpr double kMost = 1000.0;
   constexpr double kShorter = 2.0;  // than the longest are some on the way
   double farthest = 0.0;
-  for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-    const Joint& joint = model_.joints[k];
-    for (const JointSpring& spring : joint.springs) {
-      const bool slides = joints::is_length(joint.type->permits[spring.word], spring.component);
-      const double q = state.q[k](first_q(*joint.type, spring.word) + spring.component);
-      for (const auto& stop : {spring.law.lower, spring.law.upper}) {
-        if (stop) farthest = std::max(farthest, std::abs(stop->at - q) / (slides ? model_.length_scale() : 1.0));
-      }
+  for (const SprungCoordinate& one : sprung_coordinates(model_, state)) {
+    for (const auto& stop : {one.law->lower, one.law->upper}) {
+      if (!stop) continue;
+      farthest = std::max(farthest, std::abs(stop->at - one.x) / (one.is_length ? model_.length_scale() : 1.0));
     }
   }
   return static_cast<int>(std::min(kMost, std::ceil(kShorter * farthest / longest_)));

@@ -25,7 +25,7 @@ class StepLength {
   /// Whether accelerations, now of this size, have fallen for many steps, and little in each: the rest lies straight
   /// ahead, and these steps are short for it. Counts the steps in which it is asked.
   [[nodiscard]] bool crawls(double size);
-  /// The most steps that may pass until the joints of a state reach the farthest of their stops.
+  /// The most steps that may pass until joints and springs of a state reach the farthest of their stops.
   [[nodiscard]] int steps_to_stops(const State& state) const;
   /// Where the search is at rest, leaps are over.
   void forget_leaps() { share_ = 1.0; }

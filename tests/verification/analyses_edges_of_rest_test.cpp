@@ -181,5 +181,62 @@ start.ball = { keep = { axis = [0.765, 0.696, 0.017], angle = -0.516 }, keep_spe
   }
 }
 
+TEST_CASE("A weight falls on the stop of a line spring, however far above it starts", "[analyses][quick]") {
+  const double start = GENERATE(-0.1, 0.0, 0.4, 3.0);  // the spring's other end is 0.3 m below zero
+  const Model model = parse(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "weight"
+mass = 0.7
+inertia = [2e-3, 3e-3, 2.5e-3]
+[[joint]]
+name = "guide"
+type = "translational"
+parent = {{ body = "ground", point = [0.4, 0.1, 0] }}
+child = "weight"
+start.slide_z = {{ keep = {}, keep_speed = 0 }}
+[[line_spring]]
+name = "buffer"
+parent = {{ body = "ground", point = [0.4, 0.1, -0.3] }}
+child = "weight"
+lower_stop = {{ at = 0.08, stiffness = 3e3, width = 0.001, damping = 4 }}
+)toml",
+                                        start));
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  REQUIRE(rest.wrenches.outcome == Outcome::agree);
+  // Pressed beyond its width it is stiffness times what is beyond half of the width.
+  const double expected = -0.3 + 0.08 - (0.7 * 9.81 / 3e3 + 0.0005);
+  CHECK(rest.wrenches.trajectories[0]->samples.front().state.q[0](0) == Approx(expected).epsilon(1e-9));
+}
+
+TEST_CASE("Where the force of a spring vanishes at rest, the coordinates alone are judged", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "puck"
+mass = 1.3
+inertia = [0.1, 0.2, 0.15]
+[[joint]]
+name = "space"
+type = "free"
+parent = "ground"
+child = "puck"
+start.slide_x = { keep = 0.31, keep_speed = 0 }
+start.slide_y = { keep = 0.002, keep_speed = 0 }
+start.slide_z = { keep = -0.1, keep_speed = 0 }
+start.ball = { keep = { axis = [1, 2, 0], angle = 0.2 }, keep_speed = [0, 0, 0] }
+[[line_spring]]
+name = "cord"
+parent = "ground"
+child = "puck"
+stiffness = 90
+free = 0.12
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(rest.wrenches.trajectories[0]->samples.front().state.bodies[1].r.norm() == Approx(0.12));
+}
+
 }  // namespace
 }  // namespace concord::verification
