@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "compare/analyses/branch.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/law_of_time.h"
 #include "compare/audit/places.h"
@@ -167,6 +168,10 @@ class Follower {
       if (!closed) return std::nullopt;
       Sample next{*closed, solver_.evaluate(*closed), 0.0};
       if (!is_foreseen(now, guess, next, h)) return std::nullopt;
+      if (!are_on_one_branch(model_, now.state, next.state)) {
+        trouble_ = "a singular pose lies between, beyond which the machine is on another branch";
+        return std::nullopt;
+      }
       return next;
     } catch (const SolverError& error) {
       trouble_ = error.what();

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "common/model.h"
+#include "common/results.h"
+#include "common/types.h"
+
+/// On which of the branches that close a driven machine a motion stays. Two poses of a linkage at the same place of its
+/// drivers lie on both sides of a singular pose, and between them the determinant of the equations for its velocities
+/// changes its sign; along a motion that passes no singular pose it keeps it, however narrow the passage is.
+namespace concord::compare::analyses {
+
+/// The equations for all velocities of a machine in one state: v_rel - S u = 0 at each joint, global axes, u = its law
+/// at each driver, the sum of the factors times u = 0 at each coupling; over the bodies' velocities and all joint
+/// speeds, lengths by the machine's, by the kinematics of the third opinion. Without a degree of freedom there are as
+/// many independent rows as columns; redundant ones come on top.
+MatX velocity_equations(const Model& model, const State& state);
+
+/// Whether two states may be joined by a motion without a singular pose, as far as the sign of det(M^T N) tells, M and
+/// N the equations of both: that of det M det N where none is redundant. Where round-off may decide the sign they may
+/// be.
+bool are_on_one_branch(const Model& model, const State& one, const State& other);
+
+}  // namespace concord::compare::analyses
