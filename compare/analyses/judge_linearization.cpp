@@ -8,6 +8,8 @@
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/linearize.h"
 #include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
 #include "compare/equilibrium/other_rests.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
@@ -316,6 +318,26 @@ std::array<Trajectory, 2> starts(const Solvers& solvers) {
   return states;
 }
 
+/// Deviations are measured along what is permitted. Where a joint forbids velocities alone and moves, a deviation of
+/// the place changes what it permits, too: a skate that turns aside goes aside.
+std::string nonholonomic_text(const Model& model, const Trajectory& at) {
+  constexpr double kAtRest = 1e-9;
+  const double length = model.length_scale();
+  const double size = size_of_speeds(model, at);
+  std::string text;
+  for (const Joint& joint : model.joints) {
+    if (joint.type->nonholonomic_rows() == 0) continue;
+    const Vec6 v_rel = relative_motion_of(joint, at.samples.front().state).v_rel;
+    if (std::max(v_rel.head<3>().norm(), length * v_rel.tail<3>().norm()) <= kAtRest * size) continue;
+    text += fmt::format(
+        "note: joint '{}' ({}) moves and constrains speeds alone: what it permits changes with the place, which is "
+        "left "
+        "out here, so that the modes may be those of no motion; read growth and frequencies from a run\n",
+        joint.name, joint.type->name);
+  }
+  return text;
+}
+
 }  // namespace
 
 AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& makers, bool at_equilibrium) {
@@ -332,6 +354,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   } else {
     states = starts(solvers);
   }
+  result.text += nonholonomic_text(held, states[0]);
   for (const Who who : kBothSolvers) {
     result.linearizations[index(who)] = linearize(held, *solvers[index(who)], states[index(who)].samples[0].state);
   }

@@ -517,5 +517,55 @@ start.turn_z = { keep = 0, keep_speed = 7 }
   CHECK(result.text.find("the motion is not steady") != std::string::npos);
 }
 
+/// A frame on an edge, and a fork with an edge of its own that a spring steers straight. Rolling at speed v it has the
+/// eigenvalues of J s^2 + (c + J v / L) s + k; along permitted velocities alone the term with v is halved or lost.
+std::string steered_skates(double speed) {
+  return fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[[body]]
+name = "frame"
+mass = 5
+inertia = [0.2, 0.3, 0.4]
+[[body]]
+name = "fork"
+mass = 0.8
+inertia = [0.04, 0.05, 0.06]
+[[joint]]
+name = "rear"
+type = "knife_edge"
+parent = "ground"
+child = "frame"
+start.slide_x = {{ keep = 0, keep_speed = {} }}
+start.slide_y = {{ keep = 0 }}
+start.turn_z = {{ keep = 0 }}
+[[joint]]
+name = "steer"
+type = "revolute"
+parent = {{ body = "frame", point = [1.1, 0, 0] }}
+child = "fork"
+start.turn_z = {{ keep = 0, keep_speed = 0 }}
+spring.turn_z = {{ stiffness = 3, damping = 0.12 }}
+[[joint]]
+name = "front"
+type = "knife_edge"
+parent = "ground"
+child = "fork"
+start.slide_x = {{ guess = 1.1 }}
+)toml",
+                     speed);
+}
+
+TEST_CASE("A note tells that modes leave out how a joint that constrains speeds alone moves on", "[analyses][quick]") {
+  const AnalysisVerdict moving = judge_linearization(parse(steered_skates(6.0)), kMakers, false);
+  CHECK_THAT(moving.text, Catch::Contains("joint 'rear' (knife_edge) moves and constrains speeds alone"));
+  const AnalysisVerdict at_rest = judge_linearization(parse(steered_skates(0.0)), kMakers, false);
+  INFO(format_analysis(parse(steered_skates(0.0)), at_rest, true));
+  REQUIRE(at_rest.wrenches.outcome == compare::Outcome::agree);
+  CHECK(at_rest.text.find("constrains speeds alone") == std::string::npos);
+  const auto& modes = at_rest.linearizations[0]->modes;
+  const auto steers = [](const auto& mode) { return std::abs(mode.eigenvalue - std::complex(-1.0, 7.0)) < 1e-7; };
+  CHECK(std::any_of(modes.begin(), modes.end(), steers));
+}
+
 }  // namespace
 }  // namespace concord::verification
