@@ -31,7 +31,7 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
 }
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
-/// as it has, away to first order. Rows that are far from dependent need no singular values, which take most of a
+/// as it has, away to first order (R65). Rows that are far from dependent need no singular values, which take most of a
 /// closing's time.
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                    const VecX& misfit, double damping, std::optional<int> rank = {}) {
