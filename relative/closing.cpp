@@ -12,7 +12,8 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kFarthestStep = 0.5;       // in machine units: half a radian, half the length
+constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length
+constexpr int kManyRows = 48;
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
 
@@ -30,23 +31,30 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
   return -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
 }
 
+/// The same of many rows without their singular values (R66), if all are far from dependent, and from the damping.
+std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double damping) {
+  if (Phi.rows() < kManyRows) return std::nullopt;
+  RowFactors factors;
+  factors.compute(Phi);
+  const int n_rows = static_cast<int>(Phi.rows());
+  const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
+  if (factors.rank() < n_rows || factors.singular_value(n_rows) <= least) return std::nullopt;
+  return factors.smallest_step(misfit);
+}
+
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
-/// as it has, away to first order (R65). Rows that are far from dependent need no singular values, which take most of a
-/// closing's time.
+/// as it has, away to first order (R65). Many rows that are far from dependent are left without their singular values,
+/// which would take most of a closing's time.
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                    const VecX& misfit, double damping, std::optional<int> rank = {}) {
   const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
   VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
   if (Phi.size() == 0) return step;
   const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  RowFactors factors;
-  factors.compute(Phi);
-  const int n_rows = static_cast<int>(Phi.rows());
-  const bool are_far_from_dependent =
-      rank.value_or(n_rows) >= n_rows && factors.rank() == n_rows &&
-      factors.singular_value(n_rows) > std::max(kFarFromDependent, kBeyondDamping * damping);
-  const VecX solution = are_far_from_dependent ? factors.smallest_step(misfit_in_units)
-                                               : filtered_step(Phi, misfit_in_units, damping, rank);
+  const std::optional<VecX> undamped = rank.value_or(static_cast<int>(Phi.rows())) >= Phi.rows()
+                                           ? undamped_step(Phi, misfit_in_units, damping)
+                                           : std::nullopt;
+  const VecX solution = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
   return step;
 }
