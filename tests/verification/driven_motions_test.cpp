@@ -91,7 +91,7 @@ TEST_CASE("A driven slider-crank stays on its branch, however few its output tim
 
 /// The piston stops for a moment where the rod stands nearly upright: within 0.05 rad of the crank it turns back, and a
 /// step that leaps over this finds the branch on which the piston goes on as well closed.
-TEST_CASE("A rod hardly longer than its crank does not let the piston pass the shaft", "[analyses][quick]") {
+TEST_CASE("A rod hardly longer than its crank does not let the piston pass the shaft", "[analyses]") {
   const double rod = GENERATE(0.0801, 0.0804);
   const Model model = driven_slider_crank(R"({ law = "constant_speed", speed = -47 })", rod);
   expect_with_samples(model, 9.0, {90}, [rod](const State& state, const State& /*first*/) {
