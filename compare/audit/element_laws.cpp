@@ -32,6 +32,26 @@ SlipForces slip_forces(const Tire& tire, double N, double V_x, double V_y, doubl
 
 }  // namespace
 
+LineMotion motion_of(const LineSpring& spring, const State& state) {
+  const auto frames = place_ends(spring.ends, state);
+  const Vec3 line = frames[kChild].r_P - frames[kParent].r_P;
+  const double distance = line.norm();
+  const Vec3 parting = frames[kChild].v_P - frames[kParent].v_P;
+  const Vec3 along = distance > 0.0 ? Vec3(line / distance) : parting.stableNormalized();
+  return {distance, along.dot(parting), along};
+}
+
+/// With c = R e_x the child's x axis in the parent's frame, x = atan2(c_y, c_x); a small turn rho moves c by rho x c,
+/// so that g = e_z - c_z (c_x e_x + c_y e_y) / (c_x^2 + c_y^2).
+TurnMotion motion_of(const TurnSpring& spring, const State& state) {
+  const auto frames = place_ends(spring.ends, state);
+  const RelativeMotion relative = relative_motion(frames[kParent], frames[kChild]);
+  const Vec3 c = relative.R.col(0);
+  const Vec3 in_plane(c.x(), c.y(), 0.0);
+  const Vec3 g = Vec3::UnitZ() - c.z() / in_plane.squaredNorm() * in_plane;
+  return {std::atan2(c.y(), c.x()), g.dot(relative.v_rel.tail<3>()), frames[kParent].A_joint * g};
+}
+
 ElementLaw::ElementLaw(const ForceElement& stated) : stated_(&stated) {
   std::visit(Overloaded{[this](const Load& load) { time_.emplace(load.law); },
                         [this](const LineSpring& spring) { force_.emplace(spring.law); },
@@ -60,28 +80,14 @@ ElementLaw::BothSides ElementLaw::exerted(const Load& load, const State& state) 
 }
 
 ElementLaw::BothSides ElementLaw::exerted(const LineSpring& spring, const State& state) const {
-  const auto frames = place_ends(spring.ends, state);
-  const Vec3 line = frames[kChild].r_P - frames[kParent].r_P;
-  const double length = line.norm();
-  const Vec3 parting = frames[kChild].v_P - frames[kParent].v_P;
-  // In one point, the ends are about to part along their velocity, if they move at all.
-  const Vec3 along = length > 0.0 ? Vec3(line / length) : parting.stableNormalized();
-  const double rate = along.dot(parting);
-  const Vec3 pull = tension(length, rate, state.t) * along;
+  const LineMotion motion = motion_of(spring, state);
+  const Vec3 pull = tension(motion.distance, motion.rate, state.t) * motion.along;
   return {Wrench{pull, Vec3::Zero()}, Wrench{-pull, Vec3::Zero()}};
 }
 
-/// With c = R e_x the child's x axis in the parent's frame, x = atan2(c_y, c_x); a small turn rho moves c by rho x c,
-/// so that g = e_z - c_z (c_x e_x + c_y e_y) / (c_x^2 + c_y^2).
 ElementLaw::BothSides ElementLaw::exerted(const TurnSpring& spring, const State& state) const {
-  const auto frames = place_ends(spring.ends, state);
-  const RelativeMotion relative = relative_motion(frames[kParent], frames[kChild]);
-  const Vec3 c = relative.R.col(0);
-  const Vec3 in_plane(c.x(), c.y(), 0.0);
-  const Vec3 g = Vec3::UnitZ() - c.z() / in_plane.squaredNorm() * in_plane;
-  const double angle = std::atan2(c.y(), c.x());
-  const double rate = g.dot(relative.v_rel.tail<3>());
-  const Vec3 torque = tension(angle, rate, state.t) * (frames[kParent].A_joint * g);
+  const TurnMotion motion = motion_of(spring, state);
+  const Vec3 torque = tension(motion.angle, motion.rate, state.t) * motion.gradient;
   return {Wrench{Vec3::Zero(), torque}, Wrench{Vec3::Zero(), -torque}};
 }
 

@@ -11,6 +11,24 @@
 
 namespace concord::compare {
 
+/// Along the line of a spring, from the parent's end to the child's. Where both are in one point, they are about to
+/// part along their velocity, if they move at all.
+struct LineMotion {
+  double distance = 0.0;  // m
+  double rate = 0.0;      // m/s
+  Vec3 along = Vec3::Zero();
+};
+LineMotion motion_of(const LineSpring& spring, const State& state);
+
+/// The angle of a turn spring; a turn rho of the child's end against the parent's changes it by gradient . rho, global
+/// axes.
+struct TurnMotion {
+  double angle = 0.0;  // rad
+  double rate = 0.0;   // rad/s
+  Vec3 gradient = Vec3::Zero();
+};
+TurnMotion motion_of(const TurnSpring& spring, const State& state);
+
 /// What a force element exerts by its law, derived for the third opinion alone from the statement of the element
 /// (data/format, common/force_elements.h, common/tire.h). The statement must outlive it.
 class ElementLaw {

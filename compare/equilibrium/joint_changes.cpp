@@ -5,6 +5,7 @@
 
 #include "common/joints/facts.h"
 #include "common/rotation.h"
+#include "compare/audit/element_laws.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
 
@@ -107,30 +108,6 @@ struct Threads {
   }
 };
 
-/// Both ends of an element; kinematics of the third opinion.
-std::array<PlacedFrame, 2> placed_ends(const std::array<Attachment, 2>& ends, const State& state) {
-  const auto at = [&](const Attachment& end) { return place(end, state.bodies[static_cast<std::size_t>(end.body)]); };
-  return {at(ends[0]), at(ends[1])};
-}
-
-SprungCoordinate read(const LineSpring& spring, const State& state) {
-  const auto [parent, child] = placed_ends(spring.ends, state);
-  const Vec3 line = child.r_P - parent.r_P;
-  const double length = line.norm();
-  const double rate = length > 0.0 ? line.dot(child.v_P - parent.v_P) / length : 0.0;
-  return {&spring.law, length, rate, true};
-}
-
-SprungCoordinate read(const TurnSpring& spring, const State& state) {
-  const auto [parent, child] = placed_ends(spring.ends, state);
-  const RelativeMotion motion = relative_motion(parent, child);
-  const Vec3 x = motion.R.col(0);
-  const Vec3 xdot = Vec3(motion.v_rel.tail<3>()).cross(x);
-  const double square = x.head<2>().squaredNorm();
-  const double rate = square > 0.0 ? (x.x() * xdot.y() - x.y() * xdot.x()) / square : 0.0;
-  return {&spring.law, std::atan2(x.y(), x.x()), rate, false};
-}
-
 /// By how much coordinate q with change dq enters a stop, in units of the way to half of its width; of one that is
 /// pressed in part, by half of its width. What presses its whole width knows its stiffness already.
 double into_stops(const ForceLaw& law, double q, double dq) {
@@ -150,21 +127,31 @@ JointMotion motion_of(const Model& model, std::size_t k, const State& state) {
   return read_motion(*joint.type, relative_motion_of(joint, state), state.q[k]);
 }
 
-std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state) {
+std::vector<JointMotion> motions_of(const Model& model, const State& state) {
+  std::vector<JointMotion> motions;
+  for (std::size_t k = 0; k < model.joints.size(); ++k) motions.push_back(motion_of(model, k, state));
+  return motions;
+}
+
+std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state,
+                                                 const std::vector<JointMotion>& motions) {
   std::vector<SprungCoordinate> all;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const Joint& joint = model.joints[k];
-    if (joint.springs.empty()) continue;
-    const VecX u = motion_of(model, k, state).u;
     for (const JointSpring& spring : joint.springs) {
       all.push_back({&spring.law, state.q[k](first_q(*joint.type, spring.word) + spring.component),
-                     u(first_u(*joint.type, spring.word) + spring.component),
+                     motions[k].u(first_u(*joint.type, spring.word) + spring.component),
                      joints::is_length(joint.type->permits[spring.word], spring.component)});
     }
   }
   for (const ForceElement& element : model.elements) {
-    if (const auto* line = std::get_if<LineSpring>(&element.what)) all.push_back(read(*line, state));
-    if (const auto* turn = std::get_if<TurnSpring>(&element.what)) all.push_back(read(*turn, state));
+    if (const auto* line = std::get_if<LineSpring>(&element.what)) {
+      const LineMotion motion = motion_of(*line, state);
+      all.push_back({&line->law, motion.distance, motion.rate, true});
+    } else if (const auto* turn = std::get_if<TurnSpring>(&element.what)) {
+      const TurnMotion motion = motion_of(*turn, state);
+      all.push_back({&turn->law, motion.angle, motion.rate, false});
+    }
   }
   return all;
 }
@@ -172,11 +159,10 @@ std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
   const State moving = chart.origin_moving(step);
   const std::vector<Shaft> shafts = geared_shafts(model);
-  std::vector<JointMotion> motions;
+  const std::vector<JointMotion> motions = motions_of(model, moving);
   Threads threads;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    motions.push_back(motion_of(model, k, moving));
-    threads.take(model.joints[k], motions.back(), turning_speeds(*model.joints[k].type), model.length_scale());
+    threads.take(model.joints[k], motions[k], turning_speeds(*model.joints[k].type), model.length_scale());
   }
   JointStep largest;
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -193,7 +179,7 @@ JointStep joint_step(const Model& model, const Chart& chart, const VecX& step) {
       }
     }
   }
-  for (const SprungCoordinate& one : sprung_coordinates(model, moving)) {
+  for (const SprungCoordinate& one : sprung_coordinates(model, moving, motions)) {
     largest.into_stops = std::max(largest.into_stops, into_stops(*one.law, one.x, one.xdot));
   }
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {

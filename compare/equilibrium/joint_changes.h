@@ -25,6 +25,10 @@ struct JointStep {
 };
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
 
+/// The motion of joint k in a state; of all.
+JointMotion motion_of(const Model& model, std::size_t k, const State& state);
+std::vector<JointMotion> motions_of(const Model& model, const State& state);
+
 /// What a law of force reads: a coordinate of a joint with a spring on it, the distance of a line spring's ends, the
 /// angle of a turn spring; and its rate.
 struct SprungCoordinate {
@@ -33,10 +37,9 @@ struct SprungCoordinate {
   double xdot;  // m/s or rad/s
   bool is_length;
 };
-std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state);
-
-/// The motion of joint k in a state.
-JointMotion motion_of(const Model& model, std::size_t k, const State& state);
+/// Of all springs in a state, in which the joints have these motions.
+std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state,
+                                                 const std::vector<JointMotion>& motions);
 
 /// Speeds of all joints; slides by the machine's length.
 VecX joint_speeds(const Model& model, const State& state);

@@ -59,7 +59,7 @@ int StepLength::steps_to_stops(const State& state) const {
   constexpr double kMost = 1000.0;
   constexpr double kShorter = 2.0;  // than the longest are some on the way
   double farthest = 0.0;
-  for (const SprungCoordinate& one : sprung_coordinates(model_, state)) {
+  for (const SprungCoordinate& one : sprung_coordinates(model_, state, motions_of(model_, state))) {
     for (const auto& stop : {one.law->lower, one.law->upper}) {
       if (!stop) continue;
       farthest = std::max(farthest, std::abs(stop->at - one.x) / (one.is_length ? model_.length_scale() : 1.0));
