@@ -1,9 +1,9 @@
 #include "compare/analyses/branch.h"
 
-#include <array>
 #include <vector>
 
 #include "common/decompositions.h"
+#include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
@@ -12,11 +12,11 @@ namespace concord::compare::analyses {
 
 namespace {
 
-/// The body as it stands, moved by one of the units of its velocities: v [lengths/s], omega.
-BodyState in_unit_motion(BodyState body, int component, double length) {
-  body.v = component < 3 ? Vec3(length * Vec3::Unit(component)) : Vec3::Zero();
-  body.omega = component < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(component - 3));
-  return body;
+/// What [v; omega] of a body, v in lengths, moves a point by that lies so far from its origin, and turns there.
+Mat6 carried_by(const Vec3& arm, double length) {
+  Mat6 motion = Mat6::Identity();
+  motion.topRightCorner<3, 3>() = -skew(arm) / length;
+  return motion;
 }
 
 /// The rows of a joint, over the velocities of its bodies and its speeds.
@@ -24,30 +24,20 @@ void add_joint(const Model& model, const State& state, std::size_t k, Eigen::Ind
                MatX& equations) {
   const Joint& joint = model.joints[k];
   const double length = model.length_scale();
-  const std::array<std::size_t, 2> bodies{static_cast<std::size_t>(joint.sides[0].body),
-                                          static_cast<std::size_t>(joint.sides[1].body)};
-  const Mat3 to_global = place(joint.sides[0], state.bodies[bodies[0]]).A_joint;
-  const auto in_units = [&](const Vec6& v_rel) {
-    Vec6 row_values;
-    row_values << to_global * v_rel.head<3>() / length, to_global * v_rel.tail<3>();
-    return row_values;
+  const auto placed = [&](Side side) { return place(joint.on(side), state.bodies[joint.on(side).body]); };
+  const PlacedFrame parent = placed(Side::parent);
+  const PlacedFrame child = placed(Side::child);
+  const auto add = [&](Side side, const Mat6& motion) {
+    if (joint.on(side).body != kGround) equations.block<6, 6>(row, 6 * (joint.on(side).body - 1)) += motion;
   };
-  for (std::size_t side = 0; side < 2; ++side) {
-    if (bodies[side] == 0) continue;
-    for (int component = 0; component < 6; ++component) {
-      std::array<BodyState, 2> pair{state.bodies[bodies[0]], state.bodies[bodies[1]]};
-      for (BodyState& body : pair) body.v = body.omega = Vec3::Zero();
-      pair[side] = in_unit_motion(pair[side], component, length);
-      const Vec6 v_rel = relative_motion(place(joint.sides[0], pair[0]), place(joint.sides[1], pair[1])).v_rel;
-      const auto column = 6 * (static_cast<Eigen::Index>(bodies[side]) - 1) + component;
-      equations.block<6, 1>(row, column) += in_units(v_rel);
-    }
-  }
-  const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, state), state.q[k]);
+  add(Side::child, carried_by(child.lever, length));
+  add(Side::parent, -carried_by(parent.lever + child.r_P - parent.r_P, length));
+  const Mat6X S = read_motion(*joint.type, relative_motion(parent, child), state.q[k]).S;
   const std::vector<bool> turns = turning_speeds(*joint.type);
-  for (Eigen::Index u = 0; u < motion.S.cols(); ++u) {
+  for (Eigen::Index u = 0; u < S.cols(); ++u) {
     const double unit = turns[static_cast<std::size_t>(u)] ? 1.0 : length;
-    equations.block<6, 1>(row, first_speed + u) = -unit * in_units(motion.S.col(u));
+    equations.col(first_speed + u).segment<3>(row) = -unit / length * parent.A_joint * S.col(u).head<3>();
+    equations.col(first_speed + u).segment<3>(row + 3) = -unit * parent.A_joint * S.col(u).tail<3>();
   }
 }
 
