@@ -32,11 +32,11 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
 }
 
 /// The same of many rows without their singular values (R66), if all are far from dependent, and from the damping.
-std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double damping) {
-  if (Phi.rows() < kManyRows) return std::nullopt;
+std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
+  const int n_rows = static_cast<int>(Phi.rows());
+  if (n_rows < kManyRows || rank.value_or(n_rows) < n_rows) return std::nullopt;
   RowFactors factors;
   factors.compute(Phi);
-  const int n_rows = static_cast<int>(Phi.rows());
   const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
   if (factors.rank() < n_rows || factors.singular_value(n_rows) <= least) return std::nullopt;
   return factors.smallest_step(misfit);
@@ -51,9 +51,7 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
   if (Phi.size() == 0) return step;
   const VecX misfit_in_units = misfit.cwiseQuotient(closure.row_units().head(misfit.size()));
-  const std::optional<VecX> undamped = rank.value_or(static_cast<int>(Phi.rows())) >= Phi.rows()
-                                           ? undamped_step(Phi, misfit_in_units, damping)
-                                           : std::nullopt;
+  const std::optional<VecX> undamped = undamped_step(Phi, misfit_in_units, damping, rank);
   const VecX solution = undamped ? *undamped : filtered_step(Phi, misfit_in_units, damping, rank);
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
   return step;
