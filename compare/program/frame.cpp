@@ -35,9 +35,10 @@ void occupy_standard_streams() {
 void keep_freed_memory() {
 #if defined(__GLIBC__) && !defined(CONCORD_SANITIZED)
   constexpr int kKept = 1 << 28;    // bytes
+  constexpr int kByHeap = 1 << 25;  // bytes, of one matrix: the most that older versions of the library take
   constexpr int kAtOnce = 1 << 24;  // bytes that the heap grows by
   mallopt(M_TRIM_THRESHOLD, kKept);
-  mallopt(M_MMAP_THRESHOLD, kKept);
+  mallopt(M_MMAP_THRESHOLD, kByHeap);
   mallopt(M_TOP_PAD, kAtOnce);
 #endif
 }
