@@ -1,9 +1,11 @@
 #include "compare/analyses/branch.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "common/decompositions.h"
 #include "common/rotation.h"
+#include "compare/analyses/block_triangular_form.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
@@ -95,12 +97,18 @@ MatX velocity_equations(const Model& model, const State& state) {
 }
 
 bool are_on_one_branch(const Model& model, const State& one, const State& other) {
-  const MatX M = velocity_equations(model, one);
-  if (M.rows() < M.cols()) return true;
-  // By M = Q R it is that of det R det(Q^T N), of which round-off hides no more than of det M and det N.
-  const Eigen::HouseholderQR<MatX> factors(M);
-  const MatX turned = apply_transposed_factor(factors, velocity_equations(model, other)).topRows(M.cols());
-  return sign_of_product(factors.matrixQR().diagonal()) * sign_of_determinant(turned) >= 0;
+  const MatX here = velocity_equations(model, one);
+  const MatX there = velocity_equations(model, other);
+  const std::vector<Block> blocks = block_triangular_form(model);
+  const auto is_held = [](const Block& block) { return block.rows.size() >= block.columns.size(); };
+  if (!std::all_of(blocks.begin(), blocks.end(), is_held)) return true;
+  const auto keeps_sign = [&](const Block& block) {
+    // By M = Q R it is that of det R det(Q^T N), of which round-off hides no more than of det M and det N.
+    const Eigen::HouseholderQR<MatX> factors(MatX(here(block.rows, block.columns)));
+    const MatX turned = apply_transposed_factor(factors, there(block.rows, block.columns)).topRows(factors.cols());
+    return sign_of_product(factors.matrixQR().diagonal()) * sign_of_determinant(turned) >= 0;
+  };
+  return std::all_of(blocks.begin(), blocks.end(), keeps_sign);
 }
 
 }  // namespace concord::compare::analyses

@@ -16,8 +16,9 @@ namespace concord::compare::analyses {
 MatX velocity_equations(const Model& model, const State& state);
 
 /// Whether two states may be joined by a motion without a singular pose, as far as the sign of det(M^T N) tells, M and
-/// N the equations of both: that of det M det N where none is redundant. Where round-off may decide the sign they may
-/// be.
+/// N the equations of both: that of det M det N where none is redundant. Each part of a machine that moves by itself
+/// once its drivers do, as one of two linkages on one crank, has a sign of its own. Where round-off may decide a sign
+/// they may be.
 bool are_on_one_branch(const Model& model, const State& one, const State& other);
 
 }  // namespace concord::compare::analyses
