@@ -18,13 +18,19 @@ TireForces evaluate_linear(const Tire& tire, const TireContact& contact) {
           -tire.cornering_stiffness * contact.V_y / V};
 }
 
+/// The linear slip forces along those with which sliding began.
+double along(const TireRegime& regime, const TireForces& linear) {
+  return regime.along_x * linear.F_x + regime.along_y * linear.F_y;
+}
+
 }  // namespace
 
 TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact) {
   if (!regime.pushes) return {};
   TireForces forces = evaluate_linear(tire, contact);
   if (!regime.slides) return forces;
-  const double scale = tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
+  const double sense = along(regime, forces) < 0.0 ? -1.0 : 1.0;
+  const double scale = sense * tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
   forces.F_x *= scale;
   forces.F_y *= scale;
   return forces;
@@ -37,7 +43,12 @@ TireRegime regime_at(const Tire& tire, const TireContact& contact) {
   if (!regime.touches) return regime;
   const TireForces forces = evaluate_linear(tire, contact);
   regime.pushes = forces.N > 0.0;
-  regime.slides = regime.pushes && std::hypot(forces.F_x, forces.F_y) > tire.friction * forces.N;
+  const double size = std::hypot(forces.F_x, forces.F_y);
+  regime.slides = regime.pushes && size > tire.friction * forces.N;
+  if (regime.slides) {
+    regime.along_x = forces.F_x / size;
+    regime.along_y = forces.F_y / size;
+  }
   return regime;
 }
 
@@ -45,8 +56,8 @@ std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireR
                                                    const TireContact& contact) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const auto holds = [](bool inside, double value) { return inside ? value : -value; };
-  std::array<double, kTireEvents> values{kNone, kNone, kNone, kNone, kNone};
-  auto& [behind, ahead, touching, pushing, sliding] = values;
+  std::array<double, kTireEvents> values{kNone, kNone, kNone, kNone, kNone, kNone};
+  auto& [behind, ahead, touching, pushing, sliding, turning] = values;
   const auto [begin, end] = edges_of(*tire.road, regime.stretch);
   behind = (contact.x - begin) / tire.radius;
   ahead = (end - contact.x) / tire.radius;
@@ -60,6 +71,8 @@ std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireR
   const double speed = slip_speed(tire, contact) / tire.speed_scale;
   const double beyond = std::hypot(forces.F_x, forces.F_y) - tire.friction * forces.N;
   sliding = holds(regime.slides, speed * beyond / force_scale);
+  const bool has_direction = regime.along_x != 0.0 || regime.along_y != 0.0;
+  if (regime.slides && has_direction) turning = speed * along(regime, forces) / force_scale;
   return values;
 }
 

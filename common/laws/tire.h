@@ -40,6 +40,10 @@ struct TireRegime {
   bool touches = false;  // delta > 0
   bool pushes = false;   // touches, and stiffness delta + damping deltadot > 0: a tire does not pull
   bool slides = false;   // pushes, and the linear slip forces exceed friction N
+  /// The direction of the slip forces where sliding began, F_x and F_y of unit size; zero: none.
+  double along_x = 0.0;
+  double along_y = 0.0;
+  /// All but the direction.
   bool operator==(const TireRegime& other) const {
     return stretch == other.stretch && touches == other.touches && pushes == other.pushes && slides == other.slides;
   }
@@ -63,15 +67,19 @@ struct TireForces {
 
 /// N = stiffness delta + damping deltadot if the tire pushes, else zero; F_x = -slip_stiffness s_x / V and
 /// F_y = -cornering_stiffness V_y / V, both scaled down by one factor to sqrt(F_x^2 + F_y^2) = friction N if it slides.
+/// Where the slip has turned about since sliding began, as in a step that passes its end, friction acts in the sense
+/// that it had. If it turned about, too, the midpoints of a long step could lie on one side, its results on the other,
+/// and all extrapolations would say the same: a step that is wrong without an error.
 TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact);  // (S38)
 
 /// The regime that a contact is in by itself.
 TireRegime regime_at(const Tire& tire, const TireContact& contact);
 
 /// How far the contact is inside a regime, by the ends that a regime may have: both edges of the stretch, touching,
-/// pushing, sliding. Positive inside, through zero where the regime ends; in units of its own (a length over the
-/// radius, a force over stiffness radius, of sliding times V / speed_scale); infinite for an end that it does not have.
-inline constexpr int kTireEvents = 5;
+/// pushing, sliding, and sliding within a right angle of where it began. Positive inside, through zero where the regime
+/// ends; in units of its own (a length over the radius, a force over stiffness radius, of sliding times V /
+/// speed_scale); infinite for an end that it does not have.
+inline constexpr int kTireEvents = 6;
 std::array<double, kTireEvents> event_functions_of(const Tire& tire, const TireRegime& regime,
                                                    const TireContact& contact);
 /// The smallest of them.

@@ -140,6 +140,24 @@ TEST(Tire, ForcesOfARegimeGoOnSmoothlyBeyondItsEnds) {
   }
 }
 
+// A relay in the middle of a step: each result of the extrapolated midpoint rule lies on the same side of it.
+TEST(Tire, FrictionDoesNotTurnAboutWithinARegime) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  contact.V_y = 0.0;
+  contact.s_x = 2.0;
+  const TireRegime regime = regime_at(tire, contact);
+  ASSERT_TRUE(regime.slides);
+  EXPECT_EQ(regime.along_x, -1.0);
+  const TireForces ahead = evaluate(tire, regime, contact);
+  EXPECT_GT(event_function_of(tire, regime, contact), 0.0);
+  contact.s_x = -2.0;
+  EXPECT_EQ(evaluate(tire, regime, contact).F_x, ahead.F_x);
+  EXPECT_LT(event_function_of(tire, regime, contact), 0.0) << "though it slides";
+  EXPECT_EQ(evaluate(tire, regime_at(tire, contact), contact).F_x, -ahead.F_x);
+  EXPECT_EQ(regime_at(tire, contact), regime) << "but for the direction";
+}
+
 /// Where a regime ends along s: the place where its margin vanishes, by bisection between a place inside and one
 /// outside.
 template <class Contact>
@@ -235,7 +253,7 @@ TEST(Tire, MarginIsTheSmallestOfAllEndsInUnitsOfTheTire) {
   const double room = limit(tire, forces.N) - std::hypot(forces.F_x, forces.F_y);
   const double speed = std::hypot(contact.V_x, tire.speed_scale) / tire.speed_scale;
   const auto ends = event_functions_of(tire, kGrips, contact);
-  EXPECT_NEAR(ends.back(), speed * room / (2e5 * 0.3), 1e-12) << "of sliding";
+  EXPECT_NEAR(ends[4], speed * room / (2e5 * 0.3), 1e-12) << "of sliding";
   EXPECT_EQ(event_function_of(tire, kGrips, contact), *std::min_element(ends.begin(), ends.end()));
 }
 
