@@ -143,6 +143,7 @@ std::string hint_on_name(const std::string& name, const std::vector<std::string>
   for (const auto& [written, hint] : kMeant) {
     if (name == written) return hint;
   }
+  if (already_means_something(name)) return "it is a function, whose argument stands in parentheses right behind it";
   if (std::find(std::begin(kUnits), std::end(kUnits), name) != std::end(kUnits)) {
     return "numbers are in SI units, without a word for the unit";
   }
@@ -152,6 +153,14 @@ std::string hint_on_name(const std::string& name, const std::vector<std::string>
 std::string without_final_stop(std::string text) {
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
+}
+
+/// Refuses what the parser takes beyond what data/format/files.md lists: comparisons, conditions, assignments.
+void refuse_other_operators(const std::string& expression) {
+  const std::size_t place = expression.find_first_of("<>=!&|?:");
+  if (place == std::string::npos) return;
+  throw ExpressionError(fmt::format("cannot read '{}': there is no operator '{}' here, only + - * / ^ and parentheses",
+                                    shown(expression), expression[place]));
 }
 
 /// "a -> b -> c -> a"; the middle of a long circle is left out.
@@ -311,6 +320,7 @@ double Parameters::evaluate(const std::string& expression) const {
     throw ExpressionError(fmt::format("an expression of {} characters is too long: at most {} are allowed",
                                       expression.size(), kLongestExpression));
   }
+  refuse_other_operators(expression);
   mu::Parser parser = make_parser();
   try {
     for (const std::string& name : names_in(expression)) {

@@ -132,7 +132,12 @@ TEST(Expression, SaysWhatIsWrong) {
   EXPECT_EQ(expression_complaint("(1"), "cannot read '(1': Missing parenthesis");
   EXPECT_EQ(expression_complaint(""), "cannot read '': Expression is empty");
   EXPECT_EQ(expression_complaint("length = 3", parameters),
-            "cannot read 'length = 3': Unexpected operator \"=\" found at position 7");
+            "cannot read 'length = 3': there is no operator '=' here, only + - * / ^ and parentheses");
+  for (const char* other : {"1<2", "1?2:3", "1&&1", "1==1", "!1"}) {
+    EXPECT_THAT(expression_complaint(other), ::testing::HasSubstr("only + - * / ^ and parentheses")) << other;
+  }
+  EXPECT_EQ(expression_complaint("cos (0)"),
+            "unknown name 'cos' in 'cos (0)': it is a function, whose argument stands in parentheses right behind it");
 }
 
 TEST(Expression, SaysHowItIsWrittenHere) {
