@@ -50,6 +50,9 @@ TEST_F(AlignTest, RefusesOtherTimesFewerSamplesAndWhatIsNotANumber) {
   other = run();
   other.samples[4].evaluation.bodies[1].vdot(2) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(refusal(one, other, 21), "relative: body bob, vdot_z is not a number at t = 0.04 s");
+  other.samples[4].evaluation.bodies[1].vdot(2) = -1e160;
+  EXPECT_EQ(refusal(one, other, 21),
+            "relative: body bob, vdot_z is -1e+160, beyond the 1e+150 that can be judged, at t = 0.04 s");
   EXPECT_EQ(refusal(one, run(), 22), "cartesian: 21 samples, 22 were asked for");
 }
 
