@@ -109,13 +109,16 @@ double last_judged(const Verdict& verdict) {
 }
 
 /// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing beside
-/// what the table takes for scale is measured against that.
-double measure_of_percent(const Column& column, const Verdict& verdict) {
+/// what the table takes for scale, or of what moves beside the machine's `largest` number of its unit, is measured
+/// against that: the place of a body whose origin is a hinge on the ground.
+double measure_of_percent(const Column& column, const Verdict& verdict, double largest) {
   constexpr double kNextToNothing = 1e-4;
   if (has_free_sign(column)) return 1.0;
   const auto quantity = quantity_of(column);
   const double peak = peak_of(column, *verdict.trajectories[0], last_judged(verdict));
-  return quantity ? std::max(peak, kNextToNothing * scale_of(verdict, *quantity)) : peak;
+  if (quantity) return std::max(peak, kNextToNothing * scale_of(verdict, *quantity));
+  const bool moves = column.field != Field::tau && column.field != Field::coupling;
+  return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 
 bool is_unique(const Verdict& verdict, const Quantity& quantity) {
@@ -302,7 +305,8 @@ void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& 
     row.values = column.values;
   }
   row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
-  const double stated = column.error * (column.is_relative ? measure_of_percent(column.column, runs.verdict) : 1.0);
+  const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, largest) : 1.0;
+  const double stated = column.error * measure;
   row.allowed = std::max(stated, left_open(runs, column.column, largest));
   measure_row(runs, reference, column, row);
   if (is_off(row)) row.hint = what_would_fit(model, runs, reference, column, row.allowed);

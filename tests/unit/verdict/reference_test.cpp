@@ -173,6 +173,21 @@ TEST_F(ReferenceTest, ErrorsInPercentOfMotionsAreOfThePeakOfTheirVector) {
   EXPECT_EQ(verdict.references[0].component, "v_y");
 }
 
+// A pendulum whose frame stands at its hinge does not move there, but for the round-off of who wrote the reference.
+TEST_F(ReferenceTest, APercentageOfAMotionThatIsNothingIsOfTheMachine) {
+  const Verdict verdict = verified();
+  const auto outcome_with = [&](double x) {
+    Verdict judged = verdict;
+    for (auto& run : judged.trajectories) {
+      for (Sample& sample : run->samples) sample.state.bodies[1].r.setZero();
+    }
+    judge_reference(model_, read(fmt::format("# error = 1 %\nt [s],bob.x [m]\n0,{}\n", x)), judged);
+    return judged.outcome;
+  };
+  EXPECT_EQ(outcome_with(1e-9), Outcome::agree);
+  EXPECT_EQ(outcome_with(1e-3), Outcome::differ);
+}
+
 TEST_F(ReferenceTest, EulerParametersMayHaveEitherSign) {
   Verdict verdict = verified();
   const double e2 = verdict.trajectories[0]->samples[0].state.bodies[1].p(2);
