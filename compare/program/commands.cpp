@@ -104,6 +104,12 @@ std::unique_ptr<ThirdOpinion> ask_for_third(const CompareCommand& command, const
   }
 }
 
+std::vector<std::filesystem::path> inputs_of(const CompareCommand& command) {
+  std::vector<std::filesystem::path> inputs = command.models;
+  if (!command.reference.empty()) inputs.push_back(command.reference);
+  return inputs;
+}
+
 void solve_both(const CompareCommand& command, const SolverMakers& makers, const Console& console, Case& one) {
   std::optional<Reference> reference;
   if (!command.reference.empty()) {
@@ -113,7 +119,7 @@ void solve_both(const CompareCommand& command, const SolverMakers& makers, const
   const StartedMachine machine(one.model, makers);
   Solver& cartesian = machine.solver(Who::cartesian);
   Solver& relative = machine.solver(Who::relative);
-  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}));
+  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}), inputs_of(command));
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
   const auto third = ask_for_third(command, machine.model(), silent);
@@ -246,9 +252,7 @@ void refuse_name_of_result(const std::filesystem::path& target, const std::files
 
 /// Refuses what cannot be written, and removes what an earlier run wrote there.
 void prepare_outputs(const CompareCommand& command) {
-  std::vector<std::filesystem::path> inputs = command.models;
-  if (!command.reference.empty()) inputs.push_back(command.reference);
-  check_outputs({command.json, command.junit, command.report}, inputs);
+  check_outputs({command.json, command.junit, command.report}, inputs_of(command));
   for (const auto& target : {command.json, command.junit, command.report}) refuse_name_of_result(target, command.out);
   if (!command.out.empty()) check_target_folder(command.out);
   for (const auto& stale : {command.json, command.junit, command.report}) {
@@ -310,7 +314,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
-    check_results(command.out, result_file_names(model, {solver.name()}));
+    check_results(command.out, result_file_names(model, {solver.name()}), {command.model});
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;

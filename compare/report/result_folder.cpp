@@ -44,10 +44,37 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
   if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory);
 }
 
-void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+namespace {
+
+/// All files that are read for these inputs: models and what they include.
+std::set<std::filesystem::path> files_of(const std::vector<std::filesystem::path>& inputs) {
+  std::set<std::filesystem::path> read;
+  for (const std::filesystem::path& input : inputs) {
+    if (input.empty()) continue;
+    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
+  }
+  return read;
+}
+
+template <class Files>
+void refuse_if_among(const std::filesystem::path& target, const Files& files, const char* what) {
+  const auto is_it = [&](const std::filesystem::path& file) { return is_same_file(target, file); };
+  if (std::any_of(files.begin(), files.end(), is_it)) {
+    throw InputError({target.string(), 0, 0}, fmt::format("cannot be written: it is {} of this run", what));
+  }
+}
+
+}  // namespace
+
+void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names,
+                   const std::vector<std::filesystem::path>& inputs) {
   if (folder.empty()) return;
   check_target_folder(folder);
-  for (const std::string& name : names) check_target(folder / name);
+  const std::set<std::filesystem::path> read = files_of(inputs);
+  for (const std::string& name : names) {
+    check_target(folder / name);
+    refuse_if_among(folder / name, read, "an input");
+  }
 }
 
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs) {
@@ -75,23 +102,13 @@ void check_outputs(const std::vector<std::filesystem::path>& targets,
                    const std::vector<std::filesystem::path>& inputs) {
   const auto is_none = [](const std::filesystem::path& target) { return target.empty(); };
   if (std::all_of(targets.begin(), targets.end(), is_none)) return;  // inputs need not be read
-  std::set<std::filesystem::path> read;
-  for (const std::filesystem::path& input : inputs) {
-    if (input.empty()) continue;
-    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
-  }
-  const auto refuse_if = [](const std::filesystem::path& target, const auto& files, const char* what) {
-    const auto is_it = [&](const std::filesystem::path& file) { return is_same_file(target, file); };
-    if (std::any_of(files.begin(), files.end(), is_it)) {
-      throw InputError({target.string(), 0, 0}, fmt::format("cannot be written: it is {} of this run", what));
-    }
-  };
+  const std::set<std::filesystem::path> read = files_of(inputs);
   std::vector<std::filesystem::path> earlier;
   for (const std::filesystem::path& target : targets) {
     if (target.empty()) continue;
     check_target(target);
-    refuse_if(target, read, "an input");
-    refuse_if(target, earlier, "another output");
+    refuse_if_among(target, read, "an input");
+    refuse_if_among(target, earlier, "another output");
     earlier.push_back(target);
   }
 }
