@@ -69,6 +69,8 @@ std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& colum
     difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
   }
   if (!(difference <= allowed * std::abs(factor))) return "";  // the error, too, is in those units
+  constexpr double kTheSame = 1e-6;
+  if (std::abs(factor - 1.0) < kTheSame) return "";
   constexpr double kOpposite = 0.01;
   if (std::abs(factor + 1.0) < kOpposite) return "it has the other sign";
   return fmt::format("it is {:.6g} times as large{}", factor,
@@ -89,7 +91,8 @@ std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Re
     for (const auto& columns :
          {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
       for (const Column& other : columns) {
-        if (!is_kin(other, column.column) || !fits(runs, column.values, other, sign, allowed)) continue;
+        if (other.name == column.column.name || !is_kin(other, column.column)) continue;
+        if (!fits(runs, column.values, other, sign, allowed)) continue;
         return fmt::format("it agrees with {}{}: on another side, in other axes, or of the other sign?",
                            sign < 0.0 ? "-" : "", other.name);
       }

@@ -217,6 +217,24 @@ TEST_F(ReferenceTest, TheInverseOfARotationIsAnother) {
   EXPECT_EQ(with_signs(-1.0, 1.0).outcome, Outcome::differ);
 }
 
+// One of the four with the other sign decides for all which sign fits best: then right ones miss by their own sign.
+TEST_F(ReferenceTest, NoColumnIsSaidToFitItself) {
+  Verdict verdict = verified();
+  std::string text = "# error = 0.001 %\nt [s],bob.e0 [1],bob.e1 [1],bob.e2 [1],bob.e3 [1]\n";
+  for (const std::size_t k : {0U, 70U, 200U}) {
+    for (auto& run : verdict.trajectories) run->samples[k].state.bodies[1].p = Vec4(0.3, 0.8, 0.5, std::sqrt(0.02));
+    text += fmt::format("{},0.3,-0.8,0.5,{:.17g}\n", verdict.trajectories[0]->samples[k].state.t, std::sqrt(0.02));
+  }
+  judge_reference(model_, read(text), verdict);
+  ASSERT_EQ(verdict.outcome, Outcome::differ);
+  for (const Finding& finding : verdict.findings) {
+    for (const char* name : {"bob.e0", "bob.e1", "bob.e2", "bob.e3"}) {
+      EXPECT_THAT(finding.symptom, Not(HasSubstr(std::string("agrees with ") + name)));
+      EXPECT_THAT(finding.symptom, Not(HasSubstr("it is 1 times")));
+    }
+  }
+}
+
 /// The pendulum swings about its joint's z, which lies anyhow in the world: axes across the hinge mix x and y alone.
 TEST_F(ReferenceTest, AGlobalComponentIsJudgedWhereWhatIsNotUniqueHasNoPartInIt) {
   Model model = pendulum_model();
