@@ -78,6 +78,7 @@ class RunRungs {
   Verdict& verdict_;
   std::array<bool, 2> may_switch_{};
   std::array<std::string, 2> goes_on_by_;  // after a switch
+  std::array<bool, 2> has_made_run_{};     // by the integrator that was tried first
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
   std::array<bool, 2> stands_{};
