@@ -184,6 +184,18 @@ TEST_F(CommandsTest, AReferenceAndJUnitStandBesideTheVerdict) {
   EXPECT_THAT(err_.str(), HasSubstr("a reference belongs to one model, but 2 are compared"));
 }
 
+TEST_F(CommandsTest, NoResultReplacesAnInput) {
+  CompareCommand command;
+  command.models = {file("pendulum.toml")};
+  command.out = folder_;
+  const std::string text = "# error = 1 %\nt [s],hinge.child.F_x [N]\n0.1,1e6\n";
+  command.reference = file("pendulum.cartesian.reactions.csv", text);
+  EXPECT_EQ(compare(command), kBadInput);
+  EXPECT_THAT(err_.str(), HasSubstr("pendulum.cartesian.reactions.csv: error: cannot be written: it is an input"));
+  std::ifstream kept(command.reference);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(kept), {}), text);
+}
+
 TEST_F(CommandsTest, ARunThatStopsIsExitThree) {
   makers_.cartesian = [](const Model& model) { return make(model, "cartesian", true); };
   RunCommand command;
