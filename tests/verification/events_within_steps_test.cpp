@@ -252,8 +252,9 @@ until = 0.034
 
 // Sliding whose slip passes zero within a step of the extrapolated midpoint rule: all midpoints on one side, all
 // results on the other, and all of them alike.
-TEST_CASE("A braked wheel that hops over the road keeps its energy in both solvers", "[events][quick]") {
-  const Model model = parse_model(R"toml(format = 1
+TEST_CASE("A braked wheel that hops over the road keeps its energy in both solvers", "[events]") {
+  const double speed = GENERATE(1.0, 1.5, 2.2);
+  const Model model = parse_model(fmt::format(R"toml(format = 1
 name = "braked_wheel"
 gravity = [0, 0, -9.81]
 
@@ -275,27 +276,27 @@ inertia = [0.5, 0.9, 0.5]
 [[joint]]
 name = "way"
 type = "translational"
-both = { x = [0, 1, 0], z = [1, 0, 0] }
+both = {{ x = [0, 1, 0], z = [1, 0, 0] }}
 parent = "ground"
 child = "sled"
-start.slide_z = { keep = 0, keep_speed = 2.2 }
+start.slide_z = {{ keep = 0, keep_speed = {0:.17g} }}
 
 [[joint]]
 name = "strut"
 type = "translational"
 parent = "sled"
 child = "fork"
-start.slide_z = { keep = 0.29, keep_speed = 0 }
-spring.slide_z = { stiffness = 2e4, preload = -1000, free = 0.29 }
+start.slide_z = {{ keep = 0.29, keep_speed = 0 }}
+spring.slide_z = {{ stiffness = 2e4, preload = -1000, free = 0.29 }}
 
 [[joint]]
 name = "hub"
 type = "revolute"
-both = { x = [1, 0, 0], z = [0, 1, 0] }
+both = {{ x = [1, 0, 0], z = [0, 1, 0] }}
 parent = "fork"
 child = "wheel"
-start.turn_z = { keep = 0, keep_speed = 7.333333333333333 }
-spring.turn_z = { damping = 60 }
+start.turn_z = {{ keep = 0, keep_speed = {1:.17g} }}
+spring.turn_z = {{ damping = 60 }}
 
 [[road]]
 name = "floor"
@@ -315,11 +316,12 @@ friction = 0.8
 [run]
 until = 3
 )toml",
+                                              speed, speed / 0.3),
                                   "braked_wheel.toml");
   for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
     const auto solver = make(model);
     const Trajectory run = solver->integrate({model.run.until, 1e-11, 200, ""}, {});
-    INFO(solver->name());
+    INFO(solver->name() << ", from " << speed << " m/s");
     CHECK(compare::audit_energy(model, run).relative() < 1e-11);
   }
 }
