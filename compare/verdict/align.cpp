@@ -4,26 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace concord::compare {
 
 namespace {
-
-/// Their squares must be numbers, too: beside a scale that is infinite nothing differs.
-void check_range(const QuantityLayout& layout, const VecX& values, double t, const char* solver) {
-  constexpr double kLargest = 1e150;
-  for (Eigen::Index row = 0; row < values.size(); ++row) {
-    if (std::abs(values(row)) <= kLargest) continue;
-    const Quantity& quantity = layout.quantities()[row];
-    const std::string what = std::isfinite(values(row))
-                                 ? fmt::format("is {:.3g}, beyond the {:g} that can be judged,", values(row), kLargest)
-                                 : "is not a number";
-    throw IncompleteResult(fmt::format("{}: {}, {} {} at t = {:.6g} s", solver,
-                                       describe_owner(layout.model(), quantity), describe_component(quantity), what,
-                                       t));
-  }
-}
 
 Series make_series(const QuantityLayout& layout, std::size_t samples) {
   Series series;
@@ -37,8 +21,7 @@ Series make_series(const QuantityLayout& layout, std::size_t samples) {
 
 void put(const QuantityLayout& layout, Series& series, std::size_t column, int who, const State& state,
          const Evaluation& evaluation) {
-  const VecX values = layout.observe(state, evaluation);
-  check_range(layout, values, state.t, kSolverNames[who]);
+  const VecX values = layout.observe_to_judge(state, evaluation, kSolverNames[who]);
   series.values[who].col(static_cast<Eigen::Index>(column)) = values;
   for (std::size_t i = 0; i < series.spin.size(); ++i) {
     series.spin[i] = std::max(series.spin[i], state.bodies[i].omega.norm());

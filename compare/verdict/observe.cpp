@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "compare/audit/joint_motion.h"
@@ -134,6 +135,21 @@ VecX QuantityLayout::observe(const State& state, const Evaluation& evaluation) c
   }
   for (std::size_t i = 1; i < model_->bodies.size(); ++i) {
     append(total_on_body(*model_, state, evaluation, static_cast<int>(i)).vector());
+  }
+  return values;
+}
+
+VecX QuantityLayout::observe_to_judge(const State& state, const Evaluation& evaluation, std::string_view solver) const {
+  constexpr double kLargest = 1e150;
+  VecX values = observe(state, evaluation);
+  for (Eigen::Index row = 0; row < values.size(); ++row) {
+    if (std::abs(values(row)) <= kLargest) continue;
+    const Quantity& quantity = quantities_[static_cast<std::size_t>(row)];
+    const std::string what = std::isfinite(values(row))
+                                 ? fmt::format("is {:.3g}, beyond the {:g} that can be judged,", values(row), kLargest)
+                                 : "is not a number";
+    throw IncompleteResult(fmt::format("{}: {}, {} {} at t = {:.6g} s", solver, describe_owner(*model_, quantity),
+                                       describe_component(quantity), what, state.t));
   }
   return values;
 }

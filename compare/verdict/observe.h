@@ -3,6 +3,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/model.h"
@@ -57,6 +58,9 @@ class QuantityLayout {
 
   /// All quantities of one state. Throws IncompleteResult if a body, a joint, a coupling or a force element is missing.
   [[nodiscard]] VecX observe(const State& state, const Evaluation& evaluation) const;
+  /// The same of what `solver` says. Throws IncompleteResult, too, if one is no number or beyond 1e150: its square
+  /// overflows, and beside a scale that is infinite nothing differs.
+  [[nodiscard]] VecX observe_to_judge(const State& state, const Evaluation& evaluation, std::string_view solver) const;
 
  private:
   void add_block(Kind kind, int owner, Side side, int components);

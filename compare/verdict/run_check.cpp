@@ -64,7 +64,7 @@ RunCheck check_run(const QuantityLayout& layout, Solver& solver, const Trajector
   Auditor auditor(layout.model());
   const Redraw redraw = answers_within_roundoff(layout.model(), solver, kSeed);
   for (const Sample& sample : trajectory.samples) {
-    static_cast<void>(layout.observe(sample.state, sample.evaluation));  // throws if anything is missing
+    static_cast<void>(layout.observe_to_judge(sample.state, sample.evaluation, solver.name()));  // throws if it cannot
     auditor.add(sample.state, sample.evaluation, redraw);
   }
   check_samples(layout, solver, trajectory, check);
