@@ -194,7 +194,7 @@ class NightlyRun {
     std::sort(inputs.begin(), inputs.end());
     inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
     compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report}, inputs);
-    check_results(command_.out, {kFilesOfNight.begin(), kFilesOfNight.end()}, inputs);
+    check_results(command_.out, {kFilesOfNight.begin(), kFilesOfNight.end()}, files_read_for(inputs));
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
     }

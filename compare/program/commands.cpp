@@ -110,7 +110,9 @@ std::vector<std::filesystem::path> inputs_of(const CompareCommand& command) {
   return inputs;
 }
 
-void solve_both(const CompareCommand& command, const SolverMakers& makers, const Console& console, Case& one) {
+/// `read`: all files that the command reads.
+void solve_both(const CompareCommand& command, const std::set<std::filesystem::path>& read, const SolverMakers& makers,
+                const Console& console, Case& one) {
   std::optional<Reference> reference;
   if (!command.reference.empty()) {
     reference = read_reference(command.reference, one.model);
@@ -119,7 +121,7 @@ void solve_both(const CompareCommand& command, const SolverMakers& makers, const
   const StartedMachine machine(one.model, makers);
   Solver& cartesian = machine.solver(Who::cartesian);
   Solver& relative = machine.solver(Who::relative);
-  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}), inputs_of(command));
+  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}), read);
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
   const auto third = ask_for_third(command, machine.model(), silent);
@@ -141,9 +143,10 @@ void solve_both(const CompareCommand& command, const SolverMakers& makers, const
   if (reference) judge_reference(one.model, *reference, one.verdict);
 }
 
-/// `names` holds the models compared so far.
-Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const SolverMakers& makers,
-                 const Console& console, std::set<std::string>& names) {
+/// `read`: all files that the command reads; `names` holds the models compared so far.
+Case compare_one(const std::filesystem::path& file, const CompareCommand& command,
+                 const std::set<std::filesystem::path>& read, const SolverMakers& makers, const Console& console,
+                 std::set<std::string>& names) {
   Case one;
   bool is_misread = false;
   try {
@@ -157,7 +160,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
                      fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
                                  one.model.name));
   }
-  if (!is_misread) solve_both(command, makers, console, one);
+  if (!is_misread) solve_both(command, read, makers, console, one);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -267,8 +270,10 @@ void tell(const std::vector<std::string>& notes, const Console& console) {
 }  // namespace
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
+  std::set<std::filesystem::path> read;  // nothing where no results are written among them
   const int prepared = guarded(console, [&] {
     prepare_outputs(command);
+    if (!command.out.empty()) read = files_read_for(inputs_of(command));
     return static_cast<int>(kAgree);
   });
   if (prepared != kAgree) return prepared;
@@ -280,7 +285,7 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
     if (k > 0) console.out << '\n';
     codes.push_back(guarded_aloud(console, troubles[k], [&] {
       require_one_model(command);
-      cases[k] = compare_one(command.models[k], command, makers, console, names);
+      cases[k] = compare_one(command.models[k], command, read, makers, console, names);
       return exit_code(cases[k]->verdict.outcome);
     }));
   }
@@ -314,7 +319,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
-    check_results(command.out, result_file_names(model, {solver.name()}), {command.model});
+    check_results(command.out, result_file_names(model, {solver.name()}), files_read_for({command.model}));
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;

@@ -46,16 +46,6 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
 
 namespace {
 
-/// All files that are read for these inputs: models and what they include.
-std::set<std::filesystem::path> files_of(const std::vector<std::filesystem::path>& inputs) {
-  std::set<std::filesystem::path> read;
-  for (const std::filesystem::path& input : inputs) {
-    if (input.empty()) continue;
-    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
-  }
-  return read;
-}
-
 template <class Files>
 void refuse_if_among(const std::filesystem::path& target, const Files& files, const char* what) {
   const auto is_it = [&](const std::filesystem::path& file) { return is_same_file(target, file); };
@@ -66,11 +56,19 @@ void refuse_if_among(const std::filesystem::path& target, const Files& files, co
 
 }  // namespace
 
+std::set<std::filesystem::path> files_read_for(const std::vector<std::filesystem::path>& inputs) {
+  std::set<std::filesystem::path> read;
+  for (const std::filesystem::path& input : inputs) {
+    if (input.empty()) continue;
+    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
+  }
+  return read;
+}
+
 void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                   const std::vector<std::filesystem::path>& inputs) {
+                   const std::set<std::filesystem::path>& read) {
   if (folder.empty()) return;
   check_target_folder(folder);
-  const std::set<std::filesystem::path> read = files_of(inputs);
   for (const std::string& name : names) {
     check_target(folder / name);
     refuse_if_among(folder / name, read, "an input");
@@ -102,7 +100,7 @@ void check_outputs(const std::vector<std::filesystem::path>& targets,
                    const std::vector<std::filesystem::path>& inputs) {
   const auto is_none = [](const std::filesystem::path& target) { return target.empty(); };
   if (std::all_of(targets.begin(), targets.end(), is_none)) return;  // inputs need not be read
-  const std::set<std::filesystem::path> read = files_of(inputs);
+  const std::set<std::filesystem::path> read = files_read_for(inputs);
   std::vector<std::filesystem::path> earlier;
   for (const std::filesystem::path& target : targets) {
     if (target.empty()) continue;

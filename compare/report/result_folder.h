@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,10 +34,13 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
 /// comparison said of that, table, JSON and plots, goes. Throws InputError if the path cannot be written.
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
 
-/// Throws InputError if something stands in the folder that results of these names cannot replace, one of the `inputs`
-/// among it; an empty path is no folder.
+/// All files that are read for these inputs: models, what they include, and others as they are; empty paths are none.
+std::set<std::filesystem::path> files_read_for(const std::vector<std::filesystem::path>& inputs);
+
+/// Throws InputError if something stands in the folder that results of these names cannot replace, one of the files
+/// `read` among it; an empty path is no folder.
 void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                   const std::vector<std::filesystem::path>& inputs);
+                   const std::set<std::filesystem::path>& read);
 
 /// Whether two paths lead to one file, by other names too, or would if the file and its folders were there.
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
