@@ -1,11 +1,9 @@
 #include "compare/analyses/branch.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "common/decompositions.h"
 #include "common/rotation.h"
-#include "compare/analyses/block_triangular_form.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/observe.h"
@@ -96,10 +94,9 @@ MatX velocity_equations(const Model& model, const State& state) {
   return equations;
 }
 
-bool are_on_one_branch(const Model& model, const State& one, const State& other) {
+bool are_on_one_branch(const Model& model, const std::vector<Block>& blocks, const State& one, const State& other) {
   const MatX here = velocity_equations(model, one);
   const MatX there = velocity_equations(model, other);
-  const std::vector<Block> blocks = block_triangular_form(model);
   const auto is_held = [](const Block& block) { return block.rows.size() >= block.columns.size(); };
   if (!std::all_of(blocks.begin(), blocks.end(), is_held)) return true;
   const auto keeps_sign = [&](const Block& block) {

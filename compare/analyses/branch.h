@@ -1,8 +1,11 @@
 #pragma once
 
+#include <vector>
+
 #include "common/model.h"
 #include "common/results.h"
 #include "common/types.h"
+#include "compare/analyses/block_triangular_form.h"
 
 /// On which of the branches that close a driven machine a motion stays. Two poses of a linkage at the same place of its
 /// drivers lie on both sides of a singular pose, and between them the determinant of the equations for its velocities
@@ -18,7 +21,7 @@ MatX velocity_equations(const Model& model, const State& state);
 /// Whether two states may be joined by a motion without a singular pose, as far as the sign of det(M^T N) tells, M and
 /// N the equations of both: that of det M det N where none is redundant. Each part of a machine that moves by itself
 /// once its drivers do, as one of two linkages on one crank, has a sign of its own. Where round-off may decide a sign
-/// they may be.
-bool are_on_one_branch(const Model& model, const State& one, const State& other);
+/// they may be. `blocks`: block_triangular_form() of the model.
+bool are_on_one_branch(const Model& model, const std::vector<Block>& blocks, const State& one, const State& other);
 
 }  // namespace concord::compare::analyses

@@ -95,7 +95,11 @@ Vec3 turn_between(const BodyState& one, const BodyState& other) {
 class Follower {
  public:
   Follower(const Model& model, Solver& solver, double longest)
-      : model_(model), solver_(solver), length_(model.length_scale()), longest_(longest) {
+      : model_(model),
+        solver_(solver),
+        blocks_(block_triangular_form(model)),
+        length_(model.length_scale()),
+        longest_(longest) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       const Joint& joint = model.joints[k];
       for (const Driver& driver : joint.drivers) {
@@ -168,7 +172,7 @@ class Follower {
       if (!closed) return std::nullopt;
       Sample next{*closed, solver_.evaluate(*closed), 0.0};
       if (!is_foreseen(now, guess, next, h)) return std::nullopt;
-      if (!are_on_one_branch(model_, now.state, next.state)) {
+      if (!are_on_one_branch(model_, blocks_, now.state, next.state)) {
         trouble_ = "a singular pose lies between, beyond which the machine is on another branch";
         return std::nullopt;
       }
@@ -222,6 +226,7 @@ class Follower {
 
   const Model& model_;
   Solver& solver_;
+  std::vector<Block> blocks_;  // of the equations for velocities
   double length_;
   double longest_;  // step [s]
   std::vector<Law> laws_;
