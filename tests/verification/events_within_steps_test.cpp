@@ -189,7 +189,7 @@ until = 0.6
 /// behind an event: its sliding event function is not quite convex there.
 TEST_CASE("A tire that turns its slip round just as it begins to push moves alike, however far samples are apart",
           "[quick]") {
-  const Model model = parse(R"toml(format = 1
+  const Model model = parse_model(R"toml(format = 1
 name = "nut_on_the_floor"
 gravity = [4.439, 8.545, -1.875]
 
@@ -236,7 +236,8 @@ damping = 13
 
 [run]
 until = 0.034
-)toml");
+)toml",
+                                  "nut_on_the_floor.toml");
   for (const auto& make : {cartesian::make_solver, relative::make_solver}) {
     const Trajectory often = make(model)->integrate({0.034, 1e-11, 300, ""}, {});
     const Trajectory seldom = make(model)->integrate({0.034, 1e-11, 15, ""}, {});
