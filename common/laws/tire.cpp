@@ -29,8 +29,10 @@ TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContac
   if (!regime.pushes) return {};
   TireForces forces = evaluate_linear(tire, contact);
   if (!regime.slides) return forces;
-  const double sense = along(regime, forces) < 0.0 ? -1.0 : 1.0;
-  const double scale = sense * tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
+  const double turned = std::min(along(regime, forces), 0.0);
+  forces.F_x -= 2.0 * turned * regime.along_x;
+  forces.F_y -= 2.0 * turned * regime.along_y;
+  const double scale = tire.friction * forces.N / std::hypot(forces.F_x, forces.F_y);
   forces.F_x *= scale;
   forces.F_y *= scale;
   return forces;

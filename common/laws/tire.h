@@ -67,9 +67,10 @@ struct TireForces {
 
 /// N = stiffness delta + damping deltadot if the tire pushes, else zero; F_x = -slip_stiffness s_x / V and
 /// F_y = -cornering_stiffness V_y / V, both scaled down by one factor to sqrt(F_x^2 + F_y^2) = friction N if it slides.
-/// Where the slip has turned about since sliding began, as in a step that passes its end, friction acts in the sense
-/// that it had. If it turned about, too, the midpoints of a long step could lie on one side, its results on the other,
-/// and all extrapolations would say the same: a step that is wrong without an error.
+/// Where the slip has turned by more than a right angle since sliding began, as in a step that passes its end, its part
+/// along that first direction is reflected: friction keeps its sense and jumps nowhere. If it turned about, the
+/// midpoints of a long step could lie on one side, its results on the other, and all extrapolations would say the same:
+/// a step that is wrong without an error.
 TireForces evaluate(const Tire& tire, const TireRegime& regime, const TireContact& contact);  // (S38)
 
 /// The regime that a contact is in by itself.

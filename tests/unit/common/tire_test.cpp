@@ -158,6 +158,34 @@ TEST(Tire, FrictionDoesNotTurnAboutWithinARegime) {
   EXPECT_EQ(regime_at(tire, contact), regime) << "but for the direction";
 }
 
+// A jump there, just behind the end of the regime, costs the integrator as many steps as it is let.
+TEST(Tire, FrictionJumpsNowhereWhereTheSlipTurnsByARightAngle) {
+  const Tire tire = make_tire();
+  TireContact contact = kRolling;
+  const auto turn = [&](double angle) {  // linear slip forces of one size, turned
+    const double V = std::hypot(contact.V_x, tire.speed_scale);
+    contact.s_x = -std::cos(angle) * 8e3 * V / tire.slip_stiffness;
+    contact.V_y = -std::sin(angle) * 8e3 * V / tire.cornering_stiffness;
+  };
+  turn(0.3);
+  const TireRegime regime = regime_at(tire, contact);
+  ASSERT_TRUE(regime.slides);
+  const double right = 0.3 + 0.5 * std::numbers::pi;
+  turn(right - 1e-7);
+  const TireForces before = evaluate(tire, regime, contact);
+  EXPECT_GT(event_function_of(tire, regime, contact), 0.0);
+  turn(right + 1e-7);
+  const TireForces behind = evaluate(tire, regime, contact);
+  EXPECT_LT(event_function_of(tire, regime, contact), 0.0);
+  const double size = std::hypot(before.F_x, before.F_y);
+  EXPECT_NEAR(behind.F_x, before.F_x, 1e-6 * size);
+  EXPECT_NEAR(behind.F_y, before.F_y, 1e-6 * size);
+  turn(2.0);
+  const TireForces beyond = evaluate(tire, regime, contact);
+  EXPECT_GT(regime.along_x * beyond.F_x + regime.along_y * beyond.F_y, 0.0);
+  EXPECT_NEAR(std::hypot(beyond.F_x, beyond.F_y), size, 1e-12 * size);
+}
+
 /// Where a regime ends along s: the place where its margin vanishes, by bisection between a place inside and one
 /// outside.
 template <class Contact>
