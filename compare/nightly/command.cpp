@@ -189,12 +189,13 @@ class NightlyRun {
   }
 
   void check_outputs() const {
-    std::vector<fs::path> inputs{command_.suite, suite_.baselines, log_of(suite_.baselines), command_.history};
-    for (const Case& one : suite_.cases) inputs.push_back(one.model);
-    std::sort(inputs.begin(), inputs.end());
-    inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
+    std::vector<fs::path> files{command_.suite, suite_.baselines, log_of(suite_.baselines), command_.history};
+    for (const Case& one : suite_.cases) files.push_back(one.model);
+    std::sort(files.begin(), files.end());
+    files.erase(std::unique(files.begin(), files.end()), files.end());
+    const InputFiles inputs(std::move(files));
     compare::check_outputs({command_.json, command_.junit, command_.markdown, command_.report}, inputs);
-    check_results(command_.out, {kFilesOfNight.begin(), kFilesOfNight.end()}, files_read_for(inputs));
+    check_results(command_.out, {kFilesOfNight.begin(), kFilesOfNight.end()}, inputs);
     for (const fs::path& stale : {command_.json, command_.junit, command_.markdown, command_.report}) {
       if (!stale.empty()) fs::remove(stale);
     }

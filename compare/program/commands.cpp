@@ -104,14 +104,14 @@ std::unique_ptr<ThirdOpinion> ask_for_third(const CompareCommand& command, const
   }
 }
 
-std::vector<std::filesystem::path> inputs_of(const CompareCommand& command) {
+InputFiles inputs_of(const CompareCommand& command) {
   std::vector<std::filesystem::path> inputs = command.models;
   if (!command.reference.empty()) inputs.push_back(command.reference);
   return inputs;
 }
 
-/// `read`: all files that the command reads.
-void solve_both(const CompareCommand& command, const std::set<std::filesystem::path>& read, const SolverMakers& makers,
+/// `inputs`: of the whole command.
+void solve_both(const CompareCommand& command, const InputFiles& inputs, const SolverMakers& makers,
                 const Console& console, Case& one) {
   std::optional<Reference> reference;
   if (!command.reference.empty()) {
@@ -121,7 +121,7 @@ void solve_both(const CompareCommand& command, const std::set<std::filesystem::p
   const StartedMachine machine(one.model, makers);
   Solver& cartesian = machine.solver(Who::cartesian);
   Solver& relative = machine.solver(Who::relative);
-  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}), read);
+  check_results(command.out, result_file_names(one.model, {cartesian.name(), relative.name()}), inputs);
   VerifyOptions options = command.options;
   std::optional<ThirdReport> silent;
   const auto third = ask_for_third(command, machine.model(), silent);
@@ -143,10 +143,9 @@ void solve_both(const CompareCommand& command, const std::set<std::filesystem::p
   if (reference) judge_reference(one.model, *reference, one.verdict);
 }
 
-/// `read`: all files that the command reads; `names` holds the models compared so far.
-Case compare_one(const std::filesystem::path& file, const CompareCommand& command,
-                 const std::set<std::filesystem::path>& read, const SolverMakers& makers, const Console& console,
-                 std::set<std::string>& names) {
+/// `inputs`: of the whole command; `names` holds the models compared so far.
+Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const InputFiles& inputs,
+                 const SolverMakers& makers, const Console& console, std::set<std::string>& names) {
   Case one;
   bool is_misread = false;
   try {
@@ -160,7 +159,7 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
                      fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
                                  one.model.name));
   }
-  if (!is_misread) solve_both(command, read, makers, console, one);
+  if (!is_misread) solve_both(command, inputs, makers, console, one);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -254,8 +253,8 @@ void refuse_name_of_result(const std::filesystem::path& target, const std::files
 }
 
 /// Refuses what cannot be written, and removes what an earlier run wrote there.
-void prepare_outputs(const CompareCommand& command) {
-  check_outputs({command.json, command.junit, command.report}, inputs_of(command));
+void prepare_outputs(const CompareCommand& command, const InputFiles& inputs) {
+  check_outputs({command.json, command.junit, command.report}, inputs);
   for (const auto& target : {command.json, command.junit, command.report}) refuse_name_of_result(target, command.out);
   if (!command.out.empty()) check_target_folder(command.out);
   for (const auto& stale : {command.json, command.junit, command.report}) {
@@ -270,10 +269,9 @@ void tell(const std::vector<std::string>& notes, const Console& console) {
 }  // namespace
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
-  std::set<std::filesystem::path> read;  // nothing where no results are written among them
+  const InputFiles inputs = inputs_of(command);
   const int prepared = guarded(console, [&] {
-    prepare_outputs(command);
-    if (!command.out.empty()) read = files_read_for(inputs_of(command));
+    prepare_outputs(command, inputs);
     return static_cast<int>(kAgree);
   });
   if (prepared != kAgree) return prepared;
@@ -285,7 +283,7 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
     if (k > 0) console.out << '\n';
     codes.push_back(guarded_aloud(console, troubles[k], [&] {
       require_one_model(command);
-      cases[k] = compare_one(command.models[k], command, read, makers, console, names);
+      cases[k] = compare_one(command.models[k], command, inputs, makers, console, names);
       return exit_code(cases[k]->verdict.outcome);
     }));
   }
@@ -319,7 +317,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
-    check_results(command.out, result_file_names(model, {solver.name()}), files_read_for({command.model}));
+    check_results(command.out, result_file_names(model, {solver.name()}), {command.model});
     RunOptions run = run_options(model, command.options);
     run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
     Trajectory trajectory;

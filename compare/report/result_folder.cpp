@@ -56,22 +56,23 @@ void refuse_if_among(const std::filesystem::path& target, const Files& files, co
 
 }  // namespace
 
-std::set<std::filesystem::path> files_read_for(const std::vector<std::filesystem::path>& inputs) {
-  std::set<std::filesystem::path> read;
-  for (const std::filesystem::path& input : inputs) {
+const std::set<std::filesystem::path>& InputFiles::all() const {
+  if (all_) return *all_;
+  all_.emplace();
+  for (const std::filesystem::path& input : inputs_) {
     if (input.empty()) continue;
-    for (std::filesystem::path& file : files_of_model(input)) read.insert(std::move(file));
+    for (std::filesystem::path& file : files_of_model(input)) all_->insert(std::move(file));
   }
-  return read;
+  return *all_;
 }
 
 void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                   const std::set<std::filesystem::path>& read) {
+                   const InputFiles& inputs) {
   if (folder.empty()) return;
   check_target_folder(folder);
   for (const std::string& name : names) {
     check_target(folder / name);
-    refuse_if_among(folder / name, read, "an input");
+    refuse_if_among(folder / name, inputs.all(), "an input");
   }
 }
 
@@ -92,20 +93,14 @@ bool is_same_file(const std::filesystem::path& one, const std::filesystem::path&
          fs::weakly_canonical(fs::absolute(one), unknown) == fs::weakly_canonical(fs::absolute(other), unknown);
 }
 
-void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs) {
-  check_outputs({target}, inputs);
-}
+void check_output(const std::filesystem::path& target, const InputFiles& inputs) { check_outputs({target}, inputs); }
 
-void check_outputs(const std::vector<std::filesystem::path>& targets,
-                   const std::vector<std::filesystem::path>& inputs) {
-  const auto is_none = [](const std::filesystem::path& target) { return target.empty(); };
-  if (std::all_of(targets.begin(), targets.end(), is_none)) return;  // inputs need not be read
-  const std::set<std::filesystem::path> read = files_read_for(inputs);
+void check_outputs(const std::vector<std::filesystem::path>& targets, const InputFiles& inputs) {
   std::vector<std::filesystem::path> earlier;
   for (const std::filesystem::path& target : targets) {
     if (target.empty()) continue;
     check_target(target);
-    refuse_if_among(target, read, "an input");
+    refuse_if_among(target, inputs.all(), "an input");
     refuse_if_among(target, earlier, "another output");
     earlier.push_back(target);
   }

@@ -2,9 +2,12 @@
 
 #include <array>
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/model.h"
@@ -34,22 +37,33 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
 /// comparison said of that, table, JSON and plots, goes. Throws InputError if the path cannot be written.
 void write_runs(const std::filesystem::path& folder, const Model& model, const std::vector<NamedRun>& runs);
 
-/// All files that are read for these inputs: models, what they include, and others as they are; empty paths are none.
-std::set<std::filesystem::path> files_read_for(const std::vector<std::filesystem::path>& inputs);
+/// The inputs of a command; empty paths are none. What models among them include is found once, when it is first asked
+/// for: a command that writes nothing need not know.
+class InputFiles {
+ public:
+  InputFiles(std::vector<std::filesystem::path> inputs) : inputs_(std::move(inputs)) {}
+  InputFiles(std::initializer_list<std::filesystem::path> inputs) : inputs_(inputs) {}
 
-/// Throws InputError if something stands in the folder that results of these names cannot replace, one of the files
-/// `read` among it; an empty path is no folder.
+  /// All files that are read: models, what they include, and others as they are.
+  [[nodiscard]] const std::set<std::filesystem::path>& all() const;
+
+ private:
+  std::vector<std::filesystem::path> inputs_;
+  mutable std::optional<std::set<std::filesystem::path>> all_;
+};
+
+/// Throws InputError if something stands in the folder that results of these names cannot replace, one of the inputs
+/// among it; an empty path is no folder.
 void check_results(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                   const std::set<std::filesystem::path>& read);
+                   const InputFiles& inputs);
 
 /// Whether two paths lead to one file, by other names too, or would if the file and its folders were there.
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
 
 /// Throws InputError unless a file can be written at `target` (an empty one is none) that is none of the `inputs`.
-void check_output(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs);
+void check_output(const std::filesystem::path& target, const InputFiles& inputs);
 
-/// The same of several targets, of which no two may be one file. Empty inputs are none. What models include is an input
-/// too.
-void check_outputs(const std::vector<std::filesystem::path>& targets, const std::vector<std::filesystem::path>& inputs);
+/// The same of several targets, of which no two may be one file.
+void check_outputs(const std::vector<std::filesystem::path>& targets, const InputFiles& inputs);
 
 }  // namespace concord::compare
