@@ -66,6 +66,7 @@ class Stepper {
 
  private:
   int try_step(double t_end, N_Vector y, double& t);
+  [[nodiscard]] bool is_reached(double t_end) const;
   int reset(double t, N_Vector y);
   int evolve(double t_end, N_Vector y, double& t);
 
