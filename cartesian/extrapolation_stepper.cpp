@@ -135,8 +135,7 @@ class ExtrapolationStepper : public Stepper {
   }
 
   void evolve(double stop) {
-    constexpr double kTooClose = 1e-14;  // of the time: ARKODE refuses such steps, and nothing moves in them
-    if (stop - reached_ <= kTooClose * stop) {
+    if (is_too_close(stop)) {
       reached_ = stop;
       return;
     }
@@ -148,6 +147,15 @@ class ExtrapolationStepper : public Stepper {
     if (code < 0) throw SolverError("cartesian (gbs): " + messages_.last);
     ++steps_;
     read(view(y_.get()), motion_);
+  }
+
+  /// ARKODE makes no step shorter than 2.2e-14 of its time and its last step together: it refuses, or says that the
+  /// stop is reached, and the last step would be added to the time again. Nothing moves in so little.
+  [[nodiscard]] bool is_too_close(double stop) {
+    constexpr double kShortest = 5e-14;
+    double last = 0.0;
+    check(ERKStepGetLastStep(memory_.get(), &last), "ERKStepGetLastStep", messages_);
+    return stop - reached_ <= kShortest * (stop + last);
   }
 
   int try_step(double stop) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/joints/catalogue.h"
 #include "machines.h"
@@ -58,6 +60,24 @@ TEST(Stepper, ExtrapolationConvergesAtAHighOrder) {
   const double order = std::log(coarse_error / fine_error) / std::log(static_cast<double>(fine_steps) / coarse_steps);
   RecordProperty("observed_order", static_cast<int>(order));
   EXPECT_GT(order, 7.5);
+}
+
+/// A stop may lie next to the end of a step, where ARKODE makes none: time and motion stay together.
+TEST(Stepper, StopsBesideTheEndOfAStepMoveNeitherTimeNorMotion) {
+  Tumbler tumbler;
+  const MotionState exact = run(tumbler, 1e-14, true);
+  for (const double apart : {1.0, 10.0, 40.0, 60.0, 90.0, 120.0, 150.0}) {  // round-off of the time
+    const auto stepper = make_extrapolation_stepper(tumbler.dynamics, tumbler.start, {1e-11, 2.0});
+    double reached = 0.0;
+    while (reached < 2.0) {
+      reached = stepper->step(2.0);
+      const double beside = std::min(2.0, reached * (1.0 + apart * std::numeric_limits<double>::epsilon()));
+      reached = stepper->step(beside);
+      ASSERT_EQ(reached, beside) << apart;
+      ASSERT_LT(stepper->steps(), 2000) << apart;
+    }
+    EXPECT_LT((stepper->motion().q - exact.q).norm(), 1e-8) << apart;
+  }
 }
 
 TEST(Stepper, IdaConvergesToTheSameMotion) {
