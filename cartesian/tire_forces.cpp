@@ -77,10 +77,8 @@ double* write_event_functions(const Tire& tire, const ForceInstant& at, const Ap
 double departure_of(const Tire& tire, const ForceInstant& at, const AppliedForce& applied) {
   const int stretch = stretch_at(*tire.road, applied.child().point.x());
   const TireOnRoad own = place_on_road(tire, stretch, applied.child(), at.name, at.t);
-  const TireRegime own_regime = regime_at(tire, own.contact);
-  if (applied.regime == own_regime) return 0.0;
-  const Vec3 departure =
-      applied.wrenches[index(Side::child)].force - on_axes(own, evaluate(tire, own_regime, own.contact));
+  const TireForces of_own_regime = evaluate(tire, regime_at(tire, own.contact), own.contact);
+  const Vec3 departure = applied.wrenches[index(Side::child)].force - on_axes(own, of_own_regime);
   return departure.norm() / (tire.stiffness * tire.radius);
 }
 

@@ -126,9 +126,7 @@ double AppliedForces::departure_of(const TireState& state) const {
   const Tire& tire = std::get<Tire>(state.statement->what);
   const JointPoint& wheel = elements_[state.element].ends.back();
   const ContactFrame own = contact_of(tire, stretch_at(*tire.road, wheel.r.x()), wheel, state.statement->name);
-  const TireRegime own_regime = regime_at(tire, own.contact);
-  if (state.regime == own_regime) return 0.0;
-  const Vec3 force = wrench_at_center(own, evaluate(tire, own_regime, own.contact)).head<3>();
+  const Vec3 force = wrench_at_center(own, evaluate(tire, regime_at(tire, own.contact), own.contact)).head<3>();
   const Vec3& exerted = wrenches_[state.element].on_side(Side::child).in_global.force;
   return (exerted - force).norm() / (tire.stiffness * tire.radius);
 }

@@ -127,6 +127,30 @@ TEST(Tires, FrozenRegimesGoOnBeyondTheirEnd) {
   EXPECT_EQ(rig.act(lifted).wrenches[1].force.norm(), 0.0);
 }
 
+/// Where the slip has turned by a right angle since sliding began, the regime ends: from there on, and not before, the
+/// force that is kept departs from the law.
+TEST(Tires, KeptFrictionDepartsFromItsLawBeyondARightAngle) {
+  WheelRig rig;
+  std::get<Tire>(rig.model.elements[0].what).friction = 0.02;
+  rig.Y.setZero();
+  const auto slide_along = [&](double turn) {
+    rig.layout.v(rig.Y, BodyIndex(2)) = 3.0 * Vec3(std::cos(turn), std::sin(turn), 0.0);
+    return rig.act(rig.q).regime.slides;
+  };
+  ASSERT_TRUE(slide_along(0.3));
+  rig.applied.freeze_regimes(true);
+  int ended = 0;
+  for (double turn = -3.0; turn < 3.0; turn += 0.11) {
+    (void)slide_along(turn);
+    const double inside = rig.applied.event_functions(rig.constraints->place(rig.q), 0.0, rig.q, rig.Y).minCoeff();
+    const bool has_departed = rig.applied.departed(rig.constraints->place(rig.q).move(rig.Y), 0.0).has_value();
+    EXPECT_EQ(has_departed, inside < 0.0) << turn;
+    if (inside < 0.0) ++ended;
+  }
+  EXPECT_GT(ended, 20);
+  EXPECT_LT(ended, 50);
+}
+
 constexpr double kWheelMass = 20.0;
 constexpr double kRadius = 0.3;
 constexpr double kStiffness = 9000.0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "machines.h"
+#include "relative/assembly.h"
 #include "relative/solver.h"
 
 namespace concord::relative {
@@ -219,6 +220,27 @@ TEST(TireContact, WheelOverABumpIsTheSameByBothIntegrators) {
     highest = std::max(highest, state.q[0](2));
   }
   EXPECT_GT(highest, 0.4);
+}
+
+/// A run that misses where the slip has turned by a right angle goes on with a force that is not the law's: told.
+TEST(TireContact, ForceOfAnEndedTurnDepartsFromItsLaw) {
+  Model model = flying_wheel({"flat", FlatRoad{}}, 0.29, 0.0, 4.0);
+  model.joints[0].start.back().u = VecX(Vec3::Zero());  // locked: it slides
+  Equations equations(model);
+  const Coordinates start = Assembly(equations).start();
+  const auto departed = [&](double turn) {
+    VecX u = start.u;
+    u.head<2>() = 4.0 * Eigen::Vector2d(std::cos(turn), std::sin(turn));
+    equations.update_forces(0.0, start.q, u);
+    return equations.applied_forces().departed_contact();
+  };
+  EXPECT_FALSE(departed(0.0));
+  equations.applied_forces().freeze_regimes();
+  EXPECT_FALSE(departed(0.0));
+  EXPECT_FALSE(departed(1.2));
+  EXPECT_FALSE(departed(-1.2));
+  ASSERT_TRUE(departed(2.5));
+  EXPECT_EQ(departed(2.5)->name(), "tire 'tire'");
 }
 
 /// A drive that presses a wheel against the foot of a bump, where the road tilts at once, through a strong damper:
