@@ -193,6 +193,18 @@ bool carries_something(const Verdict& verdict) {
 
 namespace {
 
+/// What joints between the same bodies carry together is judged as well; its digits are shown where they are too few,
+/// or where no joint alone has any.
+void take_sums(const Verdict& verdict, RungSummary& summary) {
+  const bool has_rows = summary.digits.has_value();
+  for (const PairSum& sum : verdict.pair_sums) {
+    if (sum.samples == 0) continue;
+    const bool holds = sum.unexplained_digits >= verdict.need.same_state;
+    summary.passed = summary.passed && holds;
+    if (!holds || !has_rows) summary.digits = std::min(summary.digits.value_or(kMostDigits), sum.digits);
+  }
+}
+
 void sum_up(Rung rung, Verdict& verdict) {
   RungSummary& summary = summary_of(verdict, rung);
   summary.passed = has_judged(verdict);
@@ -210,13 +222,7 @@ void sum_up(Rung rung, Verdict& verdict) {
   for (const QuantityRow& row : verdict.rows) take(row);
   for (const QuantityRow& row : verdict.others) take(row);
   if (!summary.digits) summary.digits = on_speeds;
-  if (!summary.digits && rung == Rung::same_state) {
-    for (const PairSum& sum : verdict.pair_sums) {
-      if (sum.samples == 0) continue;
-      summary.digits = std::min(summary.digits.value_or(kMostDigits), sum.digits);
-      summary.passed = summary.passed && sum.unexplained_digits >= verdict.need.same_state;
-    }
-  }
+  if (rung == Rung::same_state) take_sums(verdict, summary);
   // A rung on which nothing was judged has not been passed.
   summary.passed = summary.passed && (summary.digits || (has_judged_sums(verdict) && of_sums));
 }

@@ -83,6 +83,24 @@ TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
 }
 
+/// Joints between the same bodies: what they carry together may differ where each by itself holds.
+TEST_F(RefinementTest, ASumThatDiffersFailsTheSameState) {
+  make_rows(layout_, verdict_);
+  verdict_.need = default_needs(model_);
+  record_all(Rung::same_state, 14.0);
+  PairSum sum;
+  sum.samples = 3;
+  sum.digits = sum.unexplained_digits = 15.0;
+  verdict_.pair_sums = {sum};
+  judge(verdict_);
+  EXPECT_TRUE(verdict_.same_state.passed);
+  EXPECT_EQ(verdict_.same_state.digits, 14.0);
+  verdict_.pair_sums[0].digits = verdict_.pair_sums[0].unexplained_digits = 4.0;
+  judge(verdict_);
+  EXPECT_FALSE(verdict_.same_state.passed);
+  EXPECT_EQ(verdict_.same_state.digits, 4.0);
+}
+
 TEST_F(RefinementTest, WhatIsNotUniqueAnywhereIsNotJudged) {
   make_rows(layout_, verdict_);
   std::vector<Measured> measured(layout_.quantities().size());
