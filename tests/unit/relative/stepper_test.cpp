@@ -9,7 +9,7 @@
 namespace concord::relative {
 namespace {
 
-constexpr double kUnit = std::numeric_limits<double>::epsilon();
+constexpr double kUnitRoundOff = std::numeric_limits<double>::epsilon();
 
 /// y' = cos t.
 int rate(realtype t, N_Vector /*y*/, N_Vector ydot, void* /*data*/) {
@@ -32,7 +32,7 @@ TEST(Stepper, StopsBesideTheEndOfAStepMoveNeitherTimeNorState) {
     sundials::MessageRecord messages;
     const sundials::Vector y = sundials::make_vector(1, context);
     Stepper stepper("erk", y.get(), {rate, keep, weigh, nullptr, nullptr}, context, messages);
-    const auto beside = [&](double t) { return t + apart * kUnit * t; };
+    const auto beside = [&](double t) { return t + apart * kUnitRoundOff * t; };
     double t = 0.0;
     for (int k = 1; t < 2.0; ++k) {
       ASSERT_GE(stepper.step(2.0, y.get(), t), 0) << apart << ": " << messages.last;
