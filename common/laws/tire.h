@@ -43,9 +43,9 @@ struct TireRegime {
   /// The direction of the slip forces where sliding began, F_x and F_y of unit size; zero: none.
   double along_x = 0.0;
   double along_y = 0.0;
-  /// All but the direction.
   bool operator==(const TireRegime& other) const {
-    return stretch == other.stretch && touches == other.touches && pushes == other.pushes && slides == other.slides;
+    return stretch == other.stretch && touches == other.touches && pushes == other.pushes && slides == other.slides &&
+           along_x == other.along_x && along_y == other.along_y;
   }
 };
 
