@@ -36,8 +36,8 @@ class Stepper {
 
   /// Advances y from t to t_end exactly.
   int advance(double t_end, N_Vector y, double& t);
-  /// Makes one step from y and t, at most to t_end. A step in which or at whose end the right side could not be
-  /// evaluated is tried again, shorter: ERKStep itself gives up there.
+  /// Makes one step from y and t, at most to t_end; none where t_end lies within the round-off of t. A step in which or
+  /// at whose end the right side could not be evaluated is tried again, shorter: ERKStep itself gives up there.
   int step(double t_end, N_Vector y, double& t);
   /// The state at a time within the last step, by the cubic through states and rates at its ends.
   int interpolate(double t, N_Vector y) const;
