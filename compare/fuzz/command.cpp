@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "common/reading/spelling.h"
-#include "compare/fuzz/coverage.h"
-#include "compare/fuzz/outcome.h"
 #include "compare/fuzz/shrink.h"
-#include "compare/fuzz/trial.h"
+#include "compare/random_machines/coverage.h"
+#include "compare/random_machines/outcome.h"
+#include "compare/random_machines/trial.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/interrupt.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "compare/fuzz/generator.h"
+#include "compare/random_machines/generator.h"
 #include "compare/report/console.h"
 #include "compare/verdict/solver_makers.h"
 #include "compare/verdict/verify.h"

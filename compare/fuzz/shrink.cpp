@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "compare/fuzz/placing.h"
+#include "compare/random_machines/placing.h"
 
 namespace concord::compare::fuzz {
 

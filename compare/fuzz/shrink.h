@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "compare/fuzz/machine.h"
-#include "compare/fuzz/outcome.h"
+#include "compare/random_machines/machine.h"
+#include "compare/random_machines/outcome.h"
 
 /// Makes a machine smaller as long as the same thing becomes of it.
 namespace concord::compare::fuzz {

@@ -14,12 +14,12 @@
 #include "common/reading/text_file.h"
 #include "common/reading/toml_document.h"
 #include "common/reading/toml_reader.h"
-#include "compare/fuzz/generator.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/case_keys.h"
 #include "compare/nightly/case_tables.h"
 #include "compare/nightly/variants.h"
+#include "compare/random_machines/generator.h"
 
 namespace concord::compare::nightly {
 

@@ -14,7 +14,7 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "common/reading/toml_document.h"
-#include "compare/fuzz/writer.h"
+#include "compare/random_machines/writer.h"
 #include "relative/solver.h"
 #include "tests/unit/temporary_folder.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "common/joints/catalogue.h"
-#include "compare/fuzz/generator.h"
-#include "compare/fuzz/writer.h"
+#include "compare/random_machines/generator.h"
+#include "compare/random_machines/writer.h"
 
 using namespace concord;
 using namespace concord::compare::fuzz;

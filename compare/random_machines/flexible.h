@@ -1,8 +1,8 @@
 #pragma once
 
-#include "compare/fuzz/laws.h"
-#include "compare/fuzz/machine.h"
-#include "compare/fuzz/random.h"
+#include "compare/random_machines/laws.h"
+#include "compare/random_machines/machine.h"
+#include "compare/random_machines/random.h"
 
 /// Flexible bodies whose lowest frequencies are a few to some ten in the unit of time.
 namespace concord::compare::fuzz {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "compare/fuzz/laws.h"
-#include "compare/fuzz/machine.h"
-#include "compare/fuzz/random.h"
+#include "compare/random_machines/laws.h"
+#include "compare/random_machines/machine.h"
+#include "compare/random_machines/random.h"
 
 namespace concord::compare::fuzz {
 

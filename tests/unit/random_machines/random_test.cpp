@@ -1,4 +1,4 @@
-#include "compare/fuzz/random.h"
+#include "compare/random_machines/random.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "compare/fuzz/trial.h"
+#include "compare/random_machines/trial.h"
 
 #include <cstdio>
 #include <optional>
@@ -18,7 +18,7 @@ void tell_rung(std::string_view rung) {
   std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
 }
 
-/// Messages name the model's file, whose folder belongs to one run of the fuzz.
+/// Messages name the model's file, whose folder belongs to one run.
 std::string without_folder(std::string text, const std::filesystem::path& folder) {
   const std::string name = folder.string() + '/';
   for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name)) text.erase(at, name.size());

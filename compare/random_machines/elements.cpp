@@ -1,4 +1,4 @@
-#include "compare/fuzz/elements.h"
+#include "compare/random_machines/elements.h"
 
 #include <fmt/format.h>
 

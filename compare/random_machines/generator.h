@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/fuzz/machine.h"
+#include "compare/random_machines/machine.h"
 
 namespace concord::compare::fuzz {
 

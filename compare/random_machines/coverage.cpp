@@ -1,4 +1,4 @@
-#include "compare/fuzz/coverage.h"
+#include "compare/random_machines/coverage.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/joints/catalogue.h"
 #include "compare/audit/digits.h"
-#include "compare/fuzz/elements.h"
+#include "compare/random_machines/elements.h"
 #include "compare/report/text_table.h"
 
 namespace concord::compare::fuzz {

@@ -1,4 +1,4 @@
-#include "compare/fuzz/flexible.h"
+#include "compare/random_machines/flexible.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "compare/fuzz/outcome.h"
+#include "compare/random_machines/outcome.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 
-#include "compare/fuzz/laws.h"
-#include "compare/fuzz/machine.h"
-#include "compare/fuzz/random.h"
-#include "compare/fuzz/recipe.h"
 #include "compare/joint_check/poses.h"
+#include "compare/random_machines/laws.h"
+#include "compare/random_machines/machine.h"
+#include "compare/random_machines/random.h"
+#include "compare/random_machines/recipe.h"
 
 namespace concord::compare::fuzz {
 

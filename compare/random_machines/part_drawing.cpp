@@ -1,4 +1,4 @@
-#include "compare/fuzz/part_drawing.h"
+#include "compare/random_machines/part_drawing.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/referee.h"
-#include "compare/fuzz/flexible.h"
+#include "compare/random_machines/flexible.h"
 
 namespace concord::compare::fuzz {
 

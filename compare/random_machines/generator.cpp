@@ -1,4 +1,4 @@
-#include "compare/fuzz/generator.h"
+#include "compare/random_machines/generator.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 
 #include "common/joints/catalogue.h"
 #include "common/joints/named_coordinates.h"
-#include "compare/fuzz/elements.h"
-#include "compare/fuzz/laws.h"
-#include "compare/fuzz/part_drawing.h"
-#include "compare/fuzz/placing.h"
-#include "compare/fuzz/random.h"
-#include "compare/fuzz/recipe.h"
 #include "compare/joint_check/poses.h"
+#include "compare/random_machines/elements.h"
+#include "compare/random_machines/laws.h"
+#include "compare/random_machines/part_drawing.h"
+#include "compare/random_machines/placing.h"
+#include "compare/random_machines/random.h"
+#include "compare/random_machines/recipe.h"
 
 namespace concord::compare::fuzz {
 

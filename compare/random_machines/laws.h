@@ -3,8 +3,8 @@
 #include <string>
 
 #include "common/laws/time_function.h"
-#include "compare/fuzz/machine.h"
-#include "compare/fuzz/random.h"
+#include "compare/random_machines/machine.h"
+#include "compare/random_machines/random.h"
 
 /// Laws of time and of force, drawn and written.
 namespace concord::compare::fuzz {

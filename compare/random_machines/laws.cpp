@@ -1,4 +1,4 @@
-#include "compare/fuzz/laws.h"
+#include "compare/random_machines/laws.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "compare/fuzz/recipe.h"
+#include "compare/random_machines/recipe.h"
 
 namespace concord::compare::fuzz {
 

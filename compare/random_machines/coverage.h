@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "compare/fuzz/machine.h"
+#include "compare/random_machines/machine.h"
 
 namespace concord::compare::fuzz {
 

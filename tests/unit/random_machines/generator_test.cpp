@@ -1,4 +1,4 @@
-#include "compare/fuzz/generator.h"
+#include "compare/random_machines/generator.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
 #include "compare/audit/referee.h"
-#include "compare/fuzz/coverage.h"
-#include "compare/fuzz/elements.h"
-#include "compare/fuzz/placing.h"
-#include "compare/fuzz/writer.h"
+#include "compare/random_machines/coverage.h"
+#include "compare/random_machines/elements.h"
+#include "compare/random_machines/placing.h"
+#include "compare/random_machines/writer.h"
 
 using namespace concord;
 using namespace concord::compare::fuzz;

@@ -1,4 +1,4 @@
-#include "compare/fuzz/placing.h"
+#include "compare/random_machines/placing.h"
 
 #include <algorithm>
 #include <numeric>
@@ -7,8 +7,8 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/referee.h"
-#include "compare/fuzz/random.h"
-#include "compare/fuzz/velocities.h"
+#include "compare/random_machines/random.h"
+#include "compare/random_machines/velocities.h"
 
 namespace concord::compare::fuzz {
 

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "compare/fuzz/outcome.h"
-#include "compare/fuzz/writer.h"
+#include "compare/random_machines/outcome.h"
+#include "compare/random_machines/writer.h"
 #include "compare/verdict/solver_makers.h"
 #include "compare/verdict/verify.h"
 

@@ -1,4 +1,4 @@
-#include "compare/fuzz/outcome.h"
+#include "compare/random_machines/outcome.h"
 
 #include <gtest/gtest.h>
 

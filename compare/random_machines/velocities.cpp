@@ -1,4 +1,4 @@
-#include "compare/fuzz/velocities.h"
+#include "compare/random_machines/velocities.h"
 
 #include "common/decompositions.h"
 #include "compare/audit/joint_motion.h"

@@ -1,4 +1,4 @@
-#include "compare/fuzz/writer.h"
+#include "compare/random_machines/writer.h"
 
 #include <fmt/format.h>
 

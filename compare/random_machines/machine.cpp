@@ -1,4 +1,4 @@
-#include "compare/fuzz/machine.h"
+#include "compare/random_machines/machine.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/fuzz/machine.h"
+#include "compare/random_machines/machine.h"
 
 /// Puts a machine into its pose, closes its loops there and finds what its start can keep.
 namespace concord::compare::fuzz {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "compare/fuzz/generator.h"
-#include "compare/fuzz/random.h"
+#include "compare/random_machines/generator.h"
+#include "compare/random_machines/random.h"
 
 namespace concord::compare::fuzz {
 

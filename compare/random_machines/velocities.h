@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "compare/fuzz/machine.h"
+#include "compare/random_machines/machine.h"
 
 /// Poses and velocities of a machine that is being drawn, as the joint check's referee says what a joint permits.
 namespace concord::compare::fuzz {
