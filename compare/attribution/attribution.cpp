@@ -229,6 +229,17 @@ std::optional<Attribution> blame_page(const Evidence& evidence) {
   return std::nullopt;
 }
 
+/// Totals that are not the reaction and what drivers and springs add, reactions that push where the joint permits
+/// motion: what both solvers do is in the joint's page, which they share.
+std::optional<Attribution> blame_shares(const Evidence& evidence) {
+  for (const AuditRule rule : {AuditRule::drivers, AuditRule::workless}) {
+    const std::vector<Breach> breaches = breaches_of(evidence, rule);
+    if (breaches.empty()) continue;
+    return at(evidence, breaches.front(), breaches.front().solver == kBoth ? Term::jacobian : Term::subtraction);
+  }
+  return std::nullopt;
+}
+
 /// Starts that are not where the model wants them, although states are answered alike.
 std::optional<Attribution> blame_start(const Evidence& evidence) {
   constexpr double kSameStart = 1e-9;
@@ -290,9 +301,9 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
   const std::vector<Rule> where_alike{blame_count, blame_modal_data,   blame_element, blame_report,
                                       blame_page,  blame_joint_motion, blame_driver,  blame_joint_law,
                                       blunt,       blame_uniqueness,   blame_start};
-  const std::vector<Rule> where_not{blame_count,        blame_modal_data, blame_element, sharp,
-                                    blame_joint_motion, blame_driver,     blunt,         blame_joint_law,
-                                    blame_uniqueness,   blame_start};
+  const std::vector<Rule> where_not{
+      blame_count, blame_modal_data, blame_element,    sharp,        blame_joint_motion, blame_driver,
+      blunt,       blame_joint_law,  blame_own_report, blame_shares, blame_uniqueness,   blame_start};
   std::vector<Attribution> causes;
   for (const Rule& rule : alike ? where_alike : where_not) {
     if (causes.size() == most) break;

@@ -34,6 +34,23 @@ class AttributionTest : public ::testing::Test {
   }
   std::optional<Attribution> blame() { return blame(model_); }
 
+  /// The same of one state in which answers do not differ: two solvers of `solved` with the same fault, or the second
+  /// one alone with it.
+  std::optional<Attribution> blame_of_one_state(const Model& solved, bool both_spoiled) {
+    FakePendulum one(solved, "one");
+    FakePendulum other(solved, "other");
+    other.spoil = spoil_;
+    if (both_spoiled) one.spoil = spoil_;
+    std::array<Auditor, 2> auditors{Auditor(model_), Auditor(model_)};
+    const State state = one.assemble();
+    const std::array<Evaluation, 2> evaluations{one.evaluate(state), other.evaluate(state)};
+    for (int who = 0; who < 2; ++who) auditors[who].add(state, evaluations[who]);
+    Evidence evidence{model_, {auditors[0].report(), auditors[1].report()}, {}, {}};
+    evidence.states.push_back({&state, {&evaluations[0], &evaluations[1]}});
+    evidence.answers_differ = false;
+    return find_cause(evidence);
+  }
+
   void expect(const std::optional<Attribution>& found, Term term, const std::string& where) {
     ASSERT_TRUE(found);
     EXPECT_EQ(found->solver, 1) << describe(*found);
@@ -140,18 +157,26 @@ TEST_F(AttributionTest, TorquesAboutAnotherPointAreAPoint) {
 TEST_F(AttributionTest, AFaultThatBothShareIsBoths) {
   const Model stated = model_;
   std::get<LineSpring>(model_.elements[0].what).law.stiffness *= 1.01;
-  FakePendulum one(stated, "one");
-  FakePendulum other(stated, "other");
-  std::array<Auditor, 2> auditors{Auditor(model_), Auditor(model_)};
-  const State state = one.assemble();
-  const std::array<Evaluation, 2> evaluations{one.evaluate(state), other.evaluate(state)};
-  for (int who = 0; who < 2; ++who) auditors[who].add(state, evaluations[who]);
-  Evidence evidence{model_, {auditors[0].report(), auditors[1].report()}, {}, {}};
-  evidence.states.push_back({&state, {&evaluations[0], &evaluations[1]}});
-  const auto found = find_cause(evidence);
+  const auto found = blame_of_one_state(stated, true);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->solver, 2);
   EXPECT_EQ(found->where, "force element strut");
+}
+
+TEST_F(AttributionTest, AReactionThatWorksInBothSolversIsOfTheJointsPage) {
+  spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
+  const auto found = blame_of_one_state(model_, true);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->solver, 2);
+  EXPECT_STREQ(name_of(found->term), name_of(Term::jacobian)) << describe(*found);
+  EXPECT_EQ(found->where, "joint A");
+}
+
+/// Whose bodies' motions were not compared.
+TEST_F(AttributionTest, AReactionThatWorksInOneSolverIsASubtraction) {
+  spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
+  const auto found = blame_of_one_state(model_, false);
+  expect(found, Term::subtraction, "joint A");
 }
 
 }  // namespace
