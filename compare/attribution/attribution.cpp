@@ -301,9 +301,9 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
   const std::vector<Rule> where_alike{blame_count, blame_modal_data,   blame_element, blame_report,
                                       blame_page,  blame_joint_motion, blame_driver,  blame_joint_law,
                                       blunt,       blame_uniqueness,   blame_start};
-  const std::vector<Rule> where_not{
-      blame_count, blame_modal_data, blame_element,    sharp,        blame_joint_motion, blame_driver,
-      blunt,       blame_joint_law,  blame_own_report, blame_shares, blame_uniqueness,   blame_start};
+  const std::vector<Rule> where_not{blame_count,        blame_modal_data, blame_element, sharp,
+                                    blame_joint_motion, blame_driver,     blunt,         blame_joint_law,
+                                    blame_uniqueness,   blame_start};
   std::vector<Attribution> causes;
   for (const Rule& rule : alike ? where_alike : where_not) {
     if (causes.size() == most) break;
@@ -313,6 +313,11 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
       return std::tie(one.solver, one.term, one.where) == std::tie(found->solver, found->term, found->where);
     };
     if (std::none_of(causes.begin(), causes.end(), is_same)) causes.push_back(*found);
+  }
+  // What other causes break as well.
+  for (const Rule& rule : {Rule(blame_own_report), Rule(blame_shares)}) {
+    if (!causes.empty()) break;
+    if (const auto found = rule(evidence)) causes.push_back(*found);
   }
   return causes;
 }
