@@ -166,7 +166,7 @@ void TableReader::require_fit_for_files(std::string_view key, const std::string&
 void TableReader::require_short(std::string_view key, const std::string& value) const {
   constexpr std::size_t kLongest = 100;
   if (value.size() <= kLongest) return;
-  complain(key, fmt::format("'{}' has {} characters, at most {} are allowed: result files are named by it", key,
+  complain(key, fmt::format("'{}' has {} bytes, at most {} are allowed: result files are named by it", key,
                             value.size(), kLongest));
 }
 
@@ -176,8 +176,12 @@ std::string TableReader::name() const {
   if (value && value->empty()) complain("name", "'name' must not be empty");
   if (value) require_fit_for_files("name", *value);
   if (!value || value->empty()) return "";
-  if (!reading_->prefix.empty()) require_short("name", reading_->prefix + *value);
-  return reading_->prefix + *value;
+  const std::string whole = reading_->prefix + *value;
+  if (!reading_->prefix.empty()) require_short("name", whole);
+  if (whole.front() == ' ' || whole.back() == ' ') {
+    complain("name", fmt::format("'name' must not begin or end with a blank, found {:?}", whole));
+  }
+  return whole;
 }
 
 std::optional<bool> TableReader::flag(std::string_view key) const {

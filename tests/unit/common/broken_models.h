@@ -151,7 +151,7 @@ C = "2^600")~",
        "6:105: error: parameter '" + std::string(101, 'k') + "': the name has 101 characters, at most 100 are allowed"},
       {"name_too_long", R"~(name = "crank")~", "name = \"" + std::string(101, 'k') + "\"",
        "12:8: error: body '" + std::string(101, 'k') +
-           "': 'name' has 101 characters, at most 100 are allowed: result files are named by it\n"
+           "': 'name' has 101 bytes, at most 100 are allowed: result files are named by it\n"
            "32:9: error: joint 'A': unknown body 'crank': known bodies: ground, " +
            std::string(101, 'k') + ", rod\n" +
            "38:19: error: joint 'B', parent: unknown body 'crank': known bodies: ground, " + std::string(101, 'k') +
@@ -541,6 +541,8 @@ sin = 2)~",
       {"name_of_another_folder", "format = 1", "format = 1\nname = \"../sound\"",
        "2:8: error: 'name' must be one line without '/', for result files are named by it, found \"../sound\""},
       {"name_of_nothing", "format = 1", "format = 1\nname = \"\"", "2:8: error: 'name' must not be empty"},
+      {"joint_name_that_ends_with_a_blank", "name = \"A\"", "name = \"A \"",
+       "29:8: error: joint 'A ': 'name' must not begin or end with a blank, found \"A \""},
       {"joint_name_of_a_folder", "name = \"A\"", "name = \"left/A\"",
        "29:8: error: joint 'left/A': 'name' must be one line without '/', for result files are named by it, found "
        "\"left/A\""},
