@@ -32,6 +32,7 @@ std::vector<Carried> carried_by_joints(const Model& model, const SharedState& sh
 }
 
 void take_inertia(const Mat3& inertia, BodyLoad& load) {
+  load.inertia = inertia;
   load.least_inertia = std::max(0.0, inertia.diagonal().minCoeff());
   load.largest_inertia = inertia.diagonal().maxCoeff();
 }
@@ -49,7 +50,8 @@ BodyLoads::BodyLoads(const Model& model, const SharedState& shared)
       bodies_(model.bodies.size()),
       depths_(depths(model)),
       carried_(carried_by_joints(model, shared, depths_)),
-      beyond_(model.bodies.size()) {
+      beyond_(model.bodies.size()),
+      driven_(model.bodies.size(), 0.0) {
   for (std::size_t i = 1; i < bodies_.size(); ++i) add_inertia(static_cast<int>(i));
   for (const Evaluation& evaluation : shared.evaluations) {
     add_wrenches(evaluation);
@@ -57,6 +59,7 @@ BodyLoads::BodyLoads(const Model& model, const SharedState& shared)
   }
   add_springs();
   pass_on_to_ground();
+  carry_on();
 }
 
 void BodyLoads::add_inertia(int i) {
@@ -135,6 +138,52 @@ void BodyLoads::take_terms(const Attachment& side, const SpringTerms& terms) {
   }
 }
 
+/// `forces`: of such sizes on the speeds of a joint [N or N m]. A speed that moves and turns a body at once, as that of
+/// a screw, makes of a torque a force and of a force a torque, by the shares of the inertia that it moves.
+void BodyLoads::take_on_speeds(int joint, const VecX& forces) {
+  if (!(forces.size() > 0 && forces.maxCoeff() > 0.0)) return;
+  const Joint& its = model_.joints[joint];
+  const Mat6X S = read_motion(*its.type, relative_motion_of(its, shared_.state), shared_.state.q[joint]).S;
+  const Attachment& parent = its.on(Side::parent);
+  const Mat3 A = place(parent, shared_.state.bodies[parent.body]).A_joint;
+  for (Eigen::Index u = 0; u < forces.size(); ++u) {
+    const double moves = S.col(u).head<3>().norm();
+    const Vec3 axis = A * S.col(u).tail<3>();
+    if (!(moves > 0.0 && axis.norm() > 0.0)) continue;
+    for (const Attachment& side : its.sides) {
+      if (side.body == kGround) continue;
+      BodyLoad& load = bodies_[side.body];
+      const Vec3 axis_L = rotation_of(shared_.state.bodies[side.body].p).transpose() * axis;
+      const double turned = axis_L.dot(load.inertia * axis_L);
+      const double inertia = load.mass * moves * moves + turned;
+      if (!(inertia > 0.0)) continue;
+      const double acceleration = moves * forces(u) / inertia;
+      take_force(load, load.mass * acceleration, side.point_L.norm());
+      load.torque = std::max(load.torque, forces(u) * turned / (inertia * axis.norm()));
+      driven_[side.body] = std::max(driven_[side.body], acceleration);
+    }
+  }
+}
+
+/// Neighbours farther from the ground are moved along; what that takes does not act on the nearer ones once more.
+void BodyLoads::carry_on() {
+  bool is_news = std::any_of(driven_.begin(), driven_.end(), [](double driven) { return driven > 0.0; });
+  while (is_news) {
+    is_news = false;
+    for (const Joint& joint : model_.joints) {
+      const auto bodies = near_and_far(joint, depths_);
+      if (!bodies || driven_[bodies->first] <= driven_[bodies->second]) continue;
+      driven_[bodies->second] = driven_[bodies->first];
+      is_news = true;
+    }
+  }
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    if (!(driven_[i] > 0.0)) continue;
+    carried_[i].moving = std::max(carried_[i].moving, driven_[i]);
+    take_force(bodies_[i], bodies_[i].mass * driven_[i], bodies_[i].eccentricity);
+  }
+}
+
 /// What acts on joint coordinates: all together, and couplings by themselves, which may pass on what a motor exerts.
 void BodyLoads::add_coordinate_forces(const Evaluation& evaluation) {
   const auto take = [this](int joint, double force, bool is_torque) {
@@ -147,6 +196,7 @@ void BodyLoads::add_coordinate_forces(const Evaluation& evaluation) {
     for (Eigen::Index u = 0; u < tau.size(); ++u) {
       take(static_cast<int>(k), std::abs(tau(u)), turns[static_cast<std::size_t>(u)]);
     }
+    take_on_speeds(static_cast<int>(k), tau.cwiseAbs());
   }
   for (std::size_t c = 0; c < evaluation.couplings.size(); ++c) {
     for (const CouplingTerm& term : model_.couplings[c].terms) {
@@ -159,6 +209,12 @@ void BodyLoads::add_springs() {
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const SpringTerms terms = spring_terms(model_.joints[k], shared_.state.q[k], shared_.state.u[k], shared_.state.t);
     for (const Attachment& side : model_.joints[k].sides) take_terms(side, terms);
+    const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
+    VecX forces(static_cast<Eigen::Index>(turns.size()));
+    for (std::size_t u = 0; u < turns.size(); ++u) {
+      forces(static_cast<Eigen::Index>(u)) = turns[u] ? terms.torque : terms.force;
+    }
+    take_on_speeds(static_cast<int>(k), forces);
   }
   for (const ForceElement& element : model_.elements) {
     elements_.push_back(spring_terms(element, shared_.state));
@@ -168,7 +224,7 @@ void BodyLoads::add_springs() {
   }
 }
 
-/// After all loads are known.
+/// After all loads but those of being moved along are known.
 void BodyLoads::pass_on_to_ground() {
   for (const Joint& joint : model_.joints) {
     const auto bodies = near_and_far(joint, depths_);

@@ -14,6 +14,7 @@ struct BodyLoad {
   double mass = 0.0;
   double least_inertia = 0.0;    // about any axis through the centre of mass, kg m2
   double largest_inertia = 0.0;  // the same
+  Mat3 inertia = Mat3::Zero();   // about the centre of mass, in the body's axes
   double eccentricity = 0.0;     // distance of the centre of mass from the origin, m
   double force = 0.0;
   double torque = 0.0;  // about the body's origin
@@ -47,7 +48,9 @@ class BodyLoads {
   void add_wrenches(const Evaluation& evaluation);
   void take_terms(const Attachment& side, const SpringTerms& terms);
   void add_coordinate_forces(const Evaluation& evaluation);
+  void take_on_speeds(int joint, const VecX& forces);
   void add_springs();
+  void carry_on();
   void pass_on_to_ground();
 
   const Model& model_;
@@ -57,6 +60,7 @@ class BodyLoads {
   std::vector<Carried> carried_;
   std::vector<SpringTerms> beyond_;
   std::vector<SpringTerms> elements_;
+  std::vector<double> driven_;  // accelerations by forces on speeds that move and turn a body [m/s2]
 };
 
 }  // namespace concord::compare

@@ -239,6 +239,43 @@ TEST(ResolutionTerms, OfABodyReachWhatTheBodiesNearerToTheGroundCarryItWith) {
   EXPECT_LT(terms(layout.row_of({Kind::body_sum, 1, Side::child, 3})), 8000.0 * 2e-4) << "the shaft bears the ring";
 }
 
+TEST(ResolutionTerms, OfASpringFarFromTurnZeroOnAScrewPushAlongItsAxisAndReachWhatItCarries) {
+  const Model model = parse_model(R"(
+    format = 1
+    [[body]]
+    name = "nut"
+    mass = 1.5
+    inertia = [0.05, 0.04, 0.02]
+    [[body]]
+    name = "load"
+    mass = 40
+    inertia = [0.2, 0.2, 0.2]
+    [[joint]]
+    name = "thread"
+    type = "screw"
+    parent = "ground"
+    child = "nut"
+    lead = 0.005
+    spring.turn = { stiffness = 2000, free = 200 }
+    [[joint]]
+    name = "pin"
+    type = "revolute"
+    parent = "nut"
+    child = "load"
+  )",
+                                  "servo.toml");
+  SharedState shared = state_at_rest(model);
+  shared.state.q[0] = VecX::Constant(1, 200.0);
+  const QuantityLayout layout(model);
+  const VecX terms = term_sizes(layout, shared);
+  constexpr double kTorque = 2000.0 * 400.0;                                 // N m, though it rests at its length
+  constexpr double kSlide = 0.005 * kTorque / (0.02 + 1.5 * 0.005 * 0.005);  // m/s2
+  EXPECT_NEAR(terms(layout.row_of({Kind::acceleration, 1, Side::child, 2})), kSlide, 1e-3 * kSlide);
+  EXPECT_NEAR(terms(layout.row_of({Kind::acceleration, 2, Side::child, 2})), kSlide, 1e-3 * kSlide);
+  EXPECT_NEAR(terms(layout.row_of({Kind::reaction, 0, Side::child, 2})), 1.5 * kSlide, 1.5e-3 * kSlide);
+  EXPECT_NEAR(terms(layout.row_of({Kind::reaction, 1, Side::child, 2})), 40.0 * kSlide, 0.04 * kSlide);
+}
+
 TEST_F(ResolutionTest, StatesThatNoDrawIsAcceptedInAreUnknown) {
   const double t = states_[4].state.t;
   const Resolution before = measure_all();
