@@ -176,14 +176,25 @@ std::optional<Attribution> blame_dynamics(const Evidence& evidence, bool sharp) 
   return found;
 }
 
+/// What a rule on reports says is wrong: axes, the other side, a point, or the share that drivers and springs have.
+/// Where both solvers share a slip in that share, it is in the joint's page.
+Term term_of_report(const Breach& breach) {
+  switch (breach.finding->rule) {
+    case AuditRule::two_frames:
+      return Term::frame;
+    case AuditRule::both_sides:
+      return breach.finding->row.starts_with("F_") ? Term::side : Term::point;
+    default:
+      return breach.solver == kBoth ? Term::jacobian : Term::subtraction;
+  }
+}
+
 /// What each solver's own report contradicts: axes, or the other side.
 std::optional<Attribution> blame_own_report(const Evidence& evidence) {
-  for (const Breach& breach : breaches_of(evidence, AuditRule::two_frames)) {
-    if (breach.solver != kBoth) return at(evidence, breach, Term::frame);
-  }
-  for (const Breach& breach : breaches_of(evidence, AuditRule::both_sides)) {
-    if (breach.solver == kBoth) continue;
-    return at(evidence, breach, breach.finding->row.starts_with("F_") ? Term::side : Term::point);
+  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides}) {
+    for (const Breach& breach : breaches_of(evidence, rule)) {
+      if (breach.solver != kBoth) return at(evidence, breach, term_of_report(breach));
+    }
   }
   return std::nullopt;
 }
@@ -224,18 +235,17 @@ std::optional<Attribution> blame_report(const Evidence& evidence) {
 /// Directions that a joint permits and in which it pushes all the same, for both solvers: its page contradicts itself.
 std::optional<Attribution> blame_page(const Evidence& evidence) {
   for (const Breach& breach : breaches_of(evidence, AuditRule::workless)) {
-    if (breach.solver == kBoth) return at(evidence, breach, Term::jacobian);
+    if (breach.solver == kBoth) return at(evidence, breach, term_of_report(breach));
   }
   return std::nullopt;
 }
 
-/// Totals that are not the reaction and what drivers and springs add, reactions that push where the joint permits
-/// motion: what both solvers do is in the joint's page, which they share.
-std::optional<Attribution> blame_shares(const Evidence& evidence) {
-  for (const AuditRule rule : {AuditRule::drivers, AuditRule::workless}) {
-    const std::vector<Breach> breaches = breaches_of(evidence, rule);
-    if (breaches.empty()) continue;
-    return at(evidence, breaches.front(), breaches.front().solver == kBoth ? Term::jacobian : Term::subtraction);
+/// A rule on reports that does not hold, where nothing else is told: other causes break these, too.
+std::optional<Attribution> blame_broken_report(const Evidence& evidence) {
+  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless}) {
+    for (const Breach& breach : breaches_of(evidence, rule)) {
+      if (!breach.finding->holds()) return at(evidence, breach, term_of_report(breach));
+    }
   }
   return std::nullopt;
 }
@@ -314,10 +324,8 @@ std::vector<Attribution> guess(const Evidence& evidence, std::size_t most) {
     };
     if (std::none_of(causes.begin(), causes.end(), is_same)) causes.push_back(*found);
   }
-  // What other causes break as well.
-  for (const Rule& rule : {Rule(blame_own_report), Rule(blame_shares)}) {
-    if (!causes.empty()) break;
-    if (const auto found = rule(evidence)) causes.push_back(*found);
+  if (causes.empty()) {
+    if (const auto found = blame_broken_report(evidence)) causes.push_back(*found);
   }
   return causes;
 }

@@ -34,21 +34,33 @@ class AttributionTest : public ::testing::Test {
   }
   std::optional<Attribution> blame() { return blame(model_); }
 
-  /// The same of one state in which answers do not differ: two solvers of `solved` with the same fault, or the second
-  /// one alone with it.
-  std::optional<Attribution> blame_of_one_state(const Model& solved, bool both_spoiled) {
+  enum class Spoiled { both, one };
+
+  /// The same of one state alone. Where both solvers have the fault of `spoil_`, their answers agree; where the second
+  /// one has it, they differ, and no states tell whether the bodies move alike.
+  std::optional<Attribution> blame_of_one_state(const Model& solved, Spoiled spoiled) {
     FakePendulum one(solved, "one");
     FakePendulum other(solved, "other");
     other.spoil = spoil_;
-    if (both_spoiled) one.spoil = spoil_;
+    if (spoiled == Spoiled::both) one.spoil = spoil_;
     std::array<Auditor, 2> auditors{Auditor(model_), Auditor(model_)};
     const State state = one.assemble();
     const std::array<Evaluation, 2> evaluations{one.evaluate(state), other.evaluate(state)};
     for (int who = 0; who < 2; ++who) auditors[who].add(state, evaluations[who]);
     Evidence evidence{model_, {auditors[0].report(), auditors[1].report()}, {}, {}};
-    evidence.states.push_back({&state, {&evaluations[0], &evaluations[1]}});
-    evidence.answers_differ = false;
+    evidence.answers_differ = spoiled == Spoiled::one;
+    if (spoiled == Spoiled::both) evidence.states.push_back({&state, {&evaluations[0], &evaluations[1]}});
     return find_cause(evidence);
+  }
+
+  /// Adds a force at the hinge to the reaction, and not to the total.
+  void push(const State& state, const Vec3& force, Evaluation& evaluation) const {
+    for (const Side side : kSides) {
+      SideWrench& one = evaluation.joints[0].reaction[index(side)];
+      one.in_global.force += side == Side::child ? force : Vec3(-force);
+      const Mat3 axes = place(model_.joints[0].on(side), state.bodies[side == Side::child ? 1 : 0]).A_joint;
+      one.in_C.force = axes.transpose() * one.in_global.force;
+    }
   }
 
   void expect(const std::optional<Attribution>& found, Term term, const std::string& where) {
@@ -157,7 +169,7 @@ TEST_F(AttributionTest, TorquesAboutAnotherPointAreAPoint) {
 TEST_F(AttributionTest, AFaultThatBothShareIsBoths) {
   const Model stated = model_;
   std::get<LineSpring>(model_.elements[0].what).law.stiffness *= 1.01;
-  const auto found = blame_of_one_state(stated, true);
+  const auto found = blame_of_one_state(stated, Spoiled::both);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->solver, 2);
   EXPECT_EQ(found->where, "force element strut");
@@ -165,18 +177,30 @@ TEST_F(AttributionTest, AFaultThatBothShareIsBoths) {
 
 TEST_F(AttributionTest, AReactionThatWorksInBothSolversIsOfTheJointsPage) {
   spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
-  const auto found = blame_of_one_state(model_, true);
+  const auto found = blame_of_one_state(model_, Spoiled::both);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->solver, 2);
   EXPECT_STREQ(name_of(found->term), name_of(Term::jacobian)) << describe(*found);
   EXPECT_EQ(found->where, "joint A");
 }
 
-/// Whose bodies' motions were not compared.
-TEST_F(AttributionTest, AReactionThatWorksInOneSolverIsASubtraction) {
-  spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
-  const auto found = blame_of_one_state(model_, false);
+TEST_F(AttributionTest, ATotalThatIsNotTheSumOfItsSharesIsASubtraction) {
+  spoil_ = [this](const State& state, Evaluation& evaluation) { push(state, Vec3(0.3, -0.2, 0.5), evaluation); };
+  const auto found = blame_of_one_state(model_, Spoiled::one);
   expect(found, Term::subtraction, "joint A");
+  EXPECT_NE(found->because.find("\"drivers\""), std::string::npos) << found->because;
+}
+
+TEST_F(AttributionTest, OtherAxesAreAFrameWhereNoStatesAreCompared) {
+  spoil_ = [](const State&, Evaluation& evaluation) {
+    for (SideWrench& side : evaluation.joints[0].total) std::swap(side.in_C.force(0), side.in_C.force(1));
+  };
+  expect(blame_of_one_state(model_, Spoiled::one), Term::frame, "joint A");
+}
+
+TEST_F(AttributionTest, NobodyIsBlamedForADigitLessWhereTheRuleHolds) {
+  spoil_ = [this](const State& state, Evaluation& evaluation) { push(state, Vec3(3e-11, -2e-11, 5e-11), evaluation); };
+  EXPECT_FALSE(blame_of_one_state(model_, Spoiled::one));
 }
 
 }  // namespace
