@@ -194,12 +194,12 @@ bool carries_something(const Verdict& verdict) {
 namespace {
 
 /// What joints between the same bodies carry together is judged as well; its digits are shown where they are too few,
-/// or where no joint alone has any.
+/// or where no row has any.
 void take_sums(const Verdict& verdict, RungSummary& summary) {
   const bool has_rows = summary.digits.has_value();
   for (const PairSum& sum : verdict.pair_sums) {
     if (sum.samples == 0) continue;
-    const bool holds = sum.unexplained_digits >= verdict.need.same_state;
+    const bool holds = sum.holds(verdict.need.same_state);
     summary.passed = summary.passed && holds;
     if (!holds || !has_rows) summary.digits = std::min(summary.digits.value_or(kMostDigits), sum.digits);
   }

@@ -67,7 +67,7 @@ struct QuantityRow {
 };
 
 /// One rung over all judged components of reactions and of force elements; of forces on joint speeds where there are
-/// none of these.
+/// none of these. At the same state the joints' sums on pairs of bodies count where they are too few, or alone.
 struct RungSummary {
   std::optional<double> digits;  // worst, missing if the rung did not run
   int samples = 0;
@@ -105,6 +105,7 @@ struct PairSum {
   int samples = 0;                   // states in which it must be unique, and is judged
   double digits = 16.0;              // of the largest difference
   double unexplained_digits = 16.0;  // of the largest that round-off does not explain: this is judged
+  [[nodiscard]] bool holds(double need) const { return unexplained_digits >= need; }
 };
 
 /// One component against a reference from outside.

@@ -187,6 +187,7 @@ TEST_F(AttributionTest, AReactionThatWorksInBothSolversIsOfTheJointsPage) {
 TEST_F(AttributionTest, ATotalThatIsNotTheSumOfItsSharesIsASubtraction) {
   spoil_ = [this](const State& state, Evaluation& evaluation) { push(state, Vec3(0.3, -0.2, 0.5), evaluation); };
   const auto found = blame_of_one_state(model_, Spoiled::one);
+  ASSERT_TRUE(found);
   expect(found, Term::subtraction, "joint A");
   EXPECT_NE(found->because.find("\"drivers\""), std::string::npos) << found->because;
 }
