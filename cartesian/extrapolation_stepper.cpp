@@ -155,7 +155,7 @@ class ExtrapolationStepper : public Stepper {
     constexpr double kShortest = 5e-14;
     double last = 0.0;
     check(ERKStepGetLastStep(memory_.get(), &last), "ERKStepGetLastStep", messages_);
-    return stop - reached_ <= kShortest * (stop + last);
+    return stop - (clock_ + late_) <= kShortest * (stop + last);
   }
 
   int try_step(double stop) {

@@ -143,7 +143,7 @@ bool Stepper::is_reached(double t_end) const {
   constexpr double kNear = 200.0 * std::numeric_limits<double>::epsilon();
   double h = 0.0;
   calls_->last_step(memory_, &h);
-  return t_end - beyond_ - added_up_ <= kNear * (std::abs(added_up_) + h);
+  return std::abs(t_end - beyond_ - added_up_) <= kNear * (std::abs(added_up_) + h);
 }
 
 /// One step, after which t is the sum of all.
