@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cartesian/euler_parameters.h"
+#include "cartesian/closing_reach.h"
+#include "cartesian/kept_rows.h"
 #include "cartesian/machine_units.h"
 #include "cartesian/rank.h"
 #include "cartesian/residual_measures.h"
@@ -18,88 +19,8 @@ namespace {
 constexpr double kClosed = 1e-13;  // in the machine's units and of the row's terms; velocities of the largest
 constexpr int kMaxSteps = 80;
 
-/// A row that is no constraint of the machine: a coordinate or speed that the start keeps.
-struct KeptRow {
-  JointIndex joint;
-  ConstraintRow row;  // gradient and, for coordinates, value less the kept value
-  double target;      // of a speed
-  double size;        // of the kept value, which the round-off of `row` is relative to
-  int component;      // of its word
-};
-
-/// The turn Q as axis times angle, angle in [0, pi]. Its rate is the angular velocity at Q = 1 and, for any Q, along
-/// its own axis: unlike the axial vector of Q it vanishes at Q = 1 alone, so that Newton's steps cannot end at a half
-/// turn.
-Vec3 rotation_vector(const Mat3& Q) {
-  const Eigen::AngleAxisd turn(Q);
-  return turn.angle() * turn.axis();
-}
-
-enum class Kept { coordinates, speeds };
-
-std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
-  std::vector<KeptRow> kept;
-  const Model& model = equations.model();
-  for (const JointIndex k : indices_of(model.joints)) {
-    const Joint& stated = pick(model.joints, k);
-    const RelativeMotion& motion = equations.moving_constraints().joint(k).motion;
-    for (std::size_t word = 0; word < stated.start.size(); ++word) {
-      const WordStart& start = stated.start[word];
-      if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
-      const joints::Read* read = read_of(*stated.type, static_cast<int>(word));
-      if (read == nullptr) continue;
-      const int n = n_u(*read);
-      ConstraintRow rows[kMaxRows];
-      if (is_orientation(*read)) {
-        const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
-        for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
-      } else {
-        for (int c = 0; c < n; ++c) {
-          rows[c] = evaluate_read(*read, c, motion);
-          const double value = rows[c].value;
-          rows[c].value = reads_turn(*read, c) ? turn_from(start.q(c), value) : value - start.q(c);
-        }
-      }
-      for (int c = 0; c < n; ++c) {
-        const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
-        if (follows_law) continue;
-        const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
-        kept.push_back({k, rows[c], start.u(c), size, c});
-      }
-    }
-  }
-  return kept;
-}
-
 std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
   return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
-}
-
-/// Calls visit(joint, index among its q, reading, component) for each reading that counts turns by itself.
-template <class Visit>
-void each_counting_reading(const Model& model, const Visit& visit) {
-  for (const JointIndex k : indices_of(model.joints)) {
-    int place = 0;
-    for (const joints::Read& read : pick(model.joints, k).type->reads) {
-      const joints::CoordinateKinds kinds = kinds_of(read);
-      for (int c = 0; c < kinds.size(); ++c) {
-        if (kinds[c] == joints::CoordinateKind::angle && !reads_turn(read, c)) {
-          visit(k, place + c, read, c);
-        }
-      }
-      place += n_q(read);
-    }
-  }
-}
-
-std::vector<KeptRow> turn_rows(const Equations& equations, const std::vector<VecX>& known) {
-  std::vector<KeptRow> rows;
-  each_counting_reading(equations.model(), [&](JointIndex k, int place, const joints::Read& read, int component) {
-    ConstraintRow row = evaluate_read(read, component, equations.moving_constraints().joint(k).motion);
-    row.value -= known[k.value](place);
-    rows.push_back({k, row, 0.0, std::abs(known[k.value](place)), component});
-  });
-  return rows;
 }
 
 /// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
@@ -251,7 +172,6 @@ bool goes_on(double size, double last, double closed) {
 template <class Rows>
 void close_positions(Equations& equations, double t, Hold hold, const Rows& rows, Modes modes, VecX& q, const VecX& Y,
                      Closing& closing, std::optional<int> rank = {}) {
-  constexpr double kLargestTurn = 0.5;  // rad, of one Newton step
   const VecX units = units_of_displacements(equations, modes);
   RoundOffShares shares(equations.constraints());
   const auto system_at = [&] {
@@ -263,15 +183,18 @@ void close_positions(Equations& equations, double t, Hold hold, const Rows& rows
   VecX best_q = q;
   double best = system.largest_residual();
   double last = HUGE_VAL;
+  ClosingReach reach;
   for (int step = 0; step < kMaxSteps && goes_on(system.largest_residual(), last, kClosed); ++step) {
     last = system.largest_residual();
-    VecX move = system.shortest_step(rank);
+    const VecX move = system.shortest_step(rank);
     if (!move.allFinite()) break;
-    if (size_of(move) > kLargestTurn) move *= kLargestTurn / size_of(move);
-    equations.layout().displace(units.cwiseProduct(move), q);
+    const double part = reach.part_of(equations.layout(), move);
+    equations.layout().displace(units.cwiseProduct(part * move), q);
     equations.update(t, q, Y);
     equations.moving_constraints().follow_turns();
+    const VecX before = std::move(system.residual);
     system = system_at();
+    reach.learn(before, system.residual, part);
     if (system.largest_residual() <= best) {
       best = system.largest_residual();
       best_q = q;
