@@ -12,7 +12,7 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length
+constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length; of the first step
 constexpr int kManyRows = 48;
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
@@ -57,6 +57,19 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   return step;
 }
 
+/// Whether a step, of which `part` was made, has left of each row's misfit what its first order says, to a hundredth of
+/// what it takes away: so does a rope that hauls a load, or a thread, however far they go.
+bool went_straight(const VecX& before, const VecX& after, double part) {
+  constexpr double kBent = 0.01;
+  constexpr double kRoundOff = 1e-9;
+  const double nothing = kRoundOff * largest_entry(before);
+  for (Eigen::Index row = 0; row < before.size(); ++row) {
+    const double taken = part * std::abs(before(row));
+    if (std::abs(after(row) - (1.0 - part) * before(row)) > kBent * taken + nothing) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
@@ -79,20 +92,22 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
   if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
   double residual = measure(scaled, coordinates, closure);
+  double farthest = kFarthestStep;
   for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
-    VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), std::min(1e-3, residual), rank);
-    step *= std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
+    const VecX misfit = closure.position_residual();
+    VecX step = smallest_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
+    double part = std::min(1.0, farthest / std::max(largest_entry(step), 1e-300));
     step = step.cwiseProduct(scaled.scales().speeds().head(step.size()));
     bool improved = false;
-    for (int halvings = 0; halvings < 12 && !improved; ++halvings) {
+    for (int halvings = 0; halvings < 12 && !improved; ++halvings, part *= 0.5) {
       Coordinates trial = coordinates;
-      scaled.advance(trial.q, step);
+      scaled.advance(trial.q, part * step);
       const double trial_residual = try_to_measure(scaled, trial, closure);
       improved = trial_residual < residual;
-      step *= 0.5;
       if (!improved) continue;
       coordinates = std::move(trial);
       residual = trial_residual;
+      farthest = went_straight(misfit, closure.position_residual(), part) ? 2.0 * farthest : kFarthestStep;
     }
     if (!improved) break;
   }
