@@ -61,9 +61,9 @@ class PseudoTransientContinuation {
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
 
-  /// Those that fast shafts made short, and those that steps back need, each with its corrections.
+  /// Those that the longest step made short on a long way, and those that steps back need, each with its corrections.
   [[nodiscard]] int iterations_more() const {
-    return std::min(length_.cut_by_shafts(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
+    return std::min(length_.on_the_way(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
            steps_back_.iterations();
   }
 
@@ -266,7 +266,7 @@ class PseudoTransientContinuation {
       pushed_ = 0;
       return;
     }
-    if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(state_);
+    if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(chart, unmet);
     if (++pushed_ < most_pushes_) return;
     if (const std::string kink = kink_here(chart, J); !kink.empty()) {
       throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));

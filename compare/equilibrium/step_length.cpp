@@ -15,6 +15,7 @@ constexpr double kSameDirection = 0.9;  // cosine
 
 void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
   constexpr double kMostTurn = 2.0;  // rad
+  constexpr int kMostStraightOn = 3000;
   const JointStep joints = joint_step(model_, chart, step);
   move_before_ = last_move_;
   last_move_ = std::min(joints.largest(), longest());
@@ -34,7 +35,11 @@ void StepLength::shorten(const Chart& chart, bool as_a_whole, VecX& step) {
   const double others = std::max(of_turns, slides ? size / longest_slide_ : 0.0);
   const double cut = std::max({others, of_shafts, joints.into_stops});
   if (cut > 1.0) step /= cut;
-  if (of_shafts > std::max(others, 1.0)) ++cut_by_shafts_;
+  if (of_shafts > std::max(others, 1.0)) {
+    ++cut_by_shafts_;
+  } else if (along_ > kSameDirection && cut > 1.0 && cut_straight_on_ < kMostStraightOn) {
+    ++cut_straight_on_;
+  }
 }
 
 void StepLength::count_fall() {
@@ -55,17 +60,23 @@ void StepLength::count_leap() {
   if (along_ > kSameDirection) share_ = std::min(1.0, 2.0 * share_);
 }
 
-int StepLength::steps_to_stops(const State& state) const {
+int StepLength::steps_to_stops(const Chart& chart, const VecX& push) const {
   constexpr double kMost = 1000.0;
   constexpr double kShorter = 2.0;  // than the longest are some on the way
-  double farthest = 0.0;
-  for (const SprungCoordinate& one : sprung_coordinates(model_, state, motions_of(model_, state))) {
+  const State moving = chart.origin_moving(push);
+  const JointStep joints = joint_step(model_, chart, push);
+  const double lasting = std::max(joints.largest(), joints.fastest_turn) / longest_;
+  double steps = 0.0;
+  for (const SprungCoordinate& one : sprung_coordinates(model_, moving, motions_of(model_, moving))) {
     for (const auto& stop : {one.law->lower, one.law->upper}) {
       if (!stop) continue;
-      farthest = std::max(farthest, std::abs(stop->at - one.x) / (one.is_length ? model_.length_scale() : 1.0));
+      const double way = std::abs(stop->at - one.x);
+      const bool goes_there = (stop->at - one.x) * one.xdot > 0.0;
+      steps = std::max({steps, way / (longest_ * (one.is_length ? model_.length_scale() : 1.0)),
+                        goes_there ? way * lasting / std::abs(one.xdot) : 0.0});
     }
   }
-  return static_cast<int>(std::min(kMost, std::ceil(kShorter * farthest / longest_)));
+  return static_cast<int>(std::min(kMost, std::ceil(kShorter * steps)));
 }
 
 bool StepLength::crawls(double size) {

@@ -25,8 +25,9 @@ class StepLength {
   /// Whether accelerations, now of this size, have fallen for many steps, and little in each: the rest lies straight
   /// ahead, and these steps are short for it. Counts the steps in which it is asked.
   [[nodiscard]] bool crawls(double size);
-  /// The most steps that may pass until joints and springs of a state reach the farthest of their stops.
-  [[nodiscard]] int steps_to_stops(const State& state) const;
+  /// The most steps that may pass until joints and springs that are pushed this way [of the chart's coordinates] reach
+  /// the farthest of their stops: what a gear or a thread moves slowly is long on the way.
+  [[nodiscard]] int steps_to_stops(const Chart& chart, const VecX& push) const;
   /// Where the search is at rest, leaps are over.
   void forget_leaps() { share_ = 1.0; }
 
@@ -34,8 +35,8 @@ class StepLength {
   [[nodiscard]] double longest_slide() const { return longest_slide_; }
   /// The largest change of a joint by the last step, before it was cut, up to the longest.
   [[nodiscard]] double last_move() const { return last_move_; }
-  /// Steps that fast shafts alone have made short.
-  [[nodiscard]] int cut_by_shafts() const { return cut_by_shafts_; }
+  /// Steps that fast shafts alone have made short, and up to 3000 that went on the same way, as far as they may.
+  [[nodiscard]] int on_the_way() const { return cut_by_shafts_ + cut_straight_on_; }
 
  private:
   void count_fall();
@@ -52,6 +53,7 @@ class StepLength {
   int falls_back_ = 0;
   int leaps_back_ = 0;
   int cut_by_shafts_ = 0;
+  int cut_straight_on_ = 0;
   int crawling_steps_ = 0;
   double last_size_ = 0.0;
 };

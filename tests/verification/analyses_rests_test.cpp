@@ -233,6 +233,61 @@ spring.slide_z = { stiffness = 30 }
   CHECK(value_of(rest, "turn_z of bearing") == Approx(0.6 * 9.81 / 30.0 / 0.0004).epsilon(1e-10));
 }
 
+/// A closed form: the torque of the mainspring balances the motor's, 125 rad from where the barrel starts.
+TEST_CASE("A mainspring comes to rest after twenty turns of its barrel", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+[[body]]
+name = "barrel"
+mass = 0.3
+inertia = [2e-4, 3e-4, 2.5e-4]
+[[joint]]
+name = "arbor"
+type = "revolute"
+parent = { body = "ground", point = [0.1, 0.2, -0.1], axis = [1, 1, 3], angle = "40 deg" }
+child = { body = "barrel", axis = [1, -1, 2], angle = "30 deg" }
+start.turn_z = { keep = 0, keep_speed = 0 }
+spring.turn_z = { stiffness = 0.02, free = 30, actuator = -3.1 }
+)toml");
+  const AnalysisVerdict rest = judge_statics(model, kMakers);
+  INFO(format_analysis(model, rest, true));
+  CHECK(rest.wrenches.outcome == Outcome::agree);
+  CHECK(value_of(rest, "turn_z of arbor") == Approx(30.0 - 3.1 / 0.02).epsilon(1e-10));
+}
+
+/// A gear that moves a ram slowly into its stop takes many turns, each of which nothing resists yet.
+TEST_CASE("A press comes to rest on the stop of its ram, ten turns of the flywheel away", "[analyses][quick]") {
+  const Model model = parse(R"toml(format = 1
+gravity = [0.4, -0.3, -9.7]
+[[body]]
+name = "wheel"
+mass = 190
+inertia = [31, 29, 50]
+[[body]]
+name = "ram"
+mass = 520
+inertia = [10, 11, 9]
+[[joint]]
+name = "shaft"
+type = "revolute"
+parent = { body = "ground", point = [0.3, 0.1, 0.2], axis = [1, 0, 2], angle = "20 deg" }
+child = "wheel"
+start.turn_z = { keep = 0, keep_speed = 0 }
+[[joint]]
+name = "guide"
+type = "translational"
+parent = "ground"
+child = "ram"
+spring.slide_z = { lower_stop = { at = -0.8, stiffness = 2e8, width = 0.002 } }
+[[coupling]]
+name = "thread"
+terms = [
+  { joint = "guide", coordinate = "slide_z", factor = 1 }, { joint = "shaft", coordinate = "turn_z", factor = -0.013 }]
+)toml");
+  const AnalysisVerdict verdict = judge_statics(model, kMakers);
+  INFO(format_analysis(model, verdict, true));
+  CHECK(verdict.wrenches.outcome == Outcome::agree);
+}
+
 /// The stiffness of a swinging machine, kept for a step too long, had an upright spin held by what is round-off.
 TEST_CASE("A body on a massless rod below a link hangs and turns freely about its line", "[analyses]") {
   const Model model = parse(R"toml(format = 1
