@@ -176,7 +176,7 @@ std::string TableReader::name() const {
   if (value && value->empty()) complain("name", "'name' must not be empty");
   if (value) require_fit_for_files("name", *value);
   if (!value || value->empty()) return "";
-  const std::string whole = reading_->prefix + *value;
+  std::string whole = reading_->prefix + *value;
   if (!reading_->prefix.empty()) require_short("name", whole);
   if (whole.front() == ' ' || whole.back() == ' ') {
     complain("name", fmt::format("'name' must not begin or end with a blank, found {:?}", whole));
