@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/decompositions.h"
 #include "common/error.h"
@@ -12,7 +13,7 @@ namespace concord::relative {
 namespace {
 
 constexpr int kMostIterations = 60;
-constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length; of the first step
+constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length, unless rows are straight
 constexpr int kManyRows = 48;
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
@@ -57,19 +58,6 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   return step;
 }
 
-/// Whether a step, of which `part` was made, has left of each row's misfit what its first order says, to a hundredth of
-/// what it takes away: so does a rope that hauls a load, or a thread, however far they go.
-bool went_straight(const VecX& before, const VecX& after, double part) {
-  constexpr double kBent = 0.01;
-  constexpr double kRoundOff = 1e-9;
-  const double nothing = kRoundOff * largest_entry(before);
-  for (Eigen::Index row = 0; row < before.size(); ++row) {
-    const double taken = part * std::abs(before(row));
-    if (std::abs(after(row) - (1.0 - part) * before(row)) > kBent * taken + nothing) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
@@ -86,30 +74,81 @@ double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Clo
   }
 }
 
+namespace {
+
+/// Where a part of a step leads, and what it leaves open.
+struct Trial {
+  Coordinates coordinates;
+  double residual = HUGE_VAL;
+  VecX misfit;
+};
+
+/// A step of the tree's speeds (n_tree_u numbers), made in parts from where it begins.
+class PartedStep {
+ public:
+  PartedStep(const ScaledClosure& scaled, const Coordinates& from, Closure& closure, VecX step)
+      : scaled_(scaled), from_(from), closure_(closure), step_(std::move(step)) {}
+
+  [[nodiscard]] Trial make(double part) const {
+    Trial trial{from_, HUGE_VAL, {}};
+    scaled_.advance(trial.coordinates.q, part * step_);
+    trial.residual = try_to_measure(scaled_, trial.coordinates, closure_);
+    trial.misfit = closure_.position_residual();
+    return trial;
+  }
+
+  /// Goes on from `reached`, a part of the step, twice as far each time, while every row changes in proportion: so does
+  /// a coupling, or a thread, along which a slide may have many lengths to go. `begin`: the misfit where it begins.
+  void go_on(const VecX& begin, double part, Trial& reached) const {
+    while (part < 1.0) {
+      const double farther = std::min(1.0, 2.0 * part);
+      Trial trial = make(farther);
+      const VecX expected = begin + farther / part * (reached.misfit - begin);
+      if (!(trial.residual < reached.residual) || !is_near(trial.misfit, expected, begin)) return;
+      reached = std::move(trial);
+      part = farther;
+    }
+  }
+
+ private:
+  static bool is_near(const VecX& misfit, const VecX& expected, const VecX& begin) {
+    constexpr double kBent = 0.01;      // of a row's change
+    constexpr double kRoundOff = 1e-9;  // of the largest row
+    const VecX allowed = kBent * (misfit - begin).cwiseAbs();
+    return ((misfit - expected).cwiseAbs().array() <= allowed.array() + kRoundOff * largest_entry(begin)).all();
+  }
+
+  const ScaledClosure& scaled_;
+  const Coordinates& from_;
+  Closure& closure_;
+  VecX step_;
+};
+
+}  // namespace
+
 bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, const PrescribedMask& prescribed,
                      Modes modes, std::optional<int> rank) {
   Closure closure(scaled.equations().kinematics(), prescribed);
   if (closure.n_position_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
   double residual = measure(scaled, coordinates, closure);
-  double farthest = kFarthestStep;
   for (int iteration = 0; iteration < kMostIterations && residual > 0.0; ++iteration) {
     const VecX misfit = closure.position_residual();
     VecX step = smallest_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
-    double part = std::min(1.0, farthest / std::max(largest_entry(step), 1e-300));
+    const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
     step = step.cwiseProduct(scaled.scales().speeds().head(step.size()));
-    bool improved = false;
-    for (int halvings = 0; halvings < 12 && !improved; ++halvings, part *= 0.5) {
-      Coordinates trial = coordinates;
-      scaled.advance(trial.q, part * step);
-      const double trial_residual = try_to_measure(scaled, trial, closure);
-      improved = trial_residual < residual;
-      if (!improved) continue;
-      coordinates = std::move(trial);
-      residual = trial_residual;
-      farthest = went_straight(misfit, closure.position_residual(), part) ? 2.0 * farthest : kFarthestStep;
+    const PartedStep parted(scaled, coordinates, closure, std::move(step));
+    double part = longest;
+    Trial reached = parted.make(part);
+    for (int halvings = 1; halvings < 12 && !(reached.residual < residual); ++halvings) {
+      part *= 0.5;
+      reached = parted.make(part);
     }
-    if (!improved) break;
+    if (!(reached.residual < residual)) break;
+    const bool is_cut = longest < 1.0 && part == longest;
+    if (is_cut) parted.go_on(misfit, part, reached);
+    coordinates = std::move(reached.coordinates);
+    residual = is_cut ? measure(scaled, coordinates, closure) : reached.residual;
   }
   measure(scaled, coordinates, closure);
   // Round-off adds up along a loop, which has at most all links.
