@@ -58,6 +58,7 @@ BodyLoads::BodyLoads(const Model& model, const SharedState& shared)
     add_coordinate_forces(evaluation);
   }
   add_springs();
+  for (std::size_t k = 0; k < model.joints.size(); ++k) take_forces_on_speeds(static_cast<int>(k));
   pass_on_to_ground();
   carry_on();
 }
@@ -138,9 +139,23 @@ void BodyLoads::take_terms(const Attachment& side, const SpringTerms& terms) {
   }
 }
 
-/// `forces`: of such sizes on the speeds of a joint [N or N m]. A speed that moves and turns a body at once, as that of
-/// a screw, makes of a torque a force and of a force a torque, by the shares of the inertia that it moves.
-void BodyLoads::take_on_speeds(int joint, const VecX& forces) {
+/// Sizes of what acts on the speeds of a joint [N or N m].
+VecX BodyLoads::forces_on_speeds(int joint) const {
+  const std::vector<bool> turns = turning_speeds(*model_.joints[joint].type);
+  VecX forces(static_cast<Eigen::Index>(turns.size()));
+  for (std::size_t u = 0; u < turns.size(); ++u) {
+    forces(static_cast<Eigen::Index>(u)) = turns[u] ? springs_[joint].torque : springs_[joint].force;
+  }
+  for (const Evaluation& evaluation : shared_.evaluations) {
+    forces = forces.cwiseMax(evaluation.joints[joint].tau.cwiseAbs());
+  }
+  return forces;
+}
+
+/// A speed that moves and turns a body at once, as that of a screw, makes of a torque a force and of a force a torque,
+/// by the shares of the inertia that it moves.
+void BodyLoads::take_forces_on_speeds(int joint) {
+  const VecX forces = forces_on_speeds(joint);
   if (!(forces.size() > 0 && forces.maxCoeff() > 0.0)) return;
   const Joint& its = model_.joints[joint];
   const Mat6X S = read_motion(*its.type, relative_motion_of(its, shared_.state), shared_.state.q[joint]).S;
@@ -196,7 +211,6 @@ void BodyLoads::add_coordinate_forces(const Evaluation& evaluation) {
     for (Eigen::Index u = 0; u < tau.size(); ++u) {
       take(static_cast<int>(k), std::abs(tau(u)), turns[static_cast<std::size_t>(u)]);
     }
-    take_on_speeds(static_cast<int>(k), tau.cwiseAbs());
   }
   for (std::size_t c = 0; c < evaluation.couplings.size(); ++c) {
     for (const CouplingTerm& term : model_.couplings[c].terms) {
@@ -207,14 +221,8 @@ void BodyLoads::add_coordinate_forces(const Evaluation& evaluation) {
 
 void BodyLoads::add_springs() {
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-    const SpringTerms terms = spring_terms(model_.joints[k], shared_.state.q[k], shared_.state.u[k], shared_.state.t);
-    for (const Attachment& side : model_.joints[k].sides) take_terms(side, terms);
-    const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
-    VecX forces(static_cast<Eigen::Index>(turns.size()));
-    for (std::size_t u = 0; u < turns.size(); ++u) {
-      forces(static_cast<Eigen::Index>(u)) = turns[u] ? terms.torque : terms.force;
-    }
-    take_on_speeds(static_cast<int>(k), forces);
+    springs_.push_back(spring_terms(model_.joints[k], shared_.state.q[k], shared_.state.u[k], shared_.state.t));
+    for (const Attachment& side : model_.joints[k].sides) take_terms(side, springs_.back());
   }
   for (const ForceElement& element : model_.elements) {
     elements_.push_back(spring_terms(element, shared_.state));

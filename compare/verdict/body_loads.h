@@ -48,8 +48,9 @@ class BodyLoads {
   void add_wrenches(const Evaluation& evaluation);
   void take_terms(const Attachment& side, const SpringTerms& terms);
   void add_coordinate_forces(const Evaluation& evaluation);
-  void take_on_speeds(int joint, const VecX& forces);
   void add_springs();
+  [[nodiscard]] VecX forces_on_speeds(int joint) const;
+  void take_forces_on_speeds(int joint);
   void carry_on();
   void pass_on_to_ground();
 
@@ -59,6 +60,7 @@ class BodyLoads {
   std::vector<int> depths_;
   std::vector<Carried> carried_;
   std::vector<SpringTerms> beyond_;
+  std::vector<SpringTerms> springs_;  // on joints
   std::vector<SpringTerms> elements_;
   std::vector<double> driven_;  // accelerations by forces on speeds that move and turn a body [m/s2]
 };
