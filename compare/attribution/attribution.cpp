@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <tuple>
 #include <utility>
 
@@ -60,6 +61,20 @@ std::vector<Breach> breaches_of(const Evidence& evidence, AuditRule rule) {
                    [](const Breach& a, const Breach& b) { return a.finding->digits < b.finding->digits; });
   return breaches;
 }
+
+/// The first breach that is such, by the order of the rules, the worst of a rule first.
+template <class Test>
+std::optional<Breach> first_breach(const Evidence& evidence, std::initializer_list<AuditRule> rules,
+                                   const Test& is_such) {
+  for (const AuditRule rule : rules) {
+    for (const Breach& breach : breaches_of(evidence, rule)) {
+      if (is_such(breach)) return breach;
+    }
+  }
+  return std::nullopt;
+}
+
+bool is_of_one(const Breach& breach) { return breach.solver != kBoth; }
 
 std::vector<EvaluatedState> all_states(const Evidence& evidence) {
   std::vector<EvaluatedState> all = evidence.states;
@@ -191,23 +206,18 @@ Term term_of_report(const Breach& breach) {
 
 /// What each solver's own report contradicts: axes, or the other side.
 std::optional<Attribution> blame_own_report(const Evidence& evidence) {
-  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides}) {
-    for (const Breach& breach : breaches_of(evidence, rule)) {
-      if (breach.solver != kBoth) return at(evidence, breach, term_of_report(breach));
-    }
-  }
-  return std::nullopt;
+  const auto breach = first_breach(evidence, {AuditRule::two_frames, AuditRule::both_sides}, is_of_one);
+  return breach ? std::optional(at(evidence, *breach, term_of_report(*breach))) : std::nullopt;
 }
 
 /// The solver whose reports break a rule, and how; both if neither is clearly worse.
 std::pair<int, std::string> who_reports_wrongly(const Evidence& evidence) {
-  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless,
-                               AuditRule::force_law, AuditRule::free_body}) {
-    for (const Breach& breach : breaches_of(evidence, rule)) {
-      if (breach.solver != kBoth) return {breach.solver, "; " + words_of(breach)};
-    }
-  }
-  return {kBoth, ""};
+  const auto breach = first_breach(evidence,
+                                   {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers,
+                                    AuditRule::workless, AuditRule::force_law, AuditRule::free_body},
+                                   is_of_one);
+  if (!breach) return {kBoth, ""};
+  return {breach->solver, "; " + words_of(*breach)};
 }
 
 /// Bodies move alike and wrenches differ.
@@ -234,20 +244,17 @@ std::optional<Attribution> blame_report(const Evidence& evidence) {
 
 /// Directions that a joint permits and in which it pushes all the same, for both solvers: its page contradicts itself.
 std::optional<Attribution> blame_page(const Evidence& evidence) {
-  for (const Breach& breach : breaches_of(evidence, AuditRule::workless)) {
-    if (breach.solver == kBoth) return at(evidence, breach, term_of_report(breach));
-  }
-  return std::nullopt;
+  const auto breach =
+      first_breach(evidence, {AuditRule::workless}, [](const Breach& one) { return one.solver == kBoth; });
+  return breach ? std::optional(at(evidence, *breach, term_of_report(*breach))) : std::nullopt;
 }
 
 /// A rule on reports that does not hold, where nothing else is told: other causes break these, too.
 std::optional<Attribution> blame_broken_report(const Evidence& evidence) {
-  for (const AuditRule rule : {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless}) {
-    for (const Breach& breach : breaches_of(evidence, rule)) {
-      if (!breach.finding->holds()) return at(evidence, breach, term_of_report(breach));
-    }
-  }
-  return std::nullopt;
+  const auto breach =
+      first_breach(evidence, {AuditRule::two_frames, AuditRule::both_sides, AuditRule::drivers, AuditRule::workless},
+                   [](const Breach& one) { return !one.finding->holds(); });
+  return breach ? std::optional(at(evidence, *breach, term_of_report(*breach))) : std::nullopt;
 }
 
 /// Starts that are not where the model wants them, although states are answered alike.
