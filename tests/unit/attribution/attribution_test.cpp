@@ -8,6 +8,14 @@
 namespace concord::compare {
 namespace {
 
+void leave_springs_in_the_reaction(const State&, Evaluation& evaluation) {
+  evaluation.joints[0].reaction = evaluation.joints[0].total;
+}
+
+void swap_axes(const State&, Evaluation& evaluation) {
+  for (SideWrench& side : evaluation.joints[0].total) std::swap(side.in_C.force(0), side.in_C.force(1));
+}
+
 /// Two pendulum solvers, of which the second one has a fault, asked along a run.
 class AttributionTest : public ::testing::Test {
  protected:
@@ -132,14 +140,12 @@ TEST_F(AttributionTest, AMissingTermOfAccelerationsIsAJacobian) {
 }
 
 TEST_F(AttributionTest, WhatASpringDoesLeftInTheReactionIsASubtraction) {
-  spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
+  spoil_ = leave_springs_in_the_reaction;
   expect(blame(), Term::subtraction, "joint A");
 }
 
 TEST_F(AttributionTest, OtherAxesAreAFrame) {
-  spoil_ = [](const State&, Evaluation& evaluation) {
-    for (SideWrench& side : evaluation.joints[0].total) std::swap(side.in_C.force(0), side.in_C.force(1));
-  };
+  spoil_ = swap_axes;
   expect(blame(), Term::frame, "joint A");
 }
 
@@ -176,7 +182,7 @@ TEST_F(AttributionTest, AFaultThatBothShareIsBoths) {
 }
 
 TEST_F(AttributionTest, AReactionThatWorksInBothSolversIsOfTheJointsPage) {
-  spoil_ = [](const State&, Evaluation& evaluation) { evaluation.joints[0].reaction = evaluation.joints[0].total; };
+  spoil_ = leave_springs_in_the_reaction;
   const auto found = blame_of_one_state(model_, Spoiled::both);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->solver, 2);
@@ -193,9 +199,7 @@ TEST_F(AttributionTest, ATotalThatIsNotTheSumOfItsSharesIsASubtraction) {
 }
 
 TEST_F(AttributionTest, OtherAxesAreAFrameWhereNoStatesAreCompared) {
-  spoil_ = [](const State&, Evaluation& evaluation) {
-    for (SideWrench& side : evaluation.joints[0].total) std::swap(side.in_C.force(0), side.in_C.force(1));
-  };
+  spoil_ = swap_axes;
   expect(blame_of_one_state(model_, Spoiled::one), Term::frame, "joint A");
 }
 
