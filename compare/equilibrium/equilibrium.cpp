@@ -63,7 +63,7 @@ class PseudoTransientContinuation {
 
   /// Those that the longest step made short on a long way, and those that steps back need, each with its corrections.
   [[nodiscard]] int iterations_more() const {
-    return std::min(length_.on_the_way(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
+    return std::min(length_.uncounted(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
            steps_back_.iterations();
   }
 

@@ -36,7 +36,7 @@ class StepLength {
   /// The largest change of a joint by the last step, before it was cut, up to the longest.
   [[nodiscard]] double last_move() const { return last_move_; }
   /// Steps that fast shafts alone have made short, and up to 3000 that went on the same way, as far as they may.
-  [[nodiscard]] int on_the_way() const { return cut_by_shafts_ + cut_straight_on_; }
+  [[nodiscard]] int uncounted() const { return cut_by_shafts_ + cut_straight_on_; }
 
  private:
   void count_fall();
