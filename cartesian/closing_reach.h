@@ -16,8 +16,8 @@ class ClosingReach {
   void learn(const VecX& before, const VecX& after, double part);
 
  private:
-  double farthest_ = kLargestTurn;  // of all but turns
-  static constexpr double kLargestTurn = 0.5;
+  static constexpr double kLargestTurn = 0.5;  // rad
+  double farthest_ = kLargestTurn;             // of all else, in the machine's units
 };
 
 }  // namespace concord::cartesian
