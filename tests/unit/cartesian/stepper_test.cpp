@@ -80,6 +80,23 @@ TEST(Stepper, StopsBesideTheEndOfAStepMoveNeitherTimeNorMotion) {
   }
 }
 
+/// Each of them lies within round-off of the one before, all of them do not: the motion may not stay behind.
+TEST(Stepper, ManyStopsInARowMoveTheMotionWithTheTime) {
+  Tumbler tumbler;
+  const auto stepper = make_extrapolation_stepper(tumbler.dynamics, tumbler.start, {1e-11, 2.0});
+  double reached = stepper->step(2.0);
+  const MotionState before = stepper->motion();
+  const double begin = reached;
+  constexpr int kStops = 3000;
+  for (int k = 0; k < kStops; ++k) {
+    const double beside = reached * (1.0 + 100.0 * std::numeric_limits<double>::epsilon());
+    reached = stepper->step(beside);
+    ASSERT_EQ(reached, beside);
+  }
+  const double moved = (stepper->motion().q - before.q).norm();
+  EXPECT_GT(moved, 0.5 * (reached - begin)) << "at rates of 1.3 and 1.0 of Euler parameters";
+}
+
 TEST(Stepper, IdaConvergesToTheSameMotion) {
   Tumbler tumbler;
   const MotionState exact = run(tumbler, 1e-14, true);
