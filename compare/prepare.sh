@@ -13,6 +13,7 @@ packages=(
 )
 packages_of_tests=(libgtest-dev libgmock-dev librapidcheck-dev catch2 libbenchmark-dev)
 packages_of_python=(pybind11-dev python3-dev python3-numpy)
+packages_of_oracle=(libsimbody-dev)
 
 # Prints the packages that are not installed; none on a machine without dpkg, where CMake speaks for itself.
 missing_packages() {
@@ -60,22 +61,11 @@ configure() {
   fi
 }
 
-# with_tests FOLDER: the folder builds the tests too from now on.
-with_tests() {
-  grep -qx 'BUILD_TESTING:BOOL=OFF' "$1/CMakeCache.txt" || return 0
-  if ! cmake -DBUILD_TESTING=ON "$1" >&2; then
-    echo "CMake could not add the tests to $1: see above" >&2
-    exit 3
-  fi
-}
-
-# with_python FOLDER: the folder builds the Python module too from now on. A folder that was configured before the
-# packages were there is configured again.
-with_python() {
-  local known='^CONCORD_PYTHON_EXECUTABLE:INTERNAL=.'
-  grep -q "$known" "$1/CMakeCache.txt" && return
-  if ! cmake -DCONCORD_PYTHON=ON "$1" >&2 || ! grep -q "$known" "$1/CMakeCache.txt"; then
-    echo "CMake could not add the Python module to $1: see above" >&2
+# turn_on FOLDER OPTION: the folder builds what OPTION names too, from now on.
+turn_on() {
+  grep -qx "$2:BOOL=ON" "$1/CMakeCache.txt" && return
+  if ! cmake "-D$2=ON" "$1" >&2; then
+    echo "CMake could not turn on $2 in $1: see above" >&2
     exit 3
   fi
 }

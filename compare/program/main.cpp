@@ -135,7 +135,7 @@ bool find_oracle(CommandLine& line) {
   return true;
 #else
   std::cerr << "error: --oracle simbody: this program was built without Simbody; install the package libsimbody-dev, "
-               "then configure the build folder again with cmake and build\n";
+               "configure the build folder with cmake -DCONCORD_SIMBODY=ON and build; compare/run does so by itself\n";
   return false;
 #endif
 }
