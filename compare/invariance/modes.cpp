@@ -6,7 +6,7 @@ namespace concord::compare::invariance {
 
 namespace {
 
-Body with_modes(Body body, const MatX& T) {
+void change_modes(Body& body, const MatX& T) {
   ModalData& modal = *body.modal;
   modal.beam.reset();
   modal.stiffness = T.transpose() * modal.stiffness * T;
@@ -26,7 +26,6 @@ Body with_modes(Body body, const MatX& T) {
   for (MassPoint& point : modal.mass_points) point.Psi_t_L = point.Psi_t_L * T;
   body.a_start = solve_square(T, body.a_start);
   body.adot_start = solve_square(T, body.adot_start);
-  return body;
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ Change with_modes(const std::vector<MatX>& T) {
   Change change;
   change.model = [T](Model model) {
     for (std::size_t i = 1; i < T.size(); ++i) {
-      if (T[i].size() > 0) model.bodies[i] = with_modes(std::move(model.bodies[i]), T[i]);
+      if (T[i].size() > 0) change_modes(model.bodies[i], T[i]);
     }
     for_each_attachment(model, [&](Attachment& side) {
       const MatX& of_body = T[static_cast<std::size_t>(side.body)];
