@@ -138,16 +138,6 @@ BeamIntegrals integrate_beam(const BeamSpecification& beam, const std::vector<No
   return sums;
 }
 
-/// Roots of what belongs to the mass, to the places and to each mode.
-VecX block_sizes_of(const MatX& G) {
-  VecX sizes(G.rows());
-  sizes(0) = std::sqrt(G(0, 0));
-  for (Eigen::Index first = 1; first < G.rows(); first += 3) {
-    sizes.segment<3>(first).setConstant(std::sqrt(G.diagonal().segment<3>(first).sum()));
-  }
-  return sizes;
-}
-
 /// The largest part of a difference that round-off does not explain.
 template <class Difference, class Doubt, class Size>
 double largest_beyond(const Difference& difference, const Doubt& doubt, const Size& size) {
@@ -162,6 +152,15 @@ double largest_beyond(const Difference& difference, const Doubt& doubt, const Si
 }
 
 }  // namespace
+
+VecX block_sizes_of(const MatX& G) {
+  VecX sizes(G.rows());
+  sizes(0) = std::sqrt(G(0, 0));
+  for (Eigen::Index first = 1; first < G.rows(); first += 3) {
+    sizes.segment<3>(first).setConstant(std::sqrt(G.diagonal().segment<3>(first).sum()));
+  }
+  return sizes;
+}
 
 BeamMisfit compute_misfit_of_beam(const ModalData& modal) {
   const BeamSpecification& beam = *modal.beam;

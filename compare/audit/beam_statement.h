@@ -23,6 +23,10 @@ struct BeamMisfit {
 /// In the order of BeamMisfit: "places of nodes", "mass integrals", ...
 inline constexpr std::array kBeamRows{"places of nodes", "mass integrals", "modal stiffness", "modal damping"};
 
+/// What entries of mass integrals G are held against, rows times columns: roots of what belongs to the mass, to the
+/// places and to each mode.
+VecX block_sizes_of(const MatX& G);
+
 /// Of modal data that were made from a beam: `modal.beam` must be set.
 BeamMisfit compute_misfit_of_beam(const ModalData& modal);
 
