@@ -81,11 +81,9 @@ int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, co
     const NearFrames near(read_twice(command.model));
     const Model& model = near.model();
     AnalysisVerdict result = judge(command, model, makers);
+    result.wrenches.trajectories = near.back(std::move(result.wrenches.trajectories));
     if (!near.note().empty()) result.text = fmt::format("note: {}\n{}", near.note(), result.text);
     console.out << format_analysis(model, result, command.all_rows) << std::flush;
-    for (auto& run : result.wrenches.trajectories) {
-      if (run) run = near.back(std::move(*run));
-    }
     if (!command.out.empty()) write_results(command.out, model, result);
     if (!command.json.empty()) write_file(command.json, format_analysis_json(model, result));
     return exit_code(result.wrenches.outcome);

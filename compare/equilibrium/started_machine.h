@@ -18,7 +18,7 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
 /// model says so, and both solvers on one branch.
 class StartedMachine {
  public:
-  /// Throws as as_it_starts() and make_solvers_on_one_branch() do.
+  /// Throws as NearFrames, as_it_starts() and make_solvers_on_one_branch() do.
   StartedMachine(const Model& given, const SolverMakers& makers);
   StartedMachine(const StartedMachine&) = delete;  // solvers are bound to the model
   StartedMachine& operator=(const StartedMachine&) = delete;
@@ -27,8 +27,12 @@ class StartedMachine {
   [[nodiscard]] Solver& solver(Who who) const { return *solvers_[index(who)]; }
   /// Notes on the frames, on the equilibrium and on the branch, where there is something to tell.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-  /// Motions as those of the frames of the model as it was given.
-  [[nodiscard]] Trajectory back(Trajectory run) const { return near_.back(std::move(run)); }
+  /// Motions as those of the frames of the model as it was given: of a run, or of those of both solvers. Throws as
+  /// NearFrames::back() does.
+  template <class Runs>
+  [[nodiscard]] Runs back(Runs runs) const {
+    return near_.back(std::move(runs));
+  }
 
  private:
   NearFrames near_;

@@ -223,8 +223,8 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
     last = rung;
     tell_stage(rung);
   };
-  const Verdict verdict =
-      verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
+  Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
+  verdict.trajectories = machine.back(std::move(verdict.trajectories));
   take_verdict(machine.model(), verdict, result);
 }
 
@@ -247,7 +247,8 @@ void add_numbers(const std::vector<analyses::NumberRow>& numbers, std::vector<Co
 }
 
 void analyse_case(const Case& one, const SolverMakers& makers, Result& result) {
-  const Model model = model_of(one);
+  const NearFrames near(model_of(one));
+  const Model& model = near.model();
   analyses::AnalysisVerdict found;
   switch (one.work) {
     case Work::statics:
@@ -262,6 +263,7 @@ void analyse_case(const Case& one, const SolverMakers& makers, Result& result) {
     default:
       found = analyses::judge_inverse(model, makers, one.accelerations);
   }
+  found.wrenches.trajectories = near.back(std::move(found.wrenches.trajectories));
   take_verdict(found.driven ? *found.driven : model, found.wrenches, result);
   add_numbers(found.numbers, result.components);
 }
@@ -290,7 +292,7 @@ void check_joint_case(const Case& one, Result& result) {
 /// A component for each move and solver.
 void invariance_case(const Case& one, const SolverMakers& makers, Result& result) {
   std::string note;
-  const Model model = as_it_starts(model_of(one), makers, note);
+  const Model model = as_it_starts(NearFrames(model_of(one)).model(), makers, note);
   tell_stage("moves");
   invariance::BatteryOptions options;
   options.until = one.options.until;
@@ -370,7 +372,7 @@ Model model_of(const Case& one) {
   model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
   if (one.cut) name_cuts(one, model);
   if (one.start) move_start(one, model);
-  return NearFrames(model).model();
+  return model;
 }
 
 Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers) {

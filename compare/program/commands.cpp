@@ -135,9 +135,7 @@ void solve_both(const CompareCommand& command, const InputFiles& inputs, const S
     };
     one.verdict = verify(machine.model(), cartesian, relative, options);
   }
-  for (auto& run : one.verdict.trajectories) {
-    if (run) run = machine.back(std::move(*run));
-  }
+  one.verdict.trajectories = machine.back(std::move(one.verdict.trajectories));
   if (silent) one.verdict.third = silent;
   one.verdict.notes.insert(one.verdict.notes.end(), machine.notes().begin(), machine.notes().end());
   if (reference) judge_reference(one.model, *reference, one.verdict);

@@ -59,9 +59,7 @@ Compared compare_model(const Model& model, const VerifyOptions& options, const s
   own.makers = &makers;
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), own);
   verdict.notes.insert(verdict.notes.end(), machine.notes().begin(), machine.notes().end());
-  for (auto& run : verdict.trajectories) {
-    if (run) run = machine.back(std::move(*run));
-  }
+  verdict.trajectories = machine.back(std::move(verdict.trajectories));
   if (reference) judge_reference(model, *reference, verdict);
   Compared compared;
   take_words(machine.model(), verdict, compared);

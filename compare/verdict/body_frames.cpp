@@ -1,9 +1,12 @@
 #include "compare/verdict/body_frames.h"
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
+#include "common/flexible/beam.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -18,7 +21,12 @@ Body with_frame(Body body, const Pose& frame) {
     return body;
   }
   ModalData& modal = *body.modal;
-  modal.beam.reset();
+  if (modal.beam) {
+    BeamSpecification beam = *modal.beam;
+    beam.first_end_L = to_new * (beam.first_end_L - frame.r);
+    beam.axes = to_new * beam.axes;
+    modal.beam = std::make_shared<const BeamSpecification>(std::move(beam));
+  }
   for (ModalNode& node : modal.nodes) {
     node.s0_L = to_new * (node.s0_L - frame.r);
     node.Psi_t_L = to_new * node.Psi_t_L;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +19,25 @@ namespace concord::compare {
 /// moved to it.
 class NearFrames {
  public:
-  explicit NearFrames(const Model& model);
+  /// Throws SolverError if the machine in near frames is not the one that was given, by an account of the audit's own
+  /// (compare/audit/same_machine), and InputError for a flexible body whose frame is more than a million times as far
+  /// away as it measures.
+  explicit NearFrames(Model given);
 
   [[nodiscard]] const Model& model() const { return model_; }
   /// What was moved; empty if nothing was.
   [[nodiscard]] const std::string& note() const { return note_; }
-  /// Motions of the near frames as motions of those that the model has.
+  /// Motions of the near frames as motions of those that the model has. Throws SolverError if a rule of the audit that
+  /// the run keeps in near frames is broken there by the model that was given: needs are lower by the digits of
+  /// distance over length, since what a lever amplifies is round-off too, but at least one.
   [[nodiscard]] Trajectory back(Trajectory run) const;
+  /// The same of both solvers' runs, as far as there are any.
+  [[nodiscard]] std::array<std::optional<Trajectory>, 2> back(std::array<std::optional<Trajectory>, 2> runs) const;
 
  private:
+  [[nodiscard]] Trajectory led_back(Trajectory run) const;
+
+  Model given_;
   Model model_;
   std::vector<Vec3> moved_;  // by body, in its axes; of ground the world's origin [m]
   std::string note_;
