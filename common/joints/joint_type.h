@@ -15,7 +15,8 @@ struct Parameter {
   double example;  // what the type in the catalogue has: the joint check uses it; positive, and so are all values
 };
 
-/// A joint type, said three times, none computed from another: see vocabulary.h for the words.
+/// A joint type, said three times, none computed from another: see vocabulary.h for the words. Its reaction does no
+/// work along what it permits (S24).
 struct JointType {
   std::string name;
   std::vector<Forbid> forbids;
@@ -39,11 +40,5 @@ struct JointType {
   [[nodiscard]] int n_q() const;
   [[nodiscard]] int n_u() const;
 };
-
-/// Whether the joint can carry a reaction in `component` (0..2 force x, y, z; 3..5 torque x, y, z) on `side`: on the
-/// child at P_i in the child's joint frame, on the parent at P_j in the parent's. False where the direction is
-/// permitted at every pose, so that the reaction component vanishes there always. Of a type given by functions, or that
-/// forbids velocities alone, nothing is known: true (S24).
-bool carries(const JointType& type, Side side, int component);
 
 }  // namespace concord::joints

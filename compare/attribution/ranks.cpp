@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compare/audit/carried_components.h"
+
 namespace concord::compare {
 
 namespace {
@@ -56,7 +58,7 @@ class Contradictions {
       const int s = index(side);
       const std::string on = fmt::format("joint {} on {}", joint.name, model_.bodies[joint.on(side).body].name);
       for (int c = 0; c < 6; ++c) {
-        if (joints::carries(*joint.type, side, c)) {
+        if (carries(*joint.type, side, c)) {
           take(fmt::format("{} of {}", kComponents[c], on),
                [=](const RankReport& report, bool decided) { return of(report, decided).unique[s][c]; });
         }

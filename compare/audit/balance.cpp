@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -29,12 +28,12 @@ int joint_rows(const joints::JointType& type) {
 }
 
 /// Reaction components, parent's and child's, that the joint cannot carry; zero in place of the others.
-VecX workless_residuals(const joints::JointType& type, const JointWrenches& wrenches) {
+VecX workless_residuals(const CarriedComponents& carried, const JointWrenches& wrenches) {
   VecX residuals(12);
   for (const Side side : kSides) {
     residuals.segment<6>(6 * index(side)) = wrenches.reaction_on(side).in_C.vector();
     for (int c = 0; c < 6; ++c) {
-      if (joints::carries(type, side, c)) residuals(6 * index(side) + c) = 0.0;
+      if (carried[index(side)][c]) residuals(6 * index(side) + c) = 0.0;
     }
   }
   return residuals;
@@ -225,6 +224,7 @@ void Auditor::lay_out_joint(int k) {
   add_components(AuditRule::drivers, " of total minus reaction on child", entity);
   add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type), entity);
   joint_springs_.push_back(laws_of_springs(joint));
+  carried_.push_back(carried_components(*joint.type));
 }
 
 /// In the order of add_element().
@@ -289,7 +289,7 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
     for (const State& moved : *moved_) roundoff = roundoff.cwiseMax(power.change_of_laws(power_in(frames_in(moved))));
   }
   VecX residuals(joint_rows(*joint.type));
-  residuals << workless_residuals(*joint.type, wrenches), power.of_reaction(),
+  residuals << workless_residuals(carried_[index_of_joint], wrenches), power.of_reaction(),
       frame_residuals(frames, wrenches.reaction), frame_residuals(frames, wrenches.total),
       side_residuals(frames, wrenches.reaction), side_residuals(frames, wrenches.total), power.beyond_tau(),
       power.outside_coordinates(length_), beyond_roundoff(power.beyond_law(), roundoff);

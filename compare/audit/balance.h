@@ -7,6 +7,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "compare/audit/audit_ledger.h"
+#include "compare/audit/carried_components.h"
 #include "compare/audit/element_laws.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/motion_audit.h"
@@ -91,6 +92,7 @@ class Auditor {
   std::optional<std::array<State, 2>> moved_;
   std::vector<std::vector<MassPoint>> mass_points_;     // of each body
   std::vector<std::vector<LawOfForce>> joint_springs_;  // of each joint
+  std::vector<CarriedComponents> carried_;              // of each joint
   std::vector<ElementLaw> element_laws_;
   std::vector<AuditEntity> bodies_;
   std::vector<AuditEntity> beams_;  // of each body; without rows if it is none

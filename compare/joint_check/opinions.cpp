@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cartesian/solver.h"
-#include "common/joints/named_coordinates.h"
+#include "compare/audit/carried_components.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "relative/solver.h"
@@ -32,12 +32,9 @@ const Model& model_of(const Rig& rig, std::size_t who) {
   }
 }
 
-bool says_nothing_of_components(const JointType& type) {
-  if (type.nonholonomic_rows() > 0) return true;
-  const std::vector<NamedCoordinate> coordinates = named_coordinates(type);
-  return std::any_of(coordinates.begin(), coordinates.end(), [](const NamedCoordinate& one) {
-    return one.kind != joints::CoordinateKind::orientation && !one.axis;
-  });
+bool is_by_functions(const JointType& type) {
+  return std::any_of(type.permits.begin(), type.permits.end(),
+                     [](const joints::Permit& word) { return joints::function_of(word) != nullptr; });
 }
 
 }  // namespace
@@ -124,8 +121,8 @@ void require_carried(const JointType& type, const Largest& largest, Property& pr
   for (const Side side : {Side::parent, Side::child}) {
     for (int component = 0; component < 6; ++component) {
       const double found = largest[index(side)](component);
-      const bool said = joints::carries(type, side, component);
-      const bool right = said ? found > kAppears || says_nothing_of_components(type) : found < kVanishes;
+      const bool said = carries(type, side, component);
+      const bool right = said ? found > kAppears || is_by_functions(type) : found < kVanishes;
       property.require(right, -1, [&] {
         return fmt::format("{} on the {} is {} be carried, but reaches {:.3g} of the rig's weight",
                            component_names()[component], side == Side::parent ? "parent" : "child",

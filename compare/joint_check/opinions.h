@@ -59,8 +59,8 @@ using Largest = std::array<Vec6, 2>;
 
 void note_largest(const Rig& rig, const Opinions& opinions, Largest& largest);
 
-/// Requires that those components appear that the type carries, and no others. Of a type by functions, or one that
-/// forbids velocities alone, the page does not say which vanish: every one may appear, none must.
+/// Requires that those components appear that the type carries, and no others. Of what a type by functions carries,
+/// every component may appear, none must: it may be carried at other poses than these.
 void require_carried(const JointType& type, const Largest& largest, Property& property);
 
 }  // namespace concord::compare::joint_check

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compare/audit/carried_components.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/observe.h"
@@ -83,8 +84,7 @@ std::string not_unique(const Model& model, const SolverView& solver) {
     for (const Side side : {Side::parent, Side::child}) {
       std::string components;
       for (int c = 0; c < 6; ++c) {
-        if (!joints::carries(*model.joints[k].type, side, c) || solver.rank.joints.at(k).unique[index(side)][c])
-          continue;
+        if (!carries(*model.joints[k].type, side, c) || solver.rank.joints.at(k).unique[index(side)][c]) continue;
         components += " " + component_names()[c];
       }
       if (components.empty()) continue;

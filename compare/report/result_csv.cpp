@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/audit/carried_components.h"
 #include "compare/report/files.h"
 #include "compare/report/result_files.h"
 #include "compare/verdict/columns.h"
@@ -31,7 +32,7 @@ std::string not_unique_comments(const Model& model, const std::vector<Column>& c
     const std::optional<Quantity> quantity = quantity_of(column);
     if (!quantity) continue;
     const bool can_carry = quantity->kind != Kind::reaction ||
-                           joints::carries(*model.joints[quantity->owner].type, quantity->side, quantity->component);
+                           carries(*model.joints[quantity->owner].type, quantity->side, quantity->component);
     const auto& known = layout.quantities();
     if (!can_carry || std::find(known.begin(), known.end(), *quantity) == known.end()) continue;
     const Eigen::Index count = (!unique.row(layout.row_of(*quantity))).count();

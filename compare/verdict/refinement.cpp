@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/audit/carried_components.h"
 #include "compare/audit/digits.h"
 
 namespace concord::compare {
@@ -109,7 +110,7 @@ void make_rows(const QuantityLayout& layout, Verdict& verdict) {
       continue;
     }
     const Joint& joint = model.joints[quantity.owner];
-    if (!joints::carries(*joint.type, quantity.side, quantity.component)) continue;
+    if (!carries(*joint.type, quantity.side, quantity.component)) continue;
     verdict.rows.push_back(row);
   }
 }

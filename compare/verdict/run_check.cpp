@@ -5,6 +5,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "compare/audit/carried_components.h"
 #include "compare/audit/kept_start.h"
 #include "compare/audit/reported_coordinates.h"
 #include "compare/verdict/needs.h"
@@ -93,8 +94,7 @@ std::string format_run_check(const QuantityLayout& layout, std::string_view solv
     const Quantity& quantity = layout.quantities()[row];
     const bool is_reaction = quantity.kind == Kind::reaction;
     if (!is_reaction && quantity.kind != Kind::driver && quantity.kind != Kind::coupling) continue;
-    if (is_reaction && !joints::carries(*model.joints[quantity.owner].type, quantity.side, quantity.component))
-      continue;
+    if (is_reaction && !carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) continue;
     const Eigen::Index not_unique = (!check.unique.row(static_cast<Eigen::Index>(row))).count();
     if (not_unique == 0) continue;
     components[{describe_owner(model, quantity), not_unique}] += " " + describe_component(quantity);

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "common/error.h"
+#include "compare/audit/carried_components.h"
 
 namespace concord::compare {
 
@@ -71,7 +72,7 @@ Uniqueness uniqueness_of(const RankReport& report, const Quantity& quantity) {
 /// also where something acts on its coordinates.
 bool can_carry(const Model& model, const Quantity& quantity) {
   const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
-  if (!is_wrench || joints::carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
+  if (!is_wrench || carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
   return quantity.kind == Kind::total && !forced_speeds(model, quantity.owner).empty();
 }
 

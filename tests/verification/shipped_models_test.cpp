@@ -143,7 +143,7 @@ TEST_CASE("Of the spatial slider-cranks every reaction component that a joint ca
         }
         scale(1) = std::max(scale(1), scale(0) * model.length_scale());
         for (int c = 0; c < 6; ++c) {
-          if (!joints::carries(*model.joints[k].type, side, c)) continue;
+          if (!compare::carries(*model.joints[k].type, side, c)) continue;
           INFO(name << ", joint " << model.joints[k].name << ", side " << index(side) << ", component " << c);
           CHECK(peak(c) > 0.01 * scale(c / 3));
         }
