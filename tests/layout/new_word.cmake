@@ -179,7 +179,7 @@ foreach(folder IN LISTS folders)
 endforeach()
 
 # Without facts nothing compiles.
-compile(${SOURCE}/common/joints/joint_type.cpp said failed -DBARE)
+compile(${SOURCE}/common/joints/facts.cpp said failed -DBARE)
 foreach(kind IN LISTS kinds)
   if(NOT said MATCHES "no member named '[a-z_]+' in 'concord::joints::New${kind}'" AND
      NOT said MATCHES "New${kind}.* has no member named")
