@@ -11,6 +11,7 @@
 #include "closed_forms.h"
 #include "common/reading/modes_file.h"
 #include "common/reading/text_file.h"
+#include "compare/audit/carried_components.h"
 #include "compare/report/table.h"
 #include "compare/verdict/verify.h"
 
