@@ -96,6 +96,26 @@ double peak_of(const Column& column, const Trajectory& run, double last) {
   return peak;
 }
 
+/// Whether two columns are components of one vector, or one number.
+bool are_of_one_vector(const Column& one, const Column& other) {
+  const int size = size_of_vector(one.field);
+  return one.field == other.field && one.owner == other.owner && one.side == other.side &&
+         one.component / size == other.component / size;
+}
+
+/// The same as the reference says it: largest length of the components that it has of the column's vector.
+double peak_of(const Column& column, const Reference& reference) {
+  double peak = 0.0;
+  for (std::size_t k = 0; k < reference.times.size(); ++k) {
+    double square = 0.0;
+    for (const ReferenceColumn& other : reference.columns) {
+      if (are_of_one_vector(other.column, column)) square += std::pow(other.values[k], 2);
+    }
+    peak = std::max(peak, std::sqrt(square));
+  }
+  return peak;
+}
+
 /// A column without a sign of its own: one of the Euler parameters of a body or of a ball.
 bool has_free_sign(const Column& column) {
   return column.field == Field::euler_parameter || (column.field == Field::joint_coordinate && column.unit == "1");
@@ -108,14 +128,16 @@ double last_judged(const Verdict& verdict) {
          kOnGrid * until / static_cast<double>(verdict.trajectories[0]->samples.size());
 }
 
-/// What a stated error in percent is a part of: the peak of the column's vector. One that is next to nothing beside
-/// what the table takes for scale, or of what moves beside the machine's `largest` number of its unit, is measured
-/// against that: the place of a body whose origin is a hinge on the ground.
-double measure_of_percent(const Column& column, const Verdict& verdict, double largest) {
+/// What a stated error in percent is a part of: the peak of the column's vector in the run or in the reference,
+/// whichever is larger. One that is next to nothing beside what the table takes for scale, or of what moves beside the
+/// machine's `largest` number of its unit, is measured against that: the place of a body whose origin is a hinge on the
+/// ground.
+double measure_of_percent(const Column& column, const Verdict& verdict, const Reference& reference, double largest) {
   constexpr double kNextToNothing = 1e-4;
   if (has_free_sign(column)) return 1.0;
   const auto quantity = quantity_of(column);
-  const double peak = peak_of(column, *verdict.trajectories[0], last_judged(verdict));
+  const double peak =
+      std::max(peak_of(column, *verdict.trajectories[0], last_judged(verdict)), peak_of(column, reference));
   if (quantity) return std::max(peak, kNextToNothing * scale_of(verdict, *quantity));
   const bool moves = column.field != Field::tau && column.field != Field::coupling;
   return moves ? std::max(peak, kNextToNothing * largest) : peak;
@@ -305,7 +327,7 @@ void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& 
     row.values = column.values;
   }
   row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
-  const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, largest) : 1.0;
+  const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, reference, largest) : 1.0;
   const double stated = column.error * measure;
   row.allowed = std::max(stated, left_open(runs, column.column, largest));
   measure_row(runs, reference, column, row);

@@ -51,7 +51,7 @@ bool is_kin(const Column& one, const Column& other) {
 }
 
 /// "it is 1000 times as large: in other units?" if the numbers of a reference are a multiple of the column's, which
-/// must be more than its error, else empty.
+/// must be more than its error, else empty. An error in percent is as much less in the run as its numbers are.
 std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& column, double allowed) {
   double product = 0.0;
   double square = 0.0;
@@ -63,12 +63,14 @@ std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& colum
     largest = std::max(largest, std::abs(value));
   }
   const double factor = product / square;
-  if (largest <= kClearly * allowed || !std::isfinite(factor) || factor == 0.0) return "";
+  if (!std::isfinite(factor) || factor == 0.0) return "";
+  const double allowed_in_run = column.is_relative ? allowed / std::max(1.0, std::abs(factor)) : allowed;
+  if (largest <= kClearly * allowed_in_run) return "";
   double difference = 0.0;
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
   }
-  if (!(difference <= allowed * std::abs(factor))) return "";  // the error, too, is in those units
+  if (!(difference <= allowed_in_run * std::abs(factor))) return "";  // the error, too, is in those units
   constexpr double kTheSame = 1e-6;
   if (std::abs(factor - 1.0) < kTheSame) return "";
   constexpr double kOpposite = 0.01;

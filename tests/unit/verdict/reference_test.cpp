@@ -278,6 +278,46 @@ TEST_F(ReferenceTest, APercentageOfATorqueIsOfThatTorque) {
   EXPECT_DOUBLE_EQ(verdict.references.at(0).allowed, 0.02 * peak);
 }
 
+// Where the solvers say zero, or half of what was measured, a part of it would be an error that no source means.
+TEST_F(ReferenceTest, APercentageIsOfTheLargerOfRunAndReference) {
+  model_ = pendulum_model();  // no spring and no driver: tau is zero
+  const Verdict verdict = verified();
+  const auto judged = [&](const std::string& text) {
+    Verdict judged = verdict;
+    judge_reference(model_, read(text), judged);
+    return judged;
+  };
+  const Verdict against_zero = judged("# error = 0.1 %\nt [s],A.tau_1 [N m]\n0,-14.867491\n0.2,3\n");
+  EXPECT_EQ(against_zero.outcome, Outcome::differ);
+  EXPECT_DOUBLE_EQ(against_zero.references.at(0).allowed, 0.014867491);
+  // Components of one vector together, neither those of the other side nor torques.
+  const std::string columns = "t [s],A.child.F_x [N],A.child.F_y [N],A.child.T_x [N m],A.parent.F_x [N]\n";
+  const Verdict of_vector = judged("# error = 2 %\n" + columns + "0,300,1,1e6,1e7\n0.2,3e3,-4e3,0,0\n");
+  EXPECT_DOUBLE_EQ(of_vector.references.at(0).allowed, 0.02 * 5e3);
+  EXPECT_DOUBLE_EQ(of_vector.references.at(1).allowed, 0.02 * 5e3);
+  EXPECT_DOUBLE_EQ(of_vector.references.at(2).allowed, 0.02 * 1e6);
+  EXPECT_DOUBLE_EQ(of_vector.references.at(3).allowed, 0.02 * 1e7);
+}
+
+TEST_F(ReferenceTest, AMeasurementThatIsLargerByItsOwnErrorAgrees) {
+  const Verdict verdict = verified();
+  const std::vector<Sample>& samples = verdict.trajectories[0]->samples;
+  const auto tau = [](const Sample& sample) { return sample.evaluation.joints[0].tau(0); };
+  const Sample& at = *std::max_element(samples.begin(), samples.end(), [&](const Sample& one, const Sample& other) {
+    return std::abs(tau(one)) < std::abs(tau(other));
+  });
+  const auto outcome_at = [&](double factor) {
+    Verdict judged = verdict;
+    const std::string row = fmt::format("{},{}", at.state.t, factor * tau(at));
+    judge_reference(model_, read("# error = 20 %\nt [s],A.tau_1 [N m]\n" + row + "\n"), judged);
+    return judged.outcome;
+  };
+  EXPECT_EQ(outcome_at(0.81), Outcome::agree);
+  EXPECT_EQ(outcome_at(0.79), Outcome::differ);
+  EXPECT_EQ(outcome_at(1.249), Outcome::agree) << "off by a fifth of the reference, by a quarter of the run";
+  EXPECT_EQ(outcome_at(1.251), Outcome::differ);
+}
+
 TEST_F(ReferenceTest, TimesBeyondTheHorizonAreNotJudgedAndCounted) {
   Verdict verdict = verified();
   verdict.same_run.horizon = 0.2;
