@@ -26,9 +26,12 @@ Stepper::Stepper(Dynamics& dynamics, const MotionState& start)
       has_regimes_(equations_.applied().has_regimes()),
       event_(HUGE_VAL),
       event_samples_(equations_.applied().n_event_functions(), kEventSamples + 1) {
-  constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
-  const double rate = std::max(natural_rate(equations_), largest_rate(equations_, 0.0, start.Y));
-  chatter_window_ = rate > 0.0 ? kPart / rate : HUGE_VAL;
+  note_rate(0.0);
+}
+
+/// Of the machine at the last update, at time t, where its motion is motion_.
+void Stepper::note_rate(double t) {
+  fastest_ = std::max({fastest_, natural_rate(equations_), largest_rate(equations_, t, motion_.Y)});
 }
 
 double Stepper::step(double stop) {
@@ -188,14 +191,17 @@ void Stepper::pass_event() {
 
 void Stepper::refuse_chatter() {
   constexpr int kMaxEvents = 200;
-  if (time_ - events_since_ > chatter_window_) {
+  constexpr double kPart = 2e-2;  // of the time in which the machine moves or falls by its length
+  note_rate(time_);
+  if (fastest_ * (time_ - events_since_) > kPart) {
     events_since_ = time_;
     events_ = 0;
   }
   if (++events_ <= kMaxEvents) return;
   throw SolverError(
-      fmt::format("cartesian: at t = {:.6g} s {} changes its regime without end: {} times within {:.2g} s; its "
-                  "laws leave no motion there: look at its friction, its road's edges and its damping",
+      fmt::format("cartesian: at t = {:.6g} s {} changes its regime without end: {} times within {:.2g} s, in which "
+                  "the machine hardly moves; its laws leave no motion there: look at its friction, its road's edges "
+                  "and its damping",
                   time_, equations_.applied().name_of_regime(nearest_event_), events_, time_ - events_since_));
 }
 

@@ -70,11 +70,12 @@ class Stepper {
   double locate_event(double from, double stop);
   void pass_event();
   void close_motion(double t);
+  void note_rate(double t);
   void refuse_chatter();
 
   bool has_regimes_;
   double time_ = 0.0;
-  double chatter_window_;            // s
+  double fastest_ = 0.0;             // rate of the machine so far [1/s]
   double event_;                     // in the last step, not yet passed; HUGE_VAL: none
   AppliedForceIndex nearest_event_;  // the applied force whose event function was the smallest
   MatX event_samples_;               // event functions at equal times of the last step, by column

@@ -48,7 +48,7 @@ class Course {
         stepper_(integrator, y_.get(), callbacks_of(run), context_, messages_),
         events_(
             equations.applied_forces(), [&run](double t, const Eigen::Ref<const VecX>& y) { run.apply_forces(t, y); },
-            stepper_, y_.get(), options.until),
+            stepper_, y_.get(), run.sizes_of_coordinates(), options.until),
         has_events_(equations.applied_forces().has_regimes()),
         shortest_(kSameTime * options.until),
         breaks_(break_times(equations.model(), options.until)),

@@ -23,6 +23,8 @@ class IntegrationRun {
                  const std::string& integrator);
 
   [[nodiscard]] const IntegratedVariables& variables() const { return variables_; }
+  /// Sizes of the integrated coordinates, by which their errors are measured.
+  [[nodiscard]] VecX sizes_of_coordinates() const { return sizes_.head(variables_.n_q()); }
 
   /// ydot(t, y).
   void evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot);

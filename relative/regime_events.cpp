@@ -13,13 +13,21 @@ namespace {
 constexpr int kMostTrials = 100;
 constexpr std::size_t kMostEvents = 200;
 constexpr double kTinyTime = 1e-4;  // of the run's
+constexpr double kTinyWay = 1e-4;   // of the machine's sizes
 
 double round_off_of_time(double t) { return 8.0 * std::numeric_limits<double>::epsilon() * t; }
 
 }  // namespace
 
-RegimeEvents::RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, double until)
-    : forces_(&forces), apply_(std::move(apply)), stepper_(&stepper), until_(until), within_(N_VClone(y)) {
+RegimeEvents::RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, VecX sizes,
+                           double until)
+    : forces_(&forces),
+      apply_(std::move(apply)),
+      stepper_(&stepper),
+      until_(until),
+      within_(N_VClone(y)),
+      sizes_(std::move(sizes)),
+      at_event_(sundials::view(y).head(sizes_.size())) {
   look_.values = VecX::Zero(forces.n_event_functions());
   looks_.fill(look_);
 }
@@ -51,7 +59,7 @@ int RegimeEvents::advance(double t_end, N_Vector y, double& t) {
     t = t_before;
     const int found = approach(*bracket, y, t);
     if (found < 0) return found;
-    if (least_event_function(t, sundials::view(y)) < 0.0) require_progress(t);
+    if (least_event_function(t, sundials::view(y)) < 0.0) require_progress(t, sundials::view(y));
     set_regimes(t, sundials::view(y));
     const int restarted = stepper_->restart(t, y, std::min(step, std::max(t_end - t, round_off_of_time(t))));
     if (restarted < 0) return restarted;
@@ -206,16 +214,21 @@ void RegimeEvents::require_held_regimes(double t, const std::optional<AppliedFor
   departed_ = departed.has_value();
 }
 
-/// Refuses regimes that take turns in no time.
-void RegimeEvents::require_progress(double t) {
-  times_.push_back(t);
-  if (times_.size() <= kMostEvents) return;
-  const double first = times_[times_.size() - 1 - kMostEvents];
-  if (t - first > kTinyTime * until_) return;
+/// Refuses regimes that take turns in no time and on no way: a wheel that bounces on for long changes them as often.
+void RegimeEvents::require_progress(double t, const Eigen::Ref<const VecX>& y) {
+  const auto q = y.head(sizes_.size());
+  const double step = sizes_.size() > 0 ? (q - at_event_).cwiseQuotient(sizes_).lpNorm<Eigen::Infinity>() : 0.0;
+  at_event_ = q;
+  events_.push_back({t, step + (events_.empty() ? 0.0 : events_.back().way)});
+  if (events_.size() <= kMostEvents) return;
+  const Event& first = events_[events_.size() - 1 - kMostEvents];
+  const double way = events_.back().way - first.way;
+  if (t - first.t > kTinyTime * until_ || way > kTinyWay) return;
   throw SolverError(
-      fmt::format("the contact of {} changes its regime {} times within {:.1e} s: it chatters; give it damping, "
-                  "or the road no step there",
-                  forces_->least_contact(), kMostEvents, t - first));
+      fmt::format("the contact of {} changes its regime {} times within {:.1e} s, in which the machine moves by {:.1e} "
+                  "of its size: its laws drive it back from both sides; change what meets there: an edge of the road, "
+                  "a stop, friction or damping",
+                  forces_->least_contact(), kMostEvents, t - first.t, way));
 }
 
 }  // namespace concord::relative

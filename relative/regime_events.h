@@ -19,8 +19,9 @@ class RegimeEvents {
   /// Brings the forces to a time and the integrated numbers.
   using ApplyForces = std::function<void(double t, const Eigen::Ref<const VecX>& y)>;
 
-  /// `y`: the integrated numbers, for their size; `until`: the end of the run [s].
-  RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, double until);
+  /// `y`: the integrated numbers, for their size; `sizes`: of the coordinates, which come first among them; `until`:
+  /// the end of the run [s].
+  RegimeEvents(AppliedForces& forces, ApplyForces apply, Stepper& stepper, N_Vector y, VecX sizes, double until);
   ~RegimeEvents();
   RegimeEvents(const RegimeEvents&) = delete;
   RegimeEvents& operator=(const RegimeEvents&) = delete;
@@ -62,7 +63,7 @@ class RegimeEvents {
   [[nodiscard]] Bracket up_to(double at, double value) const;
   [[nodiscard]] static double guess(const Bracket& bracket, double tolerance);
   int approach(Bracket bracket, N_Vector y, double& t);
-  void require_progress(double t);
+  void require_progress(double t, const Eigen::Ref<const VecX>& y);
   void require_held_regimes(double t, const std::optional<AppliedForces::Contact>& departed);
 
   AppliedForces* forces_;
@@ -73,7 +74,14 @@ class RegimeEvents {
   sundials::Vector within_;
   std::array<Look, 5> looks_;  // into the last step, from its begin to its end
   Look look_;
-  std::vector<double> times_;
+  /// When an event was, and how far the coordinates had moved from event to event, in their sizes.
+  struct Event {
+    double t;
+    double way;
+  };
+  VecX sizes_;
+  VecX at_event_;  // the coordinates at the last one
+  std::vector<Event> events_;
   bool departed_ = false;  // some force from its law, at the end of the last step
 };
 

@@ -9,6 +9,7 @@
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "common/joints/catalogue.h"
+#include "common/reading/model_file.h"
 #include "machines.h"
 
 /// Tires: the statement in common/tire.h against the definitions of its words, and runs over events.
@@ -330,6 +331,44 @@ TEST(Tires, RattlingWithoutEndIsTold) {
     message = error.what();
   }
   EXPECT_THAT(message, HasSubstr("tire 'tire' changes its regime without end: 201 times within")) << message;
+}
+
+/// Nothing moves it at first; pushed onto the road later, it bounces on and on, because no damper stops it.
+TEST(Tires, AWheelThatTouchesLateAndBouncesOnIsNotSaidToRattle) {
+  const Model model = parse_model(R"toml(format = 1
+gravity = [0, 0, 0]
+[[road]]
+name = "flat"
+profile = "flat"
+[[body]]
+name = "wheel"
+mass = 20
+inertia = [0.6, 1, 0.6]
+[[joint]]
+name = "guide"
+type = "translational"
+both = { z = [0, 0, 1], x = [1, 0, 0] }
+parent = "ground"
+child = "wheel"
+start.slide_z = { keep = 0.5, keep_speed = 0 }
+[[tire]]
+name = "tire"
+body = "wheel"
+road = "flat"
+radius = 0.3
+stiffness = 2e5
+slip_stiffness = 2e4
+cornering_stiffness = 2e4
+friction = 0.8
+speed_scale = 0.5
+[[load]]
+name = "push"
+body = "wheel"
+force = [0, 0, -200]
+law = { law = "smooth_step", t0 = 1, t1 = 1.2, from = 0, to = 1 }
+)toml",
+                                  "late.toml");
+  EXPECT_NO_THROW((void)run(model, "gbs", 60.0, 1e-6));
 }
 
 TEST(Tires, RefusesAWheelThatLiesOnItsSide) {

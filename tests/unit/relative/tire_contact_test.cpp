@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/reading/model_file.h"
 #include "machines.h"
 #include "relative/assembly.h"
 #include "relative/solver.h"
@@ -266,6 +267,49 @@ TEST(TireContact, SaysWhereATireChatters) {
               std::string::npos)
         << error.what();
   }
+}
+
+/// Bounces on and on after a push, because no damper stops it: in a long run 200 ends of regimes are soon there.
+TEST(TireContact, AWheelThatTouchesLateAndBouncesOnDoesNotChatter) {
+  const Model model = parse_model(R"toml(format = 1
+gravity = [0, 0, 0]
+[[road]]
+name = "flat"
+profile = "flat"
+[[body]]
+name = "wheel"
+mass = 20
+inertia = [0.6, 1, 0.6]
+[[joint]]
+name = "guide"
+type = "translational"
+both = { z = [0, 0, 1], x = [1, 0, 0] }
+parent = "ground"
+child = "wheel"
+start.slide_z = { keep = 0.5, keep_speed = 0 }
+[[tire]]
+name = "tire"
+body = "wheel"
+road = "flat"
+radius = 0.3
+stiffness = 2e5
+slip_stiffness = 2e4
+cornering_stiffness = 2e4
+friction = 0.8
+speed_scale = 0.5
+[[load]]
+name = "push"
+body = "wheel"
+force = [0, 0, -200]
+law = { law = "smooth_step", t0 = 1, t1 = 1.2, from = 0, to = 1 }
+)toml",
+                                  "late.toml");
+  RunOptions options;
+  options.until = 1e6;
+  options.samples = 4;
+  options.rtol = 1e-6;
+  options.most_evaluations = 90000;
+  EXPECT_THROW((void)make_solver(model)->integrate(options, {}), EvaluationsSpent);
 }
 
 }  // namespace
