@@ -42,6 +42,8 @@ struct AppliedForce {
   VecX tau;
   std::vector<bool> spring_turns;
   VecX known_q;
+  /// Of a turn spring: the angle that its turns are counted from.
+  double known_angle = kUnwound;
 
   /// The joint whose springs push; nothing for an element.
   [[nodiscard]] std::optional<JointIndex> joint() const {

@@ -246,10 +246,43 @@ void AppliedForces::count_turns_from(const std::vector<VecX>& q) {
   }
 }
 
+template <class Visit>
+void AppliedForces::each_turn_spring(const Visit& visit) const {
+  for (const ElementIndex e : indices_of(model_.elements)) {
+    // Elements come first.
+    if (std::holds_alternative<TurnSpring>(pick(model_.elements, e).what)) visit(e, AppliedForceIndex(e.value));
+  }
+}
+
+void AppliedForces::count_spring_turns_from(const State& state) {
+  each_turn_spring([&](ElementIndex e, AppliedForceIndex spring) {
+    applied_forces_[spring].known_angle = state.known_angle(static_cast<std::size_t>(e.value));
+  });
+}
+
+void AppliedForces::follow_spring_turns() {
+  each_turn_spring([&](ElementIndex /*e*/, AppliedForceIndex spring) {
+    applied_forces_[spring].known_angle = angle_of_turn_spring(applied_forces_[spring]);
+  });
+}
+
+std::vector<double> AppliedForces::spring_angles(const MovingConstraints& at, const Eigen::Ref<const VecX>& q,
+                                                 const Eigen::Ref<const VecX>& Y) const {
+  std::vector<double> angles(model_.elements.size(), 0.0);
+  each_turn_spring([&](ElementIndex e, AppliedForceIndex spring) {
+    AppliedForce placed = applied_forces_[spring];
+    place_ends(
+        placed, [&](BodyIndex body) -> const Mat3& { return at.rotation(body); }, q, Y);
+    angles[static_cast<std::size_t>(e.value)] = angle_of_turn_spring(placed);
+  });
+  return angles;
+}
+
 void AppliedForces::count_turns_and_hold_regimes_as(const AppliedForces& other) {
   for (const AppliedForceIndex applied : applied_forces_.indices()) {
     const AppliedForce& known = other.applied_forces_[applied];
     applied_forces_[applied].known_q = known.known_q;
+    applied_forces_[applied].known_angle = known.known_angle;
     applied_forces_[applied].regime = known.regime;
     applied_forces_[applied].stop_regimes = known.stop_regimes;
   }

@@ -72,10 +72,21 @@ class AppliedForces {
 
   /// Joint coordinates (by joint) from which the turns of sprung angles are counted: at most half a turn away.
   void count_turns_from(const std::vector<VecX>& q);
-  /// Counts them from where the forces of another copy of the same machine do, and holds the regimes that those hold.
+  /// The same of the angles of turn springs, from those of a state; and on from those of the last update.
+  void count_spring_turns_from(const State& state);
+  void follow_spring_turns();
+  /// The angle of each element that is a turn spring at positions q and velocities Y, which are those of `at`; zero for
+  /// others (State::spring_angles).
+  [[nodiscard]] std::vector<double> spring_angles(const MovingConstraints& at, const Eigen::Ref<const VecX>& q,
+                                                  const Eigen::Ref<const VecX>& Y) const;
+  /// Counts all turns from where the forces of another copy of the same machine do, and holds the regimes that those
+  /// hold.
   void count_turns_and_hold_regimes_as(const AppliedForces& other);
 
  private:
+  /// Calls visit(index of the element, its applied force) for each turn spring.
+  template <class Visit>
+  void each_turn_spring(const Visit& visit) const;
   AppliedForce make_applied_force(const ForceElement& element, ElementIndex e) const;
   AppliedForce make_applied_force(const Joint& joint, JointIndex k) const;
   void make_end(const Attachment& end, Side side, AppliedForce& applied) const;

@@ -6,13 +6,13 @@
 /// bushings here.
 namespace concord::cartesian {
 
-/// Bushings and turn springs are refused beyond it: their angles jump at half a turn.
+/// Bushings are refused beyond it: their angles jump at half a turn.
 inline constexpr double kLargestAngle = 175.0 * EIGEN_PI / 180.0;
 
 /// Writes the wrenches at the ends of an element's applied force, whose markers and motion are those of the instant.
 /// Throws SolverError, naming the element, where its law has no direction: a line spring whose force jumps where its
-/// ends meet, a turn spring or a bushing that resists turning beyond 175 deg, a turn spring whose axis x points along
-/// z, a tire whose axis stands upright on the road.
+/// ends meet, a bushing that resists turning beyond 175 deg, a turn spring whose axis x points along z, a tire whose
+/// axis stands upright on the road.
 void exert(const ForceElement& element, const ForceInstant& at, AppliedForce& applied);
 
 /// How many event functions an element has; 0 if it has no regimes.

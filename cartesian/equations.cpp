@@ -46,6 +46,11 @@ void Equations::count_turns_from(const std::vector<VecX>& q) {
   constraints_->count_turns_from(q);
 }
 
+void Equations::count_turns_from(const State& state) {
+  count_turns_from(state.q);
+  applied_.count_spring_turns_from(state);
+}
+
 void Equations::count_turns_and_hold_regimes_as(const Equations& other) {
   applied_.count_turns_and_hold_regimes_as(other.applied_);
   constraints_->count_turns_as(*other.constraints_);

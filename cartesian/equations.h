@@ -37,6 +37,8 @@ class Equations {
   /// Joint coordinates (by joint) from which the turns of sprung and coupled angles are counted: at most half a turn
   /// away.
   void count_turns_from(const std::vector<VecX>& q);
+  /// The same, and the angles from which the turns of turn springs are counted.
+  void count_turns_from(const State& state);
   /// Counts them from where another copy of the same equations does, and holds the regimes of tires and stops as that
   /// does.
   void count_turns_and_hold_regimes_as(const Equations& other);

@@ -10,6 +10,7 @@ State reported_state(const Equations& equations, const VecX& q, const VecX& Y, c
   state.q = known;
   state.u = zero_speeds(equations.model());
   read_joint_coordinates(equations.model(), equations.moving_constraints(), state.q, state.u);
+  state.spring_angles = equations.applied().spring_angles(equations.moving_constraints(), q, Y);
   return state;
 }
 

@@ -146,7 +146,7 @@ MachineRank decide_for_the_machine(Equations& equations, const State& start) {
   }
   // A machine whose rows are hardly independent anywhere has the rank that it shows.
   if (clear == 0) machine.generic = std::max(machine.generic, doubtful);
-  equations.count_turns_from(start.q);
+  equations.count_turns_from(start);
   return machine;
 }
 

@@ -80,7 +80,7 @@ MotionState begin_motion(Dynamics& dynamics, const MachineRank& machine, const S
   MotionState motion{VecX::Zero(equations.layout().n_q()), VecX::Zero(equations.layout().n_Y()), 0.0};
   require_shape(equations.model(), start);
   equations.layout().unpack(start, motion.q, motion.Y);
-  equations.count_turns_from(start.q);
+  equations.count_turns_from(start);
   equations.update(0.0, motion.q, motion.Y);
   if (options.start) {
     refuse_open(equations, start, motion.q, motion.Y);
@@ -162,6 +162,7 @@ class Run {
     equations_.update(reached_, motion_.q, motion_.Y);
     read_joint_coordinates(equations_.model(), equations_.moving_constraints(), turns_, speeds_);
     equations_.count_turns_from(turns_);
+    equations_.applied().follow_spring_turns();
   }
 
   /// Forces are those of their laws: not the ones of a regime whose end was missed.

@@ -112,7 +112,7 @@ class CartesianSolver : public Solver {
   void set_state(const State& state) {
     require_shape(equations_.model(), state);
     equations_.layout().unpack(state, q_, Y_);
-    equations_.count_turns_from(state.q);
+    equations_.count_turns_from(state);
     equations_.update(state.t, q_, Y_);
   }
 

@@ -37,10 +37,11 @@ Asked stretch_of(const ForceInstant& at, const AppliedForce& applied) {
   return {length, length > at.shortest_line ? line.dot(closing) / length : 0.0};
 }
 
-Asked turn_of(const AppliedForce& applied) {
-  const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
-  return {angle.value, rate_of(angle, applied.motion)};
+Asked turn_of(const AppliedForce& applied, const ConstraintRow& angle) {
+  return {value_near(true, angle, applied.known_angle), rate_of(angle, applied.motion)};
 }
+
+Asked turn_of(const AppliedForce& applied) { return turn_of(applied, evaluate_read(kSpringAngle, 0, applied.motion)); }
 
 double* write_event_functions(const ForceLaw& law, const AppliedForce& applied, const Asked& at, double* next) {
   const auto values = event_functions_of(law, applied.stop_regimes.front(), at.x, at.rate);
@@ -82,18 +83,14 @@ void exert(const TurnSpring& spring, const ForceInstant& at, AppliedForce& appli
                     at.t, at.name));
   }
   const ConstraintRow angle = evaluate_read(kSpringAngle, 0, applied.motion);
-  if (!(std::abs(angle.value) <= kLargestAngle)) {
-    throw SolverError(
-        fmt::format("cartesian: at t = {:.6g} s turn spring '{}' is turned by {:.1f} deg, allowed are 175 deg: let a "
-                    "spring of a joint count turns instead",
-                    at.t, at.name, angle.value * 180.0 / EIGEN_PI));
-  }
-  const double rate = rate_of(angle, applied.motion);
-  const double torque = resistance(spring.law, at, angle.value, rate, applied) + evaluate_actuator(spring.law, at.t);
+  const auto [x, rate] = turn_of(applied, angle);
+  const double torque = resistance(spring.law, at, x, rate, applied) + evaluate_actuator(spring.law, at.t);
   const Vec3 couple = applied.parent().A_joint * (-torque * angle.over_rho);
   applied.on_child() = {Vec3::Zero(), couple};
   applied.on_parent() = {Vec3::Zero(), -couple};
 }
+
+double angle_of_turn_spring(const AppliedForce& applied) { return turn_of(applied).x; }
 
 int n_event_functions(const LineSpring& spring) { return n_event_functions(spring.law); }
 int n_event_functions(const TurnSpring& spring) { return n_event_functions(spring.law); }

@@ -10,6 +10,9 @@ namespace concord::cartesian {
 void exert(const LineSpring& spring, const ForceInstant& at, AppliedForce& applied);
 void exert(const TurnSpring& spring, const ForceInstant& at, AppliedForce& applied);
 
+/// The angle of a turn spring at its relative motion [rad], at most half a turn from the known one (C23).
+double angle_of_turn_spring(const AppliedForce& applied);
+
 int n_event_functions(const LineSpring& spring);
 int n_event_functions(const TurnSpring& spring);
 

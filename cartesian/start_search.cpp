@@ -27,7 +27,9 @@ void set_guesses(Equations& equations, const Model& model, VecX& q, VecX& Y) {
     layout.a(q, i) = pick(model.bodies, i).a_start;
     layout.adot(Y, i) = pick(model.bodies, i).adot_start;
   }
-  equations.count_turns_from(start_coordinates(model));
+  State guessed;
+  guessed.q = start_coordinates(model);
+  equations.count_turns_from(guessed);
 }
 
 /// Other guesses for the same machine; what is kept or driven stays.

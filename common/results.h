@@ -19,6 +19,10 @@ struct BodyState {
   VecX adot;
 };
 
+/// The angle of a turn spring that nothing is known of lies within half a turn of this [rad]: in (-pi, pi], and ends
+/// that stand half a turn apart to within it have the angle pi, whichever side round-off puts them on.
+inline constexpr double kUnwound = 1e-6;
+
 /// A complete state of the machine. `bodies` has ground at index 0, at rest.
 struct State {
   double t = 0.0;
@@ -27,6 +31,14 @@ struct State {
   /// bodies but for the number of turns and the sign of Euler parameters; whoever receives a state uses them as hints.
   std::vector<VecX> q;
   std::vector<VecX> u;
+  /// Of every force element that is a turn spring its angle [rad], turns counted (S34); zero for other elements. They
+  /// follow from the bodies but for the number of turns, as above.
+  std::vector<double> spring_angles;
+
+  /// From which the turns of a turn spring are counted, at most half a turn away; kUnwound where nothing is said.
+  [[nodiscard]] double known_angle(std::size_t element) const {
+    return element < spring_angles.size() ? spring_angles[element] : kUnwound;
+  }
 };
 
 /// Force [N] and torque [N m] about a point that the owner names (S20).

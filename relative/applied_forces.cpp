@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "relative/element_wrench.h"
 #include "relative/wrenches.h"
@@ -27,7 +28,7 @@ AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closur
 
 void AppliedForces::lay_out_elements() {
   for (const ForceElement& statement : kinematics_->model().elements) {
-    Element element{&statement, {}, {}, {}, {}};
+    Element element{&statement, {}, {}, {}, {}, {}};
     if (std::holds_alternative<Tire>(statement.what)) {
       element.tire = static_cast<int>(tires_.size());
       tires_.push_back({&statement, elements_.size(), {}, {}});
@@ -41,6 +42,7 @@ void AppliedForces::lay_out_elements() {
       element.ends.emplace_back(fmt::format("force element '{}'", statement.name), *end);
       element.bodies[index(side)] = BodyIndex(end->body);
     }
+    if (std::holds_alternative<TurnSpring>(statement.what)) turn_springs_.push_back(elements_.size());
     elements_.push_back(std::move(element));
   }
 }
@@ -77,6 +79,39 @@ void AppliedForces::update(const Motion& motion) {
   apply_springs(motion);
 }
 
+void AppliedForces::count_turns_from(const State& state) {
+  for (const std::size_t e : turn_springs_) elements_[e].angle.known = {state.t, state.known_angle(e), 0.0};
+}
+
+void AppliedForces::count_turns_as(const AppliedForces& other) {
+  for (const std::size_t e : turn_springs_) elements_[e].angle = other.elements_[e].angle;
+}
+
+void AppliedForces::follow_turns() {
+  for (const std::size_t e : turn_springs_) elements_[e].angle.follow();
+}
+
+void AppliedForces::require_seen_turns() const {
+  constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
+  for (const std::size_t e : turn_springs_) {
+    if (std::abs(elements_[e].angle.stray()) <= kQuarterTurn) continue;
+    throw SolverError(
+        fmt::format("relative: force element '{}': its turns cannot be counted: its rate changes too much in one step",
+                    elements_[e].statement->name));
+  }
+}
+
+std::vector<double> AppliedForces::spring_angles(const Motion& motion) const {
+  std::vector<double> angles(elements_.size(), 0.0);
+  for (const std::size_t e : turn_springs_) {
+    Element spring = elements_[e];
+    move_ends(spring, motion);
+    const EndTurn turn = turn_between(spring.ends.front(), spring.ends.back());
+    angles[e] = spring.angle.count(motion.t(), turn.angle, turn.xdot);
+  }
+  return angles;
+}
+
 void AppliedForces::clear() {
   for (Vec6& force : on_body_) force.setZero();
   for (VecX& force : on_modes_) force.setZero();
@@ -84,7 +119,7 @@ void AppliedForces::clear() {
   power_ = 0.0;
 }
 
-void AppliedForces::move_ends(Element& element, const Motion& motion) {
+void AppliedForces::move_ends(Element& element, const Motion& motion) const {
   const std::size_t without = 2 - element.ends.size();
   for (std::size_t e = 0; e < element.ends.size(); ++e) {
     const BodyIndex body = element.bodies[e + without];
@@ -103,8 +138,8 @@ Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& e
                    laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
-Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, const Element& element) {
-  return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name,
+Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, Element& element) {
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), element.statement->name, element.angle,
                    laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
@@ -208,10 +243,10 @@ std::vector<LineState> AppliedForces::lines(double t) const {
 }
 
 /// On the child's body, and the answer on the parent's, if there is one.
-void AppliedForces::apply_element(double t, const Element& element, ElementWrenches& wrenches) {
+void AppliedForces::apply_element(double t, Element& element, ElementWrenches& wrenches) {
   const JointPoint& child = element.ends.back();
   const Vec6 on_child =
-      std::visit([&](const auto& what) { return exerted(what, t, element); }, element.statement->what);
+      std::visit([&](const auto& what) -> Vec6 { return exerted(what, t, element); }, element.statement->what);
   apply_wrench(element.bodies[index(Side::child)], child, on_child);
   wrenches.on[index(Side::child)] = in_both_frames(child.A, on_child);
   if (element.ends.size() == 1) return;

@@ -32,9 +32,22 @@ class AppliedForces {
   AppliedForces(const Kinematics& kinematics, const Closure& closure);
 
   /// Takes a motion, of which kinematics and closure hold the pose. Throws SolverError, naming the element, where a
-  /// line spring's ends meet and its force jumps there, or where the frames of a turn spring or a bushing are turned by
-  /// more than 175 deg, or where a wheel lies flat on the road.
+  /// line spring's ends meet and its force jumps there, or where the frames of a bushing are turned by more than 175
+  /// deg, or where a turn spring has no angle, or where a wheel lies flat on the road.
   void update(const Motion& motion);
+
+  /// Counts the turns of the turn springs from the angles of a state, or as those of another copy of the machine.
+  void count_turns_from(const State& state);
+  void count_turns_as(const AppliedForces& other);
+  /// Counts them on from the last update, whose motion the machine has taken.
+  void follow_turns();
+  /// Throws SolverError, naming the element, where the last update is not clear about the turn that a turn spring is
+  /// on: too long after the last motion that was taken.
+  void require_seen_turns() const;
+  [[nodiscard]] bool has_turn_springs() const { return !turn_springs_.empty(); }
+  /// The angle of each element that is a turn spring in a motion that kinematics hold; zero for others
+  /// (State::spring_angles).
+  [[nodiscard]] std::vector<double> spring_angles(const Motion& motion) const;
 
   /// Tires and stops: each update takes the regime that a contact is in by itself, or keeps the regimes that the last
   /// update found, as an integrator needs during a step.
@@ -94,6 +107,7 @@ class AppliedForces {
     std::array<BodyIndex, 2> bodies{BodyIndex(kGround), BodyIndex(kGround)};
     std::optional<int> tire;  // its index among the tires
     std::optional<int> law;   // of a spring, its index among the laws
+    CountedAngle angle;       // of a turn spring
   };
   struct TireState {
     const ForceElement* statement;
@@ -115,11 +129,11 @@ class AppliedForces {
   void lay_out_elements();
   void lay_out_springs();
   void clear();
-  void move_ends(Element& element, const Motion& motion);
+  void move_ends(Element& element, const Motion& motion) const;
   /// The wrench on the child, one evaluator for each kind of element.
   [[nodiscard]] Vec6 exerted(const Load& load, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element);
-  [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, const Element& element);
+  [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, Element& element);
   [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
   [[nodiscard]] double departure_of(const TireState& state) const;
@@ -130,7 +144,7 @@ class AppliedForces {
     Contact contact;
   };
   [[nodiscard]] Least least() const;
-  void apply_element(double t, const Element& element, ElementWrenches& wrenches);
+  void apply_element(double t, Element& element, ElementWrenches& wrenches);
   void apply_springs(const Motion& motion);
   void apply_wrench(BodyIndex body, const JointPoint& point, const Vec6& wrench);
 
@@ -138,6 +152,7 @@ class AppliedForces {
   const Closure* closure_;
   double length_;
   std::vector<Element> elements_;
+  std::vector<std::size_t> turn_springs_;  // which elements are
   std::vector<Spring> springs_;
   std::vector<TireState> tires_;
   std::vector<OwnedLaw> laws_;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "relative/exponential_map.h"
+#include "relative/turns.h"
 #include "relative/velocity_transformation.h"
 
 namespace concord::relative {
@@ -24,11 +25,11 @@ Vec6 rotated(const Mat3& A, const Vec6& w) {
   return result;
 }
 
-[[noreturn]] void throw_turned_too_far(const std::string& name, double angle, const char* advice) {
+[[noreturn]] void throw_turned_too_far(const std::string& name, double angle) {
   throw SolverError(
       fmt::format("relative: force element '{}': its ends are turned by {:.4g} deg against each other, "
-                  "allowed are 175 deg: {}",
-                  name, angle / kDegree, advice));
+                  "allowed are 175 deg: turn the frames of its ends",
+                  name, angle / kDegree));
 }
 
 /// Of a line that is next to nothing: its own as long as it has one; in one point, that in which the ends part, the
@@ -86,27 +87,35 @@ double jump_where_ends_pass(const LineSpring& spring, double t, double speed) {
          2.0 * evaluate_actuator(spring.law, t);
 }
 
+double CountedAngle::count(double t, double angle, double xdot) {
+  const double turns = std::round((predicted(t, xdot) - angle) / static_cast<double>(kWholeTurn));
+  last = {t, add_turns(angle, turns), xdot};
+  return last.x;
+}
+
 /// The child's x axis c in the parent's frame moves by rho x c, so that x = atan2(c_y, c_x) changes by
 /// rho_z - c_z (c_x rho_x + c_y rho_y) / (c_x^2 + c_y^2).
-Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
-               const std::string& name, LawInRegime& law_in_regime, bool keeps_regime) {
+EndTurn turn_between(const JointPoint& parent, const JointPoint& child) {
   const Vec3 c = parent.A.transpose() * child.A.col(0);
   const double in_plane = std::hypot(c.x(), c.y());
-  if (!(in_plane > kNoDirection)) {
+  const double lean = c.z() / (in_plane * in_plane);
+  const Vec3 g(-lean * c.x(), -lean * c.y(), 1.0);
+  return {std::atan2(c.y(), c.x()), g.dot(parent.A.transpose() * (child.omega - parent.omega)), g, in_plane};
+}
+
+Vec6 wrench_of(const TurnSpring& spring, double t, const JointPoint& parent, const JointPoint& child,
+               const std::string& name, CountedAngle& angle, LawInRegime& law_in_regime, bool keeps_regime) {
+  const EndTurn turn = turn_between(parent, child);
+  if (!(turn.in_plane > kNoDirection)) {
     throw SolverError(
         fmt::format("relative: force element '{}': the child's x axis points along the parent's z, so that it has no "
                     "angle: turn the frames of its ends",
                     name));
   }
-  const double x = std::atan2(c.y(), c.x());
-  if (std::abs(x) > kLargestAngle)
-    throw_turned_too_far(name, std::abs(x), "put the spring on a joint, which counts turns");
-  const double lean = c.z() / (in_plane * in_plane);
-  const Vec3 g(-lean * c.x(), -lean * c.y(), 1.0);
-  const double xdot = g.dot(parent.A.transpose() * (child.omega - parent.omega));
-  const double f = law_in_regime.resist(x, xdot, keeps_regime) + evaluate_actuator(spring.law, t);
+  const double x = angle.count(t, turn.angle, turn.xdot);
+  const double f = law_in_regime.resist(x, turn.xdot, keeps_regime) + evaluate_actuator(spring.law, t);
   Vec6 w;
-  w << Vec3::Zero(), parent.A * (-f * g);
+  w << Vec3::Zero(), parent.A * (-f * turn.g);
   return w;
 }
 
@@ -115,7 +124,7 @@ Vec6 wrench_of(const Bushing& bushing, const JointPoint& parent, const JointPoin
   Vec3 theta = Vec3::Zero();
   if (holds_angles) {
     theta = rotation_vector(parent.A.transpose() * child.A);
-    if (theta.norm() > kLargestAngle) throw_turned_too_far(name, theta.norm(), "turn the frames of its ends");
+    if (theta.norm() > kLargestAngle) throw_turned_too_far(name, theta.norm());
   }
   Vec6 displacement;
   displacement << parent.A.transpose() * (child.r - parent.r), theta;

@@ -53,6 +53,11 @@ void Equations::prescribe(double t, const Kinematics& counted, VecX& q, VecX& u)
   }
 }
 
+void Equations::count_turns_as(const Equations& other) {
+  kinematics_.count_turns(other.kinematics_.turns());
+  applied_.count_turns_as(other.applied_);
+}
+
 const Motion& Equations::move(double t, const VecX& q, const VecX& u) {
   ++motion_.number_;
   motion_.at_.t = t;

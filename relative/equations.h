@@ -43,6 +43,8 @@ class Equations {
 
   /// Counts whole turns apart from the coordinates that all other functions take and give: see Kinematics.
   void count_turns(const VecX& turns) { kinematics_.count_turns(turns); }
+  /// Counts all turns, those of turn springs too, as another copy of the same machine does.
+  void count_turns_as(const Equations& other);
 
   /// Writes the driven entries of q and u: their laws at time t, without the turns that are counted apart here or by
   /// other kinematics of the same model.

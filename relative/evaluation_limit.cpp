@@ -29,7 +29,7 @@ std::string place_of(Equations& equations, const Coordinates& at) {
                        equations.closure().worst_place(equations.loops().solution().lambda));
   }
   Equations alone(equations.model());
-  alone.count_turns(equations.kinematics().turns());
+  alone.count_turns_as(equations);
   const FastestMotion fastest = fastest_motion(alone, at);
   if (fastest.of.empty()) return text;
   return text + fmt::format("; the fastest motion there is that of {}, at {:.1e} per s", fastest.of, fastest.rate);

@@ -38,13 +38,14 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       evaluation_limit_(options.until, integrator, options.most_evaluations, options.foresees_end),
       clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
-  follow_lines();
+  follow_elements();
 }
 
 void IntegrationRun::evaluate(double t, const Eigen::Ref<const VecX>& y, Eigen::Ref<VecX> ydot) {  // (R73)
   ++evaluations_;
   variables_.unpack(y, coordinates_);
   const Evaluated& evaluated = equations_->compute_accelerations(t, coordinates_.q, coordinates_.u);
+  equations_->applied_forces().require_seen_turns();
   equations_->compute_qdot(equations_->motion(), qdot_);
   variables_.pack(qdot_, evaluated.udot(), ydot);
   ydot(variables_.work()) = has_work_ ? equations_->power(evaluated) : 0.0;
@@ -99,7 +100,7 @@ void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   variables_.pack(coordinates_.q, coordinates_.u, y);
   watch_.pass(coordinates_);
   equations_->loops().keep_rows();
-  follow_lines();
+  follow_elements();
   clock_.pass(t, y, [this](double at, const Eigen::Ref<const VecX>& numbers, const Eigen::Ref<VecX>& rates) {
     evaluate(at, numbers, rates);
   });
@@ -110,9 +111,13 @@ void IntegrationRun::apply_forces(double t, const Eigen::Ref<const VecX>& y) {
   equations_->update_forces(t, coordinates_.q, coordinates_.u);
 }
 
-void IntegrationRun::follow_lines() {
-  if (!equations_->applied_forces().has_line_springs()) return;
-  lines_.pass(coordinates_.t, equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u));
+/// What line springs and turn springs tell from motion to motion: where ends meet, and turns.
+void IntegrationRun::follow_elements() {
+  AppliedForces& forces = equations_->applied_forces();
+  if (!forces.has_line_springs() && !forces.has_turn_springs()) return;
+  equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u);
+  forces.follow_turns();
+  if (forces.has_line_springs()) lines_.pass(coordinates_.t, forces);
 }
 
 namespace {

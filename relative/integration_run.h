@@ -56,7 +56,7 @@ class IntegrationRun {
   [[nodiscard]] double largest_work() const { return largest_work_; }
 
  private:
-  void follow_lines();
+  void follow_elements();
 
   Equations* equations_;
   Assembly* assembly_;

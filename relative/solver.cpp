@@ -42,6 +42,7 @@ class RelativeSolver final : public Solver {
 
   State assemble() override {
     const Coordinates start = assembly_.start();
+    equations_.applied_forces().count_turns_from({});
     return states_.write(equations_.move(start.t, start.q, start.u), {});
   }
 
@@ -52,7 +53,7 @@ class RelativeSolver final : public Solver {
     try {
       StateMisfit misfit;
       Coordinates coordinates = states_.read(guess, misfit);
-      equations_.count_turns(states_.turns());
+      count_turns_of(guess);
       if (!assembly_.close(coordinates) || states_.joint_off_branch(guess, coordinates.q)) return std::nullopt;
       return states_.write(equations_.move(coordinates.t, coordinates.q, coordinates.u), guess);
     } catch (const SolverError&) {
@@ -81,6 +82,7 @@ class RelativeSolver final : public Solver {
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
     Coordinates start = assembly_.start();
+    equations_.applied_forces().count_turns_from({});
     if (options.start) start = read_closed(*options.start);
     return relative::integrate(equations_, assembly_, states_, start, options, progress);
   }
@@ -102,8 +104,14 @@ class RelativeSolver final : public Solver {
 
   Coordinates read_closed(const State& state) {
     Coordinates coordinates = states_.read_closed(state);
-    equations_.count_turns(states_.turns());
+    count_turns_of(state);
     return coordinates;
+  }
+
+  /// All that is computed from now on counts turns as this state does, which `states_` have read last.
+  void count_turns_of(const State& state) {
+    equations_.count_turns(states_.turns());
+    equations_.applied_forces().count_turns_from(state);
   }
 
   Model model_;

@@ -262,6 +262,7 @@ State States::write(const Motion& motion, const State& before) const {
     state.q.emplace_back(q.segment(span.first_q, span.n_q));
     state.u.emplace_back(motion.u().segment(span.first_u, span.n_u));
   }
+  state.spring_angles = equations_->applied_forces().spring_angles(motion);
   return state;
 }
 

@@ -36,10 +36,10 @@ struct LineSpring {
 };
 
 /// A rotational spring, damper and actuator between two bodies about the z axis of the parent's end frame:
-/// x = the angle in (-pi, pi] from the parent's x axis to the child's, seen along the parent's z (as TurnOfChildAxis{z,
-/// x} reads it). With R the child's frame in the parent's, g = dx/drho (dR = rho~ R) and f the law and the actuator,
-/// the torque on the child is -f g in the parent's end frame, and on the parent the opposite: pure couples, conjugate
-/// to x also where the axes z do not coincide. An angle beyond 175 deg is refused: a spring on a joint counts turns.
+/// x = the angle from the parent's x axis to the child's, seen along the parent's z (as TurnOfChildAxis{z, x} reads
+/// it): in (-pi, pi] at the start, and from there on continued through whole turns. With R the child's frame in the
+/// parent's, g = dx/drho (dR = rho~ R) and f the law and the actuator, the torque on the child is -f g in the parent's
+/// end frame, and on the parent the opposite: pure couples, conjugate to x also where the axes z do not coincide.
 struct TurnSpring {  // (S34)
   std::array<Attachment, 2> ends;
   ForceLaw law;

@@ -229,7 +229,7 @@ void Auditor::lay_out_joint(int k) {
 
 /// In the order of add_element().
 void Auditor::lay_out_element(const ForceElement& element) {
-  element_laws_.emplace_back(element);
+  element_laws_.emplace_back(element, element_laws_.size());
   AuditEntity& entity = elements_.emplace_back(AuditEntity{element.name, {}, false});
   for (const char* side : kOnSide) add_components(AuditRule::force_law, side, entity);
   for (const char* side : kOnSide) add_components(AuditRule::two_frames, side, entity);

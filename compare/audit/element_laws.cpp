@@ -1,6 +1,7 @@
 #include "compare/audit/element_laws.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "common/overloaded.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr int kParent = index(Side::parent);
 constexpr int kChild = index(Side::child);
+constexpr double kWholeTurn = 2.0 * std::numbers::pi;
 
 std::array<PlacedFrame, 2> place_ends(const std::array<Attachment, 2>& ends, const State& state) {
   return {place(ends[kParent], state.bodies[ends[kParent].body]), place(ends[kChild], state.bodies[ends[kChild].body])};
@@ -43,16 +45,18 @@ LineMotion motion_of(const LineSpring& spring, const State& state) {
 
 /// With c = R e_x the child's x axis in the parent's frame, x = atan2(c_y, c_x); a small turn rho moves c by rho x c,
 /// so that g = e_z - c_z (c_x e_x + c_y e_y) / (c_x^2 + c_y^2).
-TurnMotion motion_of(const TurnSpring& spring, const State& state) {
+TurnMotion motion_of(const TurnSpring& spring, const State& state, double known_angle) {
   const auto frames = place_ends(spring.ends, state);
   const RelativeMotion relative = relative_motion(frames[kParent], frames[kChild]);
   const Vec3 c = relative.R.col(0);
   const Vec3 in_plane(c.x(), c.y(), 0.0);
   const Vec3 g = Vec3::UnitZ() - c.z() / in_plane.squaredNorm() * in_plane;
-  return {std::atan2(c.y(), c.x()), g.dot(relative.v_rel.tail<3>()), frames[kParent].A_joint * g};
+  const double read = std::atan2(c.y(), c.x());
+  const double turns = std::round((known_angle - read) / kWholeTurn);
+  return {read + turns * kWholeTurn, g.dot(relative.v_rel.tail<3>()), frames[kParent].A_joint * g};
 }
 
-ElementLaw::ElementLaw(const ForceElement& stated) : stated_(&stated) {
+ElementLaw::ElementLaw(const ForceElement& stated, std::size_t place) : stated_(&stated), place_(place) {
   std::visit(Overloaded{[this](const Load& load) { time_.emplace(load.law); },
                         [this](const LineSpring& spring) { force_.emplace(spring.law); },
                         [this](const TurnSpring& spring) { force_.emplace(spring.law); }, [](const Bushing&) {},
@@ -86,7 +90,7 @@ ElementLaw::BothSides ElementLaw::exerted(const LineSpring& spring, const State&
 }
 
 ElementLaw::BothSides ElementLaw::exerted(const TurnSpring& spring, const State& state) const {
-  const TurnMotion motion = motion_of(spring, state);
+  const TurnMotion motion = motion_of(spring, state, state.known_angle(place_));
   const Vec3 torque = tension(motion.angle, motion.rate, state.t) * motion.gradient;
   return {Wrench{Vec3::Zero(), torque}, Wrench{Vec3::Zero(), -torque}};
 }
@@ -134,8 +138,8 @@ ElementLaw::BothSides ElementLaw::exerted(const Tire& tire, const State& state) 
   return wrenches;
 }
 
-std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state) {
-  return ElementLaw(element).wrenches(state);
+std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state, std::size_t place) {
+  return ElementLaw(element, place).wrenches(state);
 }
 
 }  // namespace concord::compare

@@ -20,20 +20,21 @@ struct LineMotion {
 };
 LineMotion motion_of(const LineSpring& spring, const State& state);
 
-/// The angle of a turn spring; a turn rho of the child's end against the parent's changes it by gradient . rho, global
-/// axes.
+/// The angle of a turn spring, of those that are whole turns apart the one nearest to a known one [rad]; a turn rho of
+/// the child's end against the parent's changes it by gradient . rho, global axes.
 struct TurnMotion {
   double angle = 0.0;  // rad
   double rate = 0.0;   // rad/s
   Vec3 gradient = Vec3::Zero();
 };
-TurnMotion motion_of(const TurnSpring& spring, const State& state);
+TurnMotion motion_of(const TurnSpring& spring, const State& state, double known_angle);
 
 /// What a force element exerts by its law, derived for the third opinion alone from the statement of the element
 /// (data/format, common/force_elements.h, common/tire.h). The statement must outlive it.
 class ElementLaw {
  public:
-  explicit ElementLaw(const ForceElement& stated);
+  /// `place` is that among the elements of the model, by which a state tells the turns of turn springs.
+  ElementLaw(const ForceElement& stated, std::size_t place);
 
   /// Wrenches in a state: on the parent at P_j and on the child at P_i, global axes [N, N m]. A load and a tire have no
   /// parent: zero there.
@@ -51,12 +52,13 @@ class ElementLaw {
   [[nodiscard]] double tension(double x, double xdot, double t) const;
 
   const ForceElement* stated_;
+  std::size_t place_;
   std::optional<LawOfTime> time_;    // of a load
   std::optional<LawOfForce> force_;  // of a spring
   std::optional<LawOfRoad> road_;    // of a tire
 };
 
 /// The same of one element in one state.
-std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state);
+std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state, std::size_t place = 0);
 
 }  // namespace concord::compare

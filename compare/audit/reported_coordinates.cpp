@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/audit_ledger.h"
 #include "compare/audit/digits.h"
+#include "compare/audit/element_laws.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/audit/round_off.h"
@@ -21,7 +23,7 @@ namespace {
 /// Runs close their joints to so many units of round-off.
 constexpr double kOpen = 1000.0;
 
-/// One number that a run reports of a joint.
+/// One number that a run reports of a joint or a turn spring.
 struct Entry {
   const std::string* name = nullptr;
   bool turns = false;
@@ -73,26 +75,48 @@ class Entries {
   std::vector<std::string> speeds_;
 };
 
+/// The angle of a turn spring, if it is reported.
+std::vector<Entry> entries_of(const TurnSpring& spring, std::size_t element, const State& bodies,
+                              const State& reported) {
+  static const std::string kAngle = "angle";
+  if (reported.spring_angles.empty()) return {};
+  const double angle = reported.spring_angles[element];
+  return {{&kAngle, true, false, angle, motion_of(spring, bodies, angle).angle}};
+}
+
 class CoordinateAudit {
  public:
   CoordinateAudit(const Model& model, const Trajectory& run)
-      : model_(model), length_(model.length_scale()), speed_(size_of_speeds(model, run)) {
-    for (const Joint& joint : model.joints) entries_.emplace_back(joint);
+      : length_(model.length_scale()), speed_(size_of_speeds(model, run)) {
+    for (std::size_t k = 0; k < model.joints.size(); ++k) {
+      owners_.push_back({fmt::format("joint '{}'", model.joints[k].name),
+                         [k, entries = Entries(model.joints[k])](const State& bodies, const State& reported) {
+                           return entries.in(bodies, reported.q[k], reported.u[k]);
+                         }});
+    }
+    for (std::size_t e = 0; e < model.elements.size(); ++e) {
+      const auto* spring = std::get_if<TurnSpring>(&model.elements[e].what);
+      if (spring == nullptr) continue;
+      owners_.push_back({fmt::format("force element '{}'", model.elements[e].name),
+                         [e, spring](const State& bodies, const State& reported) {
+                           return entries_of(*spring, e, bodies, reported);
+                         }});
+    }
   }
 
   void add(const State& state) {
-    for (std::size_t k = 0; k < entries_.size(); ++k) {
-      const std::vector<Entry> found = entries_[k].in(state, state.q[k], state.u[k]);
+    for (const Owner& owner : owners_) {
+      const std::vector<Entry> found = owner.entries(state, state);
       std::vector<double> open;
       for (std::size_t e = 0; e < found.size(); ++e) {
         const double misfit = std::abs(found[e].reported - found[e].by_bodies);
         const double scale = scale_of(found[e], state);
         if (matching_digits(misfit, scale) >= worst_.digits) continue;
-        if (open.empty()) open = what_round_off_leaves(k, state, found);
+        if (open.empty()) open = what_round_off_leaves(owner, state, found);
         const double digits = matching_digits(std::isnan(misfit) ? misfit : std::max(0.0, misfit - open[e]), scale);
         if (digits >= worst_.digits) continue;
-        worst_ = {digits, fmt::format("joint '{}', {}", model_.joints[k].name, *found[e].name), state.t,
-                  found[e].reported, found[e].by_bodies};
+        worst_ = {digits, fmt::format("{}, {}", owner.name, *found[e].name), state.t, found[e].reported,
+                  found[e].by_bodies};
       }
     }
   }
@@ -100,17 +124,23 @@ class CoordinateAudit {
   [[nodiscard]] const ReportedCoordinate& worst() const { return worst_; }
 
  private:
+  /// What a joint or a turn spring reports, held against bodies in a state of theirs.
+  struct Owner {
+    std::string name;
+    std::function<std::vector<Entry>(const State& bodies, const State& reported)> entries;
+  };
+
   [[nodiscard]] double scale_of(const Entry& entry, const State& state) const {
     if (entry.is_speed) return std::max(std::abs(entry.by_bodies), entry.turns ? speed_ / length_ : speed_);
     return std::max(std::abs(entry.by_bodies), entry.turns ? 1.0 : size_of_places(state, length_));
   }
 
   /// By entry: how far the reading of the bodies moves with the last digits of the state.
-  [[nodiscard]] std::vector<double> what_round_off_leaves(std::size_t k, const State& state,
+  [[nodiscard]] std::vector<double> what_round_off_leaves(const Owner& owner, const State& state,
                                                           const std::vector<Entry>& found) const {
     std::vector<double> open(found.size(), 0.0);
     for (const State& moved : within_roundoff(state, length_)) {
-      const std::vector<Entry> there = entries_[k].in(moved, state.q[k], state.u[k]);
+      const std::vector<Entry> there = owner.entries(moved, state);
       for (std::size_t e = 0; e < found.size(); ++e) {
         const double of_reading = std::abs(there[e].by_bodies - found[e].by_bodies);
         const double of_turn = found[e].is_speed ? 0.0 : std::abs(there[e].reported - found[e].reported);
@@ -120,10 +150,9 @@ class CoordinateAudit {
     return open;
   }
 
-  const Model& model_;
   double length_;
   double speed_;
-  std::vector<Entries> entries_;
+  std::vector<Owner> owners_;
   ReportedCoordinate worst_;
 };
 

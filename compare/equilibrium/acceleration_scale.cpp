@@ -78,8 +78,9 @@ std::vector<double> spring_terms_on_bodies(const Model& model, const State& stat
     const SpringTerms terms = spring_terms(model.joints[k], state.q[k], state.u[k], state.t);
     for (const Attachment& side : model.joints[k].sides) add(side.body, terms);
   }
-  for (const ForceElement& element : model.elements) {
-    const SpringTerms terms = spring_terms(element, state);
+  for (std::size_t e = 0; e < model.elements.size(); ++e) {
+    const ForceElement& element = model.elements[e];
+    const SpringTerms terms = spring_terms(element, state, state.known_angle(e));
     for (const Side side : kSides) {
       if (const Attachment* end = end_of(element, side)) add(end->body, terms);
     }

@@ -144,12 +144,13 @@ std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State
                      joints::is_length(joint.type->permits[spring.word], spring.component)});
     }
   }
-  for (const ForceElement& element : model.elements) {
+  for (std::size_t e = 0; e < model.elements.size(); ++e) {
+    const ForceElement& element = model.elements[e];
     if (const auto* line = std::get_if<LineSpring>(&element.what)) {
       const LineMotion motion = motion_of(*line, state);
       all.push_back({&line->law, motion.distance, motion.rate, true});
     } else if (const auto* turn = std::get_if<TurnSpring>(&element.what)) {
-      const TurnMotion motion = motion_of(*turn, state);
+      const TurnMotion motion = motion_of(*turn, state, state.known_angle(e));
       all.push_back({&turn->law, motion.angle, motion.rate, false});
     }
   }

@@ -42,6 +42,7 @@ State state_in_order(State state, const PartOrder& order) {
   pick(state.bodies, order.bodies);
   pick(state.q, order.joints);
   pick(state.u, order.joints);
+  pick(state.spring_angles, order.elements);
   return state;
 }
 

@@ -20,7 +20,7 @@ struct SprungJoint {
 class SimbodyOracle final : public ThirdOpinion {
  public:
   explicit SimbodyOracle(const Model& model) : model_(model), machine_(model) {
-    for (const ForceElement& element : model.elements) elements_.emplace_back(element);
+    for (const ForceElement& element : model.elements) elements_.emplace_back(element, elements_.size());
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       if (model.joints[k].springs.empty()) continue;
       SprungJoint sprung{static_cast<int>(k), {}};

@@ -225,7 +225,7 @@ void BodyLoads::add_springs() {
     for (const Attachment& side : model_.joints[k].sides) take_terms(side, springs_.back());
   }
   for (const ForceElement& element : model_.elements) {
-    elements_.push_back(spring_terms(element, shared_.state));
+    elements_.push_back(spring_terms(element, shared_.state, shared_.state.known_angle(elements_.size())));
     for (const Side side : kSides) {
       if (const Attachment* end = end_of(element, side)) take_terms(*end, elements_.back());
     }

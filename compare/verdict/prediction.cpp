@@ -1,5 +1,6 @@
 #include "compare/verdict/prediction.h"
 
+#include "compare/audit/element_laws.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -19,6 +20,12 @@ State predict(const Model& model, const Sample& now, double h) {
     body.adot += h * rate.addot;
   }
   // Turns stay counted because the hints move on with them.
+  for (std::size_t e = 0; e < guess.spring_angles.size(); ++e) {
+    const auto* spring = std::get_if<TurnSpring>(&model.elements[e].what);
+    if (spring == nullptr) continue;
+    const TurnMotion turn = motion_of(*spring, now.state, now.state.known_angle(e));
+    guess.spring_angles[e] = turn.angle + h * turn.rate;
+  }
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const joints::JointType& type = *model.joints[k].type;
     for (int word = 0; word < static_cast<int>(type.permits.size()); ++word) {

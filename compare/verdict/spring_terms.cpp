@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/overloaded.h"
+#include "compare/audit/element_laws.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/places.h"
@@ -51,7 +52,6 @@ double terms_of(const ForceLaw& law, const Reading& reading) {
 struct EndMotion {
   double distance = 0.0;
   double speed = 0.0;
-  double angle = 0.0;  // of the child's x axis about the parent's z
   double turning = 0.0;
 
   EndMotion(const std::array<Attachment, 2>& ends, const State& state) {
@@ -59,8 +59,6 @@ struct EndMotion {
     const PlacedFrame other = place(ends[1], state.bodies[ends[1].body]);
     distance = (other.r_P - one.r_P).norm();
     speed = (other.v_P - one.v_P).norm();
-    const Mat3 turn = one.A_joint.transpose() * other.A_joint;
-    angle = std::atan2(turn(1, 0), turn(0, 0));
     turning = (other.omega_joint - one.omega_joint).norm();
   }
 };
@@ -78,7 +76,7 @@ SpringTerms terms_of(const Bushing& bushing, const State& state) {
 
 }  // namespace
 
-SpringTerms spring_terms(const ForceElement& element, const State& state) {
+SpringTerms spring_terms(const ForceElement& element, const State& state, double known_angle) {
   return std::visit(
       Overloaded{[](const Load&) { return SpringTerms{}; },
                  [](const Tire& tire) {
@@ -92,7 +90,9 @@ SpringTerms spring_terms(const ForceElement& element, const State& state) {
                  },
                  [&](const TurnSpring& spring) {
                    const EndMotion ends(spring.ends, state);
-                   return SpringTerms{0.0, terms_of(spring.law, {ends.angle, kUnitTurn, ends.turning, state.t})};
+                   const double angle = motion_of(spring, state, known_angle).angle;
+                   const double size = std::max(kUnitTurn, std::abs(angle));
+                   return SpringTerms{0.0, terms_of(spring.law, {angle, size, ends.turning, state.t})};
                  },
                  [&](const Bushing& bushing) { return terms_of(bushing, state); }},
       element.what);

@@ -13,8 +13,8 @@ struct SpringTerms {
   double torque = 0.0;  // N m
 };
 
-/// Of a force element in a state; zero for loads.
-SpringTerms spring_terms(const ForceElement& element, const State& state);
+/// Of a force element in a state; zero for loads. The turns of a turn spring are counted from a known angle [rad].
+SpringTerms spring_terms(const ForceElement& element, const State& state, double known_angle);
 
 /// Of the springs, dampers, stops and actuators on a joint's coordinates q and speeds u at time t [s].
 SpringTerms spring_terms(const Joint& joint, const VecX& q, const VecX& u, double t);

@@ -198,7 +198,7 @@ class FakePendulum : public Solver {
   [[nodiscard]] std::vector<ElementWrenches> element_wrenches(const State& state) const {
     std::vector<ElementWrenches> all;
     for (const ForceElement& element : model_.elements) {
-      const std::array<Wrench, 2> by_law = wrenches_by_laws(element, state);
+      const std::array<Wrench, 2> by_law = wrenches_by_laws(element, state, all.size());
       ElementWrenches& wrenches = all.emplace_back();
       for (const Side on : {Side::parent, Side::child}) {
         const Attachment* end = end_of(element, on);

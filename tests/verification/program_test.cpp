@@ -316,10 +316,12 @@ TEST_CASE("Results of an earlier comparison do not stand beside the table of one
   desk.write("pendulum.toml", kPendulum);
   REQUIRE(desk.run("compare pendulum.toml --out results").code == 0);
   REQUIRE(fs::exists(desk.work() / "results" / "pendulum.cartesian.nc"));
-  std::string turning = kPendulum;  // past what a turn spring reads
+  std::string turning = kPendulum;  // past what a bushing reads
   turning.replace(turning.find("[0.3, -9.81, 0.2]"), 17, "[0, 0, 0]");
   turning.replace(turning.find("until = 0.3"), 11, "until = 3");
-  turning += "[[turn_spring]]\nname = \"torsion\"\nparent = \"ground\"\nchild = \"bob\"\nstiffness = 0.001\n";
+  turning +=
+      "[[bushing]]\nname = \"torsion\"\nparent = \"ground\"\nchild = \"bob\"\nstiffness = [0, 0, 0, 0.001, 0.001, "
+      "0.001]\n";
   desk.write("pendulum.toml", turning);
   desk.write("results/note.txt", "kept");
   const Told told = desk.run("compare pendulum.toml --out results");

@@ -65,7 +65,9 @@ class SpringTermsTest : public ::testing::Test {
     state_.bodies[1].a = state_.bodies[1].adot = VecX(0);
   }
 
-  [[nodiscard]] SpringTerms of_element(std::size_t k) const { return spring_terms(model_.elements[k], state_); }
+  [[nodiscard]] SpringTerms of_element(std::size_t k) const {
+    return spring_terms(model_.elements[k], state_, state_.known_angle(k));
+  }
 
   Model model_;
   State state_;
