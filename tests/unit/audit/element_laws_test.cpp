@@ -147,6 +147,23 @@ TEST(ElementLaws, ATurnSpringsPowerIsThatOfItsAngleThoughTheAxesDoNotCoincide) {
   EXPECT_EQ(wrenches_by_laws({"coil", spring, {}}, bench.state)[1].force.norm(), 0.0);
 }
 
+TEST(ElementLaws, ATurnSpringIsOnTheTurnThatTheStateSays) {
+  LawBench bench;
+  TurnSpring spring{bench.ends, {}};
+  spring.law.stiffness = 5.0;
+  const auto torque = [&] { return wrenches_by_laws({"coil", spring, {}}, bench.state, 1)[1].torque; };
+  const Vec3 x = bench.motion(bench.state).R.col(0);
+  const double angle = std::atan2(x(1), x(0));
+  const Vec3 unwound = torque();
+  for (const int turns : {-2, 0, 3}) {
+    const double counted = angle + 2.0 * M_PI * turns;
+    for (const double off : {-3.0, 3.0}) {
+      bench.state.spring_angles = {0.0, counted + off};
+      EXPECT_LT((torque() - counted / angle * unwound).norm(), 1e-12 * torque().norm()) << turns;
+    }
+  }
+}
+
 TEST(ElementLaws, ABushingsPowerIsWhatItsEnergyLosesAndItsDampersTake) {
   const LawBench bench;
   Bushing bushing;

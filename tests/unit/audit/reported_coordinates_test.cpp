@@ -15,7 +15,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// An arm on a ball and a sleeve on a guide, both on ground, their frames at the origins of their bodies.
+/// An arm on a ball and a sleeve on a guide, both on ground, their frames at the origins of their bodies; a coil
+/// between sleeve and guide.
 Model machine() {
   Model model;
   model.bodies.resize(3);
@@ -30,6 +31,7 @@ Model machine() {
     model.joints[k].sides[0].body = 0;
     model.joints[k].sides[1].body = k + 1;
   }
+  model.elements.push_back({"coil", TurnSpring{model.joints[1].sides, {}}, {}});
   model.run.until = 0.3;
   return model;
 }
@@ -65,6 +67,7 @@ ReportedCoordinate audit(const std::function<void(State&)>& spoil) {
     const VecX guide = Eigen::Vector2d(0.1 + 0.4 * t, 3.5 - 3.0 * t);
     Sample& sample = run.samples.emplace_back();
     sample.state = state_at(model, t, {VecX(p), guide}, {VecX(Vec3(0.5, -1.2, 2.0)), VecX(Eigen::Vector2d(0.4, -3.0))});
+    sample.state.spring_angles = {guide(1)};
     if (t > 0.1) spoil(sample.state);
   }
   return audit_reported_coordinates(model, run);
@@ -91,11 +94,13 @@ TEST(ReportedCoordinates, OfAnotherMotionAreNamed) {
   EXPECT_THAT(text_of([](State& s) { s.u[0].reverseInPlace(); }), HasSubstr("joint 'shoulder', speed of ball, t = "));
   EXPECT_THAT(text_of([](State& s) { s.q[0].tail<3>() *= -1.0; }), HasSubstr("joint 'shoulder', ball, t = "));
   EXPECT_THAT(text_of([](State& s) { s.q[0] *= 1.001; }), HasSubstr("joint 'shoulder', ball, t = "));
+  EXPECT_THAT(text_of([](State& s) { s.spring_angles[0] += 1e-6; }), HasSubstr("force element 'coil', angle, t = "));
 }
 
 TEST(ReportedCoordinates, MayHaveWholeTurnsAndEitherSignOfEulerParameters) {
   EXPECT_TRUE(audit([](State& s) { s.q[0] = -s.q[0]; }).holds());
   EXPECT_TRUE(audit([](State& s) { s.q[1](1) += 4.0 * EIGEN_PI; }).holds());
+  EXPECT_TRUE(audit([](State& s) { s.spring_angles[0] -= 4.0 * EIGEN_PI; }).holds());
 }
 
 }  // namespace concord::compare
