@@ -24,6 +24,7 @@ std::shared_ptr<State> state_of_size(const Model& model) {
     state->q.emplace_back(VecX::Zero(joint.type->n_q()));
     state->u.emplace_back(VecX::Zero(joint.type->n_u()));
   }
+  state->spring_angles.assign(model.elements.size(), kUnwound);
   return state;
 }
 
@@ -78,6 +79,11 @@ void bind_state(py::module_& module) {
                              vectors_of_bodies([](const BodyState& body) -> const VecX& { return body.adot; }))
       .def_property_readonly("joint_coordinates", vectors_of_joints(&State::q))
       .def_property_readonly("joint_speeds", vectors_of_joints(&State::u))
+      .def_property_readonly("spring_angles",
+                             [](const py::object& self) {
+                               auto& angles = self.cast<State&>().spring_angles;
+                               return py::array_t<double>(static_cast<py::ssize_t>(angles.size()), angles.data(), self);
+                             })
       .def("copy", copy)
       .def("__copy__", copy)
       .def("__deepcopy__", [=](const State& state, const py::dict& /*memo*/) { return copy(state); })
@@ -250,6 +256,11 @@ void check_state(const Model& model, const State& state) {
     require_size(model, static_cast<std::size_t>(state.q[k].size()),
                  static_cast<std::size_t>(model.joints[k].type->n_q()), "coordinates of " + owner);
     require_finite(model, state.q[k].allFinite() && state.u[k].allFinite(), owner);
+  }
+  require_size(model, state.spring_angles.size(), model.elements.size(), "spring angles (one for each force element)");
+  for (std::size_t e = 0; e < model.elements.size(); ++e) {
+    require_finite(model, std::isfinite(state.spring_angles[e]),
+                   fmt::format("force element '{}'", model.elements[e].name));
   }
   require_ground_at_rest(model, state.bodies[0]);
 }

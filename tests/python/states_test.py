@@ -90,6 +90,20 @@ class SameState(unittest.TestCase):
             with self.assertRaises((concord.SolverError, concord.InputError)):
                 solver.evaluate(state)
 
+    def test_a_turn_spring_counts_the_turns_that_a_state_says(self):
+        """Detects turns of a spring between bodies that are lost on the way to a solver."""
+        model = concord.load(MODELS / "torsion_pendulum.toml")
+        for name in ("cartesian", "relative"):
+            solver = concord.Solver(model, name)
+            state = solver.start()
+            torques = []
+            for _ in range(3):
+                torques.append(solver.evaluate(state).element_wrench[0, 1, 5])
+                state.spring_angles[0] += 2 * np.pi
+            np.testing.assert_allclose(torques[2] - torques[1], torques[1] - torques[0], rtol=1e-12)
+            self.assertLess(torques[1], torques[0] - 0.1)
+            self.assertAlmostEqual(solver.close(state).spring_angles[0], state.spring_angles[0], 12)
+
     def test_the_solver_has_a_known_name(self):
         """Detects a name that silently means one of the two."""
         with self.assertRaisesRegex(concord.InputError, "no solver 'Relative': known solvers: cartesian, relative"):

@@ -98,6 +98,10 @@ class State:
     @property
     def joint_speeds(self) -> list[np.ndarray]:
         """J arrays [rad/s, m/s]: hints."""
+    @property
+    def spring_angles(self) -> np.ndarray:
+        """(E,) [rad] of each force element that is a turn spring, turns counted: hints for the number of turns; other
+        elements have none."""
     def copy(self) -> State: ...
     def __copy__(self) -> State: ...
     def __deepcopy__(self, memo: dict) -> State: ...
