@@ -58,7 +58,7 @@ void draw_turn_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pos
                       Random& random) {
   plan.parent = ends.parent;
   plan.child = ends.child;
-  const double angle = random.between(-1.5, 1.5);
+  const double angle = random.between(-3.1, 3.1);  // turns are counted: half a turn is no border
   turn_to(plan.child, axes_of(ends.parent, poses) * small_rotation(0.5, random) * rotation_about(Axis::z, angle),
           poses);
   plan.entries = draw_force_law(angle, 1.0, units.force() * units.length, units, false, random);
