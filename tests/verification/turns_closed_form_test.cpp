@@ -148,7 +148,7 @@ TEST_CASE("A motor between two bodies turns one through many turns and loads the
     Agreement turned;
     Agreement mount;
     double hub = 0.0;
-    for (const Sample& sample : run(*solver, 0.5, 1e-12, 7).samples) {
+    for (const Sample& sample : run(*solver, 2.0, 1e-12, 3).samples) {
       const double angle = 0.5 * alpha * sample.state.t * sample.state.t;
       turned.add(sample.state.spring_angles.at(0), swapped ? -angle : angle);
       // The engine is turned by what turns the wheel, the other way; the mount holds it.
@@ -184,8 +184,8 @@ TEST_CASE("A coil between two flywheels that turn freely winds over three turns 
       torque.add(coil.on_side(swapped ? Side::child : Side::parent).in_C.torque, Vec3(0.0, 0.0, kStiffness * x));
     }
     tell("coil between flywheels: angle", *solver, angle.digits());
-    CHECK(angle.digits() >= 9.5);
-    CHECK(torque.digits() >= 9.5);
+    CHECK(angle.digits() >= 11.0);
+    CHECK(torque.digits() >= 10.0);
   }
 }
 
