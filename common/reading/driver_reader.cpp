@@ -103,7 +103,7 @@ std::optional<TimeFunction> read_time_function(const toml::table& table, const s
   if (law != laws().end()) return law->read(TableReader(table, title, law->keys, reading));
   const TableReader unknown(table, title, all_keys, reading);
   if (unknown.require({"law"}) && unknown.text("law")) {
-    unknown.complain("law", fmt::format("unknown law '{}': {}", *name, suggestion(*name, names, "laws")));
+    unknown.complain("law", fmt::format("unknown law '{}': {}", *name, help_with_word(*name, names, "laws")));
   }
   return std::nullopt;
 }

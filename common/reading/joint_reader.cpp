@@ -175,7 +175,7 @@ const joints::JointType* read_type(const TableReader& table) {
   if (const joints::JointType* type = joints::find(*name)) return type;
   std::vector<std::string> names;
   for (const joints::JointType* type : joints::catalogue()) names.push_back(type->name);
-  table.complain("type", fmt::format("unknown joint type '{}': {}", *name, suggestion(*name, names, "types")));
+  table.complain("type", fmt::format("unknown joint type '{}': {}", *name, help_with_word(*name, names, "types")));
   return nullptr;
 }
 

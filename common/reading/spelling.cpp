@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "common/reading/absent_words.h"
+
 namespace concord {
 
 namespace {
@@ -38,10 +40,28 @@ constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
     {"table", "spline"},
     {"local", "body"},
     {"world", "global"},
+    {"mu", "friction"},
 };
 
-/// The candidate that is meant by another name, or nullptr.
-const std::string* known_elsewhere_as(std::string_view word, const std::vector<std::string>& candidates) {
+/// What may be the singular of a word, itself included.
+std::vector<std::string> singulars_of(std::string_view word) {
+  constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
+      {"ies", "y"}, {"es", ""}, {"es", "is"}, {"s", ""}};
+  std::vector<std::string> singulars{std::string(word)};
+  for (const auto& [plural, singular] : kEndings) {
+    if (word.size() < plural.size() + 2 || !word.ends_with(plural)) continue;
+    singulars.push_back(std::string(word.substr(0, word.size() - plural.size())).append(singular));
+  }
+  return singulars;
+}
+
+/// The candidate that is the word in another number or by another name, or nullptr.
+const std::string* meant_by(std::string_view word, const std::vector<std::string>& candidates) {
+  if (word.size() > kLongestGuess || candidates.size() > kMostGuesses) return nullptr;
+  const auto in_other_number = std::find_if(candidates.begin(), candidates.end(), [word](const std::string& candidate) {
+    return is_same_but_for_number(word, candidate);
+  });
+  if (in_other_number != candidates.end()) return &*in_other_number;
   for (const auto& [other, own] : kOtherNames) {
     const auto found = word == other ? std::find(candidates.begin(), candidates.end(), own) : candidates.end();
     if (found != candidates.end()) return &*found;
@@ -69,12 +89,18 @@ int edit_distance(std::string_view a, std::string_view b) {
   return at(rows - 1, columns - 1);
 }
 
+bool is_same_but_for_number(std::string_view a, std::string_view b) {
+  const std::vector<std::string> ours = singulars_of(a);
+  const std::vector<std::string> theirs = singulars_of(b);
+  return std::find_first_of(ours.begin(), ours.end(), theirs.begin(), theirs.end()) != ours.end();
+}
+
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates, std::string_view plural) {
   if (candidates.empty()) return fmt::format("there are no {}", plural);
   if (word.size() > kLongestGuess || candidates.size() > kMostGuesses) {
     return fmt::format("known {}: {}", plural, join_names(candidates));
   }
-  if (const std::string* meant = known_elsewhere_as(word, candidates)) {
+  if (const std::string* meant = meant_by(word, candidates)) {
     return fmt::format("did you mean '{}'?", *meant);
   }
   const auto distance_to = [word](const std::string& candidate) {
@@ -83,11 +109,17 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   const auto nearest =
       std::min_element(candidates.begin(), candidates.end(),
                        [&](const std::string& a, const std::string& b) { return distance_to(a) < distance_to(b); });
-  const int near_enough = static_cast<int>(std::max(word.size(), nearest->size()) + 2) / 3;
+  const int near_enough = static_cast<int>(std::max(word.size(), nearest->size())) / 3;
   if (distance_to(*nearest) <= near_enough && nearest->size() > 1) {
     return fmt::format("did you mean '{}'?", *nearest);
   }
   return fmt::format("known {}: {}", plural, join_names(candidates));
+}
+
+std::string help_with_word(std::string_view word, const std::vector<std::string>& candidates, std::string_view plural) {
+  const std::string_view absent = what_is_absent(word);
+  if (absent.empty() || meant_by(word, candidates) != nullptr) return suggestion(word, candidates, plural);
+  return std::string(absent);
 }
 
 std::string join_names(const std::vector<std::string>& names) {

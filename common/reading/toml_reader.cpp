@@ -41,7 +41,7 @@ TableReader::TableReader(const toml::table& table, std::string title, const Know
   for (const auto& [key, value] : table) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     complain_at(reading_->at(key.source()),
-                fmt::format("unknown key '{}': {}", key.str(), suggestion(key.str(), distinct(known), "keys")));
+                fmt::format("unknown key '{}': {}", key.str(), help_with_word(key.str(), distinct(known), "keys")));
   }
 }
 

@@ -99,6 +99,18 @@ mass = 0.4)~",
       {"future_format", "format = 1", "format = 2", "1:10: error: 'format' must be 1, found 2"},
       {"unknown_key_at_top", "gravity =", "gravty =", "2:1: error: unknown key 'gravty': did you mean 'gravity'?"},
       {"unknown_table", "[run]", "[runs]", "8:2: error: unknown key 'runs': did you mean 'run'?"},
+      {"plural_of_a_table", "[[body]]", "[[bodies]]", R"~(11:3: error: unknown key 'bodies': did you mean 'body'?
+32:9: error: joint 'A': unknown body 'crank': known bodies: ground, rod
+38:19: error: joint 'B', parent: unknown body 'crank': known bodies: ground, rod)~"},
+      {"no_dry_friction", R"~(type = "spherical")~",
+       R"~(type = "spherical"
+friction = { coefficient = 0.3 })~",
+       "38:1: error: joint 'B': unknown key 'friction': concord has no dry friction but that of a [[tire]] on its "
+       "road: "
+       "state a resistance of the joint by 'damping' or 'damper_table' in its 'spring', or leave it out"},
+      {"no_gear", R"~(type = "spherical")~", R"~(type = "gear")~",
+       "37:8: error: joint 'B': unknown joint type 'gear': concord has no gear or belt with a place: a [[coupling]] "
+       "relates joint coordinates, and its force acts on these alone, on no bearing"},
       {"unknown_key_far_from_all", "mass = 0.36",
        R"~(mass = 0.36
 colour_of_paint = "red")~",
@@ -117,6 +129,10 @@ colour_of_paint = "red")~",
       {"unknown_key_in_law", "speed = 1 }", "sped = 1 }",
        R"~(46:17: error: joint 'D' (cylindrical), drive, slide_z: missing key 'speed'
 46:43: error: joint 'D' (cylindrical), drive, slide_z: unknown key 'sped': did you mean 'speed'?)~"},
+      {"no_law_by_expression", "speed = 1 }", "speed = 1 }\nspring.slide_z = { force = \"-5*x\", damping = 1 }",
+       "47:20: error: joint 'D' (cylindrical), spring, slide_z: unknown key 'force': concord has no force by an "
+       "expression of place and speed: write 'spring' of a joint or a [[line_spring]] with 'spring_table' (of the "
+       "place), 'damper_table' (of the speed) or 'actuator' (of time), or a [[load]]"},
       {"gravity_of_two", "[0, -9.81, 0]", "[0, -9.81]", "2:11: error: 'gravity' must be a list of 3 numbers, found 2"},
       {"gravity_a_number", "[0, -9.81, 0]", "-9.81",
        "2:11: error: 'gravity' must be a list of 3 numbers, found a number"},
