@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>
@@ -65,6 +66,50 @@ TEST(Readme, LinesOfProseFit) {
   for (const PageLine& line : manual_lines()) {
     const bool may_be_longer = line.is_code || line.text.rfind('|', 0) == 0 || line.text.rfind("![", 0) == 0;
     EXPECT_TRUE(may_be_longer || line.text.size() <= 120) << place(line) << ": " << line.text.size() << " columns";
+  }
+}
+
+bool is_heading(const std::string& text) { return std::regex_search(text, std::regex("^#+ ")); }
+
+/// A line that begins no paragraph and goes on with none: of a list, a table, a picture, a heading, code.
+bool stands_alone(const std::string& text) {
+  static const std::regex alone(R"(^$|^ *([*+-]|[0-9]+\.) |^[|<!>\[]|^#+ |^```|^ {4})");
+  return std::regex_search(text, alone);
+}
+
+/// A heading behind a line of text belongs to that line's paragraph; one that is as long as a line has swallowed its
+/// own.
+TEST(Readme, HeadingsStandAlone) {
+  constexpr std::size_t kLongest = 90;
+  std::string before;
+  fs::path page;
+  for (const PageLine& line : manual_lines()) {
+    const bool is_first = line.page != page;
+    page = line.page;
+    if (!line.is_code && is_heading(line.text)) {
+      EXPECT_TRUE(is_first || before.empty() || is_heading(before)) << "no blank line before the heading: " << place(line);
+      EXPECT_LE(line.text.size(), kLongest) << "the heading has swallowed its paragraph: " << place(line);
+    }
+    before = line.text;
+  }
+}
+
+/// Finds a line that was broken off: the first word of the next one would have had room, or it begins as if it were the
+/// row of a table.
+TEST(Readme, ParagraphsFillTheirLines) {
+  constexpr std::size_t kRoom = 95;
+  const std::vector<PageLine> lines = manual_lines();
+  for (std::size_t k = 0; k + 1 < lines.size(); ++k) {
+    const PageLine& line = lines[k];
+    if (line.is_code) continue;
+    const bool is_row = line.text.rfind('|', 0) == 0;
+    EXPECT_TRUE(!is_row || line.text.back() == '|') << "a row of a table ends with '|': " << place(line);
+    const PageLine& next = lines[k + 1];
+    const bool goes_on = next.page == line.page && next.number == line.number + 1 && !next.is_code;
+    const bool ends_here = line.text.empty() || is_row || is_heading(line.text) || line.text.rfind("    ", 0) == 0;
+    if (!goes_on || ends_here || stands_alone(next.text)) continue;
+    const std::size_t word = std::min(next.text.find(' ', next.text.find_first_not_of(' ')), next.text.size());
+    EXPECT_GT(line.text.size() + 1 + word, kRoom) << "the line is broken off: " << place(line);
   }
 }
 
