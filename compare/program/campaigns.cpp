@@ -107,6 +107,7 @@ int run_program(int argc, char** argv) {
   compare::nightly::NightlyCommands nights(program);
   const CLI::App* report_command = add_report(program, line);
   for (const auto& [name, about] : compare::kCampaignCommands) program.get_subcommand(name)->description(about);
+  compare::add_examples(program);
   try {
     compare::require_known_command(program, argc, argv);
     program.parse(nights.take_slurm_words(argc, argv), argv);

@@ -16,6 +16,7 @@
 #include <iostream>
 
 #include "common/reading/spelling.h"
+#include "compare/program/examples.h"
 #include "compare/report/console.h"
 #include "compare/report/interrupt.h"
 
@@ -79,6 +80,10 @@ int become_campaigns(char** argv) {
       "concord-campaigns, and keep both programs in one folder\n",
       argv[1], program.string(), std::strerror(errno));
   return kCouldNotFinish;
+}
+
+void add_examples(CLI::App& program) {
+  for (CLI::App* command : program.get_subcommands(nullptr)) command->footer(examples_of(command->get_name()));
 }
 
 void require_known_command(const CLI::App& program, int argc, char** argv) {

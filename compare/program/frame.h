@@ -46,6 +46,9 @@ int run_guarded(const std::function<int()>& program);
 /// only if it cannot, after saying why.
 int become_campaigns(char** argv);
 
+/// Lets the --help of each command of the program end with its examples (program/examples).
+void add_examples(CLI::App& program);
+
 /// Throws CLI::ValidationError for a first word that is no command, naming a near one.
 void require_known_command(const CLI::App& program, int argc, char** argv);
 

@@ -8,6 +8,7 @@
 
 #include "cartesian/solver.h"
 #include "compare/program/commands.h"
+#include "compare/program/examples.h"
 #include "compare/program/frame.h"
 #include "compare/program/run_options.h"
 #include "compare/report/origin.h"
@@ -26,45 +27,8 @@ constexpr const char* kAbout =
     "concord: a multibody machine solved twice, by Cartesian and by relative coordinates;\n"
     "every joint reaction compared.";
 
-constexpr const char* kEpilogue = R"(Examples:
-  concord compare data/models/slider_crank_flexible.toml
-      judge every joint reaction; one row for each joint and side
-  concord compare data/models/*.toml --json verdict.json
-      all models, a summary at the end, the verdicts for other programs
-  concord compare my.toml --until 0.5 --rtol 1e-10 --all --out results
-      all components; NetCDF, CSV, plots and the table in results/
-  concord compare my.toml --report my.html
-      a page with table, curves and the machine in motion
-  concord run my.toml --solver relative --out results
-      one solver alone
-  concord info my.toml
-      bodies, joints, loops, rank, and which reactions are unique
-  concord statics my.toml --json equilibrium.json
-      the static equilibrium by both solvers
-  concord linearize my.toml --at equilibrium
-      frequencies, damping ratios and mode shapes
-  concord kinematics my.toml
-      motion and reactions of a machine whose motion is fully driven
-  concord inverse my.toml --acceleration hinge.turn_z=2.5
-      forces that give the kept coordinates these accelerations, and the way back
-  concord invariance my.toml
-      each solver against itself: the same machine described in equivalent ways
-  concord joint --all
-      a sheet for each joint type that proves or refutes it, and a summary
-  concord fuzz --count 1000 --keep found
-      compares random machines; failing ones are kept in found/, reduced
-  concord nightly data/nightly.toml --history ~/nights.sqlite --out tonight
-      runs a suite of cases, each in its own process, and compares the results with the accepted ones
-  concord nightly data/nightly.toml --history ~/nights.sqlite --slurm --partition=night
-      runs the same as jobs of a Slurm cluster
-  concord report ~/nights.sqlite -o night.html
-      the last night and all trends as one page
-  concord accept data/nightly.toml --reason "first baselines"
-      accepts the results of this program as the baselines
-  concord history slider_crank_flexible --history ~/nights.sqlite
-      the trend of a case, its steps, and the commits before and after
-
-Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish, 4 a baseline is missing.
+constexpr const char* kEpilogue =
+    R"(Exit codes: 0 agree, 1 differ, 2 bad input, 3 could not finish, 4 a baseline is missing or of another model.
 Interrupted by SIGINT, SIGTERM or SIGHUP: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
@@ -143,7 +107,7 @@ bool find_oracle(CommandLine& line) {
 /// Reads the command line and does what it says.
 int run_program(int argc, char** argv) {
   CLI::App program(kAbout, "concord");
-  program.footer(kEpilogue);
+  program.footer(compare::first_examples() + '\n' + kEpilogue);
   program.set_version_flag("--version", compare::version_words());
   program.require_subcommand(1);
   CommandLine line;
@@ -151,6 +115,7 @@ int run_program(int argc, char** argv) {
   const CLI::App* run_command = add_run(program, line);
   add_info(program, line);
   for (const auto& [name, about] : compare::kCampaignCommands) program.add_subcommand(name, about);
+  compare::add_examples(program);
   try {
     compare::require_known_command(program, argc, argv);
     program.parse(argc, argv);

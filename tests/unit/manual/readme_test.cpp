@@ -173,6 +173,43 @@ std::set<std::string> options_of(const std::string& subcommand) {
   return options_in(output_of(program + subcommand + " --help"));
 }
 
+/// The commands that the program's --help lists.
+std::vector<std::string> commands_of_program() {
+  static const std::regex command("\n  ([a-z]+) {3}");
+  const std::string overview = output_of(std::string("'") + CONCORD_PROGRAM + "' --help");
+  const auto first = overview.find("Subcommands:");
+  return all_matches(overview.substr(first, overview.find("Examples") - first), command);
+}
+
+/// The arguments of the examples that the help of a command ends with.
+std::vector<std::string> examples_in(const std::string& help, const std::string& command) {
+  const std::regex example("\n  concord " + command + " +([^\n]+)");
+  const auto first = help.find("\nExamples:\n");
+  return first == std::string::npos ? std::vector<std::string>() : all_matches(help.substr(first), example);
+}
+
+TEST(Readme, HelpOfEveryCommandEndsWithItsOwnExamples) {
+  static const std::regex path("(?:^| )((?:data|compare)/[A-Za-z0-9_./]+)");
+  const std::vector<std::string> commands = commands_of_program();
+  EXPECT_GE(commands.size(), 15U);
+  for (const std::string& command : commands) {
+    const std::string help = output_of(std::string("'") + CONCORD_PROGRAM + "' " + command + " --help");
+    const std::string before = help.substr(0, help.find("\nExamples:\n"));
+    const std::vector<std::string> examples = examples_in(help, command);
+    EXPECT_GE(examples.size(), 2U) << command << '\n' << help;
+    static const std::regex any("\n  concord ([a-z]+)");
+    EXPECT_EQ(all_matches(help, any).size(), examples.size()) << command << " shows examples of other commands";
+    for (const std::string& arguments : examples) {
+      for (const std::string& option : options_in(arguments.substr(0, arguments.find("--slurm ")))) {
+        EXPECT_EQ(options_in(before).count(option), 1U) << command << " has no " << option;
+      }
+      for (const std::string& file : all_matches(arguments, path)) {
+        EXPECT_TRUE(fs::exists(kRoot / file)) << command << ": no such file: " << file;
+      }
+    }
+  }
+}
+
 /// A command line in a code block ends at a comment or at the next command; in prose it is what the backquotes hold.
 TEST(Readme, EveryCommandLineHasOptionsThatExist) {
   static const std::regex command(R"re((?:^|[ /])(?:compare/run|concord) +([a-z]+(?: +[^ #&|]+)*))re");
