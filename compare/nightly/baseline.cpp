@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kBaselineFormat = 1;
 constexpr std::string_view kBaselineTitle = "concord baseline";
-constexpr std::size_t kCaseFields = 10;
+constexpr std::size_t kCaseFields = 10;  // and one more: what the case was asked, where that was written down
 constexpr std::size_t kComponentFields = 8;
 
 /// A solver's NaN is no number that a later night could be compared with.
@@ -29,10 +29,18 @@ std::string rounded_value(const std::optional<double>& value) {
 }
 
 std::string case_line(const Result& one) {
-  return format_fields({"case", one.id, to_string(one.ending), fmt::format("{} of {}", one.judged, one.total),
-                        one.cost[0].integrator, fmt::format("{}", one.cost[0].steps),
-                        fmt::format("{}", one.cost[0].evaluations), one.cost[1].integrator,
-                        fmt::format("{}", one.cost[1].steps), fmt::format("{}", one.cost[1].evaluations)});
+  std::vector<std::string> fields{"case",
+                                  one.id,
+                                  to_string(one.ending),
+                                  fmt::format("{} of {}", one.judged, one.total),
+                                  one.cost[0].integrator,
+                                  fmt::format("{}", one.cost[0].steps),
+                                  fmt::format("{}", one.cost[0].evaluations),
+                                  one.cost[1].integrator,
+                                  fmt::format("{}", one.cost[1].steps),
+                                  fmt::format("{}", one.cost[1].evaluations)};
+  if (!one.definition.empty()) fields.push_back(one.definition);
+  return format_fields(fields);
 }
 
 std::string component_line(const Component& one) {
@@ -86,8 +94,10 @@ class BaselineParser {
   }
 
   void add_case(const std::vector<std::string>& fields) {
-    require_count(fields, kCaseFields);
+    const bool tells_definition = fields.size() == kCaseFields + 1;
+    if (!tells_definition) require_count(fields, kCaseFields);
     Result one;
+    if (tells_definition) one.definition = fields.back();
     one.id = fields[1];
     try {
       one.ending = ending_of(fields[2]);
@@ -199,7 +209,9 @@ std::string format_baselines(const Baselines& baselines) {
   std::string text = fmt::format("{},{}\n", kBaselineTitle, kBaselineFormat);
   text +=
       "# Written by `concord accept` alone.\n"
-      "# case,name,ending,judged,integrator,steps,evaluations,integrator,steps,evaluations: Cartesian, relative\n"
+      "# case,name,ending,judged,integrator,steps,evaluations,integrator,steps,evaluations: Cartesian, relative; at "
+      "the "
+      "end what was asked\n"
       "# ,component,same state,resolvable,same run,refined,peak,scale: digits; peak and scale in SI units\n";
   for (const auto& [name, one] : baselines) {
     text += case_line(one) + '\n';

@@ -12,7 +12,7 @@
 /// `concord nightly`, `accept`, `history`, `report` of a history, and `diff`.
 namespace concord::compare::nightly {
 
-/// Beside those of every command: a baseline is missing.
+/// Beside those of every command: a baseline is missing, or belongs to another model or other settings.
 inline constexpr int kNoBaseline = 4;
 
 struct NightlyCommand {
@@ -41,8 +41,8 @@ struct NightlyCommand {
 
 /// Runs a suite and holds it against its baselines. Returns 0 if nothing is red or worse, 1 if a case differs or became
 /// worse, 2 for bad input, 3 if a case has no verdict or was lost or not run, 4 if all that is wrong is that baselines
-/// are missing; with several the worst: 3, 2, 1, 4. With `slurm` 0 if the jobs were submitted, with `wait` what the
-/// merge returns.
+/// are missing or of other models; with several the worst: 3, 2, 1, 4. With `slurm` 0 if the jobs were submitted, with
+/// `wait` what the merge returns.
 int run_nightly(const NightlyCommand& command, const SolverMakers& makers, const Console& console);
 
 struct AcceptCommand {
@@ -95,7 +95,8 @@ struct DiffCommand {
   std::filesystem::path markdown = {};
 };
 
-/// Prints what changed from A to B. Returns 0 if nothing is worse, 1 if something is.
+/// Prints what changed from A to B. Returns 0 if nothing is worse, 1 if something is, 4 if only cases differ whose
+/// model or settings are others.
 int show_difference(const DiffCommand& command, const Console& console);
 
 }  // namespace concord::compare::nightly

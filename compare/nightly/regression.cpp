@@ -14,7 +14,7 @@ namespace concord::compare::nightly {
 
 namespace {
 
-constexpr std::array<std::string_view, 8> kChangeKinds{"red",   "worse",     "gone",   "no baseline",
+constexpr std::array<std::string_view, 9> kChangeKinds{"red",   "worse",     "gone",   "no baseline", "changed",
                                                        "flaky", "known red", "better", "new"};
 /// A difference within 20 resolutions is round-off (compare/resolution).
 const double kLuck = std::log10(20.0);
@@ -25,10 +25,12 @@ constexpr int kMissingBaseline = 4;
 /// Collects the changes of one case: of each kind and measure the largest, and how many others there are.
 class ChangeList {
  public:
-  explicit ChangeList(const std::string& id) : id_(id) {}
+  /// `is_same_question`: both results were asked the same; else all that changed but the ending is `changed`.
+  ChangeList(const std::string& id, bool is_same_question) : id_(id), is_same_question_(is_same_question) {}
 
   void add(Change change) {
     change.id = id_;
+    if (!is_same_question_ && change.measure != "ending") change.kind = ChangeKind::changed;
     const auto [entry, is_new] = changes_.try_emplace({change.kind, change.measure}, change);
     if (is_new) return;
     const int more = entry->second.more + 1;
@@ -44,6 +46,7 @@ class ChangeList {
 
  private:
   std::string id_;
+  bool is_same_question_;
   std::map<std::pair<ChangeKind, std::string>, Change> changes_;
 };
 
@@ -63,6 +66,11 @@ std::string same_state_words(const Component& one) {
                         : words_for(one.same_state);
 }
 
+/// What is not known is taken for the same.
+bool is_same_question(const Result& then, const Result& now) {
+  return then.definition.empty() || now.definition.empty() || then.definition == now.definition;
+}
+
 /// Compares one case of two nights.
 class CaseComparison {
  public:
@@ -71,7 +79,7 @@ class CaseComparison {
         now_(now),
         allowance_(judging.allowance_of(now.id.empty() ? then.id : now.id)),
         against_(against),
-        changes_(now.id.empty() ? then.id : now.id) {}
+        changes_(now.id.empty() ? then.id : now.id, is_same_question(then, now)) {}
 
   std::vector<Change> run() {
     if (then_.ending != now_.ending) {
@@ -372,6 +380,7 @@ int exit_code(const Change& change, Ending ending) {
     case ChangeKind::flaky:
       return kDiffer;
     case ChangeKind::missing:
+    case ChangeKind::changed:
       return kMissingBaseline;
     default:
       return kAgree;

@@ -15,6 +15,7 @@ enum class ChangeKind {
   worse,    // than what is accepted, or than the nights before
   gone,     // was there, and is not any more
   missing,  // has no baseline
+  changed,  // other than what is accepted of another model, or of other settings
   flaky,    // one program on one machine gave different results
   known,    // red, for a reason that is known
   better,
@@ -27,7 +28,7 @@ bool counts_as_past(const Result& then, const Result& now);
 /// "differ: " and what it says first.
 std::string red_words(const Result& result);
 
-/// "red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new".
+/// "red", "worse", "gone", "no baseline", "changed", "flaky", "known red", "better", "new".
 std::string to_string(ChangeKind kind);
 
 struct Change {
@@ -43,7 +44,8 @@ struct Change {
 };
 
 /// All changes from `then` to `now`, of each measure the largest. Digits of the same state count no more than double
-/// precision resolves; smaller ones mean nothing.
+/// precision resolves; smaller ones mean nothing. Where both definitions are known and differ, the two were asked
+/// different things: then all numbers are `changed`, neither worse nor better; how the case ended is not excused.
 std::vector<Change> changes_between(const Result& then, const Result& now, const Judging& judging,
                                     const std::string& against);
 
@@ -60,8 +62,8 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
                                const std::vector<Entry>& earlier, const Origin& origin, const Judging& judging,
                                const std::string& today);
 
-/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing), 1, 2, 3. `now` says how a red
-/// case ended.
+/// Code of the program for a set of changes: the worst of 0, 4 (a baseline is missing, or of another model), 1, 2, 3.
+/// `now` says how a red case ended.
 int exit_code(const Change& change, Ending ending);
 int worse_code(int one, int other);
 

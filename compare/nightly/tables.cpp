@@ -188,9 +188,20 @@ int code_of(const NightReport& report) {
   return is_whole ? code : worse_code(code, exit_code(Ending::not_run));
 }
 
+namespace {
+
+/// Whether all that keeps a report of code 4 from being green is that baselines are of other models or settings.
+bool is_changed_alone(const NightReport& report) {
+  const std::vector<const Change*> changes = all_changes(report);
+  return std::none_of(changes.begin(), changes.end(),
+                      [](const Change* change) { return change->kind == ChangeKind::missing; });
+}
+
+}  // namespace
+
 std::string format_headline(const NightReport& report) {
   const char* colour = report.code == 0      ? "green"
-                       : report.code == 4    ? "no baseline"
+                       : report.code == 4    ? (is_changed_alone(report) ? "changed" : "no baseline")
                        : !report.is_finished ? "unfinished"
                                              : "red";
   const std::string chosen = report.only.empty() ? "" : fmt::format(", only '{}'", as_cell(report.only));
@@ -216,7 +227,7 @@ std::string format_sentence(const NightReport& report) {
     endings += fmt::format("{}{} {}", endings.empty() ? "" : ", ", count, count == 1 ? one : several);
   }
   const char* state = report.code == 0      ? "is green"
-                      : report.code == 4    ? "lacks baselines"
+                      : report.code == 4    ? (is_changed_alone(report) ? "has changed models" : "lacks baselines")
                       : !report.is_finished ? "is not finished"
                                             : "is red";
   if (report.cases.empty()) return fmt::format("The night of {} {}: no case was run.", report.title, state);

@@ -3,7 +3,7 @@
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const find = (id) => document.getElementById(id);
-  const turns = ["red", "worse", "gone", "no baseline", "flaky", "known red", "better", "new"];
+  const turns = ["red", "worse", "gone", "no baseline", "changed", "flaky", "known red", "better", "new"];
   const both = (pair) => (pair[0] || pair[1] ? `${pair[0]} / ${pair[1]}` : "-");
   const more = (change) => (change.component ? change.component + (change.more > 0 ? ` and ${change.more} more` : "") : "-");
   const measured = (change) => `${change.component ? more(change) + ", " : ""}${change.measure}: ${change.was || "-"} \u2192 ${change.is}`;

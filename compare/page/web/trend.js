@@ -32,7 +32,7 @@ concord.spark = function (values, least, steps, says) {
 };
 
 /** "bad", "good" or "open". */
-concord.kindOfTurn = (what) => ({ red: "bad", worse: "bad", gone: "bad", flaky: "bad", better: "good", "no baseline": "open", "known red": "open" }[what] || "quiet");
+concord.kindOfTurn = (what) => ({ red: "bad", worse: "bad", gone: "bad", flaky: "bad", better: "good", "no baseline": "open", changed: "open", "known red": "open" }[what] || "quiet");
 
 /** "night 12, 2026-11-22, 3f97bf0c1a2b" */
 concord.nightWords = (night) => `night ${night.id}, ${night.started.slice(0, 10)}, ${night.commit}`;

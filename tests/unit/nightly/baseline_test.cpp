@@ -59,6 +59,15 @@ TEST(Baselines, TextIsReadBackAndWrittenTheSame) {
   EXPECT_EQ(format_baselines(parse_baselines(format_baselines(read), "x.csv")), format_baselines(read));
 }
 
+TEST(Baselines, TellWhatWasAskedWhereThatIsKnown) {
+  Result one = crank();
+  EXPECT_EQ(parse_baselines(format_baselines({{one.id, one}}), "x.csv").at(one.id).definition, "");
+  one.definition = "compare crank.toml 00ff, until=1";
+  const Baselines read = parse_baselines(format_baselines({{one.id, one}}), "x.csv");
+  EXPECT_EQ(read.at(one.id).definition, one.definition);
+  EXPECT_EQ(read.at(one.id).components.size(), 1U);
+}
+
 /// Finds a baseline that is written with what no later night can read.
 TEST(Baselines, WhatIsNoNumberIsLeftOut) {
   Result one = crank();

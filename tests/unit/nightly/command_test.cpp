@@ -299,6 +299,23 @@ TEST_F(Nights, RiseOfEvaluationsIsFoundAgainstBaselineHistoryAndFile) {
   EXPECT_THAT(err.str(), HasSubstr("did you mean 'sound'?"));
 }
 
+TEST_F(Nights, NumbersOfAModelThatWasChangedAreChangedUntilTheyAreAccepted) {
+  accept();
+  factor_ = 1.2;
+  for (const char* name : {"sound", "other"}) {
+    write_file(folder_.path() / "models" / (std::string(name) + ".toml"), kPendulum + "\n# heavier\n");
+  }
+  const Told changed = nightly();
+  EXPECT_EQ(changed.code, 4) << changed.out;
+  EXPECT_THAT(changed.out, HasSubstr("(+20 %)"));
+  EXPECT_THAT(changed.out, HasSubstr("changed suite: "));
+  EXPECT_THAT(changed.out, Not(HasSubstr("worse")));
+  accept();
+  EXPECT_EQ(nightly().code, 0);
+  factor_ = 1.44;
+  EXPECT_EQ(nightly().code, kDiffer) << "the same model";
+}
+
 TEST_F(Nights, CaseThatLeavesTheSuiteIsGone) {
   accept();
   write("[[case]]\nmodels = [\"models/sound.toml\"]\n");

@@ -6,6 +6,7 @@
 namespace concord::compare::nightly {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -204,6 +205,31 @@ TEST(Judgement, LostCoverageIsWorse) {
   Result now = baseline;
   now.judged = 2;
   EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), ElementsAre("worse judged"));
+}
+
+/// Finds a night that calls a model that was changed on purpose worse.
+TEST(Judgement, NumbersOfAnotherModelAreChangedAndNeitherWorseNorBetter) {
+  Result baseline = sound();
+  baseline.judged = baseline.total = 3;
+  Result now = baseline;
+  now.definition = "a heavier crank";
+  EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), IsEmpty()) << "nothing differs";
+  now.judged = 2;
+  now.components[0].same_run = 7.0;
+  now.components[1].refined = 13.0;
+  now.components[2].peak = 60.0;
+  now.components.pop_back();
+  now.cost[0].evaluations = 5000;
+  const auto changes = judge_case(ordinary(), now, &baseline, {}, kHere, {}, "2026-05-05");
+  EXPECT_THAT(told(changes), ElementsAre("changed component", "changed evaluations of cartesian", "changed judged",
+                                         "changed refined", "changed same run"));
+  for (const Change& change : changes) EXPECT_EQ(exit_code(change, now.ending), 4) << change.measure;
+  baseline.definition.clear();
+  EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), Contains("worse same run")) << "asked nobody knows what";
+  baseline.definition = "the crank";
+  now.ending = Ending::differ;
+  EXPECT_THAT(judged(ordinary(), now, &baseline, {}, {}), Contains("red ending")) << "no model excuses that";
+  EXPECT_THAT(told(changes_between(baseline, now, {}, "A")), Contains("worse ending"));
 }
 
 TEST(Judgement, MedianOfGreenNightsOfTheSameQuestionIsWhatCounts) {
