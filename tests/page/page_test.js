@@ -208,6 +208,14 @@ async function tryPage(browser, file) {
   await page.screenshot({ path: path.join(pictures, name + ".narrow.png"), fullPage: true });
   await page.emulateMedia({ media: "print" });
   assert(!(await page.locator(".row:visible, header button:visible").count()), "no buttons on paper");
+  const isNight = await page.locator("#turns").count() > 0;
+  await page.setViewportSize({ width: isNight ? 1020 : 700, height: 1000 });  // a sheet of A4 between its margins
+  await page.waitForTimeout(150);
+  const cutOff = await page.evaluate(() => [...document.querySelectorAll("td, th")].filter((cell) => cell.getBoundingClientRect().right > document.documentElement.clientWidth).length);
+  assert.strictEqual(cutOff, 0, "no column of a table is cut off on paper");
+  if (await page.locator(".chart canvas").count() > 0 && await page.locator("#owner").count() > 0) {
+    assert(/^(joint|element) .+ on .+$/.test(await page.locator("#plotted:visible").innerText()), "curves on paper say whose they are");
+  }
   assert.deepStrictEqual(troubles, [], "no errors, no breach of the policy, no network");
   await page.close();
   console.log(`${name}: works; first paint after ${Math.round(paint)} ms`);

@@ -62,6 +62,7 @@
     const item = (kind === "element" ? machine.machine.elements : machine.machine.joints)[owner];
     find("side").replaceChildren(...[0, 1].map((k) => concord.element("option", { value: String(k), text: concord.bodyOf(machine.machine, item, k) })));
     find("side").value = String(side);
+    find("plotted").textContent = `${kind} ${item.name} on ${concord.bodyOf(machine.machine, item, side)}`;
     plots.show(kind, owner, side);
     scene.draw();
   }
@@ -69,7 +70,7 @@
   function aboutPlots() {
     const runs = machine.runs;
     if (!runs) return "";
-    const frame = "Components in the frame of the side. Solid: " + machine.solvers[0].name + ", dashed: " + machine.solvers[1].name + ". Drag to zoom in time, double-click to zoom out.";
+    const frame = "Components in the frame of the side. Solid: " + machine.solvers[0].name + ", dashed: " + machine.solvers[1].name + ".";
     const rings = (machine.reference || []).some((r) => r.curve) ? " Rings: the reference." : "";
     return frame + rings + (runs.thinned ? ` ${runs.samples} samples are drawn as the least and the largest of each of ${runs.bins} bins.` : "");
   }
@@ -87,7 +88,7 @@
     const items = machine.machine.joints.map((joint, i) => [`joint ${i}`, `joint ${joint.name} (${joint.type})`])
       .concat(machine.machine.elements.map((element, i) => [`element ${i}`, `${element.type} ${element.name}`]));
     find("owner").replaceChildren(...items.map(([value, text]) => concord.element("option", { value, text })));
-    find("about-plots").textContent = aboutPlots();
+    find("about-plots").replaceChildren(aboutPlots(), concord.element("span", { class: "by-hand", text: machine.runs ? " Drag to zoom in time, double-click to zoom out." : "" }));
     find("legend").replaceChildren(
       concord.element("span", { class: "one", text: "\u2501 " + machine.solvers[0].name }), "  ",
       concord.element("span", { class: "two", text: "\u2505 " + machine.solvers[1].name }), "  ",
