@@ -1,15 +1,11 @@
 #include "cartesian/closing.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "cartesian/closing_reach.h"
+#include "cartesian/closing_system.h"
 #include "cartesian/kept_rows.h"
-#include "cartesian/machine_units.h"
-#include "cartesian/rank.h"
 #include "cartesian/residual_measures.h"
 
 namespace concord::cartesian {
@@ -18,129 +14,6 @@ namespace {
 
 constexpr double kClosed = 1e-13;  // in the machine's units and of the row's terms; velocities of the largest
 constexpr int kMaxSteps = 80;
-
-std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
-  return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
-}
-
-/// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
-/// the length, or not at all. Steps of positions move them less, as their stiffness asks.
-VecX units_of_steps(const Equations& equations, Modes modes) {
-  VecX units = equations.units();
-  const Layout& layout = equations.layout();
-  if (modes == Modes::moving) return units;
-  for (const BodyIndex i : layout.moving_bodies()) layout.adot(units, i).setZero();
-  return units;
-}
-
-VecX units_of_displacements(const Equations& equations, Modes modes) {
-  VecX units = units_of_steps(equations, modes);
-  const Layout& layout = equations.layout();
-  for (const BodyIndex i : layout.moving_bodies()) {
-    for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= compliance_of(equations.inertia(i), k);
-  }
-  return units;
-}
-
-/// Jacobian over steps in these units: constraints first, then the kept rows. For coordinates the rows that hold for
-/// velocities alone are empty, as is their residual.
-SparseMatrix closing_jacobian(const Equations& equations, Kept what, const std::vector<KeptRow>& kept,
-                              const VecX& units) {
-  const MovingConstraints& constraints = equations.moving_constraints();
-  const Layout& layout = equations.layout();
-  std::vector<Eigen::Triplet<double, SparseIndex>> entries;
-  const auto add = [&](int row, BodyIndex body, const auto& gradient) {
-    for (int c = 0; c < layout.size_Y(body); ++c) {
-      const int column = layout.first_Y(body) + c;
-      if (units(column) > 0.0) entries.emplace_back(row, column, gradient(c) * units(column));
-    }
-  };
-  for (const RowBlock& block : constraints.blocks()) {
-    for (int row = 0; row < block.n_rows; ++row) {
-      const bool counts = what == Kept::speeds || constraints.holds_positions(block.row(row));
-      if (counts) add(block.row(row).value, block.body, constraints.columns(block).col(row));
-    }
-  }
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    for (const Side side : {Side::parent, Side::child}) {
-      const BodyIndex body = body_of(pick(equations.model().joints, kept[k].joint).on(side));
-      if (is_ground(body)) continue;
-      VecX gradient(layout.size_Y(body));
-      write_transposed(constraints.joint(kept[k].joint), side, kept[k].row, gradient);
-      add(constraints.n_rows() + static_cast<int>(k), body, gradient);
-    }
-  }
-  SparseMatrix jacobian(constraints.n_rows() + static_cast<Eigen::Index>(kept.size()), layout.n_Y());
-  jacobian.setFromTriplets(entries.begin(), entries.end());
-  return jacobian;
-}
-
-/// Norms of the rows of a closing Jacobian over steps, those of the constraints as the equations measure them; 1 for a
-/// row that vanishes.
-VecX closing_sizes(const Equations& equations, const SparseMatrix& jacobian) {
-  VecX sizes = VecX::Zero(jacobian.rows());
-  for (Eigen::Index column = 0; column < jacobian.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator entry(jacobian, column); entry; ++entry) {
-      sizes(entry.row()) += entry.value() * entry.value();
-    }
-  }
-  sizes = sizes.cwiseSqrt();
-  sizes.head(equations.constraints().n_rows()) = equations.row_sizes();
-  return sizes.unaryExpr([](double size) { return size > 0.0 ? size : 1.0; });
-}
-
-/// Rank of a closing Jacobian over steps; `coarse`: singular values below kRootOfRoundOff of the largest count as zero.
-int rank_of_rows(const Equations& equations, SparseMatrix jacobian, bool coarse = false) {
-  constexpr double kRootOfRoundOff = 1e-6;
-  jacobian = closing_sizes(equations, jacobian).cwiseInverse().asDiagonal() * jacobian;
-  const RankDecision decision = decide_rank(jacobian);
-  if (!coarse) return decision.rank;
-  return static_cast<int>(jacobian.rows() - (decision.near_values.array() <= kRootOfRoundOff).count());
-}
-
-/// Residuals by the sizes of their rows, and the Jacobian that goes with them: numbers in the machine's units.
-struct ClosingSystem {
-  std::vector<KeptRow> kept;
-  SparseMatrix jacobian;
-  VecX residual;
-  VecX terms;  // how often a residual holds its round-off
-
-  [[nodiscard]] VecX shortest_step(std::optional<int> rank = {}) const {  // (C47)
-    return solve_shortest(jacobian, -residual, rank);
-  }
-  [[nodiscard]] double largest_residual() const {
-    return residual.size() == 0 ? 0.0 : residual.cwiseQuotient(terms).lpNorm<Eigen::Infinity>();
-  }
-  [[nodiscard]] double rate() const { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
-};
-
-ClosingSystem make_system(const Equations& equations, Hold hold, Kept what, const VecX& units,  // (C47)
-                          const RoundOffShares& shares, std::vector<KeptRow> kept_rows) {
-  const MovingConstraints& constraints = equations.moving_constraints();
-  const int n_rows = constraints.n_rows();
-  ClosingSystem system;
-  system.kept = std::move(kept_rows);
-  const std::vector<KeptRow>& kept = system.kept;
-  system.jacobian = closing_jacobian(equations, what, kept, units);
-  VecX by_size = closing_sizes(equations, system.jacobian).cwiseInverse();
-  for (const RowIndex row : constraints.rows()) {
-    if (hold == Hold::joints_alone && constraints.is_driver(row)) by_size(row.value) = 0.0;
-  }
-  system.jacobian = by_size.asDiagonal() * system.jacobian;
-  system.residual.resize(system.jacobian.rows());
-  system.terms.resize(system.residual.size());
-  system.residual.head(n_rows) = what == Kept::coordinates ? equations.residual() : equations.velocity_residual();
-  system.terms.head(n_rows) = shares.terms;
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    const RelativeMotion& motion = constraints.joint(kept[k].joint).motion;
-    const Eigen::Index row = n_rows + static_cast<Eigen::Index>(k);
-    system.residual(row) =
-        what == Kept::coordinates ? kept[k].row.value : rate_of(kept[k].row, motion) - kept[k].target;
-    system.terms(row) = std::max(kept[k].row.reads_places() ? shares.reach : 1.0, kept[k].size * by_size(row));
-  }
-  system.residual = system.residual.cwiseProduct(by_size);
-  return system;
-}
 
 double size_of(const VecX& residual) { return residual.size() == 0 ? 0.0 : residual.lpNorm<Eigen::Infinity>(); }
 
@@ -170,8 +43,8 @@ bool goes_on(double size, double last, double closed) {
 
 /// Newton's method on positions; the best q that it meets stays.
 template <class Rows>
-void close_positions(Equations& equations, double t, Hold hold, const Rows& rows, Modes modes, VecX& q, const VecX& Y,
-                     Closing& closing, std::optional<int> rank = {}) {
+void close_positions(Equations& equations, double t, Holding hold, const Rows& rows, Modes modes, VecX& q,
+                     const VecX& Y, Closing& closing, std::optional<int> rank = {}) {
   const VecX units = units_of_displacements(equations, modes);
   RoundOffShares shares(equations.constraints());
   const auto system_at = [&] {
@@ -225,7 +98,7 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
   const RoundOffShares none(equations.constraints());  // velocities are judged by their rate
   const auto system_at = [&] {
     equations.update(t, q, Y);
-    return make_system(equations, hold, Kept::speeds, units, none, kept_at(equations, hold, Kept::speeds));
+    return make_system(equations, {hold}, Kept::speeds, units, none, kept_at(equations, hold, Kept::speeds));
   };
   ClosingSystem system = system_at();
   const auto speed = [&] { return largest_rate_with(system.kept, equations, t, Y); };
@@ -254,7 +127,7 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   Closing closing;
   equations.layout().normalize(q);
   const auto rows = [&] { return kept_at(equations, hold, Kept::coordinates); };
-  close_positions(equations, t, hold, rows, modes, q, Y, closing, rank);
+  close_positions(equations, t, {hold}, rows, modes, q, Y, closing, rank);
   if (!closing.closed) return closing;
   if (const std::optional<JointIndex> joint = equations.moving_constraints().first_joint_off_branch()) {
     closing.closed = false;
@@ -265,15 +138,6 @@ Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, Ve
   closing.places_closed = true;
   close_velocities(equations, t, hold, modes, q, Y, closing);
   return closing;
-}
-
-std::string named_open(const Closing& closing) {
-  std::string names = fmt::format("joints {}", fmt::join(closing.joints_left_open, ", "));
-  if (closing.joints_left_open.empty()) names.clear();
-  for (const std::string& coupling : closing.couplings_left_open) {
-    names += fmt::format("{}coupling '{}'", names.empty() ? "" : " and ", coupling);
-  }
-  return names;
 }
 
 std::optional<TurnError> largest_turn_error(const Equations& equations, const std::vector<VecX>& q) {
@@ -290,10 +154,37 @@ void seek_turns(Equations& equations, double t, Modes modes, const std::vector<V
   const VecX before = q;
   Closing closing;
   const auto rows = [&] { return turn_rows(equations, known); };
-  close_positions(equations, t, Hold::constraints, rows, modes, q, Y, closing);
+  close_positions(equations, t, {Hold::constraints}, rows, modes, q, Y, closing);
   if (closing.closed) return;
   q = before;
   equations.count_turns_from(known);
+}
+
+std::vector<StartWord> words_to_keep(Equations& equations, double t, const VecX& q, const VecX& Y, Kept what) {
+  constexpr int kMostNamed = 12;  // longer lists are not read
+  constexpr int kMostTried = 200;
+  equations.update(t, q, Y);
+  const VecX units = units_of_steps(equations, Modes::kept);
+  const auto rank_with = [&](const std::vector<KeptRow>& kept) {
+    return rank_of_rows(equations, closing_jacobian(equations, what, kept, units));
+  };
+  const int constrained = rank_with({});
+  const int freedom = static_cast<int>((units.array() > 0.0).count()) - constrained;
+  std::vector<StartWord> chosen;
+  if (freedom > kMostNamed) return chosen;
+  std::vector<KeptRow> rows;
+  int tried = 0;
+  for (const StartWord& word : words_kept_first(equations.model(), what)) {
+    if (std::ssize(rows) == freedom || ++tried > kMostTried) break;
+    std::vector<KeptRow> with = rows;
+    add_kept_rows(equations, word, with);
+    if (with.size() == rows.size() || std::ssize(with) > freedom) continue;
+    if (rank_with(with) < constrained + static_cast<int>(with.size())) continue;
+    rows = std::move(with);
+    chosen.push_back(word);
+  }
+  if (std::ssize(rows) < freedom) chosen.clear();
+  return chosen;
 }
 
 KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y, bool coarse) {

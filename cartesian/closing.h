@@ -6,6 +6,8 @@
 
 #include "cartesian/equations.h"
 #include "cartesian/indices.h"
+#include "cartesian/kept_rows.h"
+#include "common/start_words.h"
 
 namespace concord::cartesian {
 
@@ -19,9 +21,6 @@ struct Closing {
   bool is_off_branch = false;                 // closed, but with a joint half a turn from where it means to be
   std::vector<std::string> couplings_left_open;
 };
-
-/// "joints A, B and coupling 'gears'": what is left open.
-std::string named_open(const Closing& closing);
 
 /// Whether closing moves modal coordinates and rates too, or the rigid ones alone.
 enum class Modes { kept, moving };
@@ -56,6 +55,10 @@ bool modes_are_restricted(const Equations& equations);
 /// overconstrained have more beside them, and steps along its motion that go with it are not taken.
 Closing close_machine(Equations& equations, double t, Hold hold, Modes modes, VecX& q, VecX& Y,
                       std::optional<int> rank = {});
+
+/// Words whose coordinates (speeds) a start can keep in this state, as many as are free and independent of each other:
+/// kept ones first, then others in the order of the model. None where there are no such words, or too many to be named.
+std::vector<StartWord> words_to_keep(Equations& equations, double t, const VecX& q, const VecX& Y, Kept what);
 
 /// Numbers of kept coordinates and kept speeds (a ball counts 3 of each), and how many of the kept rows the constraints
 /// leave free. Rows that hold for velocities alone leave more freedom to coordinates than to speeds.

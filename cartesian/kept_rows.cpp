@@ -1,6 +1,7 @@
 #include "cartesian/kept_rows.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "cartesian/euler_parameters.h"
@@ -19,36 +20,51 @@ Vec3 rotation_vector(const Mat3& Q) {
 
 }  // namespace
 
+void add_kept_rows(const Equations& equations, const StartWord& word, std::vector<KeptRow>& kept) {
+  const JointIndex k(word.joint);
+  const Joint& stated = pick(equations.model().joints, k);
+  const RelativeMotion& motion = equations.moving_constraints().joint(k).motion;
+  const WordStart& start = stated.start[word.word];
+  const joints::Read* read = read_of(*stated.type, word.word);
+  if (read == nullptr) return;
+  const int n = n_u(*read);
+  ConstraintRow rows[kMaxRows];
+  if (is_orientation(*read)) {
+    const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
+    for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
+  } else {
+    for (int c = 0; c < n; ++c) {
+      rows[c] = evaluate_read(*read, c, motion);
+      const double value = rows[c].value;
+      rows[c].value = reads_turn(*read, c) ? turn_from(start.q(c), value) : value - start.q(c);
+    }
+  }
+  for (int c = 0; c < n; ++c) {
+    if (driver_of(stated, word.word, c) != nullptr) continue;
+    const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
+    kept.push_back({k, rows[c], start.u(c), size, c});
+  }
+}
+
+namespace {
+
+bool is_kept(const Model& model, const StartWord& word, Kept what) {
+  const WordStart& start = model.joints[word.joint].start[word.word];
+  return (what == Kept::coordinates ? start.role_q : start.role_u) == StartRole::keep;
+}
+
+}  // namespace
+
+std::vector<StartWord> words_kept_first(const Model& model, Kept what) {
+  std::vector<StartWord> words = start_words(model);
+  std::stable_partition(words.begin(), words.end(), [&](const StartWord& word) { return is_kept(model, word, what); });
+  return words;
+}
+
 std::vector<KeptRow> kept_rows(const Equations& equations, Kept what) {
   std::vector<KeptRow> kept;
-  const Model& model = equations.model();
-  for (const JointIndex k : indices_of(model.joints)) {
-    const Joint& stated = pick(model.joints, k);
-    const RelativeMotion& motion = equations.moving_constraints().joint(k).motion;
-    for (std::size_t word = 0; word < stated.start.size(); ++word) {
-      const WordStart& start = stated.start[word];
-      if ((what == Kept::coordinates ? start.role_q : start.role_u) != StartRole::keep) continue;
-      const joints::Read* read = read_of(*stated.type, static_cast<int>(word));
-      if (read == nullptr) continue;
-      const int n = n_u(*read);
-      ConstraintRow rows[kMaxRows];
-      if (is_orientation(*read)) {
-        const Vec3 turn = rotation_vector(motion.R * rotation_of(start.q.normalized()).transpose());
-        for (int c = 0; c < n; ++c) rows[c] = {.value = turn(c), .over_rho = Vec3::Unit(c)};
-      } else {
-        for (int c = 0; c < n; ++c) {
-          rows[c] = evaluate_read(*read, c, motion);
-          const double value = rows[c].value;
-          rows[c].value = reads_turn(*read, c) ? turn_from(start.q(c), value) : value - start.q(c);
-        }
-      }
-      for (int c = 0; c < n; ++c) {
-        const bool follows_law = driver_of(stated, static_cast<int>(word), c) != nullptr;
-        if (follows_law) continue;
-        const double size = n == static_cast<int>(start.q.size()) ? std::abs(start.q(c)) : 1.0;
-        kept.push_back({k, rows[c], start.u(c), size, c});
-      }
-    }
+  for (const StartWord& word : start_words(equations.model())) {
+    if (is_kept(equations.model(), word, what)) add_kept_rows(equations, word, kept);
   }
   return kept;
 }

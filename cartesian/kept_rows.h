@@ -4,6 +4,7 @@
 
 #include "cartesian/equations.h"
 #include "cartesian/joint_rows.h"
+#include "common/start_words.h"
 
 namespace concord::cartesian {
 
@@ -20,6 +21,11 @@ enum class Kept { coordinates, speeds };
 
 /// What the model's start keeps, in the order of joints and their words.
 std::vector<KeptRow> kept_rows(const Equations& equations, Kept what);
+/// Appends the rows of a word as if the start kept it; none of coordinates that drivers move.
+void add_kept_rows(const Equations& equations, const StartWord& word, std::vector<KeptRow>& kept);
+
+/// All words of the joints, those first of which the start keeps coordinates (speeds).
+std::vector<StartWord> words_kept_first(const Model& model, Kept what);
 
 /// Calls visit(joint, index among its q, reading, component) for each reading that counts turns by itself.
 template <class Visit>

@@ -12,6 +12,7 @@
 #include "cartesian/evaluation_limit.h"
 #include "cartesian/joint_coordinates.h"
 #include "cartesian/line_watch.h"
+#include "cartesian/open_joint.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/residual_measures.h"
 #include "cartesian/state_check.h"

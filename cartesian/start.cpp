@@ -11,6 +11,7 @@
 #include "cartesian/evaluation.h"
 #include "cartesian/joint_coordinates.h"
 #include "cartesian/machine_rank.h"
+#include "cartesian/open_joint.h"
 #include "cartesian/row_choice.h"
 #include "cartesian/start_search.h"
 #include "common/error.h"
@@ -49,24 +50,38 @@ bool keeps_coordinates(const Model& model) {
                      [&](const Joint& joint) { return std::any_of(joint.start.begin(), joint.start.end(), is_kept); });
 }
 
-[[noreturn]] void refuse_open_start(const Model& model, const Closing& closing) {
-  const std::string why =
-      closing.is_off_branch
-          ? fmt::format("joint {} closes turned round: axes that should point the same way point against each other",
-                        closing.joints_left_open.front())
-          : fmt::format("{} do not close (position residual {:.2g}, velocity residual {:.2g})", named_open(closing),
-                        closing.position_residual, closing.velocity_residual);
-  const char* said = closing.places_closed
-                         ? "the start values contradict each other: with what is kept and driven, {}; correct the "
-                           "kept values"
-                     : keeps_coordinates(model)
-                         ? "the start values contradict each other, or the guesses are too far off: with what is "
-                           "kept and driven, {}, and other starts round about do no better; correct the kept "
-                           "values, or give better guesses"
-                         : "the guesses do not lead to a pose that closes: with what is driven, {}, and other "
-                           "starts round about do no better; give better guesses of joint coordinates or body "
-                           "poses";
-  throw StartNotFound(first_place(model, closing.joints_left_open), fmt::format(fmt::runtime(said), why));
+bool closes_without_what_is_kept(Equations& equations, VecX q, VecX Y) {
+  return close_machine(equations, 0.0, Hold::constraints, Modes::kept, q, Y).places_closed;
+}
+
+/// Which joints do not close and where, or what else is left open.
+std::string words_of_opening(Equations& equations, const Closing& closing, const VecX& q, const VecX& Y) {
+  if (closing.is_off_branch) {
+    return fmt::format("joint {} closes turned round: axes that should point the same way point against each other",
+                       closing.joints_left_open.front());
+  }
+  const std::string where =
+      closing.places_closed ? "" : words_of_open_joint(equations, 0.0, Hold::start, closing, q, Y);
+  if (!where.empty()) return fmt::format("{} do not close: {}", named_open(closing), where);
+  return fmt::format("{} do not close (position residual {:.2g}, velocity residual {:.2g})", named_open(closing),
+                     closing.position_residual, closing.velocity_residual);
+}
+
+[[noreturn]] void refuse_open_start(Equations& equations, const Closing& closing, const VecX& q, const VecX& Y) {
+  const Model& model = equations.model();
+  const bool may_be_kept_values =
+      keeps_coordinates(model) && (closing.is_off_branch || closes_without_what_is_kept(equations, q, Y));
+  const char* said =
+      closing.places_closed ? "the start values contradict each other: with what is kept and driven, {}; correct the "
+                              "kept values"
+      : may_be_kept_values  ? "the start values contradict each other, or the guesses are too far off: with what is "
+                              "kept and driven, {}, and other starts round about do no better; correct the kept "
+                              "values, or give better guesses"
+                            : "the guesses do not lead to a pose that closes, whatever is kept: {}, and other starts "
+                              "round about do no better; correct the points and axes of these joints, or give better "
+                              "guesses of joint coordinates or body poses";
+  throw StartNotFound(first_place(model, closing.joints_left_open),
+                      fmt::format(fmt::runtime(said), words_of_opening(equations, closing, q, Y)));
 }
 
 /// A ball keeps three speeds or none, also where fewer are free, as on slides that are driven: the others only have to
@@ -102,7 +117,17 @@ bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const 
   return decide_for_the_machine(equations, here).generic > rank;
 }
 
-[[noreturn]] void refuse_wrong_count(const Model& model, const KeptCount& kept, bool is_singular) {
+/// ", for example turn_z of joint 'A'": what could be kept; empty where that is not known.
+std::string examples(const Model& model, const std::vector<StartWord>& words) {
+  return words.empty() ? "" : fmt::format(", for example {}", names_of(model, words));
+}
+
+[[noreturn]] void refuse_wrong_count(Equations& equations, const KeptCount& kept, const VecX& q, const VecX& Y,
+                                     bool is_singular) {
+  const Model& model = equations.model();
+  const auto to_keep = [&](Kept what) {
+    return examples(model, is_singular ? std::vector<StartWord>() : words_to_keep(equations, 0.0, q, Y, what));
+  };
   const char* const hint = is_singular
                                ? "; but the start is a singular pose, as a linkage that lies flat or stretched, "
                                  "where it only seems to have more: start it elsewhere"
@@ -113,14 +138,16 @@ bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const 
   if (kept.coordinate_freedom == kept.speed_freedom) {
     throw InputError(where,
                      fmt::format("{} {} independent ones (rigid ones, beside those that drivers move): keep exactly "
-                                 "{} of each{}{}",
-                                 found, kept.coordinate_freedom, kept.coordinate_freedom,
+                                 "{} of each{}{}{}",
+                                 found, kept.coordinate_freedom, kept.coordinate_freedom, to_keep(Kept::coordinates),
                                  hint_at_rod_between_balls(model, kept), hint));
   }
   throw InputError(where,
                    fmt::format("{} {} independent coordinates and {} independent speeds (rigid ones, beside those that "
-                               "drivers move; what must not slip restricts speeds alone): keep exactly as many{}",
-                               found, kept.coordinate_freedom, kept.speed_freedom, hint));
+                               "drivers move; what must not slip restricts speeds alone): keep exactly as many "
+                               "coordinates{}, and speeds{}{}",
+                               found, kept.coordinate_freedom, kept.speed_freedom, to_keep(Kept::coordinates),
+                               to_keep(Kept::speeds), hint));
 }
 
 void refuse_dependent(const Model& model, const KeptCount& kept) {
@@ -151,9 +178,9 @@ Start assemble_start(Equations& equations) {
   }
   // Off the constraints redundant rows look independent: count only where the machine closed.
   if (closed.closing.closed && !is_right(kept)) {
-    refuse_wrong_count(model, kept, is_singular_pose(equations, q, Y, turns));
+    refuse_wrong_count(equations, kept, q, Y, is_singular_pose(equations, q, Y, turns));
   }
-  if (!closed.closing.closed) refuse_open_start(model, closed.closing);
+  if (!closed.closing.closed) refuse_open_start(equations, closed.closing, q, Y);
   refuse_dependent(model, kept);
   return {reported_state(equations, q, Y, turns), closed.searched};
 }
