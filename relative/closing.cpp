@@ -43,11 +43,10 @@ std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double da
   return factors.smallest_step(misfit);
 }
 
-/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
-/// as it has, away to first order (R65). Many rows that are far from dependent are left without their singular values,
-/// which would take most of a closing's time.
+}  // namespace
+
 VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
-                   const VecX& misfit, double damping, std::optional<int> rank = {}) {
+                   const VecX& misfit, double damping, std::optional<int> rank) {
   const MatX Phi = scaled.rows(closure, columns).topRows(misfit.size());
   VecX step = VecX::Zero(scaled.equations().topology().n_tree_u);
   if (Phi.size() == 0) return step;
@@ -57,8 +56,6 @@ VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const st
   for (std::size_t c = 0; c < columns.size(); ++c) step(columns[c]) = solution(c);
   return step;
 }
-
-}  // namespace
 
 double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure) {
   scaled.equations().move(coordinates.t, coordinates.q, coordinates.u);

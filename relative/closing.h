@@ -14,6 +14,12 @@ double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& c
 /// The same; infinite where the machine has no such pose.
 double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure);
 
+/// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
+/// as it has, away to first order (R65). Many rows that are far from dependent are left without their singular values,
+/// which would take most of a closing's time.
+[[nodiscard]] VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
+                                 const VecX& misfit, double damping, std::optional<int> rank = {});
+
 /// Newton's method with damping and halved steps, until round-off stops it. Prescribed coordinates stay. False if the
 /// loops do not close. `rank`: of the rows in closed poses; beside these an overconstrained mechanism that moves has
 /// more, which come from the misfit and ask for steps along its motion: as many singular values are used.

@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "relative/closing.h"
+#include "relative/start_advice.h"
 #include "relative/start_search.h"
 
 namespace concord::relative {
@@ -187,12 +188,16 @@ void Start::require_number_of_kept(const Coordinates& coordinates, const Prescri
                              ? surplus == 0
                              : surplus >= 0 && surplus <= count_speeds_kept_as_wholes(scaled_->equations().model());
   if (is_enough) return;
+  const auto role = rows == ClosureRows::of_positions ? &WordStart::role_q : &WordStart::role_u;
+  const std::vector<StartWord> words = words_to_keep(*scaled_, coordinates, rows, role);
   throw InputError(
       where_kept(prescribed),
-      fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept, but "
+      fmt::format("start: the machine has {} beside its drivers and modes, so {} joint {} must be kept{}, but "
                   "{} are ({}){}{}{}",
-                  degrees(freedom), freedom, name_of(rows), n_kept, names_of_kept(prescribed),
-                  couplings_of_kept(prescribed), n_kept < freedom ? idle_turn(prescribed) : "",
+                  degrees(freedom), freedom, name_of(rows),
+                  words.empty() ? "" : ", for example " + names_of(scaled_->equations().model(), words), n_kept,
+                  names_of_kept(prescribed), couplings_of_kept(prescribed),
+                  n_kept < freedom ? idle_turn(prescribed) : "",
                   scaled_->equations().has_drivers() ? kMayBeSingular : ""));
 }
 
@@ -235,18 +240,21 @@ void Start::require_inertia(const Coordinates& coordinates) const {
   throw InputError(joint.where, message);
 }
 
-void Start::throw_not_closing(const PrescribedMask& prescribed) const {
-  if (prescribed == scaled_->equations().driven()) {
+void Start::throw_not_closing(const Coordinates& guess, const PrescribedMask& prescribed, bool closes_unkept) const {
+  const std::string opening = words_of_open_loop(*scaled_, guess, prescribed);
+  const std::string where = opening.empty() ? "" : "; " + opening;
+  if (!closes_unkept) {
     throw StartNotFound(where_kept(prescribed),
-                        fmt::format("start: the loops of {} cannot be closed near the start values: give "
-                                    "better guesses of joint coordinates or body poses{}",
-                                    scaled_->equations().model().name, couplings_of_kept(prescribed)));
+                        fmt::format("start: the loops of {} cannot be closed near the start values, whatever is "
+                                    "kept{}: correct the points and axes of the loop's joints, or give better guesses "
+                                    "of joint coordinates or body poses{}",
+                                    scaled_->equations().model().name, where, couplings_of_kept(prescribed)));
   }
   throw StartNotFound(
       where_kept(prescribed),
       fmt::format("start: the kept joint coordinates ({}) contradict each other, or the guesses are too "
-                  "far off: the loops do not close with them{}",
-                  names_of_kept(prescribed), couplings_of_kept(prescribed)));
+                  "far off: the loops do not close with them{}{}",
+                  names_of_kept(prescribed), where, couplings_of_kept(prescribed)));
 }
 
 namespace {
@@ -362,10 +370,10 @@ Coordinates Start::find() const {
     kept_agree = found.has_value();
     closed = found.value_or(start);
   }
-  if (kept_agree || close_positions(*scaled_, closed, scaled_->equations().driven(), Modes::kept)) {
-    require_number_of_kept(closed, prescribed_q, ClosureRows::of_positions);
-  }
-  if (!kept_agree) throw_not_closing(prescribed_q);
+  const bool closes_unkept =
+      kept_agree || close_positions(*scaled_, closed, scaled_->equations().driven(), Modes::kept);
+  if (closes_unkept) require_number_of_kept(closed, prescribed_q, ClosureRows::of_positions);
+  if (!kept_agree) throw_not_closing(start, prescribed_q, closes_unkept);
   closed.u = start.u;  // closing the positions has measured the cut joints' speeds, those too that are kept
   choose_branches(closed, start, prescribed_q, prescribed_u);
   require_independent(closed, prescribed_q, ClosureRows::of_positions);

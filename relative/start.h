@@ -27,7 +27,8 @@ class Start {
   void require_independent(const Coordinates& coordinates, const PrescribedMask& prescribed, ClosureRows rows) const;
   [[nodiscard]] const char* idle_turn(const PrescribedMask& prescribed) const;
   void require_number_of_kept(const Coordinates& coordinates, const PrescribedMask& prescribed, ClosureRows rows) const;
-  [[noreturn]] void throw_not_closing(const PrescribedMask& prescribed) const;
+  [[noreturn]] void throw_not_closing(const Coordinates& guess, const PrescribedMask& prescribed,
+                                      bool closes_unkept) const;
   void choose_branches(Coordinates& closed, const Coordinates& said, const PrescribedMask& prescribed_q,
                        const PrescribedMask& prescribed_u) const;
   void require_kept(const Coordinates& closed, const Coordinates& said) const;

@@ -291,7 +291,8 @@ TEST(SpeedConstraints, RefuseKeptValuesThatContradictThem) {
   EXPECT_EQ(
       closing_complaint(model),
       "slider_crank.toml:10:1: error: start: the machine has 1 degree of freedom beside its drivers and modes, so "
-      "1 joint coordinates must be kept, but 3 are (1 of joint 'A', 2 of joint 'D'); coupling 'G' relates those "
+      "1 joint coordinates must be kept, for example turn_z of joint 'A', but 3 are (1 of joint 'A', 2 of joint 'D'); "
+      "coupling 'G' relates those "
       "of joints 'A', 'D', 'D'");
 }
 

@@ -108,7 +108,9 @@ TEST(StartSearch, StillRefusesWhatContradictsItself) {
   EXPECT_EQ(
       refusal_of_start(model),
       "slider_crank.toml:33:1: error: start: the kept joint coordinates (1 of joint 'D') contradict each other, or "
-      "the guesses are too far off: the loops do not close with them");
+      "the guesses are too far off: the loops do not close with them; where the other joints are closed, joint 'C', "
+      "at which the loop is cut, is left open by 1.2 m along x of its frame on the parent (in the world along (1, 0, "
+      "0))");
 }
 
 /// A parallelogram written flat: four speeds, and closure rows of lower rank than anywhere else.
