@@ -87,7 +87,8 @@ TEST(Readme, HeadingsStandAlone) {
     const bool is_first = line.page != page;
     page = line.page;
     if (!line.is_code && is_heading(line.text)) {
-      EXPECT_TRUE(is_first || before.empty() || is_heading(before)) << "no blank line before the heading: " << place(line);
+      EXPECT_TRUE(is_first || before.empty() || is_heading(before))
+          << "no blank line before the heading: " << place(line);
       EXPECT_LE(line.text.size(), kLongest) << "the heading has swallowed its paragraph: " << place(line);
     }
     before = line.text;
