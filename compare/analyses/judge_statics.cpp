@@ -15,6 +15,7 @@
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
+#include "compare/verdict/whole_turns.h"
 
 namespace concord::compare::analyses {
 
@@ -23,8 +24,8 @@ namespace {
 /// A body that deflects less, of the machine's length, is compared with this: it may be straight but for round-off.
 constexpr double kLeastDeflection = 1e-6;
 
-/// Calls `use` with name, unit, scale and number of every joint coordinate and modal coordinate. Of the two sets of
-/// Euler parameters of an orientation the one nearer to that of `like`.
+/// Calls `use` with name, unit, scale and number of every joint coordinate and modal coordinate, and with whether whole
+/// turns of it change nothing. Of the two sets of Euler parameters of an orientation the one nearer to that of `like`.
 template <class Use>
 void for_each_coordinate(const Model& model, const State& state, const State& like, const Use& use) {
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -37,14 +38,16 @@ void for_each_coordinate(const Model& model, const State& state, const State& li
       if (is_orientation(joint.type->permits[word])) {
         const Vec4 p = motion.q.segment<4>(q);
         const double sign = p.dot(motion_of(model, k, like).q.segment<4>(q)) < 0.0 ? -1.0 : 1.0;
-        for (int c = 0; c < 4; ++c) use(fmt::format("euler_parameter_{} of {}", c, joint.name), "1", 1.0, sign * p(c));
+        for (int c = 0; c < 4; ++c)
+          use(fmt::format("euler_parameter_{} of {}", c, joint.name), "1", 1.0, sign * p(c), false);
         continue;
       }
       const int u = first_u(*joint.type, static_cast<int>(word));
       for (int c = 0; c < n_u(joint.type->permits[word]); ++c) {
         const bool turn = turns[static_cast<std::size_t>(u + c)];
         use(fmt::format("{} of {}", names[static_cast<std::size_t>(u + c)], joint.name), turn ? "rad" : "m",
-            turn ? std::max(1.0, std::abs(motion.q(q + c))) : model.length_scale(), motion.q(q + c));
+            turn ? std::max(1.0, std::abs(motion.q(q + c))) : model.length_scale(), motion.q(q + c),
+            whole_turns_change_nothing(model, k, static_cast<int>(word), c));
       }
     }
   }
@@ -54,7 +57,7 @@ void for_each_coordinate(const Model& model, const State& state, const State& li
     const VecX least = kLeastDeflection * model.length_scale() * largest_deflections(model.bodies[i]).cwiseInverse();
     for (Eigen::Index mode = 0; mode < a.size(); ++mode) {
       use(fmt::format("a_{} of {}", mode + 1, model.bodies[i].name), "1",
-          std::max(a.cwiseAbs().maxCoeff(), least(mode)), a(mode));
+          std::max(a.cwiseAbs().maxCoeff(), least(mode)), a(mode), false);
     }
   }
 }
@@ -74,14 +77,17 @@ std::string judge_coordinates(const Model& model, const State& start, const std:
   std::array<std::vector<double>, 3> values;
   const std::array<const State*, 3> states{&start, found[0], found[1]};
   for (std::size_t k = 0; k < states.size(); ++k) {
-    for_each_coordinate(model, *states[k], *found[0],
-                        [&](const std::string&, const char*, double, double value) { values[k].push_back(value); });
+    for_each_coordinate(model, *states[k], *found[0], [&](const std::string&, const char*, double, double value, bool) {
+      values[k].push_back(value);
+    });
   }
   Lines lines{{"coordinate", "start", "cartesian", "relative", "unit", "digits"}};
   const double of_places = digits_of_places(model, *found[0]);
   std::size_t row = 0;
   for_each_coordinate(
-      model, *found[0], *found[0], [&](const std::string& name, const char* unit, double scale, double) {
+      model, *found[0], *found[0],
+      [&](const std::string& name, const char* unit, double scale, double, bool turns_change_nothing) {
+        if (turns_change_nothing) values[2][row] = with_turns_of(values[1][row], values[2][row]);
         result.numbers.push_back(number(name, unit, values[1][row], values[2][row], scale, result.own_need));
         if (of_places < result.own_need) result.numbers.back().resolvable = of_places;
         lines.push_back({name, fmt::format("{:.6g}", values[0][row]), fmt::format("{:.10g}", values[1][row]),

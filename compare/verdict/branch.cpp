@@ -13,6 +13,7 @@
 #include "compare/audit/kept_start.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/states.h"
+#include "compare/verdict/whole_turns.h"
 
 namespace concord::compare {
 
@@ -61,23 +62,32 @@ bool is_turn(const Model& model, std::size_t joint, const NamedCoordinate& coord
   return turning_speeds(type)[static_cast<std::size_t>(u)];
 }
 
+/// From one value of a coordinate to another [of the machine's length, rad], without whole turns that change nothing.
+double difference(const Model& model, std::size_t joint, const NamedCoordinate& at, double from, double to) {
+  if (!is_turn(model, joint, at)) return (to - from) / model.length_scale();
+  const bool is_one_pose = whole_turns_change_nothing(model, joint, at.word, at.component);
+  return (is_one_pose ? with_turns_of(from, to) : to) - from;
+}
+
 /// The coordinate in which two starts differ most.
 struct Apart {
   double size = 0.0;  // of the machine's length, rad
   std::string text;
+  bool counts_differ = false;  // of whole turns that change nothing
 };
 
 Apart apart(const Model& model, const State& one, const State& other) {
   constexpr double kDegree = std::numbers::pi / 180.0;
-  const double length = model.length_scale();
   Apart most;
   for_each_pair(model, one.q, other.q, [&](std::size_t k, const NamedCoordinate& at, const auto&, double a, double b) {
     const bool turns = is_turn(model, k, at);
-    const double size = std::abs(a - b) / (turns ? 1.0 : length);
+    const double size = std::abs(difference(model, k, at, a, b));
+    if (turns && std::abs(a - b) - size > std::numbers::pi) most.counts_differ = true;
     if (!(size > most.size)) return;
     const std::string name = fmt::format("{} of {}", at.name, model.joints[k].name);
     const double unit = turns ? kDegree : 1.0;
-    most = {size, fmt::format("{} {:.6g} and {:.6g} {}", name, a / unit, b / unit, turns ? "deg" : "m")};
+    most.size = size;
+    most.text = fmt::format("{} {:.6g} and {:.6g} {}", name, a / unit, b / unit, turns ? "deg" : "m");
     if (at.name.starts_with("ball")) most.text = fmt::format("{} {:.6g} deg apart", name, a / kDegree);
   });
   return most;
@@ -176,7 +186,8 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
   if (!starts[0].state && !starts[1].state) throw *starts[0].refusal;
   const bool both = starts[0].state && starts[1].state;
   const Apart between = both ? apart(model, *starts[0].state, *starts[1].state) : Apart{};
-  if (both && between.size <= kOneBranch) return solvers;
+  const bool is_one_pose = both && between.size <= kOneBranch;
+  if (is_one_pose && !between.counts_differ) return solvers;
   if (one_disobeys(model, starts)) return solvers;
   const auto closes_guesses = [&](std::size_t k) {
     return starts[k].state && !solvers[k]->has_searched_for_its_start();
@@ -193,6 +204,7 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
     note = fmt::format("from the guesses {} finds no start; both start from that of {}", solvers[1 - better]->name(),
                        solvers[better]->name());
   }
+  if (is_one_pose) note.clear();
   const Model as_given = model;
   model = started_at(model, *starts[better].state);
   const std::optional<InputError> first_refusal = starts[1 - better].refusal;

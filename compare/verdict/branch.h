@@ -21,10 +21,11 @@ bool obeys_the_model(const Model& model, const State& state);
 
 /// Both solvers for a model. Where they assemble different branches from its guesses, or where one of them finds none,
 /// `model` gets the better start as its guess, and both are made anew: the branch that is nearer to the guesses, and if
-/// those do not tell, nearer to zero in the coordinates of which nothing is said. `note` then says so. Throws
-/// InputError if the model is wrong for both, or if they still part. All stays as it was given where a start has not
-/// the coordinates that are kept or driven, and where one refuses the other's start, too, whose assemble() then throws.
-/// `model` must outlive the solvers.
+/// those do not tell, nearer to zero in the coordinates of which nothing is said. `note` then says so. Starts whose
+/// coordinates differ by whole turns alone that change nothing are one branch: both solvers then count the turns of one
+/// of them, and nothing is said. Throws InputError if the model is wrong for both, or if they still part. All stays as
+/// it was given where a start has not the coordinates that are kept or driven, and where one refuses the other's start,
+/// too, whose assemble() then throws. `model` must outlive the solvers.
 Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std::string& note);
 
 }  // namespace concord::compare

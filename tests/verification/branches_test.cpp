@@ -95,6 +95,68 @@ TEST_CASE("Whatever the guesses are, both solvers start on one branch, the one n
   CHECK(refused < 16);  // of 48
 }
 
+/// Three bars of 4 m on a frame of 2 m. The guesses of the last pins lead round a whole turn. `spring`: a line of the
+/// last joint.
+Model three_bars(const std::string& spring) {
+  const auto bar = [](const char* name) {
+    return fmt::format("[[body]]\nname = \"{}\"\nmass = 20\ncenter_of_mass = [2, 0, 0.1]\ninertia = [0.1, 29, 29]\n",
+                       name);
+  };
+  const Model model = parse(fmt::format(R"toml(format = 1
+gravity = [0, 0, -9.81]
+[parameters]
+qa = "atan(sqrt(15))"
+{}{}{}[[joint]]
+name = "WA"
+type = "revolute"
+both = {{ z = [0, 1, 0], x = [1, 0, 0] }}
+parent = "ground"
+child = "A"
+start.turn_z = {{ keep = "qa", keep_speed = 0.4 }}
+[[joint]]
+name = "AB"
+type = "revolute"
+both = {{ z = [0, 1, 0], x = [1, 0, 0] }}
+parent = {{ body = "A", point = [4, 0, 0] }}
+child = "B"
+start.turn_z = {{ guess = "pi - qa" }}
+[[joint]]
+name = "WC"
+type = "revolute"
+both = {{ z = [0, 1, 0], x = [1, 0, 0] }}
+parent = {{ body = "ground", point = [-2, 0, 0] }}
+child = "C"
+start.turn_z = {{ guess = "pi - qa" }}
+[[joint]]
+name = "BC"
+type = "revolute"
+both = {{ point = [4, 0, 0], z = [0, 1, 0], x = [1, 0, 0] }}
+parent = "B"
+child = "C"
+start.turn_z = {{ guess = "pi - qa" }}
+{}
+[run]
+until = 0.2
+)toml",
+                                        bar("A"), bar("B"), bar("C"), spring));
+  return turn_world(model, rotation_about(Vec3(0.6, -0.3, 0.7).normalized(), 0.8));
+}
+
+TEST_CASE("Starts that are whole turns apart are one, unless something reads the angle", "[closure]") {
+  const auto note_of = [](const std::string& spring) {
+    Model model = three_bars(spring);
+    std::string note;
+    const compare::Solvers solvers = compare::make_solvers_on_one_branch(model, kMakers, note);
+    CHECK(std::abs(solvers[0]->assemble().q[3](0) - solvers[1]->assemble().q[3](0)) < 1e-9);
+    return note;
+  };
+  CHECK(note_of("") == "");
+  CHECK(note_of("spring.turn_z = { damping = 3, preload = 2 }") == "");
+  CHECK(note_of("spring.turn_z = { stiffness = 3 }").find("different branches (turn_z of BC 284") != std::string::npos);
+  const Model model = three_bars("");
+  expect_to_agree(model, in_short(model, 1.0));
+}
+
 TEST_CASE("A linkage without guesses that one solver cannot close starts from what the other one finds", "[closure]") {
   Model model = parse(spherical_four_bar("", "", ""));
   std::string note;

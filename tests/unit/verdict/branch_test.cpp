@@ -158,10 +158,24 @@ TEST_F(BranchTest, AStartWithoutWhatIsKeptIsNoBranch) {
   EXPECT_NEAR(solvers[1]->assemble().q[0](0), 1.0001 * kNear, 1e-15);
 }
 
-TEST_F(BranchTest, WholeTurnsAreBranchesToo) {
+/// Two turns off, unless it is told the angle.
+double turned(double guess) { return guess == kNear ? kNear : kNear - 4.0 * M_PI; }
+
+TEST_F(BranchTest, WholeTurnsThatNothingReadsAreOnePose) {
   guess(0.7);
-  const auto turned = [](double guess) { return guess == kNear ? kNear : kNear - 4.0 * M_PI; };
+  expect_starts(make(turned, nearest), kNear);  // in one count of turns
+  EXPECT_EQ(note_, "");
+  guess(0.7);
+  const auto stubborn = [](double) { return kNear + 2.0 * M_PI; };
+  EXPECT_NO_THROW(make(nearest, stubborn));
+  EXPECT_EQ(note_, "");
+}
+
+TEST_F(BranchTest, WholeTurnsOfASprungAngleAreBranches) {
+  model_.joints[0].springs.emplace_back().law.stiffness = 2.0;
+  guess(0.7);
   expect_starts(make(turned, nearest), kNear);
+  EXPECT_THAT(note_, HasSubstr("different branches (turn_z of A -697.082 and 22.9183 deg)"));
 }
 
 }  // namespace
