@@ -16,6 +16,7 @@ Dynamics::Dynamics(Equations& equations)
       projection_(equations),
       gamma_(VecX::Zero(equations.constraints().n_rows())),
       unknowns_(VecX::Zero(equations.layout().n_Y() + gamma_.size())),
+      least_unknowns_(VecX::Zero(unknowns_.size())),
       solution_(equations.layout().n_Y(), equations.constraints().n_rows()) {
   use_rows(std::vector<bool>(equations.constraints().n_rows(), true));
 }
@@ -53,12 +54,21 @@ void Dynamics::write_right_side() {
   }
 }
 
+/// With pivots chosen at another state. What speeds and gravity make of a body is no small acceleration.
+bool Dynamics::solve_between_steps() {
+  constexpr double kGoodEnough = 1e-12;
+  const VecX& units = equations_.units();
+  const double from_gravity = equations_.model().gravity.norm() / equations_.length();
+  const double from_speeds = equations_.Y().cwiseQuotient(units).cwiseAbs2().maxCoeff();
+  least_unknowns_.head(units.size()) = std::max(from_gravity, from_speeds) * units;
+  return matrix_.lu().solve_equation_by_equation(unknowns_, kGoodEnough, least_unknowns_);
+}
+
 bool Dynamics::factor_and_solve(Pivots pivots) {
-  constexpr double kGoodEnoughBetweenSteps = 1e-12;  // and with pivots chosen at another state
   SparseLu& lu = matrix_.lu();
   if (pivots == Pivots::kept && !has_new_rows_) {
     write_right_side();
-    if (lu.refactor() && lu.solve_refined(unknowns_, magnifies_ ? 0.0 : kGoodEnoughBetweenSteps)) return true;
+    if (lu.refactor() && (magnifies_ ? lu.solve_refined(unknowns_, 0.0) : solve_between_steps())) return true;
   }
   write_right_side();
   const bool is_good = lu.factor() && lu.solve_refined(unknowns_, 0.0);

@@ -69,6 +69,7 @@ class Dynamics {  // (C40)
  private:
   void write_right_side();
   [[nodiscard]] bool factor_and_solve(Pivots pivots);
+  [[nodiscard]] bool solve_between_steps();
   [[nodiscard]] bool magnifies_round_off() const;
   [[nodiscard]] double typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const;
 
@@ -80,6 +81,7 @@ class Dynamics {  // (C40)
   bool magnifies_ = false;    // the condition magnifies round-off beyond what evaluations between steps may lose
   VecX gamma_;
   VecX unknowns_;
+  VecX least_unknowns_;  // accelerations that are none, by the equations' residuals; zero for multipliers
   Solution solution_;
 };
 

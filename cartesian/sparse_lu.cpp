@@ -59,6 +59,7 @@ SparseLu::SparseLu(std::vector<int> column_starts, std::vector<int> row_indices,
       right_side_(VecX::Zero(size())),
       solution_(VecX::Zero(size())),
       residual_(VecX::Zero(size())),
+      terms_(VecX::Zero(size())),
       rounding_(size(), 0.0) {
   for (int column = 0; column < size(); ++column) {
     const auto first = row_indices_.begin() + column_starts_[column];
@@ -196,6 +197,17 @@ void SparseLu::write_rough_residual() {
   }
 }
 
+void SparseLu::write_terms(const VecX& least) {
+  terms_ = right_side_.cwiseAbs();
+  for (int column = 0; column < size(); ++column) {
+    const double at_least = least(column) > 0.0 ? least(column) / column_scales_(column) : 0.0;
+    const double factor = std::max(std::abs(solution_(column)), at_least);
+    for (int k = column_starts_[column]; k < column_starts_[column + 1]; ++k) {
+      terms_(row_indices_[k]) += std::abs(scaled_[k]) * factor;
+    }
+  }
+}
+
 /// Each product and each sum with its rounding error, which are added up beside.
 void SparseLu::write_exact_residual() {
   residual_ = right_side_;
@@ -215,45 +227,66 @@ void SparseLu::write_exact_residual() {
   for (int row = 0; row < size(); ++row) residual_(row) += rounding_[row];
 }
 
-bool SparseLu::solve_refined(VecX& x, double good_enough) {
+void SparseLu::begin_solving(const VecX& right_side) {
+  first_correction_.setZero(size());
+  relative_correction_ = 0.0;
+  right_side_ = right_side.cwiseProduct(row_scales_);
+  solution_ = right_side_;
+  klu_solve(klu_->symbolic, klu_->numeric, size(), 1, solution_.data(), &klu_->common);
+}
+
+bool SparseLu::refine() {
   constexpr double kFirstAllowed = 1e-2;                               // correction of the solution
   constexpr double kLeastNormal = std::numeric_limits<double>::min();  // smaller numbers have few digits
   constexpr double kFalling = 0.5;
   constexpr int kMaxRounds = 6;
-  first_correction_.setZero(size());
-  relative_correction_ = 0.0;
-  if (size() == 0) return true;
   const auto largest = [](const VecX& vector) { return vector.lpNorm<Eigen::Infinity>(); };
-  right_side_ = x.cwiseProduct(row_scales_);
-  solution_ = right_side_;
-  klu_solve(klu_->symbolic, klu_->numeric, size(), 1, solution_.data(), &klu_->common);
-  bool is_good = solution_.allFinite();
-  bool refines = is_good && good_enough <= 0.0;
-  if (is_good && !refines) {
-    write_rough_residual();
-    refines = largest(residual_) > good_enough * largest(right_side_);
-  }
-  if (refines) {
-    write_exact_residual();
-    // A round more than round-off of the largest asks for: the smaller ones have theirs.
-    double last = HUGE_VAL;
-    for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
-      klu_solve(klu_->symbolic, klu_->numeric, size(), 1, residual_.data(), &klu_->common);
-      const double size_of_solution = largest(solution_);
-      const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
-      if (round == 0) {
-        first_correction_ = residual_.cwiseProduct(column_scales_);
-        relative_correction_ = correction;
-        is_good = correction <= kFirstAllowed || largest(residual_) < kLeastNormal;
-      }
-      if (!is_good || !(correction < kFalling * last)) break;
-      solution_ += residual_;
-      last = correction;
-      write_exact_residual();
+  bool is_good = true;
+  write_exact_residual();
+  // A round more than round-off of the largest asks for: the smaller ones have theirs.
+  double last = HUGE_VAL;
+  for (int round = 0; round < kMaxRounds && last > std::numeric_limits<double>::epsilon(); ++round) {
+    klu_solve(klu_->symbolic, klu_->numeric, size(), 1, residual_.data(), &klu_->common);
+    const double size_of_solution = largest(solution_);
+    const double correction = size_of_solution > 0.0 ? largest(residual_) / size_of_solution : 0.0;
+    if (round == 0) {
+      first_correction_ = residual_.cwiseProduct(column_scales_);
+      relative_correction_ = correction;
+      is_good = correction <= kFirstAllowed || largest(residual_) < kLeastNormal;
     }
+    if (!is_good || !(correction < kFalling * last)) break;
+    solution_ += residual_;
+    last = correction;
+    write_exact_residual();
   }
+  return is_good;
+}
+
+bool SparseLu::end_solving(bool is_good, VecX& x) const {
   x = solution_.cwiseProduct(column_scales_);
   return is_good && x.allFinite();
+}
+
+bool SparseLu::solve_refined(VecX& x, double good_enough) {
+  if (size() == 0) return true;
+  begin_solving(x);
+  const auto is_good_enough = [&] {
+    if (!(good_enough > 0.0)) return false;
+    write_rough_residual();
+    return residual_.lpNorm<Eigen::Infinity>() <= good_enough * right_side_.lpNorm<Eigen::Infinity>();
+  };
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine()), x);
+}
+
+bool SparseLu::solve_equation_by_equation(VecX& x, double good_enough, const VecX& least) {
+  if (size() == 0) return true;
+  begin_solving(x);
+  const auto is_good_enough = [&] {
+    write_rough_residual();
+    write_terms(least);
+    return (residual_.array().abs() <= good_enough * terms_.array()).all();
+  };
+  return end_solving(solution_.allFinite() && (is_good_enough() || refine()), x);
 }
 
 }  // namespace concord::cartesian

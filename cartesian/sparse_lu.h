@@ -50,7 +50,11 @@ class SparseLu {
   /// at most `good_enough` of the scaled right side. False if the corrections do not fall: the matrix is singular for
   /// double precision, or the pivots have gone bad.
   bool solve_refined(VecX& x, double good_enough);
-  /// The first correction of the last solve_refined(), a measure of how the condition magnifies round-off; zeros if
+  /// The same, but each equation is held by itself: its residual is good enough as a part of the sizes of its terms. In
+  /// these no unknown counts as less than its entry of `least` (zero: any is as small as it is). So the small terms of
+  /// a light body's equations count as much as those of its heavy neighbours, which they lead.
+  bool solve_equation_by_equation(VecX& x, double good_enough, const VecX& least);
+  /// The first correction of the last solution, a measure of how the condition magnifies round-off; zeros if
   /// there was none.
   [[nodiscard]] const VecX& first_correction() const { return first_correction_; }
   /// Its size relative to the solution, both scaled.
@@ -63,9 +67,14 @@ class SparseLu {
   void choose_symmetric_scales();
   void choose_general_scales();
   [[nodiscard]] bool is_idle(int place) const { return !idle_.empty() && idle_[place]; }
+  void begin_solving(const VecX& right_side);
+  [[nodiscard]] bool end_solving(bool is_good, VecX& x) const;
+  bool refine();
   /// Of the scaled equations, in double precision or as if in twice that.
   void write_rough_residual();
   void write_exact_residual();
+  /// Sums of the sizes of each scaled equation's terms, see solve_equation_by_equation().
+  void write_terms(const VecX& least);
 
   std::vector<int> column_starts_;
   std::vector<int> row_indices_;
@@ -83,6 +92,7 @@ class SparseLu {
   VecX right_side_;  // scaled
   VecX solution_;
   VecX residual_;
+  VecX terms_;  // sums of their sizes, by equation
   std::vector<double> rounding_;
   VecX first_correction_;
   double relative_correction_ = 0.0;

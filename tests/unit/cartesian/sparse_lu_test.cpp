@@ -78,6 +78,33 @@ TEST(SparseLu, RefinesAnIllConditionedSystemToRoundOff) {
   EXPECT_GT(matrix.first_correction().lpNorm<Eigen::Infinity>(), 1e-12);
 }
 
+/// Two equations with the pivot gone bad beside others with terms a thousand million times larger.
+TEST(SparseLu, HoldsEachEquationByItsOwnTerms) {
+  constexpr double kPart = 1e-12;
+  SparseLu matrix = make_full();
+  for (int k = 0; k < kSize; ++k) matrix.values()[matrix.find(k, k)] = 1.0;
+  matrix.values()[matrix.find(1, 0)] = matrix.values()[matrix.find(0, 1)] = 1.0;
+  matrix.values()[matrix.find(1, 1)] = -1.0;
+  ASSERT_TRUE(matrix.factor());
+  matrix.values()[matrix.find(0, 0)] = 1e-9;
+  ASSERT_TRUE(matrix.refactor());
+  VecX known = VecX::Constant(kSize, 1e9);
+  known.head<2>() << 1.0 / 3.0, 0.7;
+  VecX right_side = VecX::Zero(kSize);
+  matrix.subtract_product(-known, right_side);
+  VecX x = right_side;
+  matrix.solve(x);
+  ASSERT_GT((x - known).head<2>().norm(), 1e-10);
+  x = right_side;
+  ASSERT_TRUE(matrix.solve_equation_by_equation(x, kPart, VecX::Zero(kSize)));
+  EXPECT_LT((x - known).head<2>().norm(), 1e-15);
+  EXPECT_GT(matrix.relative_correction(), 0.0);
+  x = right_side;
+  ASSERT_TRUE(matrix.solve_equation_by_equation(x, kPart,
+                                                VecX::Constant(kSize, 1e9)));  // next to which 1/3 and 0.7 are nothing
+  EXPECT_EQ(matrix.relative_correction(), 0.0);
+}
+
 TEST(SparseLu, UnitsThatArePowersOfTwoLeaveTheDigits) {
   const double row = std::ldexp(1.0, 70);
   const double column = std::ldexp(1.0, -90);
