@@ -45,6 +45,11 @@ Pattern lay_out(const Equations& equations) {
 
 SparseLu make_lu(const Pattern& pattern) { return {pattern.starts, pattern.rows, SparseLu::Pattern::symmetric}; }
 
+/// Inertias below this part of the machine's largest are scaled as if they were it. What round-off keeps from zero, as
+/// of a thin rod about its axis, is no scale; and scaled by its own inertia, a light body between heavy ones would
+/// weigh what these do to each other through its joints by the ratio of inertias, which may be less than round-off.
+constexpr double kLeastInertia = 1e-6;
+
 /// Unit of inertia that the matrix is scaled with, a power of two near the mass of all bodies [kg].
 double mass_unit(const Equations& equations) {
   double mass = 0.0;
@@ -60,7 +65,11 @@ AugmentedMatrix::AugmentedMatrix(const Equations& equations)
       lu_(make_lu(lay_out(equations))),
       mass_matrices_(make_mass_matrices(equations.layout())),
       mass_entries_(equations.model().bodies.size()) {
-  lu_.set_diagonal_unit(mass_unit(equations));
+  const double mass = mass_unit(equations);
+  lu_.set_diagonal_unit(mass);
+  for (const BodyIndex i : equations.layout().moving_bodies()) {
+    equations.layout().v(lu_.least_diagonal(), i).setConstant(kLeastInertia * mass);
+  }
   find_entries(equations);
 }
 
@@ -93,19 +102,20 @@ void AugmentedMatrix::use_rows(const std::vector<bool>& active) {
 }
 
 void AugmentedMatrix::fill(const Equations& equations) {
-  constexpr double kLeastMomentOfInertia = 1e-6;  // of a body's three together
   const Layout& layout = equations.layout();
   equations.write_mass_matrices(mass_matrices_);
   double* values = lu_.values();
+  double largest = 0.0;  // of a body's three moments of inertia together
   for (const BodyIndex i : layout.moving_bodies()) {
     const auto size = mass_entries_[i].size();
     for (std::size_t column = 0; column < size; ++column) {
       std::copy_n(mass_matrices_[i].col(static_cast<Eigen::Index>(column)).data(), size,
                   values + mass_entries_[i][column]);
     }
-    // A thin rod has no inertia about its axis, and in some poses round-off instead.
-    const double least = kLeastMomentOfInertia * mass_matrices_[i].diagonal().segment<3>(3).sum();
-    lu_.least_diagonal().segment<3>(layout.first_Y(i) + 3).setConstant(least);
+    largest = std::max(largest, mass_matrices_[i].diagonal().segment<3>(3).sum());
+  }
+  for (const BodyIndex i : layout.moving_bodies()) {
+    layout.omega(lu_.least_diagonal(), i).setConstant(kLeastInertia * largest);
   }
   const MovingConstraints& constraints = equations.moving_constraints();
   for (std::size_t b = 0; b < constraints.blocks().size(); ++b) {
