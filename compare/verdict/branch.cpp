@@ -147,6 +147,13 @@ bool second_is_nearer(const Model& model, const State& one, const State& other) 
   return b.unsaid < a.unsaid;
 }
 
+std::string note_of_branches(const Solvers& solvers, const Apart& between, std::string_view nearer) {
+  return fmt::format(
+      "from the guesses {} and {} assemble different branches ({}); both start from that of {}, which is nearer to the "
+      "guesses",
+      solvers[0]->name(), solvers[1]->name(), between.text, nearer);
+}
+
 [[noreturn]] void refuse_branches(const Model& model, const std::string& where) {
   throw InputError(
       {model.file, 0, 0},
@@ -193,18 +200,14 @@ Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std
     return starts[k].state && !solvers[k]->has_searched_for_its_start();
   };
   std::size_t better = 0;
-  if (both && closes_guesses(0) == closes_guesses(1)) {
+  if (is_one_pose || (both && closes_guesses(0) == closes_guesses(1))) {
     better = second_is_nearer(model, *starts[0].state, *starts[1].state) ? 1 : 0;
-    note = fmt::format(
-        "from the guesses {} and {} assemble different branches ({}); both start from that of {}, which "
-        "is nearer to the guesses",
-        solvers[0]->name(), solvers[1]->name(), between.text, solvers[better]->name());
+    note = is_one_pose ? "" : note_of_branches(solvers, between, solvers[better]->name());
   } else {
     better = closes_guesses(0) || (!closes_guesses(1) && starts[0].state) ? 0 : 1;
     note = fmt::format("from the guesses {} finds no start; both start from that of {}", solvers[1 - better]->name(),
                        solvers[better]->name());
   }
-  if (is_one_pose) note.clear();
   const Model as_given = model;
   model = started_at(model, *starts[better].state);
   const std::optional<InputError> first_refusal = starts[1 - better].refusal;
