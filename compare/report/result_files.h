@@ -17,7 +17,9 @@ namespace concord::compare {
 /// not), mode, coordinate and speed (padded with NaN where a body or
 /// joint has fewer). Names are string coordinate variables; units stand in attributes, and in the variables
 /// component_units, coordinate_units and speed_units where they differ along a dimension. `solver` names the source.
-/// `unique` (rows: quantities of the layout, columns: samples; null: not known) adds a variable of that name.
+/// `unique` (rows: quantities of the layout, columns: samples; null: not known) adds a variable of that name. Where a
+/// number of a wrench or a coordinate force is not unique its variable holds NaN, and another one, any_reaction beside
+/// reaction, holds the solver's own values; there is none where all of a variable is unique.
 void write_netcdf(const std::filesystem::path& path, const Model& model, std::string_view solver,
                   const Trajectory& trajectory, const Mask* unique = nullptr);
 
@@ -27,8 +29,9 @@ void write_motion_csv(const std::filesystem::path& path, const Model& model, con
 
 /// One line for each time: reactions on the parent and on the child of each joint, each in that side's joint frame, and
 /// forces on the joint speeds: `A.child.F_x [N]`, `A.tau_1 [N m]`.
-/// Columns that `unique` calls not unique are named, with the number of samples, in comment lines (#) before the
-/// header.
+/// Where a component is not unique by `unique` its column holds nan, and a column of the same name with `any_` before
+/// it, behind all others, the solver's own value. Comment lines (#) before the header name these components with the
+/// number of samples.
 void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
                         const Mask* unique = nullptr);
 

@@ -1,24 +1,21 @@
 #include <fmt/format.h>
-#include <netcdf.h>
-#include <netcdf_mem.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
-#include <cstdlib>
+#include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <mutex>
-#include <stdexcept>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "compare/report/files.h"
+#include "compare/report/netcdf_file.h"
 #include "compare/report/result_files.h"
 #include "compare/verdict/columns.h"
 #include "compare/verdict/observe.h"
+#include "compare/verdict/unique_part.h"
 
 namespace concord::compare {
 
@@ -47,85 +44,6 @@ std::mutex& netcdf_mutex() {
   return mutex;
 }
 
-/// The bytes of an HDF5 file in memory without the unused room behind its end, which its superblock tells (HDF5 File
-/// Format Specification, II.A: of version 0, with offsets of eight bytes).
-std::string_view without_room(const NC_memio& image) {
-  constexpr std::size_t kVersion = 8;
-  constexpr std::size_t kOffsetSize = 13;
-  constexpr std::size_t kEndOfFile = 40;
-  const std::string_view bytes(static_cast<const char*>(image.memory), image.size);
-  if (bytes.size() < kEndOfFile + sizeof(std::uint64_t) || bytes[kVersion] != 0 || bytes[kOffsetSize] != 8)
-    return bytes;
-  std::uint64_t end = 0;
-  for (std::size_t k = 0; k < sizeof end; ++k) {
-    end |= std::uint64_t{static_cast<unsigned char>(bytes[kEndOfFile + k])} << (8 * k);
-  }
-  return bytes.substr(0, end);
-}
-
-/// A NetCDF-4 file that is built in memory: on a disk that is full, HDF5 ends the program.
-class NetcdfFile {
- public:
-  explicit NetcdfFile(const std::filesystem::path& path) : path_(path) {
-    constexpr std::size_t kFirstBytes = 1 << 16;
-    // Where the library gives up, it removes the file of this name, in memory or not: no file can have it.
-    const std::filesystem::path nowhere = path / "in memory";
-    check(nc_create_mem(nowhere.c_str(), NC_NETCDF4, kFirstBytes, &id_), "nc_create_mem");
-    open_ = true;
-  }
-  ~NetcdfFile() {
-    if (open_) nc_abort(id_);
-  }
-  NetcdfFile(const NetcdfFile&) = delete;
-  NetcdfFile& operator=(const NetcdfFile&) = delete;
-
-  int dimension(const char* name, std::size_t length) {
-    int dimension = 0;
-    check(nc_def_dim(id_, name, length, &dimension), "nc_def_dim");
-    return dimension;
-  }
-
-  int variable(const char* name, nc_type type, const std::vector<int>& dimensions) {
-    int variable = 0;
-    const int count = static_cast<int>(dimensions.size());
-    check(nc_def_var(id_, name, type, count, dimensions.data(), &variable), "nc_def_var");
-    return variable;
-  }
-
-  void attribute(int variable, const char* name, const std::string& text) {
-    check(nc_put_att_text(id_, variable, name, text.size(), text.c_str()), "nc_put_att_text");
-  }
-
-  void put(int variable, const std::vector<double>& numbers) {
-    check(nc_put_var_double(id_, variable, numbers.data()), "nc_put_var_double");
-  }
-
-  void put(int variable, const std::vector<std::string>& texts) {
-    std::vector<const char*> pointers;
-    for (const std::string& text : texts) pointers.push_back(text.c_str());
-    check(nc_put_var_string(id_, variable, pointers.data()), "nc_put_var_string");
-  }
-
-  /// Throws as write_file() does.
-  void finish() {
-    open_ = false;
-    NC_memio image{};
-    check(nc_close_memio(id_, &image), "nc_close_memio");
-    const std::unique_ptr<void, decltype(&std::free)> bytes(image.memory, &std::free);
-    write_file(path_, without_room(image));
-  }
-
- private:
-  void check(int code, const char* call) const {
-    if (code == NC_NOERR) return;
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}: {}", path_.string(), call, nc_strerror(code)));
-  }
-
-  std::filesystem::path path_;
-  int id_ = 0;
-  bool open_ = false;
-};
-
 /// A dimension with the names along it.
 struct Dimension {
   const char* name;
@@ -136,7 +54,9 @@ struct Dimension {
 class TrajectoryWriter {
  public:
   TrajectoryWriter(NetcdfFile& file, const Model& model, const Trajectory& trajectory, const Mask* unique)
-      : file_(file), model_(model), trajectory_(trajectory), unique_(unique) {}
+      : file_(file), model_(model), trajectory_(trajectory), unique_(unique) {
+    if (unique != nullptr) known_ = unique_part(model, trajectory, *unique);
+  }
 
   void write(std::string_view solver) {
     file_.attribute(NC_GLOBAL, "title", model_.name);
@@ -150,8 +70,16 @@ class TrajectoryWriter {
   }
 
  private:
-  using BodyRow = std::function<VecX(const Sample&, std::size_t body)>;
-  using JointRow = std::function<VecX(const Sample&, std::size_t joint)>;
+  /// The numbers of one body, joint, coupling or force element in a sample.
+  using Row = std::function<VecX(const Sample&, std::size_t)>;
+
+  /// What a variable holds: rows of `width` numbers for each time and each item from `first` to before `end`.
+  struct Rows {
+    std::size_t first;
+    std::size_t end;
+    int width;
+    Row of;
+  };
 
   void define_dimensions() {
     time_ = file_.dimension("time", trajectory_.samples.size());
@@ -259,14 +187,12 @@ class TrajectoryWriter {
     if (model_.couplings.empty()) return;
     std::vector<std::string> names;
     for (const Coupling& coupling : model_.couplings) names.push_back(coupling.name);
-    const int variable =
-        numbers("coupling_force", "see driver_force_units",
-                "force of the coupling; times a term's factor it is its part of the driver force there",
-                {time_, named({"coupling", names})});
     const auto one = [](const Sample& sample, std::size_t k) {
       return VecX(VecX::Constant(1, sample.evaluation.couplings[k]));
     };
-    fills_.emplace_back([this, variable, one] { fill(variable, 0, model_.couplings.size(), 1, one); });
+    numbers("coupling_force", "see driver_force_units",
+            "force of the coupling; times a term's factor it is its part of the driver force there",
+            {time_, named({"coupling", names})}, {0, model_.couplings.size(), 1, one});
   }
 
   void define_elements() {
@@ -303,62 +229,80 @@ class TrajectoryWriter {
     fills_.emplace_back([this, variable, values] { file_.put(variable, values); });
   }
 
-  int numbers(const char* name, const char* units, const char* long_name, const std::vector<int>& dimensions) {
-    const int variable = file_.variable(name, NC_DOUBLE, dimensions);
+  /// A variable of the run, NaN where it is not unique, and any_NAME of the solver's own values if that is anywhere.
+  void numbers(const std::string& name, const char* units, const std::string& long_name,
+               const std::vector<int>& dimensions, const Rows& rows) {
+    const Trajectory& known = known_ ? *known_ : trajectory_;
+    add_numbers(name, units, long_name, dimensions, rows, known);
+    if (!known_ || !has_open(rows)) return;
+    add_numbers("any_" + name, units, long_name + "; the solver's own, also where it is not unique", dimensions, rows,
+                trajectory_);
+  }
+
+  void add_numbers(const std::string& name, const char* units, const std::string& long_name,
+                   const std::vector<int>& dimensions, const Rows& rows, const Trajectory& from) {
+    const int variable = file_.variable(name.c_str(), NC_DOUBLE, dimensions);
     file_.attribute(variable, "units", units);
     file_.attribute(variable, "long_name", long_name);
-    return variable;
+    fills_.emplace_back([this, variable, rows, &from] { file_.put(variable, values_of(rows, from)); });
   }
 
-  void body(const char* name, const char* units, const char* long_name, int last, int width, const BodyRow& row) {
-    const int variable = numbers(name, units, long_name, {time_, body_, last});
-    fills_.emplace_back([this, variable, width, row] { fill(variable, 1, model_.bodies.size(), width, row); });
+  void body(const char* name, const char* units, const char* long_name, int last, int width, const Row& row) {
+    numbers(name, units, long_name, {time_, body_, last}, {1, model_.bodies.size(), width, row});
   }
 
-  void joint(const char* name, const char* units, const char* long_name, int last, int width, const JointRow& row) {
-    const int variable = numbers(name, units, long_name, {time_, joint_, last});
-    fills_.emplace_back([this, variable, width, row] { fill(variable, 0, model_.joints.size(), width, row); });
+  void joint(const char* name, const char* units, const char* long_name, int last, int width, const Row& row) {
+    numbers(name, units, long_name, {time_, joint_, last}, {0, model_.joints.size(), width, row});
   }
 
   void wrench(const char* name, const char* long_name, Wrench (*pick)(const JointWrenches&, int)) {
-    const int variable = numbers(name, "see component_units", long_name, {time_, joint_, side_, component_});
     const auto both_sides = [pick](const Sample& sample, std::size_t k) {
       VecX sides(12);
       sides << pick(sample.evaluation.joints[k], 0).vector(), pick(sample.evaluation.joints[k], 1).vector();
       return sides;
     };
-    fills_.emplace_back([this, variable, both_sides] { fill(variable, 0, model_.joints.size(), 12, both_sides); });
+    numbers(name, "see component_units", long_name, {time_, joint_, side_, component_},
+            {0, model_.joints.size(), 12, both_sides});
   }
 
   void element_wrench(const char* name, const char* long_name, Wrench (*pick)(const SideWrench&)) {
-    const int variable = numbers(name, "see component_units", long_name, {time_, element_, side_, component_});
     const auto both_sides = [pick](const Sample& sample, std::size_t k) {
       VecX sides(12);
       sides << pick(sample.evaluation.elements[k].on[0]).vector(), pick(sample.evaluation.elements[k].on[1]).vector();
       return sides;
     };
-    fills_.emplace_back([this, variable, both_sides] { fill(variable, 0, model_.elements.size(), 12, both_sides); });
+    numbers(name, "see component_units", long_name, {time_, element_, side_, component_},
+            {0, model_.elements.size(), 12, both_sides});
   }
 
-  /// Rows of `width` numbers for each time and each body, joint or element, NaN where a row is shorter.
-  void fill(int variable, std::size_t first, std::size_t end, int width,
-            const std::function<VecX(const Sample&, std::size_t)>& row) {
+  /// NaN where a row is shorter than others.
+  [[nodiscard]] static std::vector<double> values_of(const Rows& rows, const Trajectory& from) {
     std::vector<double> values;
-    for (const Sample& sample : trajectory_.samples) {
-      for (std::size_t k = first; k < end; ++k) {
-        const VecX short_row = row(sample, k);
+    for (const Sample& sample : from.samples) {
+      for (std::size_t k = rows.first; k < rows.end; ++k) {
+        const VecX short_row = rows.of(sample, k);
         values.insert(values.end(), short_row.begin(), short_row.end());
-        values.insert(values.end(), static_cast<std::size_t>(width - short_row.size()),
+        values.insert(values.end(), static_cast<std::size_t>(rows.width - short_row.size()),
                       std::numeric_limits<double>::quiet_NaN());
       }
     }
-    file_.put(variable, values);
+    return values;
+  }
+
+  /// Whether any of the numbers is not unique.
+  [[nodiscard]] bool has_open(const Rows& rows) const {
+    const auto count = [&](const Trajectory& run) {
+      const std::vector<double> values = values_of(rows, run);
+      return std::count_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
+    };
+    return count(*known_) > count(trajectory_);
   }
 
   NetcdfFile& file_;
   const Model& model_;
   const Trajectory& trajectory_;
   const Mask* unique_;
+  std::optional<Trajectory> known_;  // where something is not unique
   std::vector<std::function<void()>> fills_;
   int n_modes_ = 0;
   int n_q_ = 0;

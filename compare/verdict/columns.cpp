@@ -192,6 +192,15 @@ std::vector<Column> further_columns(const Model& model) {
   return std::move(list.columns);
 }
 
+bool may_be_open(const Column& column) { return column.field >= Field::reaction && column.field <= Field::coupling; }
+
+Column own_column(const Column& column) {
+  Column own = column;
+  own.name = "any_" + column.name;
+  own.is_own = true;
+  return own;
+}
+
 std::optional<Quantity> quantity_of(const Column& column) {
   const auto with = [&](Kind kind, int first) {
     return Quantity{kind, column.owner, column.side, first + column.component};
@@ -239,6 +248,6 @@ std::string describe_owner(const Model& model, const Column& column) {
   }
 }
 
-std::string describe_component(const Column& column) { return component_of(column); }
+std::string describe_component(const Column& column) { return (column.is_own ? "any_" : "") + component_of(column); }
 
 }  // namespace concord::compare

@@ -40,6 +40,7 @@ struct Column {
   int owner = 0;            // body, joint, coupling or force element
   Side side = Side::child;  // of wrenches
   int component = 0;        // from 0
+  bool is_own = false;      // a solver's own value, also where it is one of many
 };
 
 /// The number of a column in one sample.
@@ -54,13 +55,20 @@ std::vector<Column> element_columns(const Model& model);
 /// "strut.child.global.F_x", and forces of couplings, "gear.force".
 std::vector<Column> further_columns(const Model& model);
 
+/// Whether a column's number can be one of many: a reaction, a total wrench, a force on a joint speed or of a coupling.
+bool may_be_open(const Column& column);
+
+/// The column "any_A.child.F_x" beside "A.child.F_x": the solver's own value also where the component is not unique,
+/// and where "A.child.F_x" holds nan.
+Column own_column(const Column& column);
+
 /// The quantity that is compared between the solvers and whose row gives a column's scale and whether it is unique;
 /// nothing for places and speeds.
 std::optional<Quantity> quantity_of(const Column& column);
 
 /// "joint D on slider (total wrench, global axes)", "body coupler".
 std::string describe_owner(const Model& model, const Column& column);
-/// "F_x", "tau_1", "omega_x".
+/// "F_x", "tau_1", "omega_x", "any_F_x".
 std::string describe_component(const Column& column);
 
 /// Units number by number of the coordinates, the speeds, and the forces on the speeds of a joint type.

@@ -68,19 +68,17 @@ Uniqueness uniqueness_of(const RankReport& report, const Quantity& quantity) {
   }
 }
 
-/// Whether anything can pass along a component: a joint's reaction where the joint forbids motion, its total wrench
-/// also where something acts on its coordinates.
-bool can_carry(const Model& model, const Quantity& quantity) {
-  const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
-  if (!is_wrench || carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
-  return quantity.kind == Kind::total && !forced_speeds(model, quantity.owner).empty();
-}
-
 bool can_be_redundant(Kind kind) {
   return kind != Kind::element && kind != Kind::acceleration && kind != Kind::body_sum;
 }
 
 }  // namespace
+
+bool can_carry(const Model& model, const Quantity& quantity) {
+  const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
+  if (!is_wrench || carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) return true;
+  return quantity.kind == Kind::total && !forced_speeds(model, quantity.owner).empty();
+}
 
 std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report) {
   std::vector<Uniqueness> all;

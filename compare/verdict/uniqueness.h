@@ -14,6 +14,10 @@ namespace concord::compare {
 /// What one solver says of a quantity in a state.
 enum class Uniqueness { unique, undecided, not_unique };
 
+/// Whether anything can pass along a component: a joint's reaction where the joint forbids motion, its total wrench
+/// also where something acts on its coordinates; true of all that is no wrench of a joint.
+bool can_carry(const Model& model, const Quantity& quantity);
+
 /// Uniqueness of every quantity of the layout by one solver's report. A reaction in global axes is unique if all three
 /// components of its force, or of its torque, are; accelerations, force elements and sums on bodies always are.
 std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankReport& report);

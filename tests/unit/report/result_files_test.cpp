@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <netcdf.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -11,6 +12,8 @@
 #include <thread>
 
 #include "common/joints/catalogue.h"
+#include "common/rotation.h"
+#include "compare/verdict/observe.h"
 #include "tests/unit/temporary_folder.h"
 
 namespace concord::compare {
@@ -136,6 +139,82 @@ class Reader {
 };
 
 using ::testing::ElementsAre;
+
+/// All is unique but, in the middle sample, the reaction along y on the parent of A, the total about x on the child of
+/// B and, throughout, the force of B's driver on its second speed, which turns.
+struct OpenRun : SampleRun {
+  QuantityLayout layout;
+  Mask unique;
+
+  OpenRun() : layout(with_driver()), unique(Mask::Constant(rows(), 3, true)) {
+    unique(layout.row_of({Kind::reaction, 0, Side::parent, 1}), 1) = false;
+    unique(layout.row_of({Kind::total, 1, Side::child, 3}), 1) = false;
+    unique.row(layout.row_of({Kind::driver, 1, Side::child, 1})) = false;
+    // A cylindrical joint carries no force along its axis: a flag that says otherwise is round-off.
+    unique(layout.row_of({Kind::reaction, 1, Side::child, 2}), 0) = false;
+  }
+
+ private:
+  const Model& with_driver() {
+    model.joints[1].drivers.push_back({.word = 1});
+    // From the joint's frame to global axes: a quarter turn about y on ground's side of A, so that y is y.
+    model.joints[0].sides[0] = {kGround, Vec3::Zero(), rotation_about(Vec3::UnitY(), 0.5)};
+    model.joints[0].sides[1].body = model.joints[1].sides[0].body = 1;
+    model.joints[1].sides[1].body = 2;
+    for (Sample& sample : trajectory.samples) {
+      for (int body = 1; body < 3; ++body) sample.state.bodies[body].p.normalize();
+    }
+    return model;
+  }
+  [[nodiscard]] Eigen::Index rows() const { return static_cast<Eigen::Index>(layout.quantities().size()); }
+};
+
+TEST(Netcdf, HoldsNaNWhereANumberIsNotUniqueAndTheSolversOwnBeside) {
+  const OpenRun run;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "crank.nc";
+  write_netcdf(path, run.model, "relative", run.trajectory, &run.unique);
+  const Reader file(path);
+  const auto open_places = [&](const char* name) {
+    std::vector<std::size_t> places;
+    const std::vector<double> numbers = file.numbers(name);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (std::isnan(numbers[k])) places.push_back(k);
+    }
+    return places;
+  };
+  // Sample 1, joint A, parent, F_y; the joint's y is the world's.
+  EXPECT_THAT(open_places("reaction"), ElementsAre(24 + 1));
+  EXPECT_THAT(open_places("reaction_global"), ElementsAre(24 + 1));
+  // Sample 1, joint B, child, T_x; its x lies anyhow in the world.
+  EXPECT_THAT(open_places("total"), ElementsAre(24 + 18 + 3));
+  EXPECT_THAT(open_places("total_global"), ElementsAre(24 + 18 + 3, 24 + 18 + 4, 24 + 18 + 5));
+  // Joint B, second speed; its third is padding.
+  EXPECT_THAT(open_places("driver_force"), ElementsAre(4, 5, 10, 11, 16, 17));
+  EXPECT_THAT(open_places("any_driver_force"), ElementsAre(5, 11, 17));
+  const std::vector<double> known = file.numbers("reaction");
+  const std::vector<double> own = file.numbers("any_reaction");
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    if (k != 25) EXPECT_EQ(own[k], known[k]) << k;
+  }
+  EXPECT_EQ(own[25], run.trajectory.samples[1].evaluation.joints[0].reaction[0].in_C.force.y());
+  EXPECT_THAT(file.dimensions("any_total"), ElementsAre("time", "joint", "side", "component"));
+  EXPECT_THAT(file.attribute("any_reaction", "long_name"),
+              ::testing::EndsWith("; the solver's own, also where it is not unique"));
+}
+
+TEST(Netcdf, HasNoVariablesOfItsOwnWhereAllIsUnique) {
+  OpenRun run;
+  run.unique.setConstant(true);
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "crank.nc";
+  write_netcdf(path, run.model, "relative", run.trajectory, &run.unique);
+  const Reader file(path);
+  for (const char* name :
+       {"any_reaction", "any_reaction_global", "any_total", "any_total_global", "any_driver_force"}) {
+    EXPECT_FALSE(file.has(name)) << name;
+  }
+}
 
 TEST(Netcdf, NamesItsDimensions) {
   const SampleRun run;
@@ -329,6 +408,29 @@ TEST(Csv, OfReactionsNamesSideAndComponent) {
   EXPECT_EQ(row[7], joints[0].reaction[1].in_C.force.x());
   EXPECT_EQ(row[16 + 5], joints[1].reaction[0].in_C.torque.z());
   EXPECT_EQ(row[13], joints[0].tau(0));
+}
+
+TEST(Csv, OfReactionsHoldsNaNWhereANumberIsNotUniqueAndTheSolversOwnBehindAllOthers) {
+  const OpenRun run;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "reactions.csv";
+  write_reaction_csv(path, run.model, run.trajectory, &run.unique);
+  const auto lines = lines_of(path);
+  ASSERT_EQ(lines.size(), 7U);
+  EXPECT_EQ(lines[0], "# not unique in 1 of 3 samples: A.parent.F_y");
+  EXPECT_EQ(lines[1], "# not unique in 3 of 3 samples: B.tau_2");
+  EXPECT_EQ(lines[2], "# there nan stands, and in the column any_... the solver's own value, one of many");
+  EXPECT_THAT(lines[3], ::testing::EndsWith(",B.tau_2 [N m],any_A.parent.F_y [N],any_B.tau_2 [N m]"));
+  for (int k = 0; k < 3; ++k) {
+    const auto row = numbers_of(lines[static_cast<std::size_t>(4 + k)]);
+    const auto& joints = run.trajectory.samples[static_cast<std::size_t>(k)].evaluation.joints;
+    ASSERT_EQ(row.size(), 1U + 15 + 14 + 2);
+    EXPECT_EQ(std::isnan(row[2]), k == 1);
+    EXPECT_EQ(row[30], joints[0].reaction[0].in_C.force.y());
+    EXPECT_TRUE(std::isnan(row[29]));
+    EXPECT_EQ(row[31], joints[1].tau(1));
+    EXPECT_EQ(std::count_if(row.begin(), row.end(), [](double number) { return std::isnan(number); }), k == 1 ? 2 : 1);
+  }
 }
 
 }  // namespace
