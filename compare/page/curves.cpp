@@ -71,10 +71,15 @@ class CurveFile {
     return found;
   }
 
-  /// All numbers of a variable, whose dimensions must have these lengths.
-  [[nodiscard]] std::vector<double> numbers(const char* name, const std::vector<std::size_t>& lengths) const {
+  [[nodiscard]] bool has(const std::string& name) const {
     int variable = 0;
-    if (nc_inq_varid(id_, name, &variable) != NC_NOERR) refuse(fmt::format("has no variable '{}'", name));
+    return nc_inq_varid(id_, name.c_str(), &variable) == NC_NOERR;
+  }
+
+  /// All numbers of a variable, whose dimensions must have these lengths.
+  [[nodiscard]] std::vector<double> numbers(const std::string& name, const std::vector<std::size_t>& lengths) const {
+    int variable = 0;
+    if (nc_inq_varid(id_, name.c_str(), &variable) != NC_NOERR) refuse(fmt::format("has no variable '{}'", name));
     std::size_t count = 1;
     for (const std::size_t length : lengths) count *= length;
     if (lengths_of(variable) != lengths) refuse(fmt::format("the variable '{}' has another shape", name));
@@ -135,7 +140,10 @@ Curves read_curves(const std::filesystem::path& path, const std::string& solver)
   curves.position.values = file.numbers("position", {n, curves.bodies, 3});
   curves.euler.values = file.numbers("euler_parameters", {n, curves.bodies, 4});
   if (curves.modes > 0) curves.modal.values = file.numbers("modal_coordinates", {n, curves.bodies, curves.modes});
-  const auto wrenches = [&](const char* name, std::size_t count) { return file.numbers(name, {n, count, 2, 6}); };
+  // The solver's own values, as a run in memory has them: the page says what of them is not judged.
+  const auto wrenches = [&](const std::string& name, std::size_t count) {
+    return file.numbers(file.has("any_" + name) ? "any_" + name : name, {n, count, 2, 6});
+  };
   if (curves.joints > 0) {
     curves.reaction.values = wrenches("reaction", curves.joints);
     curves.reaction_global.values = wrenches("reaction_global", curves.joints);

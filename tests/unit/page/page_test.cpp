@@ -27,10 +27,13 @@ struct Compared {
   Model model = sprung_pendulum_model();
   Verdict verdict;
 
-  explicit Compared(const std::string& name = "sprung") {
+  /// `is_open`: the torque about y is not unique.
+  explicit Compared(const std::string& name = "sprung", bool is_open = false) {
     model.name = name;
     FakePendulum cartesian(model, "cartesian");
     FakePendulum relative(model, "relative");
+    const auto open = [is_open](RankReport& report) { report.joints[0].unique[1][4] = !is_open; };
+    cartesian.spoil_rank = relative.spoil_rank = open;
     VerifyOptions options;
     options.refines = false;
     verdict = verify(model, cartesian, relative, options);
@@ -40,7 +43,8 @@ struct Compared {
 
   void write_into(const std::filesystem::path& folder) const {
     write_runs(folder, model,
-               {{"cartesian", &*verdict.trajectories[0], nullptr}, {"relative", &*verdict.trajectories[1], nullptr}});
+               {{"cartesian", &*verdict.trajectories[0], &*verdict.unique},
+                {"relative", &*verdict.trajectories[1], &*verdict.unique}});
     write_file(folder / (model.name + ".result.json"), format_result(model, verdict));
   }
 };
@@ -87,12 +91,14 @@ TEST(Page, AModelThatCannotBeReadHasItsWords) {
 }
 
 TEST(Page, OfAFolderIsThatOfTheComparison) {
-  const Compared one;
-  const TemporaryFolder folder;
-  one.write_into(folder.path());
-  nlohmann::json of_folder = data_of(format_page(read_results(folder.path())));
-  nlohmann::json at_once = data_of(format_page({one.reported()}));
-  EXPECT_EQ(of_folder, at_once);
+  for (const bool is_open : {false, true}) {  // what is not unique is drawn as the solver has it
+    const Compared one("sprung", is_open);
+    const TemporaryFolder folder;
+    one.write_into(folder.path());
+    nlohmann::json of_folder = data_of(format_page(read_results(folder.path())));
+    nlohmann::json at_once = data_of(format_page({one.reported()}));
+    EXPECT_EQ(of_folder, at_once);
+  }
 }
 
 TEST(Page, SaysWhichRunIsMissing) {
