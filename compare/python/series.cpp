@@ -12,6 +12,7 @@
 #include "compare/report/result_files.h"
 #include "compare/report/result_folder.h"
 #include "compare/verdict/observe.h"
+#include "compare/verdict/unique_part.h"
 
 /// Time series of a run: its samples, put one after another. Names are those of the NetCDF files.
 namespace concord::compare::python {
@@ -51,6 +52,7 @@ struct Series {
   const char* name;
   Shape (*shape)(const Sizes& sizes);
   void (*write)(const Sample& sample, py::ssize_t width, double* to);
+  bool may_be_open = false;  // NaN where it is not unique, and another array of the solver's own values
 };
 
 /// Writes the row that `pick` finds of each item, `width` numbers apart.
@@ -140,29 +142,36 @@ const Series kSeries[] = {
      },
      write_motion<&State::q>},
     {"joint_speeds", of_speeds, write_motion<&State::u>},
-    {"driver_force", of_speeds, write_forces},
-    {"reaction", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_C>},
-    {"reaction_global", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_global>},
-    {"total", of_joints, write_joints<&JointWrenches::total, &SideWrench::in_C>},
-    {"total_global", of_joints, write_joints<&JointWrenches::total, &SideWrench::in_global>},
-    {"coupling_force", [](const Sizes& sizes) { return Shape{sizes.couplings}; }, write_couplings},
+    {"driver_force", of_speeds, write_forces, true},
+    {"reaction", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_C>, true},
+    {"reaction_global", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_global>, true},
+    {"total", of_joints, write_joints<&JointWrenches::total, &SideWrench::in_C>, true},
+    {"total_global", of_joints, write_joints<&JointWrenches::total, &SideWrench::in_global>, true},
+    {"coupling_force", [](const Sizes& sizes) { return Shape{sizes.couplings}; }, write_couplings, true},
     {"element_wrench", of_elements, write_elements<&SideWrench::in_C>},
     {"element_wrench_global", of_elements, write_elements<&SideWrench::in_global>},
 };
 
-py::array make_array(const Run& run, const Series& series) {
+py::array make_array(const Run& run, const Series& series, const Trajectory& from) {
   Shape shape = series.shape(sizes_of(*run.model));
   const py::ssize_t width = shape.empty() ? 1 : shape.back();
-  shape.insert(shape.begin(), count_of(run.trajectory.samples));
+  shape.insert(shape.begin(), count_of(from.samples));
   py::array_t<double> all(shape);
   double* to = all.mutable_data();
   std::fill_n(to, all.size(), std::numeric_limits<double>::quiet_NaN());
   const py::ssize_t step = shape.front() == 0 ? 0 : all.size() / shape.front();
-  for (const Sample& sample : run.trajectory.samples) {
+  for (const Sample& sample : from.samples) {
     if (step > 0) series.write(sample, width, to);
     to += step;
   }
   return all;
+}
+
+/// With NaN where a number is not unique, as in the files.
+py::array make_known_array(const Run& run, const Series& series) {
+  const bool may_be_open = run.unique && series.may_be_open;
+  const auto known = may_be_open ? unique_part(*run.model, run.trajectory, *run.unique) : std::nullopt;
+  return make_array(run, series, known ? *known : run.trajectory);
 }
 
 /// Made when it is asked for first, then kept.
@@ -209,8 +218,14 @@ void bind_series(py::module_& module) {
   py::class_<Run, std::shared_ptr<Run>> type(module, "Run",
                                              "One solver's run as time series; its arrays are read-only.");
   for (const Series& series : kSeries) {
-    type.def_property_readonly(
-        series.name, [&series](Run& run) { return kept(run, series.name, [&] { return make_array(run, series); }); });
+    type.def_property_readonly(series.name, [&series](Run& run) {
+      return kept(run, series.name, [&] { return make_known_array(run, series); });
+    });
+    if (!series.may_be_open) continue;
+    const std::string own = fmt::format("any_{}", series.name);
+    type.def_property_readonly(own.c_str(), [&series, own](Run& run) {
+      return kept(run, own, [&] { return make_array(run, series, run.trajectory); });
+    });
   }
   type.def_property_readonly("unique", unique_of)
       .def_readonly("model", &Run::model)

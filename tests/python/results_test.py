@@ -157,18 +157,23 @@ class Running(unittest.TestCase):
                 import netCDF4
         except ImportError:
             self.skipTest("python3-netcdf4 is not installed")
-        run = concord.run(MODELS / "slider_crank_flexible.toml", "cartesian", until=0.01, samples=20)
-        with tempfile.TemporaryDirectory() as folder:
-            file = pathlib.Path(folder) / "run.nc"
-            run.write_netcdf(file)
-            with netCDF4.Dataset(file) as data:
-                names = [name for name, one in data.variables.items() if one.dtype == np.float64]
-                for name in names + ["unique"]:
-                    expected = data.variables[name][...].filled(np.nan)
-                    found = getattr(run, name)
-                    found = found[:, 1:] if "body" in data.variables[name].dimensions else found
-                    np.testing.assert_array_equal(found, expected, err_msg=name)
-        self.assertGreater(len(names), 15)
+        for model, is_redundant in (("slider_crank_flexible", False), ("slider_crank_redundant", True)):
+            run = concord.run(MODELS / f"{model}.toml", "cartesian", until=0.01, samples=20)
+            with tempfile.TemporaryDirectory() as folder:
+                file = pathlib.Path(folder) / "run.nc"
+                run.write_netcdf(file)
+                with netCDF4.Dataset(file) as data:
+                    names = [name for name, one in data.variables.items() if one.dtype == np.float64]
+                    for name in names + ["unique"]:
+                        expected = data.variables[name][...].filled(np.nan)
+                        found = getattr(run, name)
+                        found = found[:, 1:] if "body" in data.variables[name].dimensions else found
+                        np.testing.assert_array_equal(found, expected, err_msg=name)
+            self.assertGreater(len(names), 15)
+            self.assertEqual("any_reaction" in names, is_redundant)
+            self.assertEqual(np.isnan(run.reaction).any(), is_redundant)
+            self.assertFalse(np.isnan(run.any_reaction).any())
+            np.testing.assert_array_equal(run.reaction[run.unique], run.any_reaction[run.unique])
 
     def test_states_and_evaluations_are_those_of_the_series(self):
         """Detects views with wrong steps: a number is one and the same in a state or evaluation and in a series."""

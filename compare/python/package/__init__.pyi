@@ -230,7 +230,7 @@ class Run:
         """(T, J, most speeds)."""
     @property
     def driver_force(self) -> np.ndarray:
-        """(T, J, most speeds)."""
+        """(T, J, most speeds); nan where it is not unique, unless the run is by Solver.run(). So are the next five."""
     @property
     def reaction(self) -> np.ndarray:
         """(T, J, 2, 6): as in Evaluation; so are the next three."""
@@ -243,6 +243,19 @@ class Run:
     @property
     def coupling_force(self) -> np.ndarray:
         """(T, C)."""
+    @property
+    def any_driver_force(self) -> np.ndarray:
+        """The solver's own values, also where they are not unique and driver_force is nan; so are the next five."""
+    @property
+    def any_reaction(self) -> np.ndarray: ...
+    @property
+    def any_reaction_global(self) -> np.ndarray: ...
+    @property
+    def any_total(self) -> np.ndarray: ...
+    @property
+    def any_total_global(self) -> np.ndarray: ...
+    @property
+    def any_coupling_force(self) -> np.ndarray: ...
     @property
     def element_wrench(self) -> np.ndarray:
         """(T, E, 2, 6)."""
