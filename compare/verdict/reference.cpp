@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "common/error.h"
-#include "compare/audit/places.h"
 #include "compare/verdict/columns.h"
 #include "compare/verdict/reference_hints.h"
+#include "compare/verdict/unique_part.h"
 
 namespace concord::compare {
 
@@ -99,7 +99,7 @@ double peak_of(const Column& column, const Trajectory& run, double last) {
 /// Whether two columns are components of one vector, or one number.
 bool are_of_one_vector(const Column& one, const Column& other) {
   const int size = size_of_vector(one.field);
-  return one.field == other.field && one.owner == other.owner && one.side == other.side &&
+  return one.field == other.field && one.is_own == other.is_own && one.owner == other.owner && one.side == other.side &&
          one.component / size == other.component / size;
 }
 
@@ -109,7 +109,8 @@ double peak_of(const Column& column, const Reference& reference) {
   for (std::size_t k = 0; k < reference.times.size(); ++k) {
     double square = 0.0;
     for (const ReferenceColumn& other : reference.columns) {
-      if (are_of_one_vector(other.column, column)) square += std::pow(other.values[k], 2);
+      if (are_of_one_vector(other.column, column) && !std::isnan(other.values[k]))
+        square += std::pow(other.values[k], 2);
     }
     peak = std::max(peak, std::sqrt(square));
   }
@@ -143,45 +144,37 @@ double measure_of_percent(const Column& column, const Verdict& verdict, const Re
   return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 
-bool is_unique(const Verdict& verdict, const Quantity& quantity) {
-  for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const QuantityRow& row : *rows) {
-      if (row.quantity == quantity) return row.unique;
-    }
-  }
-  return true;  // a component that the joint cannot carry: zero, and unique
-}
+/// A reference, and the runs, at those of its times at which it says a number of a column that follows from the machine
+/// alone there; if there is none, at all at which it says one.
+struct ChosenTimes {
+  Reference reference;
+  RunsAtTimes runs;
+  bool is_judged;
+};
 
-/// Rotation of the side of a joint in a sample, from its frame to global axes.
-Mat3 orientation_of(const Model& model, const Column& column, const Sample& sample) {
-  const Attachment& attachment = model.joints[static_cast<std::size_t>(column.owner)].on(column.side);
-  return place(attachment, sample.state.bodies[static_cast<std::size_t>(attachment.body)]).A_joint;
-}
-
-/// Whether a column's number follows from the machine alone. One in global axes does where components of the joint's
-/// frame that are not unique have no part along that axis.
-bool is_judged(const Model& model, const RunsAtTimes& runs, const Column& column) {
-  const auto quantity = quantity_of(column);
-  if (!quantity) return true;
-  if (column.field != Field::reaction_global && column.field != Field::total_global) {
-    return is_unique(runs.verdict, *quantity);
-  }
-  constexpr double kNoPart = 1e-12;
-  const bool is_total = column.field == Field::total_global;
-  const int first = column.component / 3 * 3;
-  std::array<bool, 3> is_open{};
-  for (int c = 0; c < 3; ++c) {
-    const Quantity own{is_total ? Kind::total : Kind::reaction, column.owner, column.side, first + c};
-    is_open[static_cast<std::size_t>(c)] = !is_unique(runs.verdict, own);
-  }
-  if (is_open == std::array<bool, 3>{}) return true;
+/// `known`: a run with NaN where a number is not unique.
+ChosenTimes choose_times(const Reference& reference, const RunsAtTimes& runs, std::size_t column,
+                         const Trajectory& known) {
+  const ReferenceColumn& asked = reference.columns[column];
+  std::vector<std::size_t> said;
+  std::vector<std::size_t> judged;
   for (std::size_t k = 0; k < runs.samples.size(); ++k) {
-    const Mat3 A = orientation_of(model, column, runs.sample(0, k));
-    for (int c = 0; c < 3; ++c) {
-      if (is_open[static_cast<std::size_t>(c)] && std::abs(A(column.component - first, c)) > kNoPart) return false;
-    }
+    if (std::isnan(asked.values[k])) continue;
+    said.push_back(k);
+    const bool is_unique = !std::isnan(value_of(asked.column, known.samples[runs.samples[k]]));
+    if (is_unique && !asked.column.is_own) judged.push_back(k);
   }
-  return true;
+  ChosenTimes chosen{reference, runs, !judged.empty()};
+  const std::vector<std::size_t>& kept = judged.empty() ? said : judged;
+  const auto keep = [&](auto& numbers) {
+    for (std::size_t k = 0; k < kept.size(); ++k) numbers[k] = numbers[kept[k]];
+    numbers.resize(kept.size());
+  };
+  keep(chosen.runs.samples);
+  keep(chosen.reference.times);
+  keep(chosen.reference.lines);
+  for (ReferenceColumn& one : chosen.reference.columns) keep(one.values);
+  return chosen;
 }
 
 /// The sign by which Euler parameters of a reference are those of a solver in sample k: one for all that it gives of an
@@ -193,7 +186,8 @@ double sign_of(const RunsAtTimes& runs, std::size_t who, std::size_t k, const Re
   for (const ReferenceColumn& other : reference.columns) {
     const bool is_of_it =
         has_free_sign(other.column) && other.column.field == column.field && other.column.owner == column.owner;
-    if (is_of_it) product += value_of(other.column, runs.sample(who, k)) * other.values[k];
+    if (is_of_it && !std::isnan(other.values[k]))
+      product += value_of(other.column, runs.sample(who, k)) * other.values[k];
   }
   return product < 0.0 ? -1.0 : 1.0;
 }
@@ -315,18 +309,26 @@ void note_rounded_times(const Reference& reference, const Trajectory& run, const
                                       rounded > 1 ? fmt::format(", and so are {} more", rounded - 1) : ""));
 }
 
-void judge_column(const Model& model, const RunsAtTimes& runs, const Reference& reference,
-                  const ReferenceColumn& column, double largest, ReferenceRow& row) {
+/// What a picture shows of a column, whether it is judged or not.
+void keep_for_pictures(const Reference& reference, const ReferenceColumn& column, ReferenceRow& row) {
+  const auto quantity = quantity_of(column.column);
+  const bool is_drawn = quantity && (quantity->kind == Kind::reaction || quantity->kind == Kind::element);
+  if (!is_drawn || column.column.is_own) return;
+  row.quantity = quantity;
+  for (std::size_t k = 0; k < column.values.size(); ++k) {
+    if (std::isnan(column.values[k])) continue;
+    row.times.push_back(reference.times[k]);
+    row.values.push_back(column.values[k]);
+  }
+}
+
+void judge_column(const Model& model, const ChosenTimes& times, const ReferenceColumn& column, double largest,
+                  ReferenceRow& row) {
+  const auto& [reference, runs, is_judged] = times;
   row.of = describe_owner(model, column.column);
   row.component = describe_component(column.column);
   row.unit = column.column.unit;
-  const auto quantity = quantity_of(column.column);
-  if (quantity && (quantity->kind == Kind::reaction || quantity->kind == Kind::element)) {
-    row.quantity = quantity;
-    row.times = reference.times;
-    row.values = column.values;
-  }
-  row.is_judged = !column.values.empty() && is_judged(model, runs, column.column);
+  row.is_judged = is_judged;
   const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, reference, largest) : 1.0;
   const double stated = column.error * measure;
   row.allowed = std::max(stated, left_open(runs, column.column, largest));
@@ -349,9 +351,14 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
   cut_at_horizon(run, reference, runs.samples, verdict);
   note_rounded_times(reference, run, runs.samples, verdict);
   std::map<std::string, double> largest = largest_numbers(model, run);
-  for (const ReferenceColumn& column : reference.columns) {
+  const std::optional<Trajectory> known =
+      verdict.unique ? unique_part(model, run, *verdict.unique) : std::optional<Trajectory>();
+  for (std::size_t k = 0; k < reference.columns.size(); ++k) {
+    const ChosenTimes times = choose_times(reference, runs, k, known ? *known : run);
+    const ReferenceColumn& column = times.reference.columns[k];
     ReferenceRow row;
-    judge_column(model, runs, reference, column, largest[column.column.unit], row);
+    keep_for_pictures(reference, reference.columns[k], row);
+    judge_column(model, times, column, largest[column.column.unit], row);
     if (is_off(row)) add_finding(row, verdict);
     verdict.references.push_back(std::move(row));
   }

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -99,6 +100,10 @@ std::map<std::string, Column> known_columns(const Model& model) {
   for (const auto& columns :
        {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
     for (const Column& column : columns) known.try_emplace(column.name, column);
+  }
+  const std::map<std::string, Column> of_run = known;
+  for (const auto& [name, column] : of_run) {
+    if (may_be_open(column)) known.try_emplace(own_column(column).name, own_column(column));
   }
   return known;
 }
@@ -226,6 +231,10 @@ class ReferenceReader {
     }
     std::vector<double> numbers;
     for (const CsvField& field : fields) {
+      if (field.text == "nan" && !numbers.empty()) {  // nothing is said of this component here
+        numbers.push_back(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       const auto value = number_in(field.text);
       if (!value) {
         refuse(fmt::format("'{}' is not a number of a size up to {:g}", field.text, kLargestSize), field.column);

@@ -13,7 +13,7 @@ namespace concord::compare {
 /// One component over time.
 struct ReferenceColumn {
   Column column;
-  std::vector<double> values;
+  std::vector<double> values;  // NaN: it says nothing there
   /// Stated error: part of the peak of the column's vector (of the run's or its own, whichever is larger), or absolute
   /// in the column's unit.
   double error = 0.0;
@@ -39,7 +39,8 @@ struct Reference {
 /// Comment lines say the error, of all columns or of one: in percent of the peak of the vector of which the column is a
 /// component (force or torque on that side, place, speed; a number alone: its own peak), in the run or in the
 /// reference, whichever is larger, but of no less than 1e-4 of the scale in the table, or in the column's own unit. The
-/// sign of a set of Euler parameters means nothing and is chosen to fit. Throws InputError, with line, column and
+/// sign of a set of Euler parameters means nothing and is chosen to fit. `nan` in the place of a number says nothing
+/// there, and a column any_NAME of our own files is read and not judged. Throws InputError, with line, column and
 /// reason, for a column that the model does not have, a wrong unit, a column without an error or with two, a number
 /// that is none, or times that do not rise.
 Reference read_reference(const std::filesystem::path& file, const Model& model);

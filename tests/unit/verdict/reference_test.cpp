@@ -255,6 +255,40 @@ TEST_F(ReferenceTest, AGlobalComponentIsJudgedWhereWhatIsNotUniqueHasNoPartInIt)
   EXPECT_EQ(verdict.outcome, Outcome::differ);
 }
 
+/// In the second half of the run the torque about y is one of many, as our own file says by nan.
+TEST_F(ReferenceTest, AColumnIsJudgedAtTheTimesAtWhichItIsUnique) {
+  double t = 0.0;
+  const auto spoil = [&](FakePendulum& solver) {
+    solver.see_rank = [&](const State& state) { t = state.t; };
+    solver.spoil_rank = [&](RankReport& report) { report.joints[0].unique[1][4] = t <= 0.2; };
+  };
+  FakePendulum cartesian(model_, "cartesian");
+  FakePendulum relative(model_, "relative");
+  spoil(cartesian);
+  spoil(relative);
+  const Verdict verdict = verify(model_, cartesian, relative, {});
+  const double value = verdict.trajectories[0]->samples[50].evaluation.joints[0].reaction[1].in_C.torque.y();
+  const auto against = [&](const std::string& rows) {
+    Verdict judged = verdict;
+    judge_reference(model_, read("# error = 1 %\nt [s],A.child.T_y [N m],any_A.child.T_y [N m]\n" + rows), judged);
+    return judged;
+  };
+  const Verdict good = against(fmt::format("0.1,{},1e6\n0.3,1e6,1e6\n", value));
+  EXPECT_EQ(good.outcome, Outcome::agree);
+  EXPECT_TRUE(good.references.at(0).is_judged);
+  EXPECT_FALSE(good.references.at(1).is_judged);
+  EXPECT_EQ(good.references[1].component, "any_T_y");
+  EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value)).outcome, Outcome::agree);
+  EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value + 1e3)).references.at(0).line, 3);
+  EXPECT_EQ(against(fmt::format("0.1,{},0\n0.3,nan,0\n", value + 1e3)).outcome, Outcome::differ);
+  for (const char* unjudged : {"0.3,1e6,0\n", "0.1,nan,0\n0.3,1e6,0\n"}) {
+    EXPECT_FALSE(against(unjudged).references.at(0).is_judged);
+    EXPECT_EQ(against(unjudged).outcome, Outcome::failed);
+  }
+  EXPECT_THAT(complaint("# error = 1 %\nt [s],A.child.T_y [N m]\nnan,1\n"), HasSubstr("'nan' is not a number"));
+  EXPECT_THAT(complaint("# error = 1 %\nt [s],any_bob.x [m]\n0,1\n"), HasSubstr("has no 'any_bob.x'"));
+}
+
 TEST_F(ReferenceTest, APercentageOfNothingAllowsWhatTheRunsLeaveOpen) {
   model_ = pendulum_model();  // no spring and no driver: tau is zero
   const Verdict verdict = verified();
