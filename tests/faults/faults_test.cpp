@@ -175,7 +175,7 @@ std::vector<Fault> faults_of_solvers() {
 
 std::vector<Fault> faults_of_comparator() {
   std::vector<Fault> all = faults::read_catalogue();
-  std::erase_if(all, [](const Fault& fault) { return !fault.is_in("compare"); });
+  std::erase_if(all, [](const Fault& fault) { return !fault.is_in("compare") || fault.is_in("compare/report"); });
   return all;
 }
 
