@@ -18,6 +18,7 @@
 #include "cartesian/state_check.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
+#include "common/growth_watch.h"
 #include "common/laws/break_times.h"
 
 namespace concord::cartesian {
@@ -116,11 +117,13 @@ class Run {
     trajectory.samples.reserve(options_.samples + 1);
     measure_round_off(equations_, 0.0, motion_.q, shares_);
     trajectory.samples.push_back(sample(0.0, trajectory.statistics));
+    GrowthWatch growth(equations_.model(), trajectory.samples.front().state);
     for (int k = 1; k <= options_.samples; ++k) {
       const double t = k == options_.samples ? options_.until : options_.until * k / options_.samples;
       while (reached_ < t) step_toward(t);
       close_at_output(t);
       trajectory.samples.push_back(sample(t, trajectory.statistics));
+      growth.follow(trajectory.samples.back().state, "cartesian");
       if (progress) progress(t);
     }
     trajectory.statistics.steps = stepper_->steps();

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
+#include "common/growth_watch.h"
 #include "common/laws/break_times.h"
 #include "common/sundials.h"
 #include "relative/integration_run.h"
@@ -123,11 +125,14 @@ Trajectory integrate(Equations& equations, Assembly& assembly, States& states, c
   const RowsOfSteps rows(equations);
   Course course(run, equations, start, options, integrator);
   Trajectory trajectory;
+  std::optional<GrowthWatch> growth;
   for (int i = 0; i <= options.samples; ++i) {
     const double t = i == options.samples ? options.until : options.until * i / options.samples;
     if (i > 0) course.advance(t);
     const State before = i > 0 ? trajectory.samples.back().state : State();
     trajectory.samples.push_back(run.take_sample(states, t, course.numbers(), before));
+    if (!growth) growth.emplace(equations.model(), trajectory.samples.front().state);
+    growth->follow(trajectory.samples.back().state, "relative");
     StateMisfit misfit;
     (void)states.read(trajectory.samples.back().state, misfit);
     trajectory.statistics.max_constraint = std::max(trajectory.statistics.max_constraint, misfit.largest);

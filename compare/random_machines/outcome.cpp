@@ -42,6 +42,7 @@ constexpr std::array kRefusals{
     RefusalKind{"bent too far", "through deformation alone"},
     RefusalKind{"bent too far", "deformation has turned its frame"},
     RefusalKind{"without inertia", "have no inertia"},
+    RefusalKind{"grows without bound", "the motion of the model has grown without bound"},
 };
 constexpr std::size_t kMostOfKind = 60;
 constexpr std::string_view kStartRefused = "start refused";

@@ -13,6 +13,9 @@ TEST(Outcome, HonestRefusalsAreOfKindsFromAList) {
                 "same run: cartesian: at t = 1 s the equations of motion are singular: the machine is in a "
                 "singular pose, a body can move without inertia, or inertias lie too far apart for double precision"),
             "singular pose");
+  EXPECT_EQ(refusal_kind("same run: relative: at t = 2.8 s the motion of the model has grown without bound: body 'box' "
+                         "stands 7.2e+09 m from its start"),
+            "grows without bound");
   EXPECT_EQ(refusal_kind("something nobody has thought of"), "");
   for (const std::string& kind : refusal_kinds()) EXPECT_FALSE(kind.empty());
 }

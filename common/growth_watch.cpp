@@ -1,0 +1,91 @@
+#include "common/growth_watch.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+
+namespace concord {
+
+namespace {
+
+/// Of a body's own size: far beyond the small deflections that modes stand for.
+constexpr double kMostDeflection = 10.0;
+/// Of the machine's length: six digits are left there for what is between bodies.
+constexpr double kFarthest = 1e10;
+/// What is above this part of its limit has begun to grow.
+constexpr double kLarge = 0.01;
+
+/// The diagonal of the box in body axes that holds all mass points and nodes of a flexible body [m].
+double size_of(const ModalData& modal) {
+  Eigen::AlignedBox3d box;
+  for (const MassPoint& point : modal.mass_points) box.extend(point.s0_L);
+  for (const ModalNode& node : modal.nodes) box.extend(node.s0_L);
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+/// How far a unit of each modal coordinate moves a mass point or node at most [m].
+VecX deflections_of(const ModalData& modal) {
+  VecX largest = VecX::Zero(modal.n_modes());
+  const auto take = [&](const Mat3X& Psi_t_L) {
+    if (Psi_t_L.cols() == largest.size()) largest = largest.cwiseMax(Psi_t_L.colwise().norm().transpose());
+  };
+  for (const MassPoint& point : modal.mass_points) take(point.Psi_t_L);
+  for (const ModalNode& node : modal.nodes) take(node.Psi_t_L);
+  return largest;
+}
+
+}  // namespace
+
+double GrowthWatch::Watched::follow(double amount, double t) {
+  const double part = per_unit * std::abs(amount);
+  const bool was_large = is_large;
+  is_large = part > kLarge;
+  if (is_large && !was_large) since = t;
+  return part;
+}
+
+GrowthWatch::GrowthWatch(const Model& model, const State& start)
+    : model_(model), length_(model.length_scale()), bodies_(model.bodies.size()) {
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    WatchedBody& body = bodies_[i];
+    body.start = start.bodies[i].r;
+    body.place.per_unit = 1.0 / (kFarthest * length_);
+    if (!model.bodies[i].modal) continue;
+    const ModalData& modal = *model.bodies[i].modal;
+    body.size = size_of(modal);
+    for (const double deflection : deflections_of(modal)) {
+      Watched mode;
+      if (body.size > 0.0) mode.per_unit = deflection / (kMostDeflection * body.size);
+      body.modes.push_back(mode);
+    }
+  }
+}
+
+void GrowthWatch::follow(const State& state, std::string_view solver) {
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    WatchedBody& body = bodies_[i];
+    for (std::size_t k = 0; k < body.modes.size(); ++k) {
+      const double part = body.modes[k].follow(state.bodies[i].a(static_cast<Eigen::Index>(k)), state.t);
+      if (part <= 1.0) continue;
+      throw SolverError(fmt::format(
+          "{}: at t = {:.6g} s the motion of the model has grown without bound: mode a_{} deflects body "
+          "'{}' by {:.3g} times its size ({:.3g} m), and by more than a tenth of it since t = {:.6g} s, "
+          "where modes stand for small deflections: end the run before that, or see what should hold the "
+          "body (no model has geometric stiffness)",
+          solver, state.t, k + 1, model_.bodies[i].name, kMostDeflection * part, body.size, body.modes[k].since));
+    }
+    const double distance = (state.bodies[i].r - body.start).norm();
+    if (body.place.follow(distance, state.t) <= 1.0) continue;
+    throw SolverError(
+        fmt::format("{}: at t = {:.6g} s the motion of the model has grown without bound: body '{}' stands {:.3g} m "
+                    "from its start, {:.3g} lengths of the machine, and more than a hundredth of the {:g} that can be "
+                    "judged since t = {:.6g} s: end the run before that, or see what should hold the body",
+                    solver, state.t, model_.bodies[i].name, distance, distance / length_, kFarthest, body.place.since));
+  }
+}
+
+}  // namespace concord

@@ -1,0 +1,104 @@
+#include "common/growth_watch.h"
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "common/error.h"
+#include "common/rotation.h"
+
+namespace concord {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A bent strip askew in its body, 2 m from end to end, whose second mode moves its last point by 0.5 m for each unit;
+/// and a rigid body on it.
+class GrowthWatchTest : public ::testing::Test {
+ protected:
+  GrowthWatchTest() {
+    const Mat3 axes = rotation_about(Vec3(1.0, -2.0, 2.0) / 3.0, 0.7);
+    const Vec3 first(0.3, -0.1, 0.2);
+    ModalData modal;
+    for (int k = 0; k < 3; ++k) {
+      MassPoint point{0.4, first + axes * Vec3(k, 0.0, 0.0), Mat3X::Zero(3, 2)};
+      point.Psi_t_L.col(0) = axes * Vec3(0.0, 0.0, 0.01 * k);
+      point.Psi_t_L.col(1) = axes * Vec3(0.0, 0.25 * k, 0.0);
+      modal.mass_points.push_back(point);
+    }
+    modal.stiffness = MatX::Identity(2, 2);
+    Body strip;
+    strip.name = "strip";
+    strip.modal = modal;
+    Body box;
+    box.name = "box";
+    model_.bodies = {Body{}, strip, box};
+    start_ = at(0.0, 0.0);
+  }
+
+  [[nodiscard]] static State at(double t, double a) {
+    State state;
+    state.t = t;
+    state.bodies.resize(3);
+    state.bodies[1].r = Vec3(5.0, 6.0, -7.0);
+    state.bodies[2].r = Vec3(-3.0, 0.0, 4.0);
+    state.bodies[1].a = Vec2(0.1, a);
+    return state;
+  }
+
+  static std::string refusal(GrowthWatch& watch, const State& state) {
+    try {
+      watch.follow(state, "relative");
+      return "";
+    } catch (const SolverError& error) {
+      return error.what();
+    }
+  }
+
+  using Vec2 = Eigen::Vector2d;
+  Model model_;
+  State start_;
+};
+
+TEST_F(GrowthWatchTest, AModeThatDeflectsItsBodyByManySizesIsNamedWithSinceWhenAndHowMuch) {
+  GrowthWatch watch(model_, start_);
+  EXPECT_EQ(refusal(watch, at(0.1, -0.39)), "");  // 0.195 m of 2 m
+  EXPECT_EQ(refusal(watch, at(0.2, 0.41)), "");   // more than a tenth
+  EXPECT_EQ(refusal(watch, at(0.3, -2.0)), "");
+  EXPECT_EQ(refusal(watch, at(0.4, 0.2)), "");
+  EXPECT_EQ(refusal(watch, at(0.5, 3.0)), "");  // from here on
+  EXPECT_EQ(refusal(watch, at(0.6, -39.9)), "");
+  EXPECT_EQ(refusal(watch, at(0.7, 48.0)),
+            "relative: at t = 0.7 s the motion of the model has grown without bound: mode a_2 deflects body 'strip' by "
+            "12 times its size (2 m), and by more than a tenth of it since t = 0.5 s, where modes stand for small "
+            "deflections: end the run before that, or see what should hold the body (no model has geometric "
+            "stiffness)");
+}
+
+TEST_F(GrowthWatchTest, SoIsABodyThatLeavesAllThatCanBeToldApart) {
+  GrowthWatch watch(model_, start_);
+  const auto away = [&](double t, double distance) {
+    State state = at(t, 0.0);
+    state.bodies[2].r += distance * Vec3(2.0, -1.0, 2.0) / 3.0;
+    return state;
+  };
+  const double length = model_.length_scale();
+  EXPECT_EQ(refusal(watch, away(1.0, 0.9e8 * length)), "");
+  EXPECT_EQ(refusal(watch, away(2.0, 1.1e8 * length)), "");
+  EXPECT_EQ(refusal(watch, away(3.0, 0.99e10 * length)), "");
+  const std::string said = refusal(watch, away(4.0, 2e10 * length));
+  EXPECT_THAT(said,
+              HasSubstr("relative: at t = 4 s the motion of the model has grown without bound: body 'box' stands "));
+  EXPECT_THAT(said, HasSubstr("m from its start, 2e+10 lengths of the machine, and more than a hundredth of the 1e+10 "
+                              "that can be judged since t = 2 s: end the run before that"));
+}
+
+TEST_F(GrowthWatchTest, WhatStartsFarAwayHasNotGrown) {
+  State far = at(0.0, 0.0);
+  far.bodies[2].r = Vec3(3e12, -1e12, 2e12);
+  GrowthWatch watch(model_, far);
+  EXPECT_EQ(refusal(watch, far), "");
+}
+
+}  // namespace
+}  // namespace concord
