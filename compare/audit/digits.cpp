@@ -15,4 +15,11 @@ double matching_digits(double difference, double scale) {
 
 std::string format_digits(double digits) { return fmt::format("{:.1f}", std::floor(digits * 10.0) / 10.0); }
 
+std::string format_percent(double part, int decimals) {
+  constexpr double kMost = 10.0;
+  if (part > kMost) return fmt::format("more than {:+g} %", 100.0 * kMost);
+  if (part < -kMost) return fmt::format("less than {:+g} %", -100.0 * kMost);
+  return fmt::format("{:+.{}f} %", 100.0 * part, decimals);
+}
+
 }  // namespace concord::compare

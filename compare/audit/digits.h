@@ -15,4 +15,8 @@ double matching_digits(double difference, double scale);
 /// The digits to one decimal, rounded down: what is printed never claims more than what is.
 std::string format_digits(double digits);
 
+/// A change of a quantity, or what is added to it, as a part of it, in percent and signed: "+5.5 %". Beyond ten times
+/// the quantity itself the number says nothing more: "more than +1000 %", "less than -1000 %".
+std::string format_percent(double part, int decimals);
+
 }  // namespace concord::compare

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "compare/audit/digits.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -268,7 +269,7 @@ std::vector<GeometricStiffness> geometric_stiffness(const Model& model, const Tr
 namespace {
 
 std::string range_of(const GeometricStiffness& ratio) {
-  const auto text = [](double part, double t) { return fmt::format("{:+.1f} % (t = {:.6g} s)", 100.0 * part, t); };
+  const auto text = [](double part, double t) { return fmt::format("{} (t = {:.6g} s)", format_percent(part, 1), t); };
   const std::string lowest = text(ratio.lowest, ratio.t_lowest);
   const std::string highest = text(ratio.highest, ratio.t_highest);
   return lowest == highest ? lowest : fmt::format("{} to {}", lowest, highest);

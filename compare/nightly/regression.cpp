@@ -125,7 +125,7 @@ class CaseComparison {
     const double up = rise(was, is);
     if (up <= allowance_.cost && rise(is, was) <= allowance_.cost) return;
     changes_.add({up > 0.0 ? ChangeKind::worse : ChangeKind::better, "", "", measure, fmt::format("{}", was),
-                  fmt::format("{} ({:+.0f} %)", is, 100.0 * up), against_, std::abs(up), 0});
+                  fmt::format("{} ({})", is, format_percent(up, 0)), against_, std::abs(up), 0});
   }
 
   void compare_components() {

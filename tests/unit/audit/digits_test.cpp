@@ -30,5 +30,14 @@ TEST(DigitsTest, PrintsNoMoreThanThereIs) {
   EXPECT_EQ(format_digits(0.04), "0.0");
 }
 
+TEST(DigitsTest, APartBeyondTenTimesIsNoNumberToRead) {
+  EXPECT_EQ(format_percent(0.05549, 1), "+5.5 %");
+  EXPECT_EQ(format_percent(-0.5, 0), "-50 %");
+  EXPECT_EQ(format_percent(10.0, 1), "+1000.0 %");
+  EXPECT_EQ(format_percent(10.1, 1), "more than +1000 %");
+  EXPECT_EQ(format_percent(-6.0e40, 1), "less than -1000 %");
+  EXPECT_EQ(format_percent(std::numeric_limits<double>::infinity(), 1), "more than +1000 %");
+}
+
 }  // namespace
 }  // namespace concord::compare

@@ -199,6 +199,13 @@ TEST_F(GeometricStiffnessTest, WhatIsNotKnownOrLargeIsSaid) {
   EXPECT_THAT(notes_on(unknown)[0], HasSubstr("geometric stiffness of body rod: not known"));
 }
 
+TEST_F(GeometricStiffnessTest, WhatExceedsTheStiffnessManyTimesIsToldWithoutANumber) {
+  make(BeamSupport::simply_supported);
+  const auto notes = notes_on(ratios({pulled(-1e50), pulled(1e50)}));
+  ASSERT_THAT(notes, SizeIs(2));
+  EXPECT_THAT(notes[0], HasSubstr("axial forces reach less than -1000 % (t = 0 s) to more than +1000 % (t = 0 s) of"));
+}
+
 TEST_F(GeometricStiffnessTest, AModeThatDoesNotBendHasNone) {
   beam_.modes = {{BeamFamily::torsion, 1, false}, {BeamFamily::axial, 1, false}};
   make(BeamSupport::cantilever);
