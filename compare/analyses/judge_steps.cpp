@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "compare/analyses/stretched_beams.h"
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/geometric_stiffness.h"
@@ -175,7 +176,11 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
 
   for (const Who who : kBothSolvers) judge.judge_audit(who, audit(model, found[index(who)]));
   judge.judge_rows();
-  verdict.geometric_stiffness = geometric_stiffness(model, found[0]);
+  Trajectory stretched;
+  for (const Sample& sample : found[0].samples) {
+    stretched.samples.push_back(with_beams_stretched(model, *solvers[0], sample));
+  }
+  verdict.geometric_stiffness = geometric_stiffness(model, stretched);
   for (const std::string& note : notes_on(*verdict.geometric_stiffness)) result.text += fmt::format("note: {}\n", note);
   for (const Who who : kBothSolvers) verdict.trajectories[index(who)] = found[index(who)];
 }

@@ -266,6 +266,20 @@ std::vector<GeometricStiffness> geometric_stiffness(const Model& model, const Tr
   return ratios;
 }
 
+std::vector<int> axial_modes(const ModalData& modal) {
+  std::vector<int> modes;
+  const std::optional<BeamLine> line = beam_line(modal);
+  if (!line) return modes;
+  for (int column = 0; column < modal.n_modes(); ++column) {
+    const double own = deflection(modal, column, line->axis_L);
+    const double other =
+        std::max(deflection(modal, column, line->y_L), deflection(modal, column, line->axis_L.cross(line->y_L)));
+    const bool is_axial = own > 0.0 && other <= kStraight * own;
+    if (is_axial && modal.stiffness(column, column) > 0.0) modes.push_back(column);
+  }
+  return modes;
+}
+
 namespace {
 
 std::string range_of(const GeometricStiffness& ratio) {

@@ -35,6 +35,10 @@ struct GeometricStiffness {
 /// gravity and the wrenches on the body alone, as in the free-body audit.
 std::vector<GeometricStiffness> geometric_stiffness(const Model& model, const Trajectory& trajectory);
 
+/// The modes along which a body made from a `beam` table stretches and does nothing else, columns from 0; none of any
+/// other body.
+std::vector<int> axial_modes(const ModalData& modal);
+
 /// What of it the reader must know, a sentence each: ratios above 5 %, and bodies of which none is known.
 std::vector<std::string> notes_on(const std::vector<GeometricStiffness>& ratios);
 

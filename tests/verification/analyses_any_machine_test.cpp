@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <numbers>
+#include <string>
 
 #include "closed_forms.h"
 #include "common/error.h"
@@ -196,6 +198,110 @@ force = [-8000, 0, 0]
     REQUIRE(ratios);
     for (const auto& ratio : *ratios) CHECK(ratio.lowest == Approx(-8000.0 * 4.6478 / elastic).epsilon(1e-3));
   }
+}
+
+constexpr double kBladeLength = 1.2;
+constexpr double kBladeSpeed = 31.0;
+constexpr double kBladeBending = 7e10 * 5e-9;   // E I, N m2
+constexpr double kBladeMass = 2700.0 * 1e-3;    // of its length, kg/m
+constexpr double kTipMass = 0.7;                // kg
+constexpr double kBladeModes = 12.3624;         // (1.8751)^4
+constexpr double kSouthwell = 1.1933;           // of a rotating cantilever
+constexpr double kSlopesOfCantilever = 4.6478;  // integral of w'^2 of its first mode, over that of w^2
+
+/// A blade, askew in its body and tilted, clamped to a hinge; `axial`: its axial modes; `tip`: what stands at its tip;
+/// `spin`: the lines of the hinge that say how it turns, about z of the hinge.
+Model spinning_blade(const char* axial, const char* tip, const char* spin) {
+  return parse(fmt::format(R"toml(format = 1
+[[body]]
+name = "blade"
+[body.beam]
+first_end = [0.1, -0.2, 0.05]
+x = [0.6, 0, 0.8]
+z = [0, 1, 0]
+length = 1.2
+section = {{ area = 1e-3, second_moment_y = 5e-9, second_moment_z = 5e-9, torsion_constant = 1e-8 }}
+youngs_modulus = 7e10
+shear_modulus = 2.6e10
+density = 2700
+support = "cantilever"
+modes = {{ bending_xy = [1], bending_xz = [1], axial = {} }}
+[[joint]]
+name = "root"
+type = "revolute"
+parent = {{ body = "ground", point = [0.3, 0.1, 0.2], x = [0.8, -0.6, 0], z = [0.48, 0.64, 0.6] }}
+child = {{ body = "blade", node = "first", x = [0.6, 0, 0.8], z = [0, 1, 0] }}
+{}
+{})toml",
+                           axial, spin, tip));
+}
+
+constexpr const char* kTip = R"toml([[body]]
+name = "tip"
+mass = 0.7
+inertia = [1e-9, 1e-9, 1e-9]
+[[joint]]
+name = "end"
+type = "weld"
+parent = { body = "blade", node = "last" }
+child = "tip"
+)toml";
+constexpr const char* kDrivenSpin = "drive.turn_z = { law = \"polynomial\", coefficients = [0.3, 31] }";
+constexpr const char* kKeptSpin = "start.turn_z = { keep = 0.3, keep_speed = 31 }";
+
+TEST_CASE("Analyses tell by how much a spinning blade is stiffened, however it could stretch, as Southwell does",
+          "[analyses][quick]") {
+  const auto axial = GENERATE(as<std::string>{}, "[]", "[1]", "[1, 2, 3]");
+  const double at_tip = GENERATE(0.0, kTipMass);
+  CAPTURE(axial, at_tip);
+  const double elastic = kBladeBending * kBladeModes;
+  const double span = std::pow(kBladeLength, 3);
+  const double stiffened = kBladeSpeed * kBladeSpeed * span / elastic *
+                           (kSouthwell * kBladeMass * kBladeLength + kSlopesOfCantilever * at_tip);
+  const char* tip = at_tip > 0.0 ? kTip : "";
+  const Model driven = spinning_blade(axial.c_str(), tip, kDrivenSpin);
+  const Model kept = spinning_blade(axial.c_str(), tip, kKeptSpin);
+  for (const AnalysisVerdict& result : {judge_linearization(driven, kMakers, false),
+                                        judge_linearization(kept, kMakers, false), judge_inverse(kept, kMakers, {})}) {
+    INFO(format_analysis(kept, result, true));
+    CHECK(result.wrenches.findings.empty());
+    CHECK(result.text.find("note: geometric stiffness, which no model has: on body blade") != std::string::npos);
+    REQUIRE(result.wrenches.geometric_stiffness);
+    for (const auto& ratio : *result.wrenches.geometric_stiffness) {
+      CHECK(ratio.lowest == Approx(stiffened).epsilon(1e-3));
+      CHECK(ratio.highest == ratio.lowest);
+    }
+  }
+}
+
+TEST_CASE("With the stiffness that it is told to lack, a blade flaps at Southwell's frequency", "[analyses][quick]") {
+  const Model model = spinning_blade("[1, 2, 3]", "", kDrivenSpin);
+  const AnalysisVerdict found = judge_linearization(model, kMakers, false);
+  INFO(format_analysis(model, found, true));
+  REQUIRE(found.wrenches.geometric_stiffness);
+  const auto& ratios = *found.wrenches.geometric_stiffness;
+  REQUIRE(ratios.size() == 2);
+  const double at_rest = kBladeBending * kBladeModes / (kBladeMass * std::pow(kBladeLength, 4));
+  // In the plane it leaves: without its stiffening the centrifugal force is the stronger one there.
+  const auto& modes = found.linearizations[0]->modes;
+  const auto slowest = std::find_if(modes.begin(), modes.end(), [](const auto& mode) { return mode.oscillates(); });
+  REQUIRE(slowest != modes.end());
+  const double flap = std::norm(slowest->eigenvalue);
+  CHECK(flap == Approx(at_rest).epsilon(1e-3));
+  CHECK(flap * (1.0 + ratios[1].highest) == Approx(at_rest + kSouthwell * kBladeSpeed * kBladeSpeed).epsilon(1e-3));
+}
+
+TEST_CASE("Nothing is told of blades without axial forces", "[analyses][quick]") {
+  const auto is_silent = [](const AnalysisVerdict& result) {
+    return result.text.find("geometric stiffness") == std::string::npos;
+  };
+  const Model still = spinning_blade("[1, 2, 3]", kTip, "start.turn_z = { keep = 0.3, keep_speed = 0 }");
+  CHECK(is_silent(judge_linearization(still, kMakers, false)));
+  CHECK(is_silent(judge_inverse(still, kMakers, {})));
+  // Statics and equilibria hold drivers: nothing spins.
+  const Model driven = spinning_blade("[1, 2, 3]", kTip, kDrivenSpin);
+  CHECK(is_silent(judge_statics(driven, kMakers)));
+  CHECK(is_silent(judge_linearization(driven, kMakers, true)));
 }
 
 /// A beam of twenty elements with a hinge at its middle, or held there.

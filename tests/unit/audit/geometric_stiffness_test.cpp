@@ -206,6 +206,14 @@ TEST_F(GeometricStiffnessTest, WhatExceedsTheStiffnessManyTimesIsToldWithoutANum
   EXPECT_THAT(notes[0], HasSubstr("axial forces reach less than -1000 % (t = 0 s) to more than +1000 % (t = 0 s) of"));
 }
 
+TEST_F(GeometricStiffnessTest, KnowsTheModesThatStretchTheBeam) {
+  make(BeamSupport::cantilever);
+  EXPECT_EQ(axial_modes(*model_.bodies[1].modal), (std::vector<int>{3}));
+  ModalData& modal = *model_.bodies[1].modal;
+  modal.mass_points = equivalent_mass_points(modal.G);
+  EXPECT_THAT(axial_modes(modal), SizeIs(0)) << "not known to be a beam";
+}
+
 TEST_F(GeometricStiffnessTest, AModeThatDoesNotBendHasNone) {
   beam_.modes = {{BeamFamily::torsion, 1, false}, {BeamFamily::axial, 1, false}};
   make(BeamSupport::cantilever);
