@@ -9,6 +9,7 @@
 #include "compare/audit/digits.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/carried.h"
 #include "compare/verdict/observe.h"
 #include "compare/verdict/refinement.h"
 
@@ -73,15 +74,23 @@ std::string last_line(const AnalysisVerdict& result) {
   const ComponentCount count = count_components(verdict);
   std::string text = fmt::format("{} {}: {}: {} of {} components of joints and force elements judged",
                                  to_string(verdict.outcome), verdict.name, result.analysis, count.judged, count.total);
-  const auto add = [&](const char* name, const std::optional<double>& digits) {
+  if (const std::string instead = judged_instead(verdict); !instead.empty()) text += ": " + instead;
+  const auto add = [&](const char* name, const std::optional<double>& digits, const std::string& less) {
     if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
+    if (digits && !less.empty()) text += fmt::format(" ({})", less);
   };
-  add("same state", verdict.same_state.digits);
-  add("each its own", verdict.same_run.digits);
-  add("audit", verdict.audit.digits);
+  add("same state", verdict.same_state.digits, passed_with_less(verdict, Rung::same_state));
+  add("each its own", verdict.same_run.digits, passed_with_less(verdict, Rung::same_run));
+  add("audit", verdict.audit.digits, "");
   std::optional<double> numbers;
-  for (const NumberRow& row : result.numbers) numbers = std::min(numbers.value_or(kMostDigits), row.digits);
-  add("numbers", numbers);
+  int resolved = 0;
+  for (const NumberRow& row : result.numbers) {
+    numbers = std::min(numbers.value_or(kMostDigits), row.digits);
+    if (row.agrees() && row.digits < row.need) ++resolved;
+  }
+  add("numbers", numbers,
+      resolved > 0 ? fmt::format("{} of {} below their need, within what is resolved", resolved, result.numbers.size())
+                   : "");
   return text + '\n';
 }
 

@@ -255,7 +255,9 @@ std::string sentence_of(const DataJson& document) {
   const std::string nearest = nearest_to_need(document, outcome != "agree");
   if (outcome == "agree") {
     const std::string count = judged == total ? fmt::format("all {}", total) : fmt::format("{} of {}", judged, total);
-    return fmt::format("Both solvers agree on {} load components of {}{}.", count, name,
+    const auto instead = document.value("judged_instead", std::string());
+    return fmt::format("Both solvers agree on {} load components of {}{}{}.", count, name,
+                       instead.empty() ? "" : ": " + instead,
                        nearest.empty() ? "" : "; nearest to its need: " + nearest);
   }
   if (outcome == "differ") {

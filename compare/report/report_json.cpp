@@ -2,9 +2,12 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/report/explanations.h"
+#include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -16,6 +19,12 @@ using Json = nlohmann::ordered_json;
 Json rung(const RungSummary& summary) {
   Json found{{"digits", digits_json(summary.digits)}};
   if (summary.horizon) found["horizon_s"] = *summary.horizon;
+  return found;
+}
+
+Json rung(const Verdict& verdict, Rung of) {
+  Json found = rung(summary_of(verdict, of));
+  if (std::string less = passed_with_less(verdict, of); !less.empty()) found["passed_with_less"] = std::move(less);
   return found;
 }
 
@@ -105,12 +114,13 @@ Json document(const Model& model, const Verdict& verdict) {
             {"verdict", to_string(verdict.outcome)},
             {"judged", reactions.judged},
             {"total", reactions.total},
-            {"same_state", rung(verdict.same_state)},
-            {"same_run", rung(verdict.same_run)},
-            {"refined", rung(verdict.refined)},
+            {"same_state", rung(verdict, Rung::same_state)},
+            {"same_run", rung(verdict, Rung::same_run)},
+            {"refined", rung(verdict, Rung::refined)},
             {"audit", rung(verdict.audit)},
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
+  if (std::string instead = judged_instead(verdict); !instead.empty()) said["judged_instead"] = std::move(instead);
   for (const Finding& finding : verdict.findings) {
     said["findings"].push_back({{"what", finding.what}, {"looks_like", finding.symptom}});
   }

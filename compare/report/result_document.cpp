@@ -8,6 +8,7 @@
 #include "common/overloaded.h"
 #include "compare/report/explanations.h"
 #include "compare/report/table.h"
+#include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -201,12 +202,16 @@ ResultJson result_rung(const char* name, const RungSummary& rung) {
           {"horizon_s", or_null(rung.horizon)}};
 }
 
+ResultJson result_rung(const Verdict& verdict, Rung rung) {
+  ResultJson said = result_rung(name_of(rung), summary_of(verdict, rung));
+  said["passed_with_less"] = passed_with_less(verdict, rung);
+  return said;
+}
+
 ResultJson result_rungs(const Verdict& verdict) {
   ResultJson rungs = ResultJson::array();
   rungs.push_back({{"name", "rank"}, {"digits", nullptr}, {"passed", verdict.rank_agrees}});
-  rungs.push_back(result_rung("same state", verdict.same_state));
-  rungs.push_back(result_rung("same run", verdict.same_run));
-  rungs.push_back(result_rung("refined", verdict.refined));
+  for (const Rung rung : kRungs) rungs.push_back(result_rung(verdict, rung));
   rungs.push_back(result_rung("audit", verdict.audit));
   rungs.push_back({{"name", "energy"}, {"digits", nullptr}, {"passed", keeps_energy(verdict)}});
   if (!verdict.references.empty()) {
@@ -233,6 +238,7 @@ std::string format_result(const Model& model, const Verdict& verdict) {
       {"outcome", to_string(verdict.outcome)},
       {"judged", count.judged},
       {"total", count.total},
+      {"judged_instead", judged_instead(verdict)},
       {"bodies", verdict.bodies},
       {"joints", verdict.joints},
       {"loops", verdict.loops},

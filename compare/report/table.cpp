@@ -11,6 +11,7 @@
 #include "compare/report/table_head.h"
 #include "compare/report/text_table.h"
 #include "compare/report/third_table.h"
+#include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/states.h"
 
@@ -251,6 +252,12 @@ std::string rung_text(const char* name, const RungSummary& rung) {
   return rung.digits ? fmt::format("{} {}", name, format_digits(*rung.digits)) : std::string(name);
 }
 
+/// With how rows pass it that do not reach their need.
+std::string rung_text(const Verdict& verdict, Rung rung) {
+  const std::string less = passed_with_less(verdict, rung);
+  return rung_text(name_of(rung), summary_of(verdict, rung)) + (less.empty() ? "" : fmt::format(" ({})", less));
+}
+
 std::string audit_text(const Verdict& verdict) {
   std::string text;
   for (const SolverSummary& solver : verdict.solvers) {
@@ -290,16 +297,14 @@ std::string last_line(const Verdict& verdict) {
   std::vector<std::string> missed;
   const auto sort = [&](bool is_passed, std::string text) { (is_passed ? passed : missed).push_back(std::move(text)); };
   sort(verdict.rank_agrees, "rank");
-  sort(verdict.same_state.passed, rung_text("same state", verdict.same_state));
-  sort(verdict.same_run.passed, rung_text("same run", verdict.same_run));
-  sort(verdict.refined.passed, rung_text("refined", verdict.refined));
+  for (const Rung rung : kRungs) sort(summary_of(verdict, rung).passed, rung_text(verdict, rung));
   sort(verdict.audit.passed, rung_text("audit", verdict.audit));
   sort(keeps_energy(verdict), "energy");
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
   const ComponentCount count = count_components(verdict);
   std::string text = fmt::format("{} {}: {} of {} components judged", to_string(verdict.outcome), verdict.name,
                                  count.judged, count.total);
-  if (count.judged == 0 && has_judged_sums(verdict)) text += ", totals of joints that share what they carry instead";
+  if (const std::string instead = judged_instead(verdict); !instead.empty()) text += ": " + instead;
   const int coarse = count_too_coarse(verdict);
   if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
   if (!passed.empty()) text += fmt::format("; passed: {}", fmt::join(passed, ", "));

@@ -15,7 +15,7 @@ namespace concord::compare {
 namespace {
 
 /// Parts of a motion smaller than this, relative to all of it, are round-off.
-constexpr double kNoPart = 1e-6;
+constexpr double kTakesNoPart = 1e-6;
 
 /// What a motion has of a joint speed, a body's velocity or a mode's rate, in scaled units, and its name.
 struct Part {
@@ -89,7 +89,7 @@ std::string describe_motion(const Model& model, const State& state, const VecX& 
   const std::vector<Part> of_bodies = body_parts(model, moving, length);
   double largest = 0.0;
   for (const Part& part : of_bodies) largest = std::max(largest, std::abs(part.size));
-  std::string words = largest_parts(joint_parts(model, moving, length), kNoPart * largest);
+  std::string words = largest_parts(joint_parts(model, moving, length), kTakesNoPart * largest);
   if (words.empty()) words = largest_parts(of_bodies, 0.0);
   return words.empty() ? "nothing" : words;
 }
@@ -107,7 +107,7 @@ MatX separate_motions(const Model& model, const State& state, MatX motions) {
     Eigen::Index row = 0;
     Eigen::Index column = 0;
     const double largest = speeds.rightCols(n - k).cwiseAbs().maxCoeff(&row, &column);
-    if (!(largest > kNoPart)) break;
+    if (!(largest > kTakesNoPart)) break;
     column += k;
     speeds.col(k).swap(speeds.col(column));
     motions.col(k).swap(motions.col(column));

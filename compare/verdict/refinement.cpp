@@ -34,14 +34,14 @@ constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
   }
 }
 
-RungSummary& summary_of(Verdict& verdict, Rung rung) {
+constexpr RungSummary Verdict::*summary_at(Rung rung) {
   switch (rung) {
     case Rung::same_state:
-      return verdict.same_state;
+      return &Verdict::same_state;
     case Rung::same_run:
-      return verdict.same_run;
+      return &Verdict::same_run;
     default:
-      return verdict.refined;
+      return &Verdict::refined;
   }
 }
 
@@ -55,16 +55,20 @@ bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || 
 
 std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
 
-double need_of(const QuantityRow& row, Rung rung) {
+double need_of(const Needs& needs, Rung rung) {
   switch (rung) {
     case Rung::same_state:
-      return row.need.same_state;
+      return needs.same_state;
     case Rung::same_run:
-      return row.need.same_run;
+      return needs.same_run;
     default:
-      return row.need.refined;
+      return needs.refined;
   }
 }
+
+double need_of(const QuantityRow& row, Rung rung) { return need_of(row.need, rung); }
+
+const RungSummary& summary_of(const Verdict& verdict, Rung rung) { return verdict.*summary_at(rung); }
 
 bool is_beyond_round_off(const QuantityRow& row, Rung rung) {
   return rung == Rung::same_state && !row.need.same_state_lowered && detail_of(row, rung).ratio > kBeyondRoundOff;
@@ -150,7 +154,7 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
     }
     // The first rung that runs says where a row is unique.
     if (rung == Rung::same_state) row.unique = found.samples + found.too_coarse > 0;
-    RungSummary& summary = summary_of(verdict, rung);
+    RungSummary& summary = verdict.*summary_at(rung);
     summary.carries = summary.carries || (row.unique && found.scale > 0.0 && is_force(row.quantity.kind));
     if (!judges(rung, row.quantity.kind)) return;
     (row.*digits_at(rung)).reset();
@@ -207,7 +211,7 @@ void take_sums(const Verdict& verdict, RungSummary& summary) {
 }
 
 void sum_up(Rung rung, Verdict& verdict) {
-  RungSummary& summary = summary_of(verdict, rung);
+  RungSummary& summary = verdict.*summary_at(rung);
   summary.passed = has_judged(verdict);
   std::optional<double> on_speeds;
   std::optional<double> of_sums;

@@ -23,7 +23,9 @@ inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refin
 const char* name_of(Rung rung);
 
 std::optional<double> digits_of(const QuantityRow& row, Rung rung);
+double need_of(const Needs& needs, Rung rung);
 double need_of(const QuantityRow& row, Rung rung);
+const RungSummary& summary_of(const Verdict& verdict, Rung rung);
 const RungDetail& detail_of(const QuantityRow& row, Rung rung);
 
 /// Whether a row misses its need by what double precision cannot resolve there: round-off is no difference.

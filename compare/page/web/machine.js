@@ -10,8 +10,9 @@
     sentence.className = machine.outcome;
     find("rungs").replaceChildren(...(machine.rungs || []).map((rung) => {
       const digits = rung.digits === null || rung.digits === undefined ? "" : ` ${concord.digits(rung.digits)} digits`;
-      const horizon = rung.horizon_s ? `, judged up to ${concord.short(rung.horizon_s)} s` : "";
-      return concord.element("li", { class: rung.passed ? "yes" : "no", text: rung.name + digits + horizon });
+      const less = rung.passed_with_less ? `: ${rung.passed_with_less}` : "";
+      const horizon = rung.horizon_s && !less ? `, judged up to ${concord.short(rung.horizon_s)} s` : "";
+      return concord.element("li", { class: rung.passed ? "yes" : "no", text: rung.name + digits + less + horizon });
     }));
     const said = find("messages");
     said.replaceChildren();

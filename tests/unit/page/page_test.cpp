@@ -126,6 +126,29 @@ TEST(Page, SaysWhereResolutionJudgesInPlaceOfTheNeed) {
   EXPECT_EQ(machine.at("rows").at(0).at("said"), "agree, judged by resolution (same run)");
 }
 
+TEST(Page, SaysWhatCarriedTheVerdict) {
+  Compared one;
+  PairSum sum;
+  sum.samples = 3;
+  one.verdict.pair_sums = {sum};
+  for (auto* rows : {&one.verdict.rows, &one.verdict.others}) {
+    for (QuantityRow& row : *rows) {
+      row.unique = false;
+      row.judgement = Judgement::not_judged;
+    }
+  }
+  one.verdict.outcome = Outcome::agree;
+  one.verdict.same_run.passed = true;
+  one.verdict.same_run.horizon = 0.25;
+  const nlohmann::json machine = data_of(format_page({one.reported()})).at("machines").at(0);
+  EXPECT_THAT(
+      machine.at("sentence").get<std::string>(),
+      HasSubstr("load components of sprung: no single component is unique; judged instead: 1 total of joints that "
+                "share what they carry"));
+  EXPECT_THAT(machine.at("rungs").at(2).at("passed_with_less").get<std::string>(),
+              HasSubstr("up to t = 0.25 s of 0.4 s"));
+}
+
 TEST(Page, ChecksWithoutDigitsAreAmongTheRungs) {
   Compared one;
   one.verdict.references.push_back({.of = "joint A on bob", .component = "F_x", .unit = "N", .agrees = false});

@@ -4,7 +4,9 @@
 
 #include <sstream>
 
+#include "compare/report/report_json.h"
 #include "compare/report/text_table.h"
+#include "compare/verdict/refinement.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
 
@@ -114,6 +116,28 @@ TEST_F(TableTest, TheReasonForALoweredNeedStandsInTheRow) {
 TEST_F(TableTest, FailuresStopTheVerdict) {
   relative_.cannot_integrate = true;
   EXPECT_THAT(text(false), HasSubstr("\nSTOP pendulum: same run: relative: step size too small at t = 0.1 s\n"));
+}
+
+TEST_F(TableTest, TheLastLineSaysWhatCarriedTheVerdict) {
+  Verdict verdict = verify(model_, cartesian_, relative_, {});
+  QuantityRow& row = verdict.rows[2];
+  row.same_run = 3.6;
+  row.detail[static_cast<std::size_t>(Rung::same_run)].unexplained = 16.0;
+  verdict.same_run.digits = 3.6;
+  const std::string line = "same run 3.6 (1 of 10 below 7 digits, within round-off), refined ";
+  EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr(line));
+  EXPECT_THAT(format_json(model_, verdict),
+              HasSubstr("\"passed_with_less\": \"1 of 10 below 7 digits, within round-off\""));
+  for (QuantityRow& one : verdict.rows) one.judgement = Judgement::not_judged;
+  for (QuantityRow& one : verdict.rows) one.unique = false;
+  PairSum sum;
+  sum.samples = 3;
+  verdict.pair_sums = {sum, sum};
+  EXPECT_THAT(
+      format_verdict(model_, verdict, false),
+      HasSubstr("\nagree pendulum: 0 of 10 components judged: no single component is unique; judged instead: 2 totals "
+                "of joints that share what they carry; passed: rank, same state"));
+  EXPECT_THAT(format_json(model_, verdict), HasSubstr("\"judged_instead\": \"no single component is unique; "));
 }
 
 TEST_F(TableTest, IsTheSameFromRunToRun) {
