@@ -8,7 +8,7 @@
 #include <limits>
 #include <variant>
 
-#include "common/joints/joint_type.h"
+#include "compare/audit/carried_components.h"
 
 namespace concord::read_back {
 
@@ -99,11 +99,11 @@ bool Expected::flag(std::size_t row, std::size_t k) const {
 }
 
 bool Expected::may_be_open(Which which, std::size_t joint, std::size_t side, std::size_t component) const {
-  const bool carries = joints::carries(*run_.model.joints[joint].type, side == 1 ? Side::child : Side::parent,
-                                       static_cast<int>(component));
+  const Side on = side == 1 ? Side::child : Side::parent;
+  const bool is_carried = compare::carries(*run_.model.joints[joint].type, on, static_cast<int>(component));
   const std::vector<int>& rows = tau_rows_[joint];
   const bool is_forced = std::any_of(rows.begin(), rows.end(), [](int row) { return row >= 0; });
-  return carries || (which == Which::total && is_forced);
+  return is_carried || (which == Which::total && is_forced);
 }
 
 bool Expected::is_unique(Which which, std::size_t k, std::size_t joint, std::size_t side, std::size_t component) const {
