@@ -12,10 +12,12 @@ namespace concord {
 
 namespace {
 
-/// Of a body's own size: far beyond the small deflections that modes stand for.
+/// Of the body's own size, or of the machine's length if that is larger (a small body may be a mass that one mode
+/// carries far): beyond the small deflections that modes stand for.
 constexpr double kMostDeflection = 10.0;
-/// Of the machine's length: six digits are left there for what is between bodies.
-constexpr double kFarthest = 1e10;
+/// Of the machine's length: farther than any flight at a steady speed, so that only what pushes itself away comes
+/// there.
+constexpr double kFarthest = 1e30;
 /// What is above this part of its limit has begun to grow.
 constexpr double kLarge = 0.01;
 
@@ -59,7 +61,7 @@ GrowthWatch::GrowthWatch(const Model& model, const State& start)
     body.size = size_of(modal);
     for (const double deflection : deflections_of(modal)) {
       Watched mode;
-      if (body.size > 0.0) mode.per_unit = deflection / (kMostDeflection * body.size);
+      mode.per_unit = deflection / (kMostDeflection * std::max(body.size, length_));
       body.modes.push_back(mode);
     }
   }
@@ -71,20 +73,22 @@ void GrowthWatch::follow(const State& state, std::string_view solver) {
     for (std::size_t k = 0; k < body.modes.size(); ++k) {
       const double part = body.modes[k].follow(state.bodies[i].a(static_cast<Eigen::Index>(k)), state.t);
       if (part <= 1.0) continue;
-      throw SolverError(fmt::format(
-          "{}: at t = {:.6g} s the motion of the model has grown without bound: mode a_{} deflects body "
-          "'{}' by {:.3g} times its size ({:.3g} m), and by more than a tenth of it since t = {:.6g} s, "
-          "where modes stand for small deflections: end the run before that, or see what should hold the "
-          "body (no model has geometric stiffness)",
-          solver, state.t, k + 1, model_.bodies[i].name, kMostDeflection * part, body.size, body.modes[k].since));
+      const bool is_own = body.size >= length_;
+      throw SolverError(
+          fmt::format("{}: at t = {:.6g} s the motion of the model has grown without bound: mode a_{} deflects body "
+                      "'{}' by {:.3g} times {} ({:.3g} m), and by more than a tenth of that since t = {:.6g} s, "
+                      "where modes stand for small deflections: end the run before that, or see what should hold the "
+                      "body (no model has geometric stiffness)",
+                      solver, state.t, k + 1, model_.bodies[i].name, kMostDeflection * part,
+                      is_own ? "its size" : "the machine's length", std::max(body.size, length_), body.modes[k].since));
     }
     const double distance = (state.bodies[i].r - body.start).norm();
     if (body.place.follow(distance, state.t) <= 1.0) continue;
-    throw SolverError(
-        fmt::format("{}: at t = {:.6g} s the motion of the model has grown without bound: body '{}' stands {:.3g} m "
-                    "from its start, {:.3g} lengths of the machine, and more than a hundredth of the {:g} that can be "
-                    "judged since t = {:.6g} s: end the run before that, or see what should hold the body",
-                    solver, state.t, model_.bodies[i].name, distance, distance / length_, kFarthest, body.place.since));
+    throw SolverError(fmt::format(
+        "{}: at t = {:.6g} s the motion of the model has grown without bound: body '{}' stands {:.3g} m "
+        "from its start, {:.3g} lengths of the machine, and more than {:g} of them since t = {:.6g} s: end "
+        "the run before that, or see what pushes the body away",
+        solver, state.t, model_.bodies[i].name, distance, distance / length_, kLarge * kFarthest, body.place.since));
   }
 }
 

@@ -9,14 +9,14 @@
 namespace concord {
 
 /// Sees from sample to sample of a run where its motion has grown beyond all that the model can mean: modes stand for
-/// small deflections, and far away places have no digits left for what is between bodies.
+/// small deflections, and a body that is pushed the harder the farther it is leaves every length behind.
 class GrowthWatch {
  public:
   /// From the first state of a run on.
   GrowthWatch(const Model& model, const State& start);
 
   /// The motion has come to a state. Throws SolverError in the name of `solver` where a mode deflects its body by more
-  /// than ten times the body's size, or where a body stands farther from its start than 1e10 lengths of the machine;
+  /// than ten times the body's size and the machine's length, or where a body stands farther from its start than 1e30 lengths of the machine;
   /// tells of which body and mode, since when and how much.
   void follow(const State& state, std::string_view solver);
 
