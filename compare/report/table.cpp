@@ -308,7 +308,9 @@ std::string last_line(const Verdict& verdict) {
   const int coarse = count_too_coarse(verdict);
   if (coarse > 0) text += fmt::format(" ({} not, because double precision resolves too little)", coarse);
   if (!passed.empty()) text += fmt::format("; passed: {}", fmt::join(passed, ", "));
-  if (!missed.empty()) text += fmt::format("; not passed: {}", fmt::join(missed, ", "));
+  // Who agrees all the same has nothing to judge there.
+  const char* why = verdict.outcome == Outcome::agree ? "not judged" : "not passed";
+  if (!missed.empty()) text += fmt::format("; {}: {}", why, fmt::join(missed, ", "));
   return text + '\n';
 }
 

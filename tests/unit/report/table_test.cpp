@@ -106,6 +106,14 @@ TEST_F(TableTest, TheCompactRowIsTheOneThatFails) {
   EXPECT_THAT(table, HasSubstr("not passed: same state"));
 }
 
+TEST_F(TableTest, WhoAgreesHasNotJudgedWhatDidNotPass) {
+  Verdict verdict = verify(model_, cartesian_, relative_, {});
+  ASSERT_EQ(verdict.outcome, Outcome::agree);
+  EXPECT_THAT(format_verdict(model_, verdict, false), Not(HasSubstr("; not ")));
+  verdict.same_run.passed = verdict.refined.passed = false;
+  EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr("; not judged: same run"));
+}
+
 TEST_F(TableTest, TheReasonForALoweredNeedStandsInTheRow) {
   model_.needs.push_back({"A", "", "", "F_z", 5.0, {}, {}, "tested elsewhere", {}});
   const std::string table = text(false);
