@@ -157,20 +157,22 @@ std::optional<JointGap> gap_of(const joints::JointType& type, const RelativeMoti
 std::string words_of_open_joint(Equations& equations, double t, Hold hold, const Closing& closing, const VecX& q,
                                 const VecX& Y) {
   constexpr std::size_t kMostTried = 4;
+  constexpr double kClosed = 1e-12;  // rad, or of the machine's length: closed after all, by this way
   const Model& model = equations.model();
   std::vector<JointIndex> places = places_to_try(model, closing);
   places.resize(std::min(places.size(), kMostTried));
   for (const JointIndex k : places) {
     VecX moved = q;
     if (!close_others(equations, t, hold, k, moved, Y)) continue;
-    if (const auto gap = gap_at(equations, k)) {
+    const auto gap = gap_at(equations, k);
+    if (gap && size_of(*gap, equations.length()) > kClosed) {
       return fmt::format("where the others are closed, joint '{}' is left open by {}", pick(model.joints, k).name,
                          words_of(*gap, equations.length()));
     }
   }
   equations.update(t, q, Y);
   std::string words;
-  double largest = 0.0;
+  double largest = kClosed;
   for (const JointIndex k : places) {
     const auto gap = gap_at(equations, k);
     if (!gap || size_of(*gap, equations.length()) <= largest) continue;

@@ -85,6 +85,7 @@ int freedom_with(const ScaledClosure& scaled, const Coordinates& closed, const P
 std::string words_of_open_loop(const ScaledClosure& scaled, const Coordinates& guess,
                                const PrescribedMask& prescribed) {
   constexpr double kClosedBeside = 1e-6;
+  constexpr double kRoundOff = 1e-12;  // rad, or of the length: this search closes the loops
   const Equations& equations = scaled.equations();
   Closure closure(equations.kinematics(), prescribed);
   const std::vector<int> columns = scaled.moving_columns(prescribed, Modes::kept);
@@ -99,6 +100,7 @@ std::string words_of_open_loop(const ScaledClosure& scaled, const Coordinates& g
   }
   if (worst == nullptr) return "";
   const double largest = *std::max_element(sizes.begin(), sizes.end());
+  if (largest <= kRoundOff) return "";
   for (const SpeedConstraint& constraint : closure.speed_constraints()) {
     if (!constraint.is_coupling()) continue;
     if (largest_entry(closure.position_residual().segment(constraint.first_row, constraint.n_rows)) > largest)
