@@ -19,18 +19,16 @@ const std::vector<Absence>& absences() {
       {{"friction", "dry_friction", "coulomb", "coulomb_friction", "stiction", "frictionloss", "friction_coefficient",
         "mu"},
        "concord has no dry friction but that of a [[tire]] on its road: state a resistance of the joint by 'damping' "
-       "or "
-       "'damper_table' in its 'spring', or leave it out"},
+       "or 'damper_table' in its 'spring', or leave it out"},
       {{"force", "torque", "force_law", "formula", "expression", "function", "equation"},
-       "concord has no force by an expression of place and speed: write 'spring' of a joint or a [[line_spring]] with "
-       "'spring_table' (of the place), 'damper_table' (of the speed) or 'actuator' (of time), or a [[load]]"},
+       "concord has no force by an expression of place and speed: a [[load]] is a force over time, and 'spring' of a "
+       "joint, or a [[line_spring]], pushes by 'spring_table' (of the place) and 'damper_table' (of the speed)"},
       {{"motor", "servo", "control", "controller", "feedback"},
        "concord has no motor with a control: 'drive' of a joint prescribes the motion, 'actuator' in its 'spring' the "
        "force over time"},
       {{"gear", "gear_ratio", "belt", "pulley", "chain", "rack", "rack_and_pinion", "worm", "transmission"},
        "concord has no gear or belt with a place: a [[coupling]] relates joint coordinates, and its force acts on "
-       "these "
-       "alone, on no bearing"},
+       "these alone, on no bearing"},
       {{"rope", "cable", "tendon", "string"},
        "concord has no rope: a [[line_spring]] pulls along the line between two points, 'spring_table' says how, and a "
        "joint of type 'distance' keeps them apart"},
@@ -42,8 +40,7 @@ const std::vector<Absence>& absences() {
        "beyond a place"},
       {{"massless"},
        "concord has no massless bodies: a joint of type 'distance', 'revolute_spherical' or 'universal_spherical' "
-       "stands "
-       "for a link without mass; give any other body a mass"},
+       "stands for a link without mass; give any other body a mass"},
       {{"mesh", "visual", "geometry", "shape"},
        "concord reads no shapes: state 'mass', 'center_of_mass' and 'inertia' of the body"},
       {{"unit", "length_unit", "mass_unit", "angle_unit"},
