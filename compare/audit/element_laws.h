@@ -59,6 +59,6 @@ class ElementLaw {
 };
 
 /// The same of one element in one state.
-std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state, std::size_t place = 0);
+std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state, std::size_t place);
 
 }  // namespace concord::compare

@@ -56,7 +56,7 @@ struct LawBench {
 
   /// Power of the wrenches on both ends along the velocities of the state.
   [[nodiscard]] double power(const ForceElement& element) const {
-    const auto wrenches = wrenches_by_laws(element, state);
+    const auto wrenches = wrenches_by_laws(element, state, 0);
     double sum = 0.0;
     for (const Side side : {Side::parent, Side::child}) {
       const PlacedFrame end = place(ends[index(side)], state.bodies[ends[index(side)].body]);
@@ -106,7 +106,7 @@ TEST(ElementLaws, ALineSpringPullsByItsTensionAndItsPowerIsThatOfTheLength) {
   const double rate = bench.rate(length);
   const double tension = 30.0 * (length(bench.state) - 0.4) + 2.0 * rate + 1.5;
   EXPECT_NEAR(bench.power({"strut", spring, {}}), -tension * rate, 1e-9);
-  const auto wrenches = wrenches_by_laws({"strut", spring, {}}, bench.state);
+  const auto wrenches = wrenches_by_laws({"strut", spring, {}}, bench.state, 0);
   EXPECT_NEAR(wrenches[1].force.norm(), std::abs(tension), 1e-9);
   EXPECT_GT(tension, 0.0);
   const Vec3 from_parent =
@@ -124,7 +124,7 @@ TEST(ElementLaws, ALineSpringWhoseEndsMeetActsAlongTheirVelocity) {
   spring.ends[1].body = 1;
   spring.law.stiffness = 30.0;
   spring.law.damping = 2.0;
-  const auto force = [&] { return wrenches_by_laws({"strut", spring, {}}, state)[1].force; };
+  const auto force = [&] { return wrenches_by_laws({"strut", spring, {}}, state, 0)[1].force; };
   EXPECT_LT((force() + 2.0 * state.bodies[1].v).norm(), 1e-15);
   state.bodies[1].v.setZero();
   EXPECT_EQ(force().norm(), 0.0);
@@ -144,7 +144,7 @@ TEST(ElementLaws, ATurnSpringsPowerIsThatOfItsAngleThoughTheAxesDoNotCoincide) {
   const double rate = bench.rate(angle);
   const double resistance = 5.0 * (angle(bench.state) + 0.2) + 0.7 * rate - 0.4;
   EXPECT_NEAR(bench.power({"coil", spring, {}}), -resistance * rate, 1e-9);
-  EXPECT_EQ(wrenches_by_laws({"coil", spring, {}}, bench.state)[1].force.norm(), 0.0);
+  EXPECT_EQ(wrenches_by_laws({"coil", spring, {}}, bench.state, 0)[1].force.norm(), 0.0);
 }
 
 TEST(ElementLaws, ATurnSpringIsOnTheTurnThatTheStateSays) {
@@ -189,7 +189,7 @@ TEST(ElementLaws, ALoadKnowsItsAxes) {
   const Vec3 torque(0.3, 0.1, -0.2);
   const auto on_child = [&](LoadAxes axes) {
     const Load load{bench.ends[1], axes, force, torque, Polynomial{{2.0, 1.0}}};
-    const auto wrenches = wrenches_by_laws({"push", load, {}}, bench.state);
+    const auto wrenches = wrenches_by_laws({"push", load, {}}, bench.state, 0);
     EXPECT_EQ(wrenches[0].vector().norm(), 0.0);
     return wrenches[1];
   };
