@@ -1,10 +1,10 @@
 # What the Python module is built with: pybind11 and the development files of one Python, Debian's where it is there
 # (another one may come first on PATH, for which no numpy is installed); -DPython3_EXECUTABLE=... chooses another.
-if(NOT CONCORD_PYTHON)
+if(NOT CONCORD_PYTHON_MODULE)
   return()
 endif()
 if(CONCORD_SANITIZE)
-  message(FATAL_ERROR "CONCORD_PYTHON: a sanitized module does not load into a Python that is not: leave out one of both")
+  message(FATAL_ERROR "CONCORD_PYTHON_MODULE: a sanitized module does not load into a Python that is not: leave out one of both")
 endif()
 if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
   set(Python3_EXECUTABLE /usr/bin/python3)
