@@ -15,9 +15,10 @@ namespace {
 /// Of the body's own size, or of the machine's length if that is larger (a small body may be a mass that one mode
 /// carries far): beyond the small deflections that modes stand for.
 constexpr double kMostDeflection = 10.0;
-/// Of the machine's length: farther than any flight at a steady speed, so that only what pushes itself away comes
-/// there.
-constexpr double kFarthest = 1e30;
+/// Of the machine's length: six digits are left there for what is between bodies.
+constexpr double kFar = 1e10;
+/// In twice the time. A steady flight comes twice as far, a steady push brings it four times as far.
+constexpr double kPushedAway = 1e4;
 /// What is above this part of its limit has begun to grow.
 constexpr double kLarge = 0.01;
 
@@ -55,7 +56,6 @@ GrowthWatch::GrowthWatch(const Model& model, const State& start)
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     WatchedBody& body = bodies_[i];
     body.start = start.bodies[i].r;
-    body.place.per_unit = 1.0 / (kFarthest * length_);
     if (!model.bodies[i].modal) continue;
     const ModalData& modal = *model.bodies[i].modal;
     body.size = size_of(modal);
@@ -68,6 +68,7 @@ GrowthWatch::GrowthWatch(const Model& model, const State& start)
 }
 
 void GrowthWatch::follow(const State& state, std::string_view solver) {
+  times_.push_back(state.t);
   for (std::size_t i = 1; i < bodies_.size(); ++i) {
     WatchedBody& body = bodies_[i];
     for (std::size_t k = 0; k < body.modes.size(); ++k) {
@@ -82,14 +83,24 @@ void GrowthWatch::follow(const State& state, std::string_view solver) {
                       solver, state.t, k + 1, model_.bodies[i].name, kMostDeflection * part,
                       is_own ? "its size" : "the machine's length", std::max(body.size, length_), body.modes[k].since));
     }
-    const double distance = (state.bodies[i].r - body.start).norm();
-    if (body.place.follow(distance, state.t) <= 1.0) continue;
-    throw SolverError(fmt::format(
-        "{}: at t = {:.6g} s the motion of the model has grown without bound: body '{}' stands {:.3g} m "
-        "from its start, {:.3g} lengths of the machine, and more than {:g} of them since t = {:.6g} s: end "
-        "the run before that, or see what pushes the body away",
-        solver, state.t, model_.bodies[i].name, distance, distance / length_, kLarge * kFarthest, body.place.since));
+    follow_place(i, state, solver);
   }
+}
+
+void GrowthWatch::follow_place(std::size_t i, const State& state, std::string_view solver) {
+  std::vector<double>& farthest = bodies_[i].farthest;
+  const double distance = (state.bodies[i].r - bodies_[i].start).norm();
+  farthest.push_back(farthest.empty() ? distance : std::max(farthest.back(), distance));
+  if (distance <= kFar * length_) return;
+  const auto half = std::upper_bound(times_.begin(), times_.end(), 0.5 * state.t) - times_.begin();
+  const double before = half > 0 ? farthest[static_cast<std::size_t>(half - 1)] : 0.0;
+  if (before <= 0.0 || distance <= kPushedAway * before) return;
+  throw SolverError(
+      fmt::format("{}: at t = {:.6g} s the motion of the model has grown without bound: body '{}' stands {:.3g} m "
+                  "from its start, {:.3g} lengths of the machine, after at most {:.3g} m until t = {:.6g} s: end the "
+                  "run before that, or see what pushes the body away",
+                  solver, state.t, model_.bodies[i].name, distance, distance / length_, before,
+                  times_[static_cast<std::size_t>(half - 1)]));
 }
 
 }  // namespace concord

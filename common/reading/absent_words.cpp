@@ -22,7 +22,8 @@ const std::vector<Absence>& absences() {
        "or 'damper_table' in its 'spring', or leave it out"},
       {{"force", "torque", "force_law", "formula", "expression", "function", "equation"},
        "concord has no force by an expression of place and speed: a [[load]] is a force over time, and 'spring' of a "
-       "joint, or a [[line_spring]], pushes by 'spring_table' (of the place) and 'damper_table' (of the speed)"},
+       "joint, or a [[line_spring]], pushes by 'spring_table' (of the place), 'damper_table' (of the speed) and "
+       "'actuator' (of time)"},
       {{"motor", "servo", "control", "controller", "feedback"},
        "concord has no motor with a control: 'drive' of a joint prescribes the motion, 'actuator' in its 'spring' the "
        "force over time"},

@@ -131,8 +131,8 @@ colour_of_paint = "red")~",
 46:43: error: joint 'D' (cylindrical), drive, slide_z: unknown key 'sped': did you mean 'speed'?)~"},
       {"no_law_by_expression", "speed = 1 }", "speed = 1 }\nspring.slide_z = { force = \"-5*x\", damping = 1 }",
        "47:20: error: joint 'D' (cylindrical), spring, slide_z: unknown key 'force': concord has no force by an "
-       "expression of place and speed: write 'spring' of a joint or a [[line_spring]] with 'spring_table' (of the "
-       "place), 'damper_table' (of the speed) or 'actuator' (of time), or a [[load]]"},
+       "expression of place and speed: a [[load]] is a force over time, and 'spring' of a joint, or a [[line_spring]], "
+       "pushes by 'spring_table' (of the place), 'damper_table' (of the speed) and 'actuator' (of time)"},
       {"gravity_of_two", "[0, -9.81, 0]", "[0, -9.81]", "2:11: error: 'gravity' must be a list of 3 numbers, found 2"},
       {"gravity_a_number", "[0, -9.81, 0]", "-9.81",
        "2:11: error: 'gravity' must be a list of 3 numbers, found a number"},
