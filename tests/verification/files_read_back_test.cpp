@@ -106,7 +106,7 @@ std::vector<std::string> unlike_comparison(const fs::path& file, const VerifyOpt
   for (std::size_t who = 0; who < 2; ++who) {
     auto& run = verdict.trajectories[who];
     if (!run) {
-      unlike.push_back("no run");
+      unlike.emplace_back("no run");
       continue;
     }
     run = machine.back(std::move(*run));
@@ -118,7 +118,7 @@ std::vector<std::string> unlike_comparison(const fs::path& file, const VerifyOpt
   std::ifstream table(command.out / (model.name + ".table.txt"));
   std::ostringstream text;
   text << table.rdbuf();
-  if (text.str() != out.str()) unlike.push_back("table.txt: is not what was printed");
+  if (text.str() != out.str()) unlike.emplace_back("table.txt: is not what was printed");
   return unlike;
 }
 
