@@ -20,7 +20,6 @@ using Json = nlohmann::json;
 using compare::Judgement;
 using compare::Kind;
 using compare::QuantityRow;
-using compare::Rung;
 using compare::Verdict;
 
 /// A document against what it must say: numbers to the last digit, null for what is not known.

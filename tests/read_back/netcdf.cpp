@@ -293,7 +293,7 @@ std::string place_of(const Variables& names, const Variable& variable, std::size
     number /= length;
     const std::string name =
         *dimension == "time" ? fmt::format("t = {} s", along->second.numbers[at]) : along->second.texts[at];
-    place = place.empty() ? name : name + ", " + place;
+    place = place.empty() ? name : fmt::format("{}, {}", name, place);
   }
   return place;
 }
