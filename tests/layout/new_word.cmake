@@ -1,5 +1,5 @@
 # Adds a word of each kind to a copy of the vocabulary and holds what the compiler then says against the table of
-# common/joints/README.md, "Add a word": every visit of the listed sources is refused for want of a clause, all sources
+# common/joints/README.md, "Add a primitive": every visit of the listed sources is refused for want of a clause, all sources
 # that need no more than facts compile, a word without facts compiles nowhere, and no source tells words apart behind the
 # compiler's back. Run as
 #   cmake -D SOURCE=<root of the project> -D FOLDER=<where the copy may stand> -D COMPILER=<C++> -D INCLUDES=<a|b|...>
