@@ -5,7 +5,7 @@
 include(GNUInstallDirs)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/concord)
 set(libraries concord_options)
-foreach(library common sundials cartesian relative audit reread attribution verdict equilibrium report analyses invariance
+foreach(library common sundials cartesian relative audit attribution verdict equilibrium report analyses invariance
                 joint_check)
   if(TARGET concord_${library})
     set_target_properties(concord_${library} PROPERTIES EXPORT_NAME ${library})

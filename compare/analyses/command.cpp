@@ -6,12 +6,12 @@
 #include <cmath>
 #include <ostream>
 
+#include "common/reading/model_file.h"
 #include "compare/analyses/report.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
 #include "compare/verdict/near_frames.h"
-#include "compare/verdict/two_readings.h"
 
 namespace concord::compare::analyses {
 
@@ -78,7 +78,7 @@ void write_results(const std::filesystem::path& folder, const Model& model, cons
 int analyse_model(const AnalysisCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     prepare_outputs(command);
-    const NearFrames near(read_twice(command.model));
+    const NearFrames near(read_model(command.model));
     const Model& model = near.model();
     AnalysisVerdict result = judge(command, model, makers);
     result.wrenches.trajectories = near.back(std::move(result.wrenches.trajectories));

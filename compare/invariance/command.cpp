@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/error.h"
+#include "common/reading/model_file.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/report.h"
 #include "compare/report/files.h"
@@ -15,7 +16,6 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/near_frames.h"
-#include "compare/verdict/two_readings.h"
 #include "compare/verdict/verdict.h"
 
 namespace concord::compare::invariance {
@@ -31,7 +31,7 @@ struct Tried {
 Tried try_one(const std::filesystem::path& file, const InvarianceCommand& command, const SolverMakers& makers,
               const Console& console, std::set<std::string>& names) {
   const auto begin = std::chrono::steady_clock::now();
-  Tried one{read_twice(file), {}};
+  Tried one{read_model(file), {}};
   if (!names.insert(one.model.name).second) {
     throw InputError(
         {file.string(), 0, 0},

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/joints/catalogue.h"
+#include "common/reading/model_file.h"
 #include "compare/analyses/judge.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/report.h"
@@ -18,7 +19,6 @@
 #include "compare/random_machines/trial.h"
 #include "compare/verdict/near_frames.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/two_readings.h"
 
 namespace concord::compare::nightly {
 
@@ -368,7 +368,7 @@ void do_work(const Case& one, const std::filesystem::path& scratch, const Solver
 
 Model model_of(const Case& one) {
   tell_stage("reading");
-  Model model = read_twice(one.model, {one.parameters.begin(), one.parameters.end()});
+  Model model = read_model(one.model, {one.parameters.begin(), one.parameters.end()});
   model.needs.insert(model.needs.end(), one.needs.begin(), one.needs.end());
   if (one.cut) name_cuts(one, model);
   if (one.start) move_start(one, model);
@@ -381,9 +381,6 @@ Result try_case(const Case& one, const std::filesystem::path& scratch, const Sol
   result.work = name_of(one.work);
   try {
     do_work(one, scratch, makers, result);
-  } catch (const MisreadModel& error) {
-    result.ending = Ending::differ;
-    result.words = error.what();
   } catch (const InputError& error) {
     result.ending = Ending::bad_input;
     result.words = error.what();

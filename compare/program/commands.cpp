@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/reading/model_file.h"
 #include "compare/audit/digits.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
@@ -26,7 +27,6 @@
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
 #include "compare/verdict/table_notes.h"
-#include "compare/verdict/two_readings.h"
 
 namespace concord::compare {
 
@@ -145,19 +145,13 @@ void solve_both(const CompareCommand& command, const InputFiles& inputs, const S
 Case compare_one(const std::filesystem::path& file, const CompareCommand& command, const InputFiles& inputs,
                  const SolverMakers& makers, const Console& console, std::set<std::string>& names) {
   Case one;
-  bool is_misread = false;
-  try {
-    one.model = read_twice(file);
-  } catch (const MisreadModel& error) {
-    is_misread = true;
-    one = {error.model(), verdict_on(error)};
-  }
+  one.model = read_model(file);
   if (!names.insert(one.model.name).second) {
     throw InputError({file.string(), 0, 0},
                      fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
                                  one.model.name));
   }
-  if (!is_misread) solve_both(command, inputs, makers, console, one);
+  solve_both(command, inputs, makers, console, one);
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -311,7 +305,7 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
 int run_model(const RunCommand& command, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
-    const Model given = read_twice(command.model);
+    const Model given = read_model(command.model);
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
@@ -362,7 +356,7 @@ State assemble_explained(Solver& solver, const Model& model) {
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    const StartedMachine machine(read_twice(file), makers);
+    const StartedMachine machine(read_model(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <map>
 
+#include "common/reading/model_file.h"
 #include "compare/python/bindings.h"
 #include "compare/python/views.h"
-#include "compare/verdict/two_readings.h"
 
 namespace concord::compare::python {
 
@@ -47,7 +47,7 @@ py::tuple modes_of_bodies(const Model& model) {
 
 std::shared_ptr<Model> load(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   const py::gil_scoped_release others_run;
-  return std::make_shared<Model>(read_twice(path, parameters));
+  return std::make_shared<Model>(read_model(path, parameters));
 }
 
 }  // namespace

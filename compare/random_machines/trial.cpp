@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/reading/model_file.h"
 #include "compare/report/files.h"
 #include "compare/verdict/branch.h"
-#include "compare/verdict/two_readings.h"
 
 namespace concord::compare::fuzz {
 
@@ -28,10 +28,7 @@ std::string without_folder(std::string text, const std::filesystem::path& folder
 std::optional<Model> read_text(const ModelText& text, const std::filesystem::path& folder, Outcome& outcome) {
   try {
     for (const auto& [name, content] : text.beside) write_file(folder / name, content);
-    return parse_twice(text.model, folder / "machine.toml");
-  } catch (const MisreadModel& misread) {
-    outcome = {Sort::differ, "differ: the model is not what its file says", misread.what()};
-    return std::nullopt;
+    return parse_model(text.model, folder / "machine.toml");
   } catch (const InputError& error) {
     outcome = outcome_of_input_error(without_folder(error.what(), folder), false);
     return std::nullopt;

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "common/error.h"
-#include "compare/verdict/two_readings.h"
 
 /// Where commands speak, and with which code they end.
 namespace concord::compare {
@@ -40,9 +39,6 @@ int guarded(const Console& console, const Work& work) {
   } catch (const SolverError& error) {
     console.err << error.what() << '\n';
     return kCouldNotFinish;
-  } catch (const MisreadModel& error) {
-    console.err << error.what() << '\n';
-    return kDiffer;
   } catch (const std::exception& error) {
     console.err << "could not finish: " << error.what() << '\n';
     return kCouldNotFinish;

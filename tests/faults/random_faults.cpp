@@ -20,13 +20,13 @@
 #include "compare/random_machines/writer.h"
 #include "compare/report/files.h"
 #include "compare/report/text_table.h"
-#include "compare/reread/second_reading.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/weighed_states.h"
 #include "compare/workers/pool.h"
 #include "relative/solver.h"
 #include "tests/faults/catalogue.h"
+#include "tests/second_reading/second_reading.h"
 
 namespace concord::compare {
 namespace {
@@ -168,7 +168,7 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
       const bool holds_it = fault.is_in("common") || fault.is_in(kSolverNames[index(who)]);
       acts = acts || (holds_it && is_exercised(subject, layout, *solvers.both()[index(who)], who));
     }
-    if (acts && !read_again_text(model, subject.text, subject.file).differing.empty()) return "reading";
+    if (acts && !second_reading::read_again_text(model, subject.text, subject.file).differing.empty()) return "reading";
     // A fault in the rank shows in what is called unique, not in any number.
     const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
     return fault.rung == "rank" && found == kAgree ? kIdle : found;
