@@ -9,17 +9,17 @@
 
 #include "cartesian/closing.h"
 #include "cartesian/evaluation.h"
-#include "cartesian/evaluation_limit.h"
 #include "cartesian/joint_coordinates.h"
-#include "cartesian/line_watch.h"
 #include "cartesian/open_joint.h"
 #include "cartesian/pose_watch.h"
 #include "cartesian/residual_measures.h"
 #include "cartesian/state_check.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
+#include "common/evaluation_limit.h"
 #include "common/growth_watch.h"
 #include "common/laws/break_times.h"
+#include "common/line_watch.h"
 
 namespace concord::cartesian {
 
@@ -92,6 +92,13 @@ MotionState begin_motion(Dynamics& dynamics, const MachineRank& machine, const S
   return motion;
 }
 
+/// From the start on, where the forces were updated last.
+LineWatch watch_lines(const Equations& equations) {
+  LineWatch lines("cartesian", equations.length());
+  lines.pass(0.0, equations.applied().spring_lines(0.0));
+  return lines;
+}
+
 class Run {
  public:
   Run(Dynamics& dynamics, const MachineRank& machine, const State& start, const RunOptions& options)
@@ -104,10 +111,14 @@ class Run {
         motion_(begin_motion(dynamics, machine, start, options)),
         held_(equations_.applied()),
         stepper_(make_stepper(dynamics, options, motion_)),
-        lines_(0.0, equations_.applied(), equations_.length()),
+        lines_(watch_lines(equations_)),
         watch_(dynamics, machine.generic, 0.0, motion_),
-        evaluation_limit_(options.until, integrator_of(options), options.integrator == "ida" ? kCostOfNewton : 1.0,
-                          options.most_evaluations, options.foresees_end),
+        evaluation_limit_({.solver = "cartesian",
+                           .integrator = integrator_of(options),
+                           .until = options.until,
+                           .most = options.most_evaluations,
+                           .foresees_end = options.foresees_end,
+                           .cost = options.integrator == "ida" ? kCostOfNewton : 1.0}),
         breaks_(break_times(equations_.model(), options.until)),
         next_break_(breaks_.begin()),
         shares_(equations_.constraints()) {}
@@ -141,7 +152,8 @@ class Run {
     motion_ = stepper_->motion();
     count_turns();
     require_held_regimes();
-    lines_.follow(reached_, equations_.applied());
+    lines_.pass(reached_, equations_.applied().spring_lines(reached_));
+    lines_.settle();
     const bool has_new_rows = watch_.follow(reached_, motion_);
     const bool at_break = breaks_first && reached_ >= *next_break_;
     if (at_break) ++next_break_;

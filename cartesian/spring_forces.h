@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cartesian/applied_force.h"
+#include "common/line_watch.h"
 
 /// Line springs and turn springs: their wrenches, and how far their stops are inside their regimes.
 namespace concord::cartesian {
@@ -25,15 +26,7 @@ double* write_event_functions(const TurnSpring& spring, const ForceInstant& at, 
 double departure_of(const LineSpring& spring, const ForceInstant& at, const AppliedForce& applied);
 double departure_of(const TurnSpring& spring, const ForceInstant& at, const AppliedForce& applied);
 
-/// The line of a line spring at some time.
-struct SpringLine {
-  const std::string* name;
-  Vec3 span;                     // from the parent's end to the child's, global axes [m]
-  Vec3 rate;                     // its rate of change [m/s]
-  bool is_reversed_with_a_jump;  // the force jumps where the ends pass each other at the present speed
-};
-
-/// As its applied force lies at time t.
+/// The line of a line spring as its applied force lies at time t.
 SpringLine line_of(const LineSpring& spring, const std::string& name, const AppliedForce& applied, double t);
 
 }  // namespace concord::cartesian

@@ -228,16 +228,16 @@ bool AppliedForces::has_line_springs() const {
   });
 }
 
-std::vector<LineState> AppliedForces::lines(double t) const {
-  std::vector<LineState> found;
+std::vector<SpringLine> AppliedForces::lines(double t) const {
+  std::vector<SpringLine> found;
   for (const Element& element : elements_) {
     const auto* spring = std::get_if<LineSpring>(&element.statement->what);
     if (spring == nullptr) continue;
     const JointPoint& parent = element.ends.front();
     const JointPoint& child = element.ends.back();
     const Vec3 velocity = child.v - parent.v;
-    found.push_back(
-        {&element.statement->name, child.r - parent.r, velocity, jump_where_ends_pass(*spring, t, velocity.norm())});
+    const double jump = jump_where_ends_pass(*spring, t, velocity.norm());
+    found.push_back({&element.statement->name, child.r - parent.r, velocity, jump != 0.0});
   }
   return found;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/line_watch.h"
 #include "common/results.h"
 #include "relative/closure.h"
 #include "relative/element_wrench.h"
@@ -13,14 +14,6 @@
 
 /// Applied forces: force elements and joint springs as generalized forces of bodies and of joint speeds.
 namespace concord::relative {
-
-/// The line of a line spring at the last update.
-struct LineState {
-  const std::string* name;
-  Vec3 line;      // from the parent's end to the child's, global axes [m]
-  Vec3 velocity;  // of the child's end against the parent's [m/s]
-  double jump;    // of its force where its ends pass each other at the present rate [N]
-};
 
 /// Everything that pushes besides gravity, modal stiffness and drivers. A wrench w at a point adds G_P^T w to its body:
 /// six rows at the body's origin and the modal rows (R8). A joint spring in
@@ -92,7 +85,7 @@ class AppliedForces {
   [[nodiscard]] const std::vector<ElementWrenches>& elements() const { return wrenches_; }
 
   /// The lines of the line springs, in the order of the model, at the last update, which was at time t.
-  [[nodiscard]] std::vector<LineState> lines(double t) const;
+  [[nodiscard]] std::vector<SpringLine> lines(double t) const;
   [[nodiscard]] bool has_line_springs() const;
 
   /// Power of all force elements and joint springs [W].

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/sundials.h"
+#include "relative/fastest_motion.h"
 
 namespace concord::relative {
 
@@ -34,8 +35,12 @@ IntegrationRun::IntegrationRun(Equations& equations, Assembly& assembly, const C
       rtol_(integrator == "erk" ? std::max(kStepShare * options.rtol, kFinestStep) : options.rtol),
       sizes_(sizes_of(variables_, equations, assembly.scales(), start, options.until)),
       watch_(equations, assembly),
-      lines_(assembly.scales().length()),
-      evaluation_limit_(options.until, integrator, options.most_evaluations, options.foresees_end),
+      lines_("relative", assembly.scales().length()),
+      evaluation_limit_({.solver = "relative",
+                         .integrator = integrator,
+                         .until = options.until,
+                         .most = options.most_evaluations,
+                         .foresees_end = options.foresees_end}),
       clock_(equations.model(), variables_.size()) {
   watch_.pass(start);
   follow_elements();
@@ -94,7 +99,7 @@ bool IntegrationRun::count_turns(const Eigen::Ref<VecX>& y) {
 void IntegrationRun::project(double t, Eigen::Ref<VecX> y) {
   variables_.unpack(y, coordinates_);
   coordinates_.t = t;
-  evaluation_limit_.pass(t, evaluations_, *equations_, coordinates_);
+  evaluation_limit_.require(t, evaluations_, [&] { return place_of_cost(*equations_, coordinates_); });
   largest_work_ = std::max(largest_work_, std::abs(y(variables_.work())));
   assembly_->project(coordinates_);
   variables_.pack(coordinates_.q, coordinates_.u, y);
@@ -117,7 +122,7 @@ void IntegrationRun::follow_elements() {
   if (!forces.has_line_springs() && !forces.has_turn_springs()) return;
   equations_->update_forces(coordinates_.t, coordinates_.q, coordinates_.u);
   forces.follow_turns();
-  if (forces.has_line_springs()) lines_.pass(coordinates_.t, forces);
+  if (forces.has_line_springs()) lines_.pass(coordinates_.t, forces.lines(coordinates_.t));
 }
 
 namespace {

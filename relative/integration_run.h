@@ -2,12 +2,12 @@
 
 #include <string>
 
+#include "common/evaluation_limit.h"
+#include "common/line_watch.h"
 #include "common/solver.h"
 #include "relative/assembly.h"
 #include "relative/clock_noise.h"
-#include "relative/evaluation_limit.h"
 #include "relative/integrated_variables.h"
-#include "relative/line_watch.h"
 #include "relative/singularity_watch.h"
 #include "relative/states.h"
 #include "relative/stepper.h"

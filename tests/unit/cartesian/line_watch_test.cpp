@@ -1,4 +1,4 @@
-#include "cartesian/line_watch.h"
+#include "common/line_watch.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
