@@ -30,17 +30,6 @@ double size_of(const ModalData& modal) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-/// How far a unit of each modal coordinate moves a mass point or node at most [m].
-VecX deflections_of(const ModalData& modal) {
-  VecX largest = VecX::Zero(modal.n_modes());
-  const auto take = [&](const Mat3X& Psi_t_L) {
-    if (Psi_t_L.cols() == largest.size()) largest = largest.cwiseMax(Psi_t_L.colwise().norm().transpose());
-  };
-  for (const MassPoint& point : modal.mass_points) take(point.Psi_t_L);
-  for (const ModalNode& node : modal.nodes) take(node.Psi_t_L);
-  return largest;
-}
-
 }  // namespace
 
 double GrowthWatch::Watched::follow(double amount, double t) {
@@ -59,7 +48,7 @@ GrowthWatch::GrowthWatch(const Model& model, const State& start)
     if (!model.bodies[i].modal) continue;
     const ModalData& modal = *model.bodies[i].modal;
     body.size = size_of(modal);
-    for (const double deflection : deflections_of(modal)) {
+    for (const double deflection : largest_displacements(modal)) {
       Watched mode;
       mode.per_unit = deflection / (kMostDeflection * std::max(body.size, length_));
       body.modes.push_back(mode);

@@ -47,6 +47,14 @@ MatX without_units(const MatX& G) {
   return inverse_scales.asDiagonal() * G * inverse_scales.asDiagonal();
 }
 
+VecX largest_displacements(const ModalData& modal) {
+  VecX largest = VecX::Zero(modal.n_modes());
+  for (const MassPoint& point : modal.mass_points) {
+    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
+  }
+  return largest;
+}
+
 MatX mass_integrals(const std::vector<MassPoint>& points, int n_modes) {
   const int size = 4 + 3 * n_modes;
   MatX G = MatX::Zero(size, size);

@@ -45,6 +45,9 @@ struct ModalData {
   [[nodiscard]] int n_modes() const { return static_cast<int>(stiffness.rows()); }
 };
 
+/// How far a unit of each modal coordinate moves a mass point at most [m].
+VecX largest_displacements(const ModalData& modal);
+
 /// G of a set of mass points with m modes each (S3).
 MatX mass_integrals(const std::vector<MassPoint>& points, int n_modes);
 

@@ -116,12 +116,7 @@ VecX modal_masses(const ModalData& modal) {
 }
 
 VecX largest_displacements(const Body& body) {
-  VecX largest = VecX::Zero(body.n_modes());
-  if (!body.modal) return largest;
-  for (const MassPoint& point : body.modal->mass_points) {
-    largest = largest.cwiseMax(point.Psi_t_L.colwise().norm().transpose());
-  }
-  return largest;
+  return body.modal ? concord::largest_displacements(*body.modal) : VecX(0);
 }
 
 VecX largest_ways(const Body& body, double length) {
