@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -144,10 +145,11 @@ double measure_of_percent(const Column& column, const Verdict& verdict, const Re
   return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 
-/// A reference, and the runs, at those of its times at which it says a number of a column that follows from the machine
-/// alone there; if there is none, at all at which it says one.
+/// What a reference says of the owner of a column, and the runs, at those of its times at which the column has a number
+/// that follows from the machine alone there; if there is none, at all at which it has one.
 struct ChosenTimes {
   Reference reference;
+  std::size_t column = 0;  // the column, among those of its owner
   RunsAtTimes runs;
   bool is_judged;
 };
@@ -164,16 +166,21 @@ ChosenTimes choose_times(const Reference& reference, const RunsAtTimes& runs, st
     const bool is_unique = !std::isnan(value_of(asked.column, known.samples[runs.samples[k]]));
     if (is_unique && !asked.column.is_own) judged.push_back(k);
   }
-  ChosenTimes chosen{reference, runs, !judged.empty()};
   const std::vector<std::size_t>& kept = judged.empty() ? said : judged;
-  const auto keep = [&](auto& numbers) {
-    for (std::size_t k = 0; k < kept.size(); ++k) numbers[k] = numbers[kept[k]];
-    numbers.resize(kept.size());
+  const auto of_kept = [&](const auto& numbers) {
+    std::decay_t<decltype(numbers)> chosen;
+    for (const std::size_t k : kept) chosen.push_back(numbers[k]);
+    return chosen;
   };
-  keep(chosen.runs.samples);
-  keep(chosen.reference.times);
-  keep(chosen.reference.lines);
-  for (ReferenceColumn& one : chosen.reference.columns) keep(one.values);
+  ChosenTimes chosen{{}, 0, {runs.verdict, of_kept(runs.samples)}, !judged.empty()};
+  chosen.reference.times = of_kept(reference.times);
+  chosen.reference.lines = of_kept(reference.lines);
+  for (std::size_t k = 0; k < reference.columns.size(); ++k) {
+    const ReferenceColumn& one = reference.columns[k];
+    if (one.column.field != asked.column.field || one.column.owner != asked.column.owner) continue;
+    if (k == column) chosen.column = chosen.reference.columns.size();
+    chosen.reference.columns.push_back({one.column, of_kept(one.values), one.error, one.is_relative});
+  }
   return chosen;
 }
 
@@ -324,11 +331,12 @@ void keep_for_pictures(const Reference& reference, const ReferenceColumn& column
 
 void judge_column(const Model& model, const ChosenTimes& times, const ReferenceColumn& column, double largest,
                   ReferenceRow& row) {
-  const auto& [reference, runs, is_judged] = times;
+  const Reference& reference = times.reference;
+  const RunsAtTimes& runs = times.runs;
   row.of = describe_owner(model, column.column);
   row.component = describe_component(column.column);
   row.unit = column.column.unit;
-  row.is_judged = is_judged;
+  row.is_judged = times.is_judged;
   const double measure = column.is_relative ? measure_of_percent(column.column, runs.verdict, reference, largest) : 1.0;
   const double stated = column.error * measure;
   row.allowed = std::max(stated, left_open(runs, column.column, largest));
@@ -355,7 +363,7 @@ void judge_reference(const Model& model, const Reference& whole, Verdict& verdic
       verdict.unique ? unique_part(model, run, *verdict.unique) : std::optional<Trajectory>();
   for (std::size_t k = 0; k < reference.columns.size(); ++k) {
     const ChosenTimes times = choose_times(reference, runs, k, known ? *known : run);
-    const ReferenceColumn& column = times.reference.columns[k];
+    const ReferenceColumn& column = times.reference.columns[times.column];
     ReferenceRow row;
     keep_for_pictures(reference, reference.columns[k], row);
     judge_column(model, times, column, largest[column.column.unit], row);
