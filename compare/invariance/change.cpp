@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compare/audit/places.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/observe.h"
 
 namespace concord::compare::invariance {
@@ -21,22 +22,17 @@ Change operator|(const Change& first, const Change& then) {
 }
 
 Model started_in(Model model, const State& state) {
+  model = started_at(model, state);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     Joint& joint = model.joints[k];
     for (std::size_t word = 0; word < joint.start.size(); ++word) {
       WordStart& start = joint.start[word];
       if (start.q.size() == 0) continue;  // an arm
-      start.q = state.q[k].segment(first_q(*joint.type, static_cast<int>(word)), start.q.size());
       start.u = state.u[k].segment(first_u(*joint.type, static_cast<int>(word)), start.u.size());
-      start.role_q = std::max(start.role_q, StartRole::guess);
       start.role_u = std::max(start.role_u, StartRole::guess);
     }
   }
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    model.bodies[i].pose_guess = Pose{state.bodies[i].r, rotation_of(state.bodies[i].p)};
-    model.bodies[i].a_start = state.bodies[i].a;
-    model.bodies[i].adot_start = state.bodies[i].adot;
-  }
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) model.bodies[i].adot_start = state.bodies[i].adot;
   return model;
 }
 

@@ -3,18 +3,11 @@
 #include <fmt/format.h>
 
 #include "common/joints/named_coordinates.h"
+#include "compare/random_machines/laws.h"
 
 namespace concord::compare::fuzz {
 
 namespace {
-
-std::string inline_table(const Entries& entries) {
-  std::string text = "{ ";
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    text += fmt::format("{}{} = {}", k > 0 ? ", " : "", entries[k].key, entries[k].value);
-  }
-  return text + " }";
-}
 
 bool is_unturned(const Vec4& p) { return p == Vec4::Unit(0); }
 
@@ -32,7 +25,7 @@ Entries end_entries(const Machine& machine, const End& end, bool has_frame) {
 }
 
 std::string end_text(const Machine& machine, const End& end, bool has_frame) {
-  return inline_table(end_entries(machine, end, has_frame));
+  return inline_text(end_entries(machine, end, has_frame));
 }
 
 class Writer {
@@ -95,9 +88,9 @@ class Writer {
     for (std::size_t k = 0; k < named.size(); ++k) {
       const CoordinatePlan& coordinate = joint.coordinates[k];
       if (coordinate.drive.empty()) write_start(joint, named[k]);
-      if (!coordinate.drive.empty()) line(fmt::format("drive.{} = {}", named[k].name, inline_table(coordinate.drive)));
+      if (!coordinate.drive.empty()) line(fmt::format("drive.{} = {}", named[k].name, inline_text(coordinate.drive)));
       if (!coordinate.spring.empty()) {
-        line(fmt::format("spring.{} = {}", named[k].name, inline_table(coordinate.spring)));
+        line(fmt::format("spring.{} = {}", named[k].name, inline_text(coordinate.spring)));
       }
     }
   }
@@ -107,7 +100,7 @@ class Writer {
     const int u = first_u(*joint.type, named.word) + named.component;
     const bool is_ball = named.kind == joints::CoordinateKind::orientation;
     const std::string place =
-        is_ball ? inline_table({{"euler_parameters", list_text(joint.q.segment<4>(q))}}) : number_text(joint.q(q));
+        is_ball ? inline_text({{"euler_parameters", list_text(joint.q.segment<4>(q))}}) : number_text(joint.q(q));
     const std::string speed = is_ball ? list_text(joint.u.segment<3>(u)) : number_text(joint.u(u));
     line(fmt::format("start.{} = {{ {} = {}, {} = {} }}", named.name, joint.keeps_q[named.word] ? "keep" : "guess",
                      place, joint.keeps_u[named.word] ? "keep_speed" : "guess_speed", speed));
