@@ -2,16 +2,16 @@
 
 #include "cartesian/applied_force.h"
 
-/// Forces of the elements of a model, by kind: springs and tires, which have regimes, in files of their own; loads and
-/// bushings here.
+/// Forces of the elements of a model, by kind: springs and tires, which have regimes, in files of their own; kinds
+/// without regimes here.
 namespace concord::cartesian {
 
-/// Bushings are refused beyond it: their angles jump at half a turn.
+/// What resists turning in all directions is refused beyond it: its angles jump at half a turn.
 inline constexpr double kLargestAngle = 175.0 * EIGEN_PI / 180.0;
 
 /// Writes the wrenches at the ends of an element's applied force, whose markers and motion are those of the instant.
 /// Throws SolverError, naming the element, where its law has no direction: a line spring whose force jumps where its
-/// ends meet, a bushing that resists turning beyond 175 deg, a turn spring whose axis x points along z, a tire whose
+/// ends meet, what resists all turning beyond 175 deg, a turn spring whose axis x points along z, a tire whose
 /// axis stands upright on the road.
 void exert(const ForceElement& element, const ForceInstant& at, AppliedForce& applied);
 

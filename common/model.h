@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "common/elements/force_element.h"
 #include "common/error.h"
 #include "common/flexible/modal_data.h"
 #include "common/joints/joint_type.h"
 #include "common/laws/coupling.h"
-#include "common/laws/force_elements.h"
 #include "common/laws/time_function.h"
 #include "common/types.h"
 

@@ -143,10 +143,6 @@ Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, Element& element
                    laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
-Vec6 AppliedForces::exerted(const Bushing& bushing, double /*t*/, const Element& element) const {
-  return wrench_of(bushing, element.ends.front(), element.ends.back(), element.statement->name);
-}
-
 Vec6 AppliedForces::exerted(const Tire& tire, double /*t*/, const Element& element) {
   const JointPoint& wheel = element.ends.back();
   TireState& state = tires_[*element.tire];

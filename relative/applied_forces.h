@@ -25,7 +25,7 @@ class AppliedForces {
   AppliedForces(const Kinematics& kinematics, const Closure& closure);
 
   /// Takes a motion, of which kinematics and closure hold the pose. Throws SolverError, naming the element, where a
-  /// line spring's ends meet and its force jumps there, or where the frames of a bushing are turned by more than 175
+  /// line spring's ends meet and its force jumps there, or where frames that resist turning are turned by more than 175
   /// deg, or where a turn spring has no angle, or where a wheel lies flat on the road.
   void update(const Motion& motion);
 
@@ -127,7 +127,11 @@ class AppliedForces {
   [[nodiscard]] Vec6 exerted(const Load& load, double t, const Element& element) const;
   [[nodiscard]] Vec6 exerted(const LineSpring& spring, double t, const Element& element);
   [[nodiscard]] Vec6 exerted(const TurnSpring& spring, double t, Element& element);
-  [[nodiscard]] Vec6 exerted(const Bushing& bushing, double t, const Element& element) const;
+  /// Of a kind that its two ends determine alone.
+  template <class Passive>
+  [[nodiscard]] Vec6 exerted(const Passive& passive, double /*t*/, const Element& element) const {
+    return wrench_of(passive, element.ends.front(), element.ends.back(), element.statement->name);
+  }
   [[nodiscard]] Vec6 exerted(const Tire& tire, double t, const Element& element);
   [[nodiscard]] double departure_of(const TireState& state) const;
   int add_law(const ForceLaw& law, const std::string& owner);

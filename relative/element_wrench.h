@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 #include "common/results.h"
 #include "relative/joint_point.h"
 

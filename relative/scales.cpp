@@ -33,6 +33,23 @@ double largest_of(const ForceLaw& law, double stretch, double until) {
   return largest;
 }
 
+/// The same of what an element makes of a motion by the length, and by a radian: forces, and torques over the length.
+double largest_of_wrenches(const ForceElement& element, double length) {
+  double largest = 0.0;
+  each_quantity(
+      element,
+      Overloaded{elements::IgnoreQuantity{},
+                 [&](const elements::WrenchMatrix<const Mat6>& matrix) {
+                   if (matrix.per_rate) return;
+                   largest = std::max({largest, matrix.value.topLeftCorner<3, 3>().diagonal().maxCoeff() * length,
+                                       matrix.value.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length});
+                 },
+                 [&](const elements::Wrench6<const Vec6>& wrench) {
+                   largest = std::max({largest, wrench.value.head<3>().norm(), wrench.value.tail<3>().norm() / length});
+                 }});
+  return largest;
+}
+
 /// Largest force of a load, of an actuator, or of a spring that is stretched by the length or a radian [N]; torques
 /// over the length.
 double largest_force(const Model& model, double length) {
@@ -52,12 +69,7 @@ double largest_force(const Model& model, double length) {
         Overloaded{[&](const Load& load) { return std::max(load.force.norm(), load.torque.norm() / length); },
                    [&](const LineSpring& spring) { return largest_of(spring.law, length, until); },
                    [&](const TurnSpring& spring) { return largest_of(spring.law, 1.0, until) / length; },
-                   [&](const Bushing& bushing) {
-                     return std::max({bushing.stiffness.topLeftCorner<3, 3>().diagonal().maxCoeff() * length,
-                                      bushing.stiffness.bottomRightCorner<3, 3>().diagonal().maxCoeff() / length,
-                                      bushing.preload.head<3>().norm(), bushing.preload.tail<3>().norm() / length});
-                   },
-                   [](const auto&) { return 0.0; }},
+                   [&](const auto&) { return largest_of_wrenches(element, length); }},
         element.what);
     largest = std::max(largest, exerted);
   }

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "common/laws/tire.h"
+#include "common/elements/tire.h"
 #include "relative/joint_point.h"
 
 /// Where and how a tire touches the road, as common/tire.h states it.

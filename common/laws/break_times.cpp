@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/overloaded.h"
+
 namespace concord {
 
 namespace {
@@ -18,9 +20,11 @@ void add_to(std::vector<const TimeFunction*>& laws, const ForceLaw& law) {
 }
 
 void add_to(std::vector<const TimeFunction*>& laws, const ForceElement& element) {
-  if (const auto* load = std::get_if<Load>(&element.what)) laws.push_back(&load->law);
-  if (const auto* spring = std::get_if<LineSpring>(&element.what)) add_to(laws, spring->law);
-  if (const auto* spring = std::get_if<TurnSpring>(&element.what)) add_to(laws, spring->law);
+  each_quantity(
+      element,
+      Overloaded{elements::IgnoreQuantity{},
+                 [&](const elements::FactorOverTime<const TimeFunction>& factor) { laws.push_back(&factor.value); },
+                 [&](const elements::LawOverCoordinate<const ForceLaw>& spring) { add_to(laws, spring.value); }});
 }
 
 /// Of drivers, actuators and loads.

@@ -16,8 +16,6 @@ namespace concord {
 
 namespace {
 
-using What = decltype(ForceElement::what);
-
 LoadAxes read_load_axes(const TableReader& table) {
   static const std::vector<std::string> kNames{"global", "body", "follower"};
   const auto name = table.text("axes");
@@ -36,7 +34,7 @@ struct Surroundings {
   const std::vector<RoadReading>& roads;
 };
 
-std::optional<What> read_load(const TableReader& table, const Surroundings& around) {
+std::optional<Load> read(std::type_identity<Load> /*kind*/, const TableReader& table, const Surroundings& around) {
   if (!table.has("force") && !table.has("torque")) table.complain("exerts nothing: give a 'force' or a 'torque'");
   Load load;
   load.axes = read_load_axes(table);
@@ -56,7 +54,8 @@ void require_free_length(const TableReader& table) {
   table.complain("missing key 'free': the length [m] at which the spring rests");
 }
 
-std::optional<What> read_line_spring(const TableReader& table, const Surroundings& around) {
+std::optional<LineSpring> read(std::type_identity<LineSpring> /*kind*/, const TableReader& table,
+                               const Surroundings& around) {
   require_free_length(table);
   ForceLaw law = read_force_law(table);
   const auto ends = read_ends(table, around.bodies);
@@ -64,7 +63,8 @@ std::optional<What> read_line_spring(const TableReader& table, const Surrounding
   return LineSpring{*ends, std::move(law)};
 }
 
-std::optional<What> read_turn_spring(const TableReader& table, const Surroundings& around) {
+std::optional<TurnSpring> read(std::type_identity<TurnSpring> /*kind*/, const TableReader& table,
+                               const Surroundings& around) {
   ForceLaw law = read_force_law(table);
   const auto ends = read_ends(table, around.bodies);
   if (!ends) return std::nullopt;
@@ -89,7 +89,8 @@ Mat6 read_symmetric(const TableReader& table, std::string_view key) {
   return *matrix;
 }
 
-std::optional<What> read_bushing(const TableReader& table, const Surroundings& around) {
+std::optional<Bushing> read(std::type_identity<Bushing> /*kind*/, const TableReader& table,
+                            const Surroundings& around) {
   if (!table.has("stiffness") && !table.has("damping") && !table.has("preload")) {
     table.complain("exerts nothing: give a 'stiffness', a 'damping' or a 'preload'");
   }
@@ -120,7 +121,7 @@ std::shared_ptr<const Road> find_road(const TableReader& table, const std::vecto
   return nullptr;
 }
 
-std::optional<What> read_tire(const TableReader& table, const Surroundings& around) {
+std::optional<Tire> read(std::type_identity<Tire> /*kind*/, const TableReader& table, const Surroundings& around) {
   const bool complete =
       table.require({"road", "radius", "stiffness", "slip_stiffness", "cornering_stiffness", "friction"});
   Tire tire;
@@ -139,22 +140,46 @@ std::optional<What> read_tire(const TableReader& table, const Surroundings& arou
   return tire;
 }
 
+/// A kind of elements: its table, the keys of that, by the quantities that its page states, and who reads it.
 struct ElementKind {
   std::string_view key;
   KnownKeys known;
-  std::optional<What> (*read)(const TableReader&, const Surroundings&);
+  std::optional<AnyElement> (*read)(const TableReader&, const Surroundings&);
 };
 
-const std::array<ElementKind, 5>& element_kinds() {
-  static const std::array<ElementKind, 5> kKinds{
-      ElementKind{"load", with_attachment({"name", "axes", "force", "torque", "law"}), read_load},
-      ElementKind{"line_spring", with_force_law(with_ends({"name"})), read_line_spring},
-      ElementKind{"turn_spring", with_force_law(with_ends({"name"})), read_turn_spring},
-      ElementKind{"bushing", with_ends({"name", "stiffness", "damping", "preload"}), read_bushing},
-      ElementKind{"tire",
-                  with_attachment({"name", "road", "radius", "stiffness", "damping", "slip_stiffness",
-                                   "cornering_stiffness", "friction", "speed_scale"}),
-                  read_tire}};
+/// Adds the keys of each quantity that an element visits it with.
+struct KeysOfQuantities {
+  KnownKeys& keys;
+
+  template <class Quantity>
+  void operator()(const Quantity& quantity) const {
+    keys.push_back(quantity.name);
+  }
+  template <class Law>
+  void operator()(const elements::LawOverCoordinate<Law>& /*law*/) const {
+    keys = with_force_law(std::move(keys));
+  }
+};
+
+template <class Kind>
+ElementKind element_kind() {
+  const Kind any{};
+  KnownKeys own{"name"};
+  Kind::each_quantity(any, KeysOfQuantities{own});
+  KnownKeys keys = Kind::ends_of(any).size() == 2 ? with_ends(std::move(own)) : with_attachment(std::move(own));
+  return {Kind::kKey, std::move(keys), [](const TableReader& table, const Surroundings& around) {
+            std::optional<Kind> found = read(std::type_identity<Kind>{}, table, around);
+            return found ? std::optional<AnyElement>(std::move(*found)) : std::nullopt;
+          }};
+}
+
+template <class... Kinds>
+std::vector<ElementKind> kinds_of(std::type_identity<std::variant<Kinds...>> /*all*/) {
+  return {element_kind<Kinds>()...};
+}
+
+const std::vector<ElementKind>& element_kinds() {
+  static const std::vector<ElementKind> kKinds = kinds_of(std::type_identity<AnyElement>{});
   return kKinds;
 }
 
@@ -174,14 +199,7 @@ void read_elements_of(const ElementKind& kind, const TableReader& document, cons
 
 }  // namespace
 
-const KnownKeys& force_element_keys() {
-  static const KnownKeys kKeys = [] {
-    KnownKeys keys;
-    for (const ElementKind& kind : element_kinds()) keys.push_back(kind.key);
-    return keys;
-  }();
-  return kKeys;
-}
+const KnownKeys& force_element_keys() { return element_keys(); }
 
 std::vector<ForceElement> read_force_elements(const TableReader& document, const std::vector<BodyReading>& bodies,
                                               const std::vector<RoadReading>& roads) {

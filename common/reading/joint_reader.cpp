@@ -118,19 +118,20 @@ void read_drivers(const TableReader& joint_table, Joint& joint) {
 }
 
 void read_springs(const TableReader& joint_table, Joint& joint) {
-  for_each_coordinate(
-      joint_table, "spring", *joint.type, [&](const TableReader& table, const NamedCoordinate& coordinate) {
-        if (coordinate.kind == joints::CoordinateKind::orientation) {
-          table.complain(coordinate.name,
-                         "a ball has no spring: only a turn or a slide has; a [[bushing]] resists all rotations");
-          return;
-        }
-        const toml::table* law = table.table(coordinate.name);
-        if (law == nullptr) return;
-        const TableReader law_table(*law, fmt::format("{}, {}", table.title(), coordinate.name), with_force_law({}),
-                                    table.reading());
-        joint.springs.push_back({coordinate.word, read_force_law(law_table), coordinate.component});
-      });
+  for_each_coordinate(joint_table, "spring", *joint.type,
+                      [&](const TableReader& table, const NamedCoordinate& coordinate) {
+                        if (coordinate.kind == joints::CoordinateKind::orientation) {
+                          table.complain(coordinate.name,
+                                         "a ball has no spring: only a turn or a slide has; a force element between "
+                                         "the bodies can resist all rotations");
+                          return;
+                        }
+                        const toml::table* law = table.table(coordinate.name);
+                        if (law == nullptr) return;
+                        const TableReader law_table(*law, fmt::format("{}, {}", table.title(), coordinate.name),
+                                                    with_force_law({}), table.reading());
+                        joint.springs.push_back({coordinate.word, read_force_law(law_table), coordinate.component});
+                      });
 }
 
 /// Complains unless the coordinates of a motion by functions that no law drives are kept all, guessed all or left out

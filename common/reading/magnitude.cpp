@@ -93,6 +93,9 @@ double exponent_of(double size) { return std::log10(std::abs(size)); }
 
 double largest_entry(const MatX& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
 
+bool is_length(const elements::Dimension& of) { return of.force == 0 && of.length == 1 && of.time == 0; }
+bool is_speed(const elements::Dimension& of) { return of.force == 0 && of.length == 1 && of.time == -1; }
+
 /// Decimal exponents of the largest sizes in a machine.
 class MachineSizes {
  public:
@@ -155,8 +158,13 @@ class MachineSizes {
     for (const Side side : {Side::parent, Side::child}) {
       if (const Attachment* end = end_of(element, side)) grow(length, end->point_L.norm());
     }
-    if (const auto* tire = std::get_if<Tire>(&element.what)) grow(length, tire->radius);
-    if (const auto* spring = std::get_if<LineSpring>(&element.what)) grow(length, spring->law.free);
+    each_quantity(element, Overloaded{elements::IgnoreQuantity{},
+                                      [&](const elements::Scalar<const double>& number) {
+                                        if (is_length(number.of)) grow(length, number.value);
+                                      },
+                                      [&](const elements::LawOverCoordinate<const ForceLaw>& spring) {
+                                        if (spring.over_length) grow(length, spring.value.free);
+                                      }});
   }
 
   double until_;
@@ -251,34 +259,67 @@ void check_joint(const Joint& joint, const MachineSizes& sizes, ProductChecks& p
   }
 }
 
+/// The products of a force element in which its quantities stand.
+struct QuantityProducts {
+  const MachineSizes& sizes;
+  ProductChecks& products;
+  double factor = 0.0;  // exponent of the law that multiplies forces and torques
+
+  void operator()(const elements::Word& /*word*/) const {}
+  void operator()(const elements::RoadBelow<const std::shared_ptr<const Road>>& /*road*/) const {}
+  void operator()(const elements::FactorOverTime<const TimeFunction>& /*seen before*/) const {}
+  void operator()(const elements::LawOverCoordinate<const ForceLaw>& spring) const {
+    check_law(spring.value, spring.over_length ? sizes.length : 0.5, spring.over_length ? sizes.speed : sizes.turn_rate,
+              sizes.until(), products);
+  }
+  void operator()(const elements::Vector<const Vec3>& vector) const {
+    const bool is_force = vector.of.length == 0;
+    products.check(is_force ? "the force's moment" : "the torque",
+                   exponent_of(vector.value.norm()) + factor + (is_force ? sizes.length : 0.0));
+  }
+  void operator()(const elements::Wrench6<const Vec6>& wrench) const {
+    products.check(std::string(wrench.name) + " times the machine's length",
+                   exponent_of(largest_entry(wrench.value)) + std::max(0.5, sizes.length));
+  }
+  void operator()(const elements::WrenchMatrix<const Mat6>& matrix) const {
+    const double length = std::max(0.5, sizes.length);
+    const double motion = matrix.per_rate ? std::max(sizes.speed, sizes.turn_rate) : length;
+    products.check(std::string(matrix.name) + (matrix.per_rate ? " times the machine's length and speed"
+                                                               : " times the square of the machine's length"),
+                   exponent_of(largest_entry(matrix.value)) + motion + length);
+  }
+  /// A force law of one number, whose product with lengths and speeds of the machine is an energy.
+  void operator()(const elements::Scalar<const double>& number) const {
+    const double value = exponent_of(number.value);
+    if (number.of.force == 0) return;
+    if (number.of.length == 0) {
+      products.check(words_of(number.name) + " times slip and length", value + slip + sizes.length);
+    } else if (number.of.time == 0) {
+      products.check(words_of(number.name) + " times the square of the machine's length", value + 2.0 * sizes.length);
+    } else {
+      products.check(words_of(number.name) + " times the machine's length and speed",
+                     value + sizes.length + sizes.speed);
+    }
+  }
+  double slip = 0.0;  // exponent of the machine's speed over that of slip
+
+  static std::string words_of(std::string_view key) {
+    std::string words(key);
+    std::replace(words.begin(), words.end(), '_', ' ');
+    return words;
+  }
+};
+
 void check_element(const ForceElement& element, const MachineSizes& sizes, ProductChecks& products) {
-  std::visit(
-      Overloaded{
-          [&](const Load& load) {
-            const double law = exponent_of(sizes_of(load.law, sizes.until()).value);
-            products.check("the force's moment", exponent_of(load.force.norm()) + law + sizes.length);
-            products.check("the torque", exponent_of(load.torque.norm()) + law);
-          },
-          [&](const LineSpring& spring) { check_law(spring.law, sizes.length, sizes.speed, sizes.until(), products); },
-          [&](const TurnSpring& spring) { check_law(spring.law, 0.5, sizes.turn_rate, sizes.until(), products); },
-          [&](const Bushing& bushing) {
-            const double length = std::max(0.5, sizes.length);
-            const double speed = std::max(sizes.speed, sizes.turn_rate);
-            products.check("stiffness times the square of the machine's length",
-                           exponent_of(largest_entry(bushing.stiffness)) + 2.0 * length);
-            products.check("damping times the machine's length and speed",
-                           exponent_of(largest_entry(bushing.damping)) + length + speed);
-          },
-          [&](const Tire& tire) {
-            products.check("stiffness times the square of the machine's length",
-                           exponent_of(tire.stiffness) + 2.0 * sizes.length);
-            products.check("damping times the machine's length and speed",
-                           exponent_of(tire.damping) + sizes.length + sizes.speed);
-            const double slip = sizes.speed - exponent_of(tire.speed_scale) + sizes.length;
-            products.check("slip stiffness times slip and length", exponent_of(tire.slip_stiffness) + slip);
-            products.check("cornering stiffness times slip and length", exponent_of(tire.cornering_stiffness) + slip);
-          }},
-      element.what);
+  QuantityProducts check{sizes, products};
+  each_quantity(element, Overloaded{elements::IgnoreQuantity{},
+                                    [&](const elements::FactorOverTime<const TimeFunction>& law) {
+                                      check.factor = exponent_of(sizes_of(law.value, sizes.until()).value);
+                                    },
+                                    [&](const elements::Scalar<const double>& number) {
+                                      if (is_speed(number.of)) check.slip = sizes.speed - exponent_of(number.value);
+                                    }});
+  each_quantity(element, check);
 }
 
 }  // namespace

@@ -56,46 +56,45 @@ TurnMotion motion_of(const TurnSpring& spring, const State& state, double known_
   return {read + turns * kWholeTurn, g.dot(relative.v_rel.tail<3>()), frames[kParent].A_joint * g};
 }
 
-ElementLaw::ElementLaw(const ForceElement& stated, std::size_t place) : stated_(&stated), place_(place) {
-  std::visit(Overloaded{[this](const Load& load) { time_.emplace(load.law); },
-                        [this](const LineSpring& spring) { force_.emplace(spring.law); },
-                        [this](const TurnSpring& spring) { force_.emplace(spring.law); }, [](const Bushing&) {},
-                        [this](const Tire& tire) { road_.emplace(*tire.road); }},
-             stated.what);
+double OwnLaws::tension(double x, double xdot, double t) const {
+  return force->resistance(x, xdot) + force->actuator(t);
 }
 
-std::array<Wrench, 2> ElementLaw::wrenches(const State& state) const {
-  return std::visit([&](const auto& what) { return exerted(what, state); }, stated_->what);
-}
+// One clause for each kind of force element.
+namespace {
 
-double ElementLaw::tension(double x, double xdot, double t) const {
-  return force_->resistance(x, xdot) + force_->actuator(t);
-}
+using BothSides = std::array<Wrench, 2>;
 
-ElementLaw::BothSides ElementLaw::exerted(const Load& load, const State& state) const {
+/// Of which element of a model, with which laws.
+struct Asked {
+  const OwnLaws& laws;
+  std::size_t place;
+};
+
+BothSides exerted(const Load& load, const Asked& by, const State& state) {
   const BodyState& body = state.bodies[load.at.body];
   Mat3 axes = Mat3::Identity();
   if (load.axes == LoadAxes::body) axes = rotation_of(body.p);
   if (load.axes == LoadAxes::follower) axes = place(load.at, body).A_joint;
-  const double size = time_->at(state.t).value;
+  const double size = by.laws.time->at(state.t).value;
   BothSides wrenches;
   wrenches[kChild] = {size * (axes * load.force), size * (axes * load.torque)};
   return wrenches;
 }
 
-ElementLaw::BothSides ElementLaw::exerted(const LineSpring& spring, const State& state) const {
+BothSides exerted(const LineSpring& spring, const Asked& by, const State& state) {
   const LineMotion motion = motion_of(spring, state);
-  const Vec3 pull = tension(motion.distance, motion.rate, state.t) * motion.along;
+  const Vec3 pull = by.laws.tension(motion.distance, motion.rate, state.t) * motion.along;
   return {Wrench{pull, Vec3::Zero()}, Wrench{-pull, Vec3::Zero()}};
 }
 
-ElementLaw::BothSides ElementLaw::exerted(const TurnSpring& spring, const State& state) const {
-  const TurnMotion motion = motion_of(spring, state, state.known_angle(place_));
-  const Vec3 torque = tension(motion.angle, motion.rate, state.t) * motion.gradient;
+BothSides exerted(const TurnSpring& spring, const Asked& by, const State& state) {
+  const TurnMotion motion = motion_of(spring, state, state.known_angle(by.place));
+  const Vec3 torque = by.laws.tension(motion.angle, motion.rate, state.t) * motion.gradient;
   return {Wrench{Vec3::Zero(), torque}, Wrench{Vec3::Zero(), -torque}};
 }
 
-ElementLaw::BothSides ElementLaw::exerted(const Bushing& bushing, const State& state) const {
+BothSides exerted(const Bushing& bushing, const Asked& /*by*/, const State& state) {
   const auto frames = place_ends(bushing.ends, state);
   const RelativeMotion relative = relative_motion(frames[kParent], frames[kChild]);
   const Vec3 theta = rotation_vector_of(relative.R);
@@ -113,9 +112,9 @@ ElementLaw::BothSides ElementLaw::exerted(const Bushing& bushing, const State& s
 /// The contact is the foot of the perpendicular from the wheel's centre to the road's tangent plane below it. With the
 /// height z of the centre over the profile, the distance is z cos(b), tan(b) = h', and bdot = h'' cos(b)^2 xdot. The
 /// tire pushes along the normal, and never pulls.
-ElementLaw::BothSides ElementLaw::exerted(const Tire& tire, const State& state) const {
+BothSides exerted(const Tire& tire, const Asked& by, const State& state) {
   const PlacedFrame wheel = place(tire.wheel, state.bodies[tire.wheel.body]);
-  const Moving road = road_->at(wheel.r_P.x());  // height, slope, curvature
+  const Moving road = by.laws.road->at(wheel.r_P.x());  // height, slope, curvature
   const double incline = std::atan(road.rate);
   const Vec3 normal(-std::sin(incline), 0.0, std::cos(incline));
   const double above = wheel.r_P.z() - road.value;
@@ -136,6 +135,23 @@ ElementLaw::BothSides ElementLaw::exerted(const Tire& tire, const State& state) 
   const Vec3 force = N * normal + grip.forward * forward + grip.sideways * sideways;
   wrenches[kChild] = {force, lever.cross(force)};
   return wrenches;
+}
+
+}  // namespace
+
+ElementLaw::ElementLaw(const ForceElement& stated, std::size_t place) : stated_(&stated), place_(place) {
+  each_quantity(
+      stated,
+      Overloaded{elements::IgnoreQuantity{},
+                 [this](const elements::FactorOverTime<const TimeFunction>& law) { laws_.time.emplace(law.value); },
+                 [this](const elements::LawOverCoordinate<const ForceLaw>& law) { laws_.force.emplace(law.value); },
+                 [this](const elements::RoadBelow<const std::shared_ptr<const Road>>& road) {
+                   laws_.road.emplace(*road.value);
+                 }});
+}
+
+std::array<Wrench, 2> ElementLaw::wrenches(const State& state) const {
+  return std::visit([&](const auto& what) { return exerted(what, Asked{laws_, place_}, state); }, stated_->what);
 }
 
 std::array<Wrench, 2> wrenches_by_laws(const ForceElement& element, const State& state, std::size_t place) {

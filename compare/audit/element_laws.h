@@ -29,8 +29,18 @@ struct TurnMotion {
 };
 TurnMotion motion_of(const TurnSpring& spring, const State& state, double known_angle);
 
+/// The laws that an element states, as the audit evaluates them by itself.
+struct OwnLaws {
+  std::optional<LawOfTime> time;    // of a load
+  std::optional<LawOfForce> force;  // of a spring
+  std::optional<LawOfRoad> road;    // of a tire
+
+  /// Law and actuator of a spring, positive in tension.
+  [[nodiscard]] double tension(double x, double xdot, double t) const;
+};
+
 /// What a force element exerts by its law, derived for the third opinion alone from the statement of the element
-/// (data/format, common/force_elements.h, common/tire.h). The statement must outlive it.
+/// (data/format, common/elements). The statement must outlive it.
 class ElementLaw {
  public:
   /// `place` is that among the elements of the model, by which a state tells the turns of turn springs.
@@ -41,21 +51,9 @@ class ElementLaw {
   [[nodiscard]] std::array<Wrench, 2> wrenches(const State& state) const;
 
  private:
-  using BothSides = std::array<Wrench, 2>;
-
-  [[nodiscard]] BothSides exerted(const Load& load, const State& state) const;
-  [[nodiscard]] BothSides exerted(const LineSpring& spring, const State& state) const;
-  [[nodiscard]] BothSides exerted(const TurnSpring& spring, const State& state) const;
-  [[nodiscard]] BothSides exerted(const Bushing& bushing, const State& state) const;
-  [[nodiscard]] BothSides exerted(const Tire& tire, const State& state) const;
-  /// Law and actuator of a spring, positive in tension.
-  [[nodiscard]] double tension(double x, double xdot, double t) const;
-
   const ForceElement* stated_;
   std::size_t place_;
-  std::optional<LawOfTime> time_;    // of a load
-  std::optional<LawOfForce> force_;  // of a spring
-  std::optional<LawOfRoad> road_;    // of a tire
+  OwnLaws laws_;
 };
 
 /// The same of one element in one state.

@@ -213,13 +213,14 @@ void turn_start(Joint& joint, const FrameTurn& turn) {
 
 /// How the frames of a force element may turn.
 FrameTurn turn_of(const ForceElement& element, Draw& draw) {
+  const elements::EndAxes axes = end_axes_of(element);
   FrameTurn turn;
-  turn.turns = !std::holds_alternative<TurnSpring>(element.what);
+  turn.turns = axes != elements::EndAxes::fixed;
   if (!turn.turns) return turn;
-  turn.on(Side::child) = std::holds_alternative<Tire>(element.what) ? rotation_about(Axis::y, draw.angle())  // its spin
-                                                                    : draw.rotation();
-  if (std::holds_alternative<Bushing>(element.what)) turn.on(Side::parent) = turn.on(Side::child);
-  if (std::holds_alternative<LineSpring>(element.what)) turn.on(Side::parent) = draw.rotation();
+  const bool about_y = axes == elements::EndAxes::about_y;
+  turn.on(Side::child) = about_y ? rotation_about(Axis::y, draw.angle()) : draw.rotation();
+  if (axes == elements::EndAxes::alike) turn.on(Side::parent) = turn.on(Side::child);
+  if (axes == elements::EndAxes::any && ends_of(element).size() == 2) turn.on(Side::parent) = draw.rotation();
   return turn;
 }
 
@@ -230,28 +231,29 @@ Mat6 in_turned_axes(const Mat6& matrix, const Mat3& G) {
   return 0.5 * (turned + turned.transpose());
 }
 
+/// Tells a quantity of an element in the turned axes of its ends.
+struct QuantityInTurnedAxes {
+  const Mat3& G;
+
+  template <class Quantity>
+  void operator()(const Quantity& /*without axes*/) const {}
+  void operator()(const elements::Vector<Vec3>& vector) const {
+    if (vector.in_end_axes) vector.value = G.transpose() * vector.value;
+  }
+  void operator()(const elements::WrenchMatrix<Mat6>& matrix) const { matrix.value = in_turned_axes(matrix.value, G); }
+  void operator()(const elements::Wrench6<Vec6>& wrench) const {
+    wrench.value << G.transpose() * wrench.value.head<3>().eval(), G.transpose() * wrench.value.tail<3>().eval();
+  }
+};
+
 /// Tells a force element in turned frames.
 void turn_element(ForceElement& element, const FrameTurn& turn) {
-  const Mat3& G = turn.on(Side::child);
-  const auto turn_ends = [&](auto& ends) {
-    for (std::size_t side = 0; side < 2; ++side) ends[side].C = ends[side].C * turn.G[side];
-  };
-  std::visit(Overloaded{[&](Load& load) {
-                          load.at.C = load.at.C * G;
-                          if (load.axes != LoadAxes::follower) return;
-                          load.force = G.transpose() * load.force;
-                          load.torque = G.transpose() * load.torque;
-                        },
-                        [&](LineSpring& spring) { turn_ends(spring.ends); }, [](TurnSpring&) {},
-                        [&](Bushing& bushing) {
-                          turn_ends(bushing.ends);
-                          bushing.stiffness = in_turned_axes(bushing.stiffness, G);
-                          bushing.damping = in_turned_axes(bushing.damping, G);
-                          bushing.preload << G.transpose() * bushing.preload.head<3>().eval(),
-                              G.transpose() * bushing.preload.tail<3>().eval();
-                        },
-                        [&](Tire& tire) { tire.wheel.C = tire.wheel.C * G; }},
-             element.what);
+  for (const Side side : kSides) {
+    if (end_of(element, side) == nullptr) continue;
+    Attachment& end = side == Side::parent ? ends_of(element).front() : ends_of(element).back();
+    end.C = end.C * turn.on(side);
+  }
+  each_quantity(element, QuantityInTurnedAxes{turn.on(Side::child)});
 }
 
 /// All frames at once.

@@ -162,7 +162,7 @@ void swap_sides(Model& model, std::size_t k, const Reversal& reversal) {
   }
 }
 
-/// All joints and line springs at once.
+/// All joints, and force elements whose sides are alike, at once.
 struct Swapping {
   std::vector<Reversal> joints;
   std::vector<bool> elements;  // whether an element's ends change places
@@ -175,8 +175,8 @@ struct Swapping {
     }
     for (std::size_t e = 0; e < elements.size(); ++e) {
       if (!elements[e]) continue;
-      auto& spring = std::get<LineSpring>(model.elements[e].what);
-      std::swap(spring.ends[0], spring.ends[1]);
+      const std::span<Attachment> ends = ends_of(model.elements[e]);
+      std::swap(ends.front(), ends.back());
     }
     return model;
   }
@@ -260,10 +260,10 @@ PartialChange swapped_sides(const Model& model, const std::optional<State>& at) 
     }
   }
   for (const ForceElement& element : model.elements) {
-    const bool swaps = std::holds_alternative<LineSpring>(element.what);
+    const bool swaps = has_sides_alike(element);
     swapping->elements.push_back(swaps);
     if (swaps) ++partial.changed;
-    if (std::holds_alternative<TurnSpring>(element.what) || std::holds_alternative<Bushing>(element.what)) {
+    if (!swaps && ends_of(element).size() == 2) {
       partial.left.push_back(fmt::format("force element {}: its law is told in the parent's axes", element.name));
     }
   }

@@ -146,46 +146,49 @@ Road road_in_units(Road road, const Units& units) {
   return road;
 }
 
-/// What a force element says, told in other units.
-struct ElementInUnits {
+/// A quantity of a force element, told in other units.
+struct QuantityInUnits {
   Units units;
 
-  void operator()(Load& load) const {
-    tell_attachment(load.at, units);
-    load.force *= units.force();
-    load.torque *= units.torque();
-    load.law = scaled(load.law, 1.0, units.time);
+  void operator()(const elements::Word& /*word*/) const {}
+  void operator()(const elements::Scalar<double>& number) const { number.value *= of(number.of); }
+  void operator()(const elements::Vector<Vec3>& vector) const { vector.value *= of(vector.of); }
+  void operator()(const elements::Wrench6<Vec6>& wrench) const {
+    wrench.value = wrench_units().cwiseProduct(wrench.value);
   }
-  void operator()(LineSpring& spring) const {
-    for (Attachment& end : spring.ends) tell_attachment(end, units);
-    spring.law = law_in_units(std::move(spring.law), true, units);
-  }
-  void operator()(TurnSpring& spring) const {
-    for (Attachment& end : spring.ends) tell_attachment(end, units);
-    spring.law = law_in_units(std::move(spring.law), false, units);
-  }
-  void operator()(Bushing& bushing) const {
-    for (Attachment& end : bushing.ends) tell_attachment(end, units);
-    Vec6 wrench;
-    wrench << Vec3::Constant(units.force()), Vec3::Constant(units.torque());
+  void operator()(const elements::WrenchMatrix<Mat6>& matrix) const {
     Vec6 motion;
     motion << Vec3::Constant(units.length), Vec3::Ones();
     const Vec6 per_motion = motion.cwiseInverse();
-    bushing.stiffness = wrench.asDiagonal() * bushing.stiffness * per_motion.asDiagonal();
-    bushing.damping = units.time * (wrench.asDiagonal() * bushing.damping * per_motion.asDiagonal());
-    bushing.preload = wrench.cwiseProduct(bushing.preload);
+    matrix.value = wrench_units().asDiagonal() * matrix.value * per_motion.asDiagonal();
+    if (matrix.per_rate) matrix.value *= units.time;
   }
-  void operator()(Tire& tire) const {
-    tell_attachment(tire.wheel, units);
-    tire.road = std::make_shared<const Road>(road_in_units(*tire.road, units));
-    tire.radius *= units.length;
-    tire.stiffness *= units.force() / units.length;
-    tire.damping *= units.force() / units.length * units.time;
-    tire.slip_stiffness *= units.force();
-    tire.cornering_stiffness *= units.force();
-    tire.speed_scale *= units.length / units.time;
+  void operator()(const elements::LawOverCoordinate<ForceLaw>& spring) const {
+    spring.value = law_in_units(std::move(spring.value), spring.over_length, units);
+  }
+  void operator()(const elements::FactorOverTime<TimeFunction>& law) const {
+    law.value = scaled(law.value, 1.0, units.time);
+  }
+  void operator()(const elements::RoadBelow<std::shared_ptr<const Road>>& road) const {
+    road.value = std::make_shared<const Road>(road_in_units(*road.value, units));
+  }
+
+ private:
+  [[nodiscard]] double of(const elements::Dimension& dimension) const {
+    return std::pow(units.force(), dimension.force) * std::pow(units.length, dimension.length) *
+           std::pow(units.time, dimension.time);
+  }
+  [[nodiscard]] Vec6 wrench_units() const {
+    Vec6 wrench;
+    wrench << Vec3::Constant(units.force()), Vec3::Constant(units.torque());
+    return wrench;
   }
 };
+
+void tell_element(ForceElement& element, const Units& units) {
+  for (Attachment& end : ends_of(element)) tell_attachment(end, units);
+  each_quantity(element, QuantityInUnits{units});
+}
 
 }  // namespace
 
@@ -210,7 +213,7 @@ Model told_in_units(Model model, const Units& units) {
   }
   for (Body& body : model.bodies) tell_body(body, units);
   for (Joint& joint : model.joints) tell_joint(joint, units);
-  for (ForceElement& element : model.elements) std::visit(ElementInUnits{units}, element.what);
+  for (ForceElement& element : model.elements) tell_element(element, units);
   return model;
 }
 

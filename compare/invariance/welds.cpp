@@ -36,15 +36,8 @@ struct Part {
 
 Attachment& end_in(Model& model, const EndOf& end) {
   if (end.of_joint) return model.joints[end.number].sides[static_cast<std::size_t>(index(end.side))];
-  const auto on_side = [&](auto& element) -> Attachment& {
-    return element.ends[static_cast<std::size_t>(index(end.side))];
-  };
-  return std::visit(Overloaded{[](Load& load) -> Attachment& { return load.at; },
-                               [](Tire& tire) -> Attachment& { return tire.wheel; },
-                               [&](LineSpring& spring) -> Attachment& { return on_side(spring); },
-                               [&](TurnSpring& spring) -> Attachment& { return on_side(spring); },
-                               [&](Bushing& bushing) -> Attachment& { return on_side(bushing); }},
-                    model.elements[end.number].what);
+  const std::span<Attachment> ends = ends_of(model.elements[end.number]);
+  return end.side == Side::child ? ends.back() : ends.front();
 }
 
 /// Takes a share of a body's mass away, and gives it as a body in the same frame. Their centres of mass lie apart along

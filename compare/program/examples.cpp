@@ -26,7 +26,7 @@ constexpr Example kExamples[] = {
      "by its implicit integrator; NetCDF and CSV in results/"},
     {"info", "data/models/slider_crank_redundant.toml", "bodies, joints, loops, rank, and which reactions are unique"},
     {"info", "my.toml", "whether a new model can be read, closes and moves as it is meant to"},
-    {"statics", "data/models/body_on_bushings.toml", "the static equilibrium by both solvers"},
+    {"statics", "data/models/hanging_chain.toml", "the static equilibrium by both solvers"},
     {"statics", "my.toml --all --json equilibrium.json", "every component; places and reactions for other programs"},
     {"linearize", "data/models/car.toml --at equilibrium", "frequencies, damping ratios and mode shapes at rest"},
     {"linearize", "my.toml --json modes.json", "about the motion through the start"},

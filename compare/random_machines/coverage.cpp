@@ -89,8 +89,8 @@ std::string Coverage::format() const {
   for (const char* kind : {"rigid", "beam", "modes file"}) {
     parts.push_back({std::string(kind) + " body", fmt::format("{}", count("bodies", kind))});
   }
-  for (const std::string& table : element_tables()) {
-    parts.push_back({table, fmt::format("{}", count("elements", table))});
+  for (const std::string_view table : element_keys()) {
+    parts.push_back({std::string(table), fmt::format("{}", count("elements", std::string(table)))});
   }
   text += '\n' + format_table(parts, {false, true});
   long met = 0;

@@ -26,7 +26,15 @@ void turn_to(End& end, const Mat3& A, const std::vector<Pose>& poses) {
   end.p = parameters_of(poses[end.body].A.transpose() * A);
 }
 
-void draw_load(ElementPlan& plan, const Ends& ends, const Units& units, Random& random) {
+/// Where an element is drawn, and in what units.
+struct Surroundings {
+  const Ends& ends;
+  const std::vector<Pose>& poses;
+  const Units& units;
+};
+
+void draw(std::type_identity<Load> /*kind*/, const Surroundings& around, ElementPlan& plan, Random& random) {
+  const auto& [ends, poses, units] = around;
   plan.child = ends.alone;
   const int axes = random.below(3);
   plan.has_frame = axes == 2;
@@ -40,8 +48,8 @@ void draw_load(ElementPlan& plan, const Ends& ends, const Units& units, Random& 
   }
 }
 
-void draw_line_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& poses, const Units& units,
-                      Random& random) {
+void draw(std::type_identity<LineSpring> /*kind*/, const Surroundings& around, ElementPlan& plan, Random& random) {
+  const auto& [ends, poses, units] = around;
   plan.parent = ends.parent;
   plan.child = ends.child;
   plan.has_frame = false;
@@ -54,8 +62,8 @@ Mat3 small_rotation(double most, Random& random) {
   return rotation_about(rotation_of(random.rotation()).col(0), random.between(-most, most));
 }
 
-void draw_turn_spring(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& poses, const Units& units,
-                      Random& random) {
+void draw(std::type_identity<TurnSpring> /*kind*/, const Surroundings& around, ElementPlan& plan, Random& random) {
+  const auto& [ends, poses, units] = around;
   plan.parent = ends.parent;
   plan.child = ends.child;
   const double angle = random.between(-3.1, 3.1);  // turns are counted: half a turn is no border
@@ -91,8 +99,8 @@ std::string bushing_text(double size, double length, Random& random) {
   return matrix_text(scaled);
 }
 
-void draw_bushing(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& poses, const Units& units,
-                  Random& random) {
+void draw(std::type_identity<Bushing> /*kind*/, const Surroundings& around, ElementPlan& plan, Random& random) {
+  const auto& [ends, poses, units] = around;
   plan.parent = ends.parent;
   plan.child = ends.child;
   turn_to(plan.child, axes_of(ends.parent, poses) * small_rotation(1.3 / units.stiffer, random), poses);
@@ -142,8 +150,8 @@ Entries draw_road(double x, double height, const Units& units, Random& random) {
   }
 }
 
-void draw_tire(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& poses, const Units& units,
-               Random& random) {
+void draw(std::type_identity<Tire> /*kind*/, const Surroundings& around, ElementPlan& plan, Random& random) {
+  const auto& [ends, poses, units] = around;
   plan.child = ends.alone;
   turn_to(plan.child, wheel_axes(random), poses);
   const Vec3 centre = position_of(plan.child, poses);
@@ -170,22 +178,26 @@ void draw_tire(ElementPlan& plan, const Ends& ends, const std::vector<Pose>& pos
   }
 }
 
-}  // namespace
+using Draw = void (*)(const Surroundings& around, ElementPlan& plan, Random& random);
 
-const std::vector<std::string>& element_tables() {
-  static const std::vector<std::string> tables{"load", "line_spring", "turn_spring", "bushing", "tire"};
-  return tables;
+template <class Kind>
+void draw_kind(const Surroundings& around, ElementPlan& plan, Random& random) {
+  draw(std::type_identity<Kind>{}, around, plan, random);
 }
+
+template <class... Kinds>
+std::vector<Draw> draws_of(std::type_identity<std::variant<Kinds...>> /*all*/) {
+  return {draw_kind<Kinds>...};
+}
+
+}  // namespace
 
 ElementPlan draw_element(int kind, const Ends& ends, const std::vector<Pose>& poses, const Units& units,
                          Random& random) {
+  static const std::vector<Draw> kDraws = draws_of(std::type_identity<AnyElement>{});
   ElementPlan plan;
-  plan.table = element_tables()[static_cast<std::size_t>(kind)];
-  if (plan.table == "load") draw_load(plan, ends, units, random);
-  if (plan.table == "line_spring") draw_line_spring(plan, ends, poses, units, random);
-  if (plan.table == "turn_spring") draw_turn_spring(plan, ends, poses, units, random);
-  if (plan.table == "bushing") draw_bushing(plan, ends, poses, units, random);
-  if (plan.table == "tire") draw_tire(plan, ends, poses, units, random);
+  plan.table = element_keys()[static_cast<std::size_t>(kind)];
+  kDraws[static_cast<std::size_t>(kind)]({ends, poses, units}, plan, random);
   return plan;
 }
 

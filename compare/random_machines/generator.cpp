@@ -219,9 +219,9 @@ class Drawing {
   }
 
   void add_element() {
-    const auto count = static_cast<int>(element_tables().size());
+    const auto count = static_cast<int>(element_keys().size());
     const int kind =
-        machine_.elements.empty() ? static_cast<int>(number_ % element_tables().size()) : random_.below(count);
+        machine_.elements.empty() ? static_cast<int>(number_ % element_keys().size()) : random_.below(count);
     const int one = random_.below(static_cast<int>(machine_.bodies.size()));
     const int outer = 1 + random_.below(static_cast<int>(machine_.bodies.size()) - 1);
     const int other = one != outer ? one : 0;
@@ -229,7 +229,7 @@ class Drawing {
     ends.parent = draw_end_on(random_.chance(0.5) ? other : outer);
     ends.child = draw_end_on(ends.parent.body == other ? outer : other);
     ends.alone = draw_end_on(outer);
-    const std::string& table = element_tables()[static_cast<std::size_t>(kind)];
+    const std::string_view table = element_keys()[static_cast<std::size_t>(kind)];
     const bool is_alone = table == "load" || table == "tire";
     const Units units =
         draw_units_between(is_alone ? std::array{ends.alone, ends.alone} : std::array{ends.parent, ends.child});

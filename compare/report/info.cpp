@@ -48,8 +48,9 @@ std::string joint_table(const Model& model, const std::array<SolverView, 2>& sol
 }
 
 std::string kind_of(const ForceElement& element) {
-  constexpr std::array kKinds{"load", "line spring", "turn spring", "bushing", "tire"};
-  return kKinds.at(element.what.index());
+  std::string words(key_of(element));
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 std::string element_table(const Model& model) {

@@ -83,13 +83,6 @@ ResultJson end_json(const Attachment& end) {
           {"turns", numbers(end.Psi_r_L)}};
 }
 
-const char* type_name_of(const ForceElement& element) {
-  return std::visit(Overloaded{[](const Load&) { return "load"; }, [](const LineSpring&) { return "spring"; },
-                               [](const TurnSpring&) { return "turn_spring"; },
-                               [](const Bushing&) { return "bushing"; }, [](const Tire&) { return "tire"; }},
-                    element.what);
-}
-
 ResultJson machine_json(const Model& model) {
   ResultJson bodies = ResultJson::array();
   for (const Body& body : model.bodies) bodies.push_back(body_json(body));
@@ -105,7 +98,7 @@ ResultJson machine_json(const Model& model) {
     const Attachment* parent = end_of(element, Side::parent);
     const Attachment* child = end_of(element, Side::child);
     elements.push_back({{"name", element.name},
-                        {"type", type_name_of(element)},
+                        {"type", key_of(element)},
                         {"parent", parent != nullptr ? end_json(*parent) : ResultJson()},
                         {"child", child != nullptr ? end_json(*child) : ResultJson()}});
   }

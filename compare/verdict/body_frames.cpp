@@ -72,18 +72,7 @@ void visit_attachments(AnyModel& model, const Visit& visit) {
     for (auto& side : joint.sides) visit(side);
   }
   for (auto& element : model.elements) {
-    std::visit(
-        [&](auto& one) {
-          using Element = std::remove_cvref_t<decltype(one)>;
-          if constexpr (std::is_same_v<Element, Load>) {
-            visit(one.at);
-          } else if constexpr (std::is_same_v<Element, Tire>) {
-            visit(one.wheel);
-          } else {
-            for (auto& end : one.ends) visit(end);
-          }
-        },
-        element.what);
+    for (auto& end : ends_of(element)) visit(end);
   }
 }
 

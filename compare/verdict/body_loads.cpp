@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"

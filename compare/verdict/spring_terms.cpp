@@ -63,14 +63,21 @@ struct EndMotion {
   }
 };
 
-SpringTerms terms_of(const Bushing& bushing, const State& state) {
-  const EndMotion ends(bushing.ends, state);
+/// Of an element that makes wrenches of the motion of its ends.
+SpringTerms terms_by_quantities(const ForceElement& element, const State& state) {
+  if (ends_of(element).size() < 2) return {};
+  const EndMotion ends({ends_of(element).front(), ends_of(element).back()}, state);
   Vec6 motion;
   motion << Vec3::Constant(ends.distance), Vec3::Constant(kUnitTurn);
   Vec6 rates;
   rates << Vec3::Constant(ends.speed), Vec3::Constant(ends.turning);
-  const Vec6 terms =
-      bushing.stiffness.cwiseAbs() * motion + bushing.damping.cwiseAbs() * rates + bushing.preload.cwiseAbs();
+  Vec6 terms = Vec6::Zero();
+  each_quantity(element,
+                Overloaded{elements::IgnoreQuantity{},
+                           [&](const elements::WrenchMatrix<const Mat6>& matrix) {
+                             terms += matrix.value.cwiseAbs() * (matrix.per_rate ? rates : motion);
+                           },
+                           [&](const elements::Wrench6<const Vec6>& wrench) { terms += wrench.value.cwiseAbs(); }});
   return {terms.head<3>().maxCoeff(), terms.tail<3>().maxCoeff()};
 }
 
@@ -78,8 +85,7 @@ SpringTerms terms_of(const Bushing& bushing, const State& state) {
 
 SpringTerms spring_terms(const ForceElement& element, const State& state, double known_angle) {
   return std::visit(
-      Overloaded{[](const Load&) { return SpringTerms{}; },
-                 [](const Tire& tire) {
+      Overloaded{[](const Tire& tire) {
                    // The deflection is the radius less the height of the wheel's centre.
                    const double force = tire.stiffness * tire.radius;
                    return SpringTerms{force, force * tire.radius};
@@ -94,7 +100,7 @@ SpringTerms spring_terms(const ForceElement& element, const State& state, double
                    const double size = std::max(kUnitTurn, std::abs(angle));
                    return SpringTerms{0.0, terms_of(spring.law, {angle, size, ends.turning, state.t})};
                  },
-                 [&](const Bushing& bushing) { return terms_of(bushing, state); }},
+                 [&](const auto& /*other*/) { return terms_by_quantities(element, state); }},
       element.what);
 }
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <variant>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 #include "common/overloaded.h"
 
 namespace concord::compare {
@@ -105,17 +105,19 @@ std::vector<std::string> notes_on_tables(const Model& model, double until) {
   }
   for (const ForceElement& element : model.elements) {
     const std::string owner = fmt::format("force element '{}'", element.name);
-    std::visit(Overloaded{[&](const LineSpring& line) { notes_on_law(line.law, until, owner, notes); },
-                          [&](const TurnSpring& turn) { notes_on_law(turn.law, until, owner, notes); },
-                          [&](const Load& load) { note_on(load.law, until, "law of " + owner, notes); },
-                          [&](const Tire& tire) {
-                            const auto* road = std::get_if<RoadTable>(&tire.road->profile);
-                            if (road == nullptr || !looked_at.insert(tire.road.get()).second) return;
-                            note_on(SplineOfModel{road->spline, road->last, kSeenOfMotion},
-                                    fmt::format("road '{}' of {}", tire.road->name, owner), notes);
-                          },
-                          [](const auto& /*other*/) {}},
-               element.what);
+    each_quantity(element, Overloaded{elements::IgnoreQuantity{},
+                                      [&](const elements::LawOverCoordinate<const ForceLaw>& spring) {
+                                        notes_on_law(spring.value, until, owner, notes);
+                                      },
+                                      [&](const elements::FactorOverTime<const TimeFunction>& law) {
+                                        note_on(law.value, until, "law of " + owner, notes);
+                                      },
+                                      [&](const elements::RoadBelow<const std::shared_ptr<const Road>>& below) {
+                                        const auto* road = std::get_if<RoadTable>(&below.value->profile);
+                                        if (road == nullptr || !looked_at.insert(below.value.get()).second) return;
+                                        note_on(SplineOfModel{road->spline, road->last, kSeenOfMotion},
+                                                fmt::format("road '{}' of {}", below.value->name, owner), notes);
+                                      }});
   }
   return notes;
 }

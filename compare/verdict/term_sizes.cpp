@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 #include "common/results.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/body_loads.h"

@@ -939,8 +939,8 @@ child = "crank"
        "8:1: error: bushing 'mount': exerts nothing: give a 'stiffness', a 'damping' or a 'preload'"},
       {"joint_spring_on_a_ball", R"~(type = "spherical")~", R"~(type = "spherical"
 spring.ball = { stiffness = 3 })~",
-       "38:15: error: joint 'B' (spherical), spring: a ball has no spring: only a turn or a slide has; a [[bushing]] "
-       "resists all rotations"},
+       "38:15: error: joint 'B' (spherical), spring: a ball has no spring: only a turn or a slide has; a force element "
+       "between the bodies can resist all rotations"},
       {"joint_spring_on_a_word_that_is_not_there", "drive.slide_z", R"~(spring.turn_x = { stiffness = 3 }
 drive.slide_z)~",
        "46:8: error: joint 'D' (cylindrical), spring: unknown key 'turn_x': did you mean 'turn_z'?"},

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 
 namespace concord {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/laws/tire.h"
+#include "common/elements/tire.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/laws/force_elements.h"
+#include "common/elements/force_element.h"
 
 namespace concord {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/laws/tire.h"
+#include "common/elements/tire.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "common/attachment.h"
+#include "common/elements/facts.h"
 #include "common/laws/road.h"
 
 namespace concord {
@@ -30,6 +30,25 @@ struct Tire {
   double cornering_stiffness = 0.0;  // N: -F_y over the slip angle's tangent V_y / V
   double friction = 0.0;             // limit of |F_x, F_y| / N
   double speed_scale = 0.1;          // m/s: V = sqrt(V_x^2 + speed_scale^2), regular at standstill
+
+  static constexpr std::string_view kKey = "tire";
+  static constexpr elements::EndAxes kEndAxes = elements::EndAxes::about_y;  // its spin
+  static constexpr bool kSidesAlike = false;
+  template <class Self>
+  static auto ends_of(Self& self) {
+    return std::span(&self.wheel, 1);
+  }
+  template <class Self, class Visit>
+  static void each_quantity(Self& self, const Visit& visit) {
+    visit(elements::RoadBelow{"road", self.road});
+    visit(elements::Scalar{"radius", self.radius, {.length = 1}});
+    visit(elements::Scalar{"stiffness", self.stiffness, {.force = 1, .length = -1}});
+    visit(elements::Scalar{"damping", self.damping, {.force = 1, .length = -1, .time = 1}});
+    visit(elements::Scalar{"slip_stiffness", self.slip_stiffness, {.force = 1}});
+    visit(elements::Scalar{"cornering_stiffness", self.cornering_stiffness, {.force = 1}});
+    visit(elements::Scalar{"friction", self.friction, {}});
+    visit(elements::Scalar{"speed_scale", self.speed_scale, {.length = 1, .time = -1}});
+  }
 };
 
 /// In which way the laws of a tire hold; between two regimes a derivative jumps, or the force where a damped tire
