@@ -16,21 +16,21 @@ struct MotionMatrices {
   MatX B;
 };
 
-/// What the search for modes of a machine takes as given, whatever the errors of its matrices are.
+/// What the search for modes is given beside the matrices and their errors.
 struct ModeSearch {
   const Chart& chart;
   AccelerationScale scale;
-  /// Nothing is damped: eigenvalues are the roots of those of A alone.
+  /// Without damping the eigenvalues are square roots of those of A.
   bool is_undamped = false;
   double frequency = 1.0;   // the unit of rates [1/s]
-  double strictness = 1.0;  // of what counts as stiffness, see StiffnessSplit
+  double strictness = 1.0;  // factor on the limit below which a stiffness counts as none, see StiffnessSplit
 };
 
 /// What modes a machine has.
 struct FoundModes {
-  /// Those that meet a stiffness or a damping, in no order and without words for their motion.
+  /// Modes with stiffness or damping, unsorted; their motions are not yet named.
   std::vector<Mode> moving;
-  /// Orthonormal columns: motions without stiffness, and rates of these that no damping holds either.
+  /// Orthonormal columns: motions without stiffness; and those of them without damping.
   MatX free_places;
   MatX free_rates;
   double resolution = 0.0;  // Linearization::resolution
@@ -39,25 +39,25 @@ struct FoundModes {
   [[nodiscard]] int count_free() const;
 };
 
-/// `errors`: what the numbers of the matrices may be wrong by.
+/// Finds the modes of the matrices. `errors` bounds the error of each number in them.
 FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors);
 
-/// By how much eigenvalues and shapes move when every number of the matrices is changed by up to what it may be wrong
-/// by, over a few draws: written into the modes. A mode that a draw loses is not resolved.
+/// Measures how well modes are known, and writes it into them: the largest change of eigenvalue and shape over a few
+/// draws, each of which changes every number of the matrices within its error. A mode that is not found again in a draw
+/// is not resolved.
 void measure_mode_resolution(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors,
                              std::vector<Mode>& modes);
 
-/// Asks for a thirtieth of what otherwise counts as stiffness, and for thirty times as much: the fewest and the most
-/// modes that are free then. Where that decides otherwise on one motion, the others follow: by how much they move is
-/// written into them too.
+/// Repeats the search with a limit of stiffness thirty times lower and thirty times higher. Returns the fewest and the
+/// most free modes that result. If these differ, the changes of the other modes are written into them too.
 std::array<int, 2> weigh_decisions_on_free(ModeSearch search, const MotionMatrices& matrices,
                                            const MotionMatrices& errors, FoundModes& found);
 
-/// Near critical damping round-off decides whether two eigenvalues are real or a conjugate pair: a pair whose imaginary
-/// part is not resolved becomes two real ones. After measure_mode_resolution().
+/// Turns each conjugate pair whose imaginary part is not resolved into two real eigenvalues: near critical damping
+/// round-off decides which of the two is found. Call it after measure_mode_resolution().
 void split_unresolved_pairs(std::vector<Mode>& modes);
 
-/// The velocities of a mode with these coordinates, in SI units and in those of the machine, written into it.
+/// Writes the velocities of a mode with these coordinates into it, in SI units and in units of the machine.
 void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode);
 
 }  // namespace concord::compare::analyses

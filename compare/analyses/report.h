@@ -10,7 +10,7 @@ namespace concord::compare::analyses {
 /// component that comes nearest to its need; `all_rows`: every component.
 std::string format_analysis(const Model& model, const AnalysisVerdict& result, bool all_rows);
 
-/// The same as JSON, see compare/README.
+/// The same as JSON, see compare/report/README.
 std::string format_analysis_json(const Model& model, const AnalysisVerdict& result);
 
 /// The modes, a line each: eigenvalue, frequency, damping ratio, 1 for a free one, and the shape (complex velocities).

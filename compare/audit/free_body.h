@@ -39,18 +39,18 @@ struct Balance {
 Balance balance_of(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                    const Evaluation& evaluation);
 
-/// Makes modal rows zero that are 64 units of round-off, or less, of what forces on the body would add to them if none
-/// held another one in balance, as an axial force on a strut is held.
+/// Sets a modal row to zero if it is at most 64 units of round-off of the sum of the sizes of what each force on the
+/// body adds to it. This sum counts forces that cancel, such as the axial forces at the two ends of a strut.
 void forget_round_off_of_forces(const Model& model, const std::vector<MassPoint>& points, int body, const State& state,
                                 const Evaluation& evaluation, Balance& balance);
 
-/// Largest force of joints and elements, and of springs, drivers and couplings on joint speeds, torques of these at the
-/// machine's length [N]: a joint that balances its own springs passes nothing on, nor does a gear that passes a motor's
-/// torque to a brake.
+/// Largest force in the machine [N]: of joints, of elements, and of springs, drivers and couplings on joint speeds. A
+/// torque on a joint speed counts as a force at the machine's length. Forces on joint speeds are counted because total
+/// wrenches do not show them where a joint balances its own springs, or a gear a motor with a brake.
 double largest_force_in(const Model& model, const Evaluation& evaluation);
 
-/// Largest torque of joints and elements about where they act, at least that of the largest force at the machine's
-/// length [N m]: a shaft may be twisted by a couple that no force balances.
+/// Largest torque in the machine [N m]: of joints and elements about the points where they act, and of the largest
+/// force at the machine's length. Torques are counted because a couple may twist a shaft without any force.
 double largest_torque_in(const Model& model, const Evaluation& evaluation);
 
 }  // namespace concord::compare

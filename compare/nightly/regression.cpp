@@ -232,13 +232,14 @@ bool counts_as_known_red(const Case& one, const Result& now, const std::string& 
 
 namespace {
 
-/// Why a case that is red is not excused by its known_red.
+/// Why `known_red` does not excuse a red case: its last day is over, or the case crashed or stopped without an answer.
 std::string words_of_no_excuse(const KnownRed& known, const std::string& today) {
   if (today > known.until) return fmt::format("known red until {}, which is over", known.until);
   return "known red, but for what a solver answers: this is no answer";
 }
 
-/// The case by itself. What is known to be red is excused if it ends as was accepted (`baseline`, if there is one).
+/// What a case's own ending says: nothing if it is green; `better` if it is green but was expected to be red; otherwise
+/// `red`, or known red if the suite excuses it. A case is excused only if it ends as the baseline, if there is one.
 std::optional<Change> own_change(const Case& one, const Result& now, const Result* baseline, const std::string& today) {
   const std::string words = red_words(now);
   if (now.is_green() && one.known_red) {

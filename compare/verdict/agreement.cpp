@@ -178,7 +178,7 @@ class Scales {
     return peak(series_, layout_.row_of({Kind::coupling, static_cast<int>(coupling), Side::child, 0}), 1);
   }
 
-  /// The force that would explain all that passes through the joints of a coupling.
+  /// Scale of a coupling's force: its own peak, or the force that would cause the whole load of one of its joints.
   void collect_couplings() {
     const Model& model = layout_.model();
     for (std::size_t c = 0; c < model.couplings.size(); ++c) {
@@ -192,8 +192,8 @@ class Scales {
     }
   }
 
-  /// A joint that can carry nothing has no scale of its own, nor has a body that only such joints hold: their round-off
-  /// is that of the loads around them.
+  /// A joint that can carry nothing has no scale of its own, and neither has a body that only such joints hold. They
+  /// get the machine's scale, because their round-off comes from the loads around them.
   void hold_idle_joints_against_the_machine(const BlockScale& machine) {
     const Model& model = layout_.model();
     std::vector<bool> is_held(model.bodies.size(), false);
@@ -230,7 +230,8 @@ class Scales {
       enlarge(acceleration_floor_, accelerations_[i]);
       modal_[i] = peak(series_, row + 6, model.bodies[i].n_modes());
     }
-    // Of bodies that a coupling holds at rest against a motor: what it would do to them alone.
+    // A coupling may hold a body at rest against a motor. The scale is then the acceleration that the coupling alone
+    // would give the body.
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       for (const Attachment& side : model.joints[k].sides) {
         const Body& body = model.bodies[side.body];

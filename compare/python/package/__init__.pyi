@@ -325,7 +325,7 @@ class Solver:
         `until` and `samples` say the same. What is missing comes from the model."""
 
 class Verdict(dict[str, Any]):
-    """What `concord compare --json` writes, as dictionaries (compare/README.md), and what the program says beside it."""
+    """What `concord compare --json` writes, as dictionaries (compare/report/README.md), and what is said beside it."""
 
     @property
     def json(self) -> str:
