@@ -19,7 +19,7 @@ print("joints:", ", ".join(f"{joint} ({kind})" for joint, kind in zip(model.join
 # %% Compare
 verdict = concord.compare(model, until=0.2)
 print(verdict["verdict"], "-", verdict["judged"], "of", verdict["total"], "components judged")
-print("worst digits:", {rung: verdict[rung]["digits"] for rung in ("same_state", "same_run", "refined", "audit")})
+print("worst digits:", {check: verdict[check]["digits"] for check in ("same_state", "same_run", "refined", "audit")})
 
 # %% The components nearest to their needs
 judged = [row for row in verdict["joints"] if row["verdict"] != "not_judged"]
