@@ -21,7 +21,7 @@ verdict = concord.compare(model, until=0.2)
 print(verdict["verdict"], "-", verdict["judged"], "of", verdict["total"], "components judged")
 print("worst digits:", {check: verdict[check]["digits"] for check in ("same_state", "same_run", "refined", "audit")})
 
-# %% The components nearest to their needs
+# %% The components nearest to the digits that they must reach
 judged = [row for row in verdict["joints"] if row["verdict"] != "not_judged"]
 judged.sort(key=lambda row: row["same_run_digits"] - row["need"]["same_run"])
 print(f"{'joint':6}{'side':8}{'component':10}{'same state':>11}{'same run':>10}{'refined':>9}")
