@@ -8,7 +8,7 @@
 namespace concord::compare::fuzz {
 
 CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command) {
-  CLI::App* fuzz = program.add_subcommand("fuzz");
+  CLI::App* fuzz = program.add_subcommand("fuzz", "Compare random machines; failing ones are reduced and kept");
   CLI::Option* count =
       fuzz->add_option("--count", command.count, "How many machines; default: 1000, or as many as the minutes allow")
           ->check(whole_number_from(1, 1000000000));

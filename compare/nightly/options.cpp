@@ -15,7 +15,8 @@ NightlyCommands::NightlyCommands(CLI::App& program) {
 }
 
 void NightlyCommands::add_nightly(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("nightly");
+  CLI::App* app = program.add_subcommand(
+      "nightly", "Run a suite of cases, each in its own process, and compare the results with the accepted ones");
   nightly_app_ = app;
   app->add_option("SUITE", nightly_.suite, "Suite file (TOML; compare/nightly/README.md)")->required();
   app->add_option("--jobs", nightly_.jobs, "Worker processes; default: one for each processor")
@@ -63,7 +64,7 @@ int NightlyCommands::take_slurm_words(int argc, char** argv) {
 }
 
 void NightlyCommands::add_accept(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("accept");
+  CLI::App* app = program.add_subcommand("accept", "Make results the baselines of a suite, with a reason");
   accept_app_ = app;
   app->add_option("SUITE|CASE", accept_.what, "Suite file, and names or patterns of its cases; default: all of them")
       ->required();
@@ -76,7 +77,7 @@ void NightlyCommands::add_accept(CLI::App& program) {
 }
 
 void NightlyCommands::add_history(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("history");
+  CLI::App* app = program.add_subcommand("history", "The trend of a case over the nights, with its steps");
   history_app_ = app;
   app->add_option("CASE", history_.name, "Name of the case")->required();
   app->add_option("--history", history_.history, "The file that remembers")->required();
@@ -86,7 +87,7 @@ void NightlyCommands::add_history(CLI::App& program) {
 }
 
 void NightlyCommands::add_diff(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("diff");
+  CLI::App* app = program.add_subcommand("diff", "What changed between two files of results, nights or commits");
   diff_app_ = app;
   app->add_option("A", diff_.a,
                   "File of `nightly --json` or `compare --json`; with --history a night's number, last, last-1, or a\n"

@@ -23,7 +23,7 @@ class AnalysisCommands {
   const analyses::AnalysisCommand* parsed();
 
  private:
-  CLI::App* add(CLI::App& program, analyses::Analysis analysis, const char* name);
+  CLI::App* add(CLI::App& program, analyses::Analysis analysis, const char* name, const char* about);
 
   analyses::AnalysisCommand command_;
   std::string linearize_at_ = "start";

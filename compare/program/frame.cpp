@@ -12,7 +12,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <iostream>
 
 #include "common/reading/spelling.h"
@@ -68,18 +67,6 @@ int run_guarded(const std::function<int()>& program) {
     std::cerr << "could not finish: " << error.what() << '\n';
     return kCouldNotFinish;
   }
-}
-
-int become_campaigns(char** argv) {
-  std::error_code unknown;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  const std::filesystem::path program = self.parent_path() / "concord-campaigns";
-  execv(program.c_str(), argv);
-  std::cerr << fmt::format(
-      "could not finish: '{}' is a command of {}, which cannot be started: {}; build it with the target "
-      "concord-campaigns, and keep both programs in one folder\n",
-      argv[1], program.string(), std::strerror(errno));
-  return kCouldNotFinish;
 }
 
 void add_examples(CLI::App& program) {
