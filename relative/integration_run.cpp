@@ -167,7 +167,6 @@ Sample IntegrationRun::take_sample(States& states, double t, const Eigen::Ref<co
     throw_stopped(t, last_reason_);
   }
   const JointReactions& reactions = equations_->compute_reactions(*evaluated);
-  require_modal_balance(reactions, equations_->model(), t);
   sample.evaluation = states.write_evaluation(*evaluated, reactions);
   return sample;
 }

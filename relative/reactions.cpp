@@ -1,37 +1,8 @@
 #include "relative/reactions.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "common/unbalanced_body.h"
 #include "relative/wrenches.h"
 
 namespace concord::relative {
-
-namespace {
-
-/// Modal rows of a body out of balance by more than this part of their largest term are no round-off.
-constexpr double kLargestModalResidual = 1e-8;
-constexpr double kRoundOffOfForces = 64.0 * std::numeric_limits<double>::epsilon();
-
-/// A bound on what the mass points of a flexible body add to its modal rows: |sum m psi . a| is at most the root of
-/// sum m psi.psi times that of sum m a.a. The terms themselves may cancel: in free fall nothing is left of them.
-double size_of_modal_terms(const BodyInertia& inertia, double largest_mode, double linear, double angular,
-                           const VecX& addot) {
-  const double rigid = std::sqrt(inertia.moments().mass) * linear + std::sqrt(inertia.moments().I.trace()) * angular;
-  return largest_mode * (rigid + largest_mode * addot.cwiseAbs().maxCoeff());
-}
-
-}  // namespace
-
-/// As size_of_modal_terms(), of a unit force and a unit torque, as if nothing held them in balance.
-void Reactions::set_modal_shares(const MassMoments& moments, double largest_mode, Load& load) {
-  if (moments.mass > 0.0) load.modal_share_of_forces = largest_mode / std::sqrt(moments.mass);
-  if (moments.I.trace() > 0.0) load.modal_share_of_torques = largest_mode / std::sqrt(moments.I.trace());
-}
 
 Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
     : kinematics_(&kinematics), closure_(&closure) {
@@ -41,7 +12,6 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
   for (const Link& link : kinematics.topology().links) {
     Load load;
     load.rho_a.setZero(model.bodies[link.body].n_modes());
-    has_modes_ = has_modes_ || load.rho_a.size() > 0;
     loads_.push_back(load);
   }
   for (const JointIndex k : upward<JointIndex>(model.joints.size())) {
@@ -90,40 +60,6 @@ const JointReactions& Reactions::compute_self_stress(const VecX& lambda) {
   return found_;
 }
 
-void Reactions::take_size(const Vec6& terms, Load& load) {
-  load.terms.forces += terms.head<3>().norm();
-  load.terms.torques += terms.tail<3>().norm();
-}
-
-/// Terms of accelerations may cancel: those by speeds of the body and of its joint's point, what modes add at that
-/// point, and what the reference body passes on.
-void Reactions::set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations) {
-  const Link& link = kinematics_->topology().links[l];
-  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
-  const BodyMotion& motion = kinematics_->body(link.body);
-  const Vec6& Vdot = accelerations.of_body(link.body);
-  Load& load = loads_[l];
-  const double turning = motion.omega.norm() + own.omega.norm();
-  load.size_of_linear = Vdot.head<3>().norm() + turning * (motion.v.norm() + own.v.norm());
-  load.size_of_angular = Vdot.tail<3>().norm() + turning * turning;
-  if (const VecX* addot = accelerations.of_modes(link.body); addot != nullptr && addot->size() > 0) {
-    const double largest = addot->cwiseAbs().maxCoeff();
-    load.size_of_linear += largest * own.Ga().topRows<3>().cwiseAbs().rowwise().sum().maxCoeff();
-    load.size_of_angular += largest * own.Ga().bottomRows<3>().cwiseAbs().rowwise().sum().maxCoeff();
-  }
-  if (link.reference != kGround) {
-    const Load& reference = loads_[*kinematics_->topology().link_of_body[link.reference]];
-    const double lever = (motion.r - kinematics_->body(link.reference).r).norm();
-    load.size_of_linear += reference.size_of_linear + lever * reference.size_of_angular;
-    load.size_of_angular += reference.size_of_angular;
-  }
-  const double mass = inertia.moments().mass;
-  const double second = inertia.moments().I.trace();
-  load.terms.forces = mass * load.size_of_linear + std::sqrt(mass * second) * load.size_of_angular;
-  load.terms.torques = std::sqrt(mass * second) * load.size_of_linear + second * load.size_of_angular;
-  take_size(inertia.p(), load);
-}
-
 /// rho = M Ydot + S + U - Q_gravity (R54).
 void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const TreeAccelerations& accelerations) {
   for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
@@ -132,20 +68,11 @@ void Reactions::load_inertia(const std::vector<BodyInertia>& inertias, const Tre
     const Vec6& Vdot = accelerations.of_body(body);
     Load& load = loads_[l];
     load.rho = inertia.moments().times(Vdot) + inertia.p();
-    load.of_cuts = {};
-    if (has_modes_) set_size(l, inertia, accelerations);
     const FlexibleInertia* flexible = inertia.flexible();
     if (flexible == nullptr) continue;
     const VecX& addot = *accelerations.of_modes(body);
-    take_size(flexible->M_ra().cwiseAbs().rowwise().sum() * addot.cwiseAbs().maxCoeff(), load);
     load.rho.noalias() += flexible->M_ra().lazyProduct(addot);
     load.rho_a = flexible->p_a();
-    const double largest_mode = std::sqrt(flexible->M_aa().diagonal().maxCoeff());
-    load.terms.modal_term =
-        std::max(flexible->U().cwiseAbs().maxCoeff(),
-                 size_of_modal_terms(inertia, largest_mode, load.size_of_linear + kinematics_->model().gravity.norm(),
-                                     load.size_of_angular, addot));
-    set_modal_shares(inertia.moments(), largest_mode, load);
     load.rho_a.noalias() += flexible->M_ra().transpose().lazyProduct(Vdot);
     load.rho_a.noalias() += flexible->M_aa().lazyProduct(addot);
   }
@@ -157,10 +84,7 @@ void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
   for (const LinkIndex l : upward<LinkIndex>(loads_.size())) {
     Load& load = loads_[l];
     load.rho -= applied.on_body(l);
-    if (has_modes_) take_size(applied.on_body(l), load);
-    if (load.rho_a.size() == 0) continue;
-    load.terms.modal_term = std::max(load.terms.modal_term, applied.on_modes(l).cwiseAbs().maxCoeff());
-    load.rho_a -= applied.on_modes(l);
+    if (load.rho_a.size() > 0) load.rho_a -= applied.on_modes(l);
   }
 }
 
@@ -199,7 +123,6 @@ void Reactions::clear_loads() {
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
-    load.terms = load.of_cuts = {};
   }
 }
 
@@ -234,8 +157,6 @@ Vec6 Reactions::exert_at_cut(JointIndex k, const Vec6& on_child) {
   Vec6 on_parent = opposite_wrench_at(on_child, child.r, parent.r);
   subtract_from(BodyIndex(joint.on(Side::child).body), child, on_child);
   subtract_from(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
-  take_size_of_cut(BodyIndex(joint.on(Side::child).body), child, on_child);
-  take_size_of_cut(BodyIndex(joint.on(Side::parent).body), parent, on_parent);
   return on_parent;
 }
 
@@ -258,9 +179,9 @@ void Reactions::subtract_from(BodyIndex body, const JointPoint& point, const Vec
   if (point.n_modes() > 0) load.rho_a.noalias() -= point.Ga().transpose().lazyProduct(wrench);
 }
 
-void Reactions::backward_pass() {  // (R57)
-  found_.modal_residual = 0.0;
-  found_.worst_modal_body = BodyIndex(kGround);
+/// Step 4 gives the wrench of a link's joint. By Step 5 the same wrench leaves nothing of the modal rows: the body's
+/// audit holds that against the results.
+void Reactions::backward_pass() {  // (R57), (R58)
   const std::vector<Link>& links = kinematics_->topology().links;
   for (const LinkIndex l : downward<LinkIndex>(links.size())) {
     const Link& link = links[l];
@@ -268,73 +189,15 @@ void Reactions::backward_pass() {  // (R57)
     const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
     Vec6 on_body = loads_[l].rho;
     on_body.tail<3>() -= own.lever.cross(on_body.head<3>());
-    audit_modal_rows(l, on_body);
+    if (own.n_modes() > 0) loads_[l].rho_a.noalias() -= own.Ga().transpose().lazyProduct(on_body);
     const Vec6 on_reference = opposite_wrench_at(on_body, own.r, reference.r);
     subtract_from(link.reference, reference, on_reference);
-    if (has_modes_) pass_size_on(l);
     if (link.along) {
       report(link.joint, on_body, on_reference);
     } else {
       report(link.joint, on_reference, on_body);
     }
   }
-}
-
-/// What a body sums up has the round-off of what its outboard bodies sum up, though their terms may cancel.
-void Reactions::pass_size_on(LinkIndex l) {
-  const Link& link = kinematics_->topology().links[l];
-  if (link.reference == kGround) return;
-  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
-  const JointPoint& reference = kinematics_->point(link.joint, link.reference_side());
-  const Load& outboard = loads_[l];
-  Load& inboard = loads_[*kinematics_->topology().link_of_body[link.reference]];
-  const double lever = own.lever.norm() + (own.r - reference.r).norm();
-  const auto pass = [&](const Sizes& from, Sizes& to) {
-    to.take_at(reference, from.forces, from.torques + lever * from.forces);
-  };
-  pass(outboard.terms, inboard.terms);
-  pass(outboard.of_cuts, inboard.of_cuts);
-}
-
-void Reactions::Sizes::take_at(const JointPoint& point, double more_forces, double more_torques) {
-  forces += more_forces;
-  torques += more_torques + point.lever.norm() * more_forces;
-  if (point.n_modes() == 0) return;
-  const auto largest = [](const auto& rows) { return rows.cwiseAbs().maxCoeff(); };
-  modal_term = std::max(
-      modal_term, more_forces * largest(point.Ga().topRows<3>()) + more_torques * largest(point.Ga().bottomRows<3>()));
-}
-
-void Reactions::take_size_of_cut(BodyIndex body, const JointPoint& point, const Vec6& wrench) {
-  if (!has_modes_ || body == kGround) return;
-  Load& load = loads_[*kinematics_->topology().link_of_body[body]];
-  load.of_cuts.take_at(point, wrench.head<3>().norm(), wrench.tail<3>().norm());
-}
-
-/// What forces on a body would do to its modal rows if none held another one in balance.
-double Reactions::size_of_cancelling(const Load& load, const JointPoint& own) {
-  const double forces = load.terms.forces + load.of_cuts.forces;
-  const double torques = load.terms.torques + load.of_cuts.torques + own.lever.norm() * forces;
-  return load.of_cuts.modal_term + forces * (load.modal_share_of_forces + own.Ga().topRows<3>().cwiseAbs().maxCoeff()) +
-         torques * (load.modal_share_of_torques + own.Ga().bottomRows<3>().cwiseAbs().maxCoeff());
-}
-
-void Reactions::audit_modal_rows(LinkIndex l, const Vec6& wrench) {  // (R58)
-  Load& load = loads_[l];
-  if (load.rho_a.size() == 0) return;
-  const Link& link = kinematics_->topology().links[l];
-  const JointPoint& own = kinematics_->point(link.joint, link.own_side());
-  const double before = std::max(load.terms.modal_term, load.rho_a.cwiseAbs().maxCoeff());
-  load.rho_a.noalias() -= own.Ga().transpose().lazyProduct(wrench);
-  const double torques = load.terms.torques + own.lever.norm() * load.terms.forces;
-  const double terms = before + (own.Ga().cwiseAbs().transpose().lazyProduct(wrench.cwiseAbs())).maxCoeff() +
-                       load.terms.forces * own.Ga().topRows<3>().cwiseAbs().maxCoeff() +
-                       torques * own.Ga().bottomRows<3>().cwiseAbs().maxCoeff();
-  const double residual = load.rho_a.cwiseAbs().maxCoeff();
-  if (std::isnan(found_.modal_residual) || residual <= found_.modal_residual * terms) return;
-  if (residual > kLargestModalResidual * terms && residual <= kRoundOffOfForces * size_of_cancelling(load, own)) return;
-  found_.modal_residual = residual / terms;
-  found_.worst_modal_body = link.body;
 }
 
 void Reactions::report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent) {
@@ -380,16 +243,6 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     wrenches.reaction[index(Side::child)] = in_both_frames(child.A, on_child);
     wrenches.reaction[index(Side::parent)] = in_both_frames(parent.A, on_parent);
   }
-}
-
-void require_modal_balance(const JointReactions& reactions, const Model& model, double t) {
-  if (reactions.modal_residual <= kLargestModalResidual) return;
-  const std::string& body = model.bodies[reactions.worst_modal_body].name;
-  throw UnbalancedBody(fmt::format("relative: at t = {:.6g} s the modal equations of body '{}' are out of balance by "
-                                   "{:.1e} of their largest term, "
-                                   "allowed {:.0e}",
-                                   t, body, reactions.modal_residual, kLargestModalResidual),
-                       body);
 }
 
 }  // namespace concord::relative

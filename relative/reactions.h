@@ -18,14 +18,7 @@ struct JointReactions {
   /// Force f of each coupling, and the coordinate forces factor_k f of all couplings on every speed (n_u numbers).
   std::vector<double> couplings;
   VecX coupling_tau;
-  /// The modal rows of Step 5 that must vanish, rho_a - G_a^T [F; T], of the worst body, relative to the largest term
-  /// of its rows and of what outboard bodies pass on to them; and that body's index (ground if no body is flexible).
-  double modal_residual = 0.0;
-  BodyIndex worst_modal_body;
 };
-
-/// Throws UnbalancedBody if the free modal equations are out of balance by more than round-off explains (R58).
-void require_modal_balance(const JointReactions& reactions, const Model& model, double t);
 
 /// The wrenches of all joints in the pose of the kinematics. All memory is laid out at construction.
 class Reactions {
@@ -46,28 +39,10 @@ class Reactions {
   const JointReactions& compute_self_stress(const VecX& lambda);
 
  private:
-  /// Sizes of terms that are summed up on a link, outboard links' among them, and of what they do to a modal row.
-  struct Sizes {
-    double forces = 0.0;
-    double torques = 0.0;
-    double modal_term = 0.0;  // the largest
-
-    /// Terms of such sizes that act at a point of the body: they have their round-off in all that the body sums up
-    /// there, though they may move no mode.
-    void take_at(const JointPoint& point, double more_forces, double more_torques);
-  };
   /// rho of one link: six rigid rows about the body's origin and the modal rows.
   struct Load {
     Vec6 rho = Vec6::Zero();
     VecX rho_a;
-    /// Round-off is relative to the terms where they cancel; wrenches of cut joints count apart.
-    Sizes terms;
-    Sizes of_cuts;
-    double size_of_linear = 0.0;  // accelerations, those that the reference body passes on among them
-    double size_of_angular = 0.0;
-    /// What a unit force and a unit torque do to a modal row by the accelerations that they alone would give the body.
-    double modal_share_of_forces = 0.0;
-    double modal_share_of_torques = 0.0;
   };
   /// A joint on whose coordinates drivers, springs or couplings act, and the columns of the driven ones.
   struct ForcedJoint {
@@ -89,13 +64,6 @@ class Reactions {
   void add_spring_wrenches_of_cuts(const AppliedForces& applied);
   void backward_pass();
   void subtract_from(BodyIndex body, const JointPoint& point, const Vec6& wrench);
-  void set_size(LinkIndex l, const BodyInertia& inertia, const TreeAccelerations& accelerations);
-  static void take_size(const Vec6& terms, Load& load);
-  static void set_modal_shares(const MassMoments& moments, double largest_mode, Load& load);
-  void pass_size_on(LinkIndex l);
-  void take_size_of_cut(BodyIndex body, const JointPoint& point, const Vec6& wrench);
-  [[nodiscard]] static double size_of_cancelling(const Load& load, const JointPoint& own);
-  void audit_modal_rows(LinkIndex l, const Vec6& wrench);
   void add_to_total(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void report(JointIndex joint, const Vec6& on_child, const Vec6& on_parent);
   void split_off_coordinate_wrenches(const VecX& lambda);
@@ -105,7 +73,6 @@ class Reactions {
   std::vector<Load> loads_;
   std::vector<ForcedJoint> forced_joints_;
   JointReactions found_;
-  bool has_modes_ = false;
 };
 
 }  // namespace concord::relative
