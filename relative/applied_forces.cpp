@@ -14,7 +14,6 @@ namespace concord::relative {
 AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closure)
     : kinematics_(&kinematics),
       closure_(&closure),
-      length_(machine_length(kinematics.model())),
       on_body_(kinematics.topology().links.size(), Vec6::Zero()),
       on_child_of_cut_(closure.cuts().size(), Vec6::Zero()),
       wrenches_(kinematics.model().elements.size()),
@@ -134,8 +133,8 @@ Vec6 AppliedForces::exerted(const Load& load, double t, const Element& element) 
 }
 
 Vec6 AppliedForces::exerted(const LineSpring& spring, double t, const Element& element) {
-  return wrench_of(spring, t, element.ends.front(), element.ends.back(), length_, element.statement->name,
-                   laws_[*element.law].law_in_regime, regimes_are_frozen_);
+  return wrench_of(spring, t, element.ends.front(), element.ends.back(), kinematics_->size().length(),
+                   element.statement->name, laws_[*element.law].law_in_regime, regimes_are_frozen_);
 }
 
 Vec6 AppliedForces::exerted(const TurnSpring& spring, double t, Element& element) {

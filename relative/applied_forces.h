@@ -147,7 +147,6 @@ class AppliedForces {
 
   const Kinematics* kinematics_;
   const Closure* closure_;
-  double length_;
   std::vector<Element> elements_;
   std::vector<std::size_t> turn_springs_;  // which elements are
   std::vector<Spring> springs_;

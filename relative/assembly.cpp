@@ -53,9 +53,8 @@ void Assembly::decide_rank(const Coordinates& coordinates) {
 
 double Assembly::misfit(const Coordinates& coordinates) {
   scaled_.equations().move(coordinates.t, coordinates.q, coordinates.u);
-  const double residual = scaled_.velocity_residual();
-  return std::max(scaled_.position_residual() / std::max(1.0, scaled_.size_of_q(coordinates.q)),
-                  residual > 0.0 ? residual / std::max(scaled_.rate(), scaled_.size_of_u(coordinates.u)) : 0.0);
+  return std::max(scaled_.position_residual() / std::max(1.0, scaled_.size().largest_coordinate(coordinates.q)),
+                  scaled_.velocity_residual() / scaled_.size().rate_at(coordinates.u));
 }
 
 }  // namespace concord::relative

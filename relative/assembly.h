@@ -15,7 +15,7 @@ class Assembly {
   Assembly(const Assembly&) = delete;
   Assembly& operator=(const Assembly&) = delete;
 
-  [[nodiscard]] const Scales& scales() const { return scaled_.scales(); }
+  [[nodiscard]] const ScaledClosure& scaled() const { return scaled_; }
 
   /// Start::find, and the choice of rows if there was none before. Throws as Start::find.
   [[nodiscard]] Coordinates start();

@@ -133,7 +133,7 @@ bool close_positions(const ScaledClosure& scaled, Coordinates& coordinates, cons
     const VecX misfit = closure.position_residual();
     VecX step = smallest_step(scaled, closure, columns, misfit, std::min(1e-3, residual), rank);
     const double longest = std::min(1.0, kFarthestStep / std::max(largest_entry(step), 1e-300));
-    step = step.cwiseProduct(scaled.scales().speeds().head(step.size()));
+    step = step.cwiseProduct(scaled.size().speeds().head(step.size()));
     const PartedStep parted(scaled, coordinates, closure, std::move(step));
     double part = longest;
     Trial reached = parted.make(part);
@@ -159,17 +159,17 @@ bool close_velocities(const ScaledClosure& scaled, Coordinates& coordinates, con
   Closure closure(scaled.equations().kinematics(), prescribed);
   if (closure.n_rows() == 0) return true;
   const std::vector<int> columns = scaled.moving_columns(prescribed, modes);
-  const double size = std::max(scaled.rate(), scaled.size_of_u(coordinates.u));
+  const double rate = scaled.size().rate_at(coordinates.u);
   double residual = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     measure(scaled, coordinates, closure);
     residual = largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units()));
     const VecX step = smallest_step(scaled, closure, columns, closure.velocity_residual(), 0.0);
-    coordinates.u.head(step.size()) += step.cwiseProduct(scaled.scales().speeds().head(step.size()));
+    coordinates.u.head(step.size()) += step.cwiseProduct(scaled.size().speeds().head(step.size()));
   }
   measure(scaled, coordinates, closure);
   residual = std::min(residual, largest_entry(closure.velocity_residual().cwiseQuotient(closure.row_units())));
-  return residual <= kClosedPart * std::max(size, scaled.size_of_u(coordinates.u));
+  return residual <= kClosedPart * std::max(rate, scaled.size().rate_at(coordinates.u));
 }
 
 }  // namespace concord::relative

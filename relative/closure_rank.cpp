@@ -16,9 +16,9 @@ namespace concord::relative {
 namespace {
 
 /// By how much coordinates of the tree are moved in search of a general pose: their units, modes a twentieth of it.
-VecX exploring_steps(const Scales& scales, const Topology& topology) {
-  VecX steps = scales.speeds();
-  for (const Span& modes : topology.modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
+VecX exploring_steps(const Equations& equations) {
+  VecX steps = equations.size().speeds();
+  for (const Span& modes : equations.topology().modes) steps.segment(modes.first_u, modes.n_u) *= 0.05;
   return steps;
 }
 
@@ -84,7 +84,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
   const PrescribedMask nothing(scaled_->equations().topology().n_u, 0);
   Closure free(scaled_->equations().kinematics(), nothing);
   const std::vector<int> columns = scaled_->moving_columns(nothing, Modes::moving);
-  const VecX steps = exploring_steps(scaled_->scales(), scaled_->equations().topology());
+  const VecX steps = exploring_steps(scaled_->equations());
   const bool has_dependent = clear.rank < scaled_->closure().n_rows();
   const VecX held = has_dependent ? held_by_dependent_rows(*scaled_, closed) : VecX();
   for (int trial = 0; trial < kTrials && looks > 0 && clear.rank < scaled_->closure().n_rows(); ++trial) {
@@ -104,7 +104,7 @@ void ClosureRank::decide_near(const Coordinates& closed) {
     if (!is_doubtful) --looks;
     // Near a flat pose only poses that are nearer still are apart from it.
     if (is_doubtful) far = std::max(0.25 * far, kNearest);
-    const bool has_moved = scaled_->size_of_q(held.cwiseProduct(nearby.q - closed.q)) > kElsewhere;
+    const bool has_moved = scaled_->size().largest_coordinate(held.cwiseProduct(nearby.q - closed.q)) > kElsewhere;
     is_clear = is_clear || (!is_doubtful && has_moved);
     Found& best = is_doubtful ? doubtful : clear;
     if (rank > best.rank) best = {rank, nearby};
@@ -126,10 +126,8 @@ void ClosureRank::require_general(const Coordinates& coordinates, const Evaluate
 void ClosureRank::require_agreeing_rows(const Coordinates& coordinates, const Evaluated& evaluated) const {
   constexpr double kContradiction = 1e-7;  // of the machine's accelerations
   if (rank() == scaled_->closure().n_rows()) return;
-  const auto speeds = coordinates.u.cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
-  const auto rates = evaluated.udot().cwiseQuotient(scaled_->scales().speeds()).cwiseAbs();
-  double largest = scaled_->rate() * scaled_->rate();
-  if (speeds.size() > 0) largest = std::max({largest, speeds.maxCoeff() * speeds.maxCoeff(), rates.maxCoeff()});
+  const double rate = scaled_->size().rate_at(coordinates.u);
+  const double largest = std::max(rate * rate, scaled_->size().largest_speed(evaluated.udot()));
   const Closure& closure = scaled_->closure();
   const std::optional<RowIndex> row = evaluated.loops().contradicted_row(closure.row_units(), kContradiction * largest);
   if (!row) return;

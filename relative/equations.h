@@ -35,6 +35,7 @@ class Equations {
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Kinematics& kinematics() const { return kinematics_; }
   [[nodiscard]] const Topology& topology() const { return kinematics_.topology(); }
+  [[nodiscard]] const MachineSize& size() const { return kinematics_.size(); }
   [[nodiscard]] const Closure& closure() const { return closure_; }
   [[nodiscard]] const PrescribedMask& driven() const { return driven_; }
 

@@ -4,7 +4,6 @@
 
 #include "relative/coordinates.h"
 #include "relative/equations.h"
-#include "relative/scales.h"
 
 /// The numbers that an integrator of a machine integrates, and the sizes that their errors are measured by.
 namespace concord::relative {
@@ -31,8 +30,6 @@ class IntegratedVariables {
 };
 
 /// Sizes that accuracy is measured by, one for each integrated number: the machine's length, its rate, its energy.
-/// `until` [s] gives a rate to a machine at rest that nothing else gives one.
-VecX sizes_of(const IntegratedVariables& variables, const Equations& equations, const Scales& scales,
-              const Coordinates& start, double until);
+VecX sizes_of(const IntegratedVariables& variables, const Equations& equations, const Coordinates& start);
 
 }  // namespace concord::relative

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <variant>
 #include <vector>
@@ -18,7 +16,7 @@ namespace {
 
 /// A direction that keeps less than this part beside the others is one of them.
 constexpr double kLeastOwnPart = 1e-6;
-constexpr double kContradiction = 1e-9;
+constexpr double kContradiction = 1e-9;  // of a column
 
 struct MovingAxis {
   Vec3 e = Vec3::Zero();
@@ -30,14 +28,6 @@ MovingAxis axis_of(Side side, Axis axis, const JointMotion& at) {
   if (side == Side::parent) return {Vec3::Unit(index(axis)), Vec3::Zero()};
   const Vec3 e = at.R.col(index(axis));
   return {e, at.v_rel.tail<3>().cross(e)};
-}
-
-double largest_radius(const std::vector<joints::PermitSpeed>& words) {
-  double largest = 0.0;
-  for (const joints::PermitSpeed& word : words) {
-    largest = std::max(largest, std::abs(joints::stated_length(word)));
-  }
-  return largest;
 }
 
 Vec6 stacked(const Vec3& linear, const Vec3& angular) {
@@ -60,14 +50,11 @@ Right fitted(const JointColumns& columns,
 }  // namespace
 
 NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, const Mobilizer& mobilizer)
-    : mobilizer_(&mobilizer),
-      words_(type.permits_speeds),
-      length_(std::max(mobilizer.length(), largest_radius(type.permits_speeds))),
-      units_(JointVector::Ones(mobilizer.n_u())) {
+    : mobilizer_(&mobilizer), words_(type.permits_speeds), units_(JointVector::Ones(mobilizer.n_u())) {
   if (words_.empty()) return;
   n_rows_ = mobilizer.n_u() - static_cast<int>(words_.size());
   for (int c = 0; c < mobilizer.n_u(); ++c) {
-    if (mobilizer.kind(c).is_length) units_(c) = length_;
+    if (mobilizer.kind(c).is_length) units_(c) = mobilizer.length();
   }
   const VecX home = mobilizer.home();
   const VecX still = VecX::Zero(mobilizer.n_u());
@@ -75,9 +62,12 @@ NonholonomicConstraint::NonholonomicConstraint(const joints::JointType& type, co
   mobilizer.evaluate(home.data(), still.data(), at);
   place_columns(at);
   const int n_u = mobilizer.n_u();
+  JointColumns stated = S_v_;
   JointColumns outside = at.S.leftCols(n_u).lazyProduct(in_joint_speeds(at).topRows(n_u)) - S_v_;
-  outside.topRows<3>() /= length_;
-  if (n_rows_ > 0 && outside.cwiseAbs().maxCoeff() <= kContradiction) return;
+  stated.topRows<3>() /= mobilizer.length();
+  outside.topRows<3>() /= mobilizer.length();
+  const auto allowed = kContradiction * stated.colwise().norm().array();
+  if (n_rows_ > 0 && (outside.colwise().norm().array() <= allowed).all()) return;
   throw std::invalid_argument("joint type '" + type.name +
                               "': the permitted speeds must be fewer than those of the motion, and among them");
 }
@@ -106,8 +96,8 @@ void NonholonomicConstraint::place_columns(const JointMotion& at) {  // (S15)
 JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) const {
   JointColumns S = at.S.leftCols(mobilizer_->n_u());
   JointColumns S_v = S_v_;
-  S.topRows<3>() /= length_;
-  S_v.topRows<3>() /= length_;
+  S.topRows<3>() /= mobilizer_->length();
+  S_v.topRows<3>() /= mobilizer_->length();
   const JointColumns scaled = S * units_.asDiagonal();
   JointColumns P = JointColumns::Zero(6, S_v.cols());
   P.topRows(mobilizer_->n_u()) = units_.asDiagonal() * fitted<JointSquare>(scaled, S_v);
@@ -118,8 +108,8 @@ JointColumns NonholonomicConstraint::in_joint_speeds(const JointMotion& at) cons
 JointVector NonholonomicConstraint::speeds_of(const Vec6& v_rel) const {
   JointColumns S_v = S_v_;
   Vec6 v = v_rel;
-  S_v.topRows<3>() /= length_;
-  v.head<3>() /= length_;
+  S_v.topRows<3>() /= mobilizer_->length();
+  v.head<3>() /= mobilizer_->length();
   return fitted<JointVector>(S_v, v);
 }
 

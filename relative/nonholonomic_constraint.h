@@ -22,8 +22,7 @@ class NonholonomicConstraint {
   /// in this pose.
   void evaluate(const JointMotion& at, const std::string& owner);
 
-  /// n_u x rows, orthonormal with slides counted in Mobilizer::length, or in the radius if that is larger: C^T u
-  /// [rad/s].
+  /// n_u x rows, orthonormal with slides counted in Mobilizer::length: C^T u [rad/s].
   [[nodiscard]] const JointSquare& C() const { return C_; }
   /// What the rows add to C^T udot: T^T (Sdot u - Sdot_v w) [rad/s2].
   [[nodiscard]] const JointVector& bias() const { return bias_; }
@@ -37,8 +36,7 @@ class NonholonomicConstraint {
   const Mobilizer* mobilizer_;
   std::vector<joints::PermitSpeed> words_;
   int n_rows_ = 0;
-  double length_;       // Mobilizer::length, or the largest radius
-  JointVector units_;   // length_ for slides, 1 for turns
+  JointVector units_;   // Mobilizer::length for slides, 1 for turns
   JointColumns S_v_;    // 6 x words
   JointColumns rates_;  // of its columns along the motion
   JointSquare C_;

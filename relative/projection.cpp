@@ -49,7 +49,7 @@ VecX Projection::step_against(const VecX& misfit) const {
   for (std::size_t c = 0; c < scaled_->free_columns().size(); ++c) {
     const int column = scaled_->free_columns()[c];
     step(column) = solution(static_cast<Eigen::Index>(c)) * columns(static_cast<Eigen::Index>(c)) *
-                   scaled_->scales().speeds()(column);
+                   scaled_->size().speeds()(column);
   }
   return step;
 }
@@ -59,7 +59,7 @@ void Projection::project_positions(Coordinates& coordinates) {
   const Closure& closure = scaled_->closure();
   const double allowed = kClosedPart * scaled_->size_of_places(coordinates.q);
   double residual = scaled_->position_residual();
-  if (residual <= kRoundOffOfPosition * std::max(1.0, scaled_->size_of_q(coordinates.q))) return;
+  if (residual <= kRoundOffOfPosition * std::max(1.0, scaled_->size().largest_coordinate(coordinates.q))) return;
   bool is_fresh = true;
   for (int iteration = 0; iteration < 8; ++iteration) {
     scaled_->advance(coordinates.q, step_against(closure.position_residual()));
@@ -91,7 +91,7 @@ void Projection::project_positions(Coordinates& coordinates) {
 void Projection::project_velocities(Coordinates& coordinates) {
   const Closure& closure = scaled_->closure();
   double residual = scaled_->velocity_residual();
-  if (residual <= kRoundOffOfSpeed * scaled_->size_of_u(coordinates.u)) return;
+  if (residual <= kRoundOffOfSpeed * scaled_->size().largest_speed(coordinates.u)) return;
   bool is_fresh = false;
   for (int iteration = 0; iteration < 4 && residual > 0.0; ++iteration) {
     coordinates.u.head(scaled_->equations().topology().n_tree_u) += step_against(closure.velocity_residual());
@@ -99,12 +99,12 @@ void Projection::project_velocities(Coordinates& coordinates) {
     const double reached = scaled_->velocity_residual();
     const bool is_slow = reached >= 0.1 * residual;
     residual = std::min(residual, reached);
-    if (reached <= kRoundOffOfSpeed * scaled_->size_of_u(coordinates.u) || (is_slow && is_fresh)) break;
+    if (reached <= kRoundOffOfSpeed * scaled_->size().largest_speed(coordinates.u) || (is_slow && is_fresh)) break;
     if (is_slow) factor_rows();
     is_fresh = is_slow;
   }
   residual = scaled_->velocity_residual();
-  const double allowed = kNoRoundOff * std::max(scaled_->rate(), scaled_->size_of_u(coordinates.u));
+  const double allowed = kNoRoundOff * scaled_->size().rate_at(coordinates.u);
   if (closure.velocity_residual().allFinite() && residual <= allowed) return;
   throw SolverError(fmt::format(
       "{} does not obey the velocity constraints: residual {:.1e} in parts of the machine's length and rad per s, "

@@ -22,24 +22,6 @@ const double kHalfWay = std::sqrt(1000.0);
 constexpr Eigen::Index kManyRows = 24;
 constexpr double kClearlyIndependent = 1e-5;
 
-/// Phi_u in machine units over the free columns, and the factors that turn multipliers of these rows into lambda. The
-/// rows T^T W have unit norm in these units; normalizing Phi_u would magnify rows that are zero but for round-off.
-struct ScaledRows {
-  MatX Phi;
-  VecX units;
-  std::vector<Eigen::Index> free;
-};
-
-ScaledRows free_rows(Equations& equations, const Scales& scales) {
-  const Closure& closure = equations.closure();
-  const MatX all = scales.scaled(closure.Phi_u(), closure);
-  std::vector<Eigen::Index> free;
-  for (Eigen::Index c = 0; c < all.cols(); ++c) {
-    if (equations.driven()[c] == 0) free.push_back(c);
-  }
-  return {all(Eigen::all, free), closure.row_units().cwiseInverse(), free};
-}
-
 /// Rows that the tree holds by itself: forbidden directions of its joints and their drivers.
 int tree_rows(const Equations& equations) {
   int rows = 0;
@@ -59,17 +41,17 @@ class SelfStressEffect {
       : joints_(model.joints.size()), couplings_(model.couplings.size(), 0.0) {}
 
   /// Adds the wrenches of one self-stress and its multipliers.
-  void add(const Equations& equations, const JointReactions& stress, const VecX& lambda, double length) {
+  void add(const Equations& equations, const JointReactions& stress, const VecX& lambda) {
+    const double length = equations.size().length();
     const std::vector<JointWrenches>& joints = stress.joints;
     for (std::size_t k = 0; k < joints.size(); ++k) {
       for (const Side side : {Side::parent, Side::child}) {
         add_squares(joints[k].reaction_on(side), length, joints_[k].reaction[index(side)]);
         add_squares(joints[k].total_on(side), length, joints_[k].total[index(side)]);
       }
-      const Mobilizer& mobilizer = equations.kinematics().mobilizer(JointIndex(k));
-      for (int c = 0; c < mobilizer.n_u(); ++c) {
-        joints_[k].tau(c) += std::pow(joints[k].tau(c) * (mobilizer.kind(c).is_length ? length : 1.0), 2);
-      }
+      const Span& span = equations.topology().joints[k];
+      const auto units = equations.size().speeds().segment(span.first_u, span.n_u);
+      joints_[k].tau.head(span.n_u) += joints[k].tau.cwiseProduct(units).cwiseAbs2();
     }
     for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {
       const double squares = lambda.segment(constraint.first_row, constraint.n_rows).squaredNorm();
@@ -160,8 +142,9 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
 
 /// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
 /// largest, one for each column of U that has one (R67), (R68).
-void decide_uniqueness(Equations& equations, const Motion& motion, const Scales& scales, const ScaledRows& rows,
-                       const Svd& spectrum, const VecX& relative, RankReport& report) {
+void decide_uniqueness(const ScaledClosure& scaled, const Motion& motion, const Svd& spectrum, const VecX& relative,
+                       RankReport& report) {
+  Equations& equations = scaled.equations();
   const auto n_rows = static_cast<int>(spectrum.U.rows());
   const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
   SelfStressEffect moved(equations.model());
@@ -173,9 +156,9 @@ void decide_uniqueness(Equations& equations, const Motion& motion, const Scales&
   int z = n_rows - 1;
   for (int step = 0; step < 3; ++step) {
     for (; z >= 0 && sigma(z) <= thresholds[step]; --z) {
-      const VecX lambda = rows.units.cwiseProduct(spectrum.U.col(z));
+      const VecX lambda = spectrum.U.col(z).cwiseQuotient(scaled.closure().row_units());
       const JointReactions& stress = equations.compute_self_stress(motion, lambda);
-      moved.add(equations, stress, spectrum.U.col(z), scales.length());
+      moved.add(equations, stress, spectrum.U.col(z));
     }
     moved.mark(unmoved[step], joints[step], couplings[step]);
   }
@@ -191,9 +174,10 @@ void decide_uniqueness(Equations& equations, const Motion& motion, const Scales&
 
 }  // namespace
 
-RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordinates& coordinates) {
+RankReport analyze_rank(const ScaledClosure& scaled, const Coordinates& coordinates) {
+  Equations& equations = scaled.equations();
   const Motion& motion = equations.move(coordinates.t, coordinates.q, coordinates.u);
-  const ScaledRows rows = free_rows(equations, scales);
+  const MatX Phi = scaled.rows(scaled.free_columns());
   RankReport report;
   report.joints.resize(equations.model().joints.size());
   report.decided = report.joints;
@@ -201,48 +185,51 @@ RankReport analyze_rank(Equations& equations, const Scales& scales, const Coordi
   report.decided_coupling = report.unique_coupling;
   const int n_rows = equations.closure().n_rows();
   int rank = 0;
-  report.smallest_kept = clearly_independent(rows.Phi);
+  report.smallest_kept = clearly_independent(Phi);
   if (report.smallest_kept > 0.0) {
     rank = n_rows;
   } else if (n_rows > 0) {
     // Where drivers hold every column, one of zeros stands for them: no row has rank, and all can carry self-stress.
-    const Svd spectrum = svd_of(rows.free.empty() ? MatX::Zero(n_rows, 1) : rows.Phi);
+    const Svd spectrum = svd_of(Phi.cols() == 0 ? MatX::Zero(n_rows, 1) : Phi);
     // Rows of unit norm over speeds of unit size: where all of them vanish, the largest is round-off, and 1 the scale.
     const VecX relative = spectrum.sigma / std::max(spectrum.sigma(0), 1.0);
     rank = static_cast<int>((relative.array() > kThreshold).count());
     report.undecided = (relative.array() > kSurelyZero && relative.array() < kSurelyKept).any();
     report.smallest_kept = rank > 0 ? relative(rank - 1) : 0.0;
     report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
-    decide_uniqueness(equations, motion, scales, rows, spectrum, relative, report);
+    decide_uniqueness(scaled, motion, spectrum, relative, report);
   }
   const int tree = tree_rows(equations);
   report.constraints = tree + n_rows;
   report.rank = tree + rank;
-  report.degrees_of_freedom = static_cast<int>(rows.Phi.cols()) - rank;
+  report.degrees_of_freedom = static_cast<int>(Phi.cols()) - rank;
   return report;
 }
 
-MatX permitted_velocities(Equations& equations, const Scales& scales, const Coordinates& coordinates) {
+MatX permitted_velocities(const ScaledClosure& scaled, const Coordinates& coordinates) {
+  Equations& equations = scaled.equations();
   equations.move(coordinates.t, coordinates.q, coordinates.u);
-  const ScaledRows rows = free_rows(equations, scales);
-  const auto n_free = static_cast<Eigen::Index>(rows.free.size());
+  const std::vector<int>& free = scaled.free_columns();
+  const MatX Phi = scaled.rows(free);
+  const auto n_free = static_cast<Eigen::Index>(free.size());
   MatX N = MatX::Identity(n_free, n_free);
-  if (rows.Phi.size() > 0) {
-    const Eigen::JacobiSVD<MatX> svd(rows.Phi, Eigen::ComputeFullV);
+  if (Phi.size() > 0) {
+    const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeFullV);
     const VecX& sigma = svd.singularValues();
     const Eigen::Index rank = (sigma.array() > kThreshold * std::max(sigma(0), 1.0)).count();
     N = svd.matrixV().rightCols(n_free - rank);
   }
-  const VecX units = scales.speeds()(rows.free);
+  const VecX& speeds = scaled.size().speeds();
+  const VecX units = speeds(free);
   const MatX B = equations.kinematics().explicit_B();
-  MatX velocities = B(Eigen::all, rows.free) * units.asDiagonal() * N;
+  MatX velocities = B(Eigen::all, free) * units.asDiagonal() * N;
   const double length = equations.model().length_scale();  // as every solver counts them
   VecX sizes = VecX::Ones(velocities.rows());
   for (std::size_t i = 1; i < equations.model().bodies.size(); ++i) {
     const auto first = equations.kinematics().first_row(BodyIndex(i));
     velocities.middleRows<3>(first) /= length;
     const Span& modes = equations.topology().modes[BodyIndex(i)];
-    sizes.segment(first + 6, modes.n_u) = scales.speeds().segment(modes.first_u, modes.n_u);
+    sizes.segment(first + 6, modes.n_u) = speeds.segment(modes.first_u, modes.n_u);
   }
   return sizes.asDiagonal() * orthonormal_columns(sizes.cwiseInverse().asDiagonal() * velocities);
 }

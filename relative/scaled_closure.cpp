@@ -6,8 +6,6 @@
 
 namespace concord::relative {
 
-double largest_entry(const VecX& values) { return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff(); }
-
 int rank_of_rows(const MatX& scaled) { return rank_of_singular_values(singular_values(scaled)); }
 
 int rank_of_singular_values(const VecX& sigma) {
@@ -16,11 +14,7 @@ int rank_of_singular_values(const VecX& sigma) {
 }
 
 ScaledClosure::ScaledClosure(Equations& equations)
-    : equations_(&equations),
-      scales_(equations.model(), equations.topology()),
-      rate_(machine_rate(equations.model())),
-      coordinate_units_(scales_.coordinates(equations.model(), equations.topology())),
-      free_columns_(moving_columns(equations.driven(), Modes::moving)) {}
+    : equations_(&equations), free_columns_(moving_columns(equations.driven(), Modes::moving)) {}
 
 std::vector<int> ScaledClosure::moving_columns(const PrescribedMask& prescribed, Modes modes) const {
   std::vector<char> moves(equations_->topology().n_tree_u, 1);
@@ -79,23 +73,15 @@ double ScaledClosure::velocity_residual() const {
   return largest_entry(closure().velocity_residual().cwiseQuotient(closure().row_units()));
 }
 
-double ScaledClosure::size_of_q(const VecX& q) const { return largest_entry(q.cwiseQuotient(coordinate_units_)); }
-double ScaledClosure::size_of_u(const VecX& u) const { return largest_entry(u.cwiseQuotient(scales_.speeds())); }
-
 double ScaledClosure::size_of_places(const VecX& q) const {
   constexpr double kRoundOff = 0.01;  // some four units of it, as a part of kClosedPart
-  double farthest = 0.0;
-  for (std::size_t i = 1; i < equations_->model().bodies.size(); ++i) {
-    farthest = std::max(farthest, largest_entry(equations_->kinematics().body(BodyIndex(i)).r));
-  }
-  return std::max({1.0, size_of_q(q), kRoundOff * farthest / scales_.length()});
+  const double farthest = equations_->kinematics().farthest_place();
+  return std::max({1.0, size().largest_coordinate(q), kRoundOff * farthest / size().length()});
 }
 
-MatX ScaledClosure::rows(const Closure& measured, const std::vector<int>& columns) const {
-  const MatX all = scales_.scaled(measured.Phi_u(), measured);
-  MatX selected(all.rows(), columns.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) selected.col(c) = all.col(columns[c]);
-  return selected;
+MatX ScaledClosure::rows(const Closure& measured, const std::vector<int>& columns) const {  // (R63)
+  const VecX units = size().speeds()(columns);
+  return measured.row_units().cwiseInverse().asDiagonal() * measured.Phi_u()(Eigen::all, columns) * units.asDiagonal();
 }
 
 int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes modes) const {

@@ -4,7 +4,6 @@
 
 #include "relative/coordinates.h"
 #include "relative/equations.h"
-#include "relative/scales.h"
 
 /// The closure of a machine in its own units: what closing, projecting and the choice of rows are measured by.
 namespace concord::relative {
@@ -20,13 +19,11 @@ inline constexpr double kClosedPart = 1e-13;
 /// vanish.
 inline constexpr double kDependentPart = 1e-10;
 
-/// Largest absolute value; 0 of none.
-double largest_entry(const VecX& values);
 /// How many singular values are above kDependentPart: of rows, and of these, the largest first.
 int rank_of_rows(const MatX& scaled);
 int rank_of_singular_values(const VecX& sigma);
 
-/// Residuals, sizes and rows of the equations' closure as parts of the machine's length, of radians and of its rate.
+/// Residuals and rows of the equations' closure in the units of the machine's size.
 /// After Equations::move, unless a function says that it moves the machine itself.
 class ScaledClosure {
  public:
@@ -35,11 +32,7 @@ class ScaledClosure {
 
   [[nodiscard]] Equations& equations() const { return *equations_; }
   [[nodiscard]] const Closure& closure() const { return equations_->closure(); }
-  [[nodiscard]] const Scales& scales() const { return scales_; }
-  /// The rate of the machine, machine_rate [1/s].
-  [[nodiscard]] double rate() const { return rate_; }
-  /// One for each entry of q.
-  [[nodiscard]] const VecX& coordinate_units() const { return coordinate_units_; }
+  [[nodiscard]] const MachineSize& size() const { return equations_->size(); }
 
   /// Columns of the tree that are not prescribed, with or without those of modes.
   [[nodiscard]] std::vector<int> moving_columns(const PrescribedMask& prescribed, Modes modes) const;
@@ -59,9 +52,6 @@ class ScaledClosure {
   /// Largest residual of positions, and of velocities.
   [[nodiscard]] double position_residual() const;
   [[nodiscard]] double velocity_residual() const;
-  /// Largest coordinate and speed.
-  [[nodiscard]] double size_of_q(const VecX& q) const;
-  [[nodiscard]] double size_of_u(const VecX& u) const;
   /// Largest of 1, the largest coordinate, and what round-off of the places where the machine stands makes of
   /// kClosedPart far from the origin.
   [[nodiscard]] double size_of_places(const VecX& q) const;
@@ -77,9 +67,6 @@ class ScaledClosure {
 
  private:
   Equations* equations_;
-  Scales scales_;
-  double rate_;
-  VecX coordinate_units_;
   std::vector<int> free_columns_;
 };
 

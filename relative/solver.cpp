@@ -71,13 +71,9 @@ class RelativeSolver final : public Solver {
     return states_.write_evaluation(evaluated, reactions);
   }
 
-  RankReport rank(const State& state) override {
-    return analyze_rank(equations_, assembly_.scales(), read_closed(state));
-  }
+  RankReport rank(const State& state) override { return analyze_rank(assembly_.scaled(), read_closed(state)); }
 
-  MatX tangent(const State& state) override {
-    return permitted_velocities(equations_, assembly_.scales(), read_closed(state));
-  }
+  MatX tangent(const State& state) override { return permitted_velocities(assembly_.scaled(), read_closed(state)); }
 
   Trajectory integrate(const RunOptions& options, const Progress& progress) override {
     Coordinates start = assembly_.start();

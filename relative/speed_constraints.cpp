@@ -18,12 +18,12 @@ int index_in_q(const CouplingTerm& term, const Kinematics& kinematics) {
 
 }  // namespace
 
-double size_of(const Coupling& coupling, const Model& model, double length) {
+double size_of(const Coupling& coupling, const Kinematics& kinematics) {
   double sum = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
-    const Joint& joint = model.joints[term.joint];
-    const bool slides = Mobilizer(*joint.type).kind(index_in_u(term, joint)).is_length;
-    sum += std::pow(term.factor * (slides ? length : 1.0), 2);
+    const int place =
+        kinematics.topology().joints[term.joint].first_u + index_in_u(term, kinematics.model().joints[term.joint]);
+    sum += std::pow(term.factor * kinematics.size().speeds()(place), 2);
   }
   return std::sqrt(sum);
 }
@@ -88,12 +88,8 @@ ConstrainedJoint& SpeedConstraints::part_of(SpeedConstraint& constraint, JointIn
 void SpeedConstraints::add_coupling(int number) {  // (R49)
   const Model& model = kinematics_->model();
   const Coupling& coupling = model.couplings[number];
-  SpeedConstraint constraint{RowIndex(first_row_ + n_rows_),
-                             1,
-                             number,
-                             size_of(coupling, model, machine_length(model)),
-                             {},
-                             JointVector::Zero(1)};
+  SpeedConstraint constraint{RowIndex(first_row_ + n_rows_),  1,  number,
+                             size_of(coupling, *kinematics_), {}, JointVector::Zero(1)};
   for (const CouplingTerm& term : coupling.terms) {
     const JointIndex joint(term.joint);
     part_of(constraint, joint).C(index_in_u(term, model.joints[joint]), 0) = term.factor / constraint.size;

@@ -10,8 +10,8 @@
 /// nonholonomic constraints.
 namespace concord::relative {
 
-/// Size of a coupling's factors, slides counted in `length`: its row is divided by it, and so is free of units.
-double size_of(const Coupling& coupling, const Model& model, double length);
+/// Size of a coupling's factors, in the units of the speeds: its row is divided by it, and so is free of units.
+double size_of(const Coupling& coupling, const Kinematics& kinematics);
 
 /// Sum of factor_k q_k minus the offset, for the coordinates of every joint (q of joint k from first_q of its span),
 /// turns that are counted apart included.

@@ -221,7 +221,7 @@ void Start::require_inertia(const Coordinates& coordinates) const {
   if (!slack) return;
   const Link& link = scaled_->equations().topology().links[slack->link];
   const Vec6 twist = scaled_->equations().kinematics().joint_motion(link.joint).S.leftCols(slack->u.size()) * slack->u;
-  const bool slides = scaled_->scales().length() * twist.tail<3>().norm() <= 1e-6 * twist.head<3>().norm();
+  const bool slides = scaled_->size().length() * twist.tail<3>().norm() <= 1e-6 * twist.head<3>().norm();
   Vec3 direction = (slides ? twist.head<3>() : twist.tail<3>()).normalized();
   Eigen::Index largest_entry = 0;
   direction.cwiseAbs().maxCoeff(&largest_entry);
@@ -316,7 +316,7 @@ void Start::choose_branches(Coordinates& closed, const Coordinates& said, const 
 void Start::require_kept(const Coordinates& closed, const Coordinates& said) const {
   constexpr double kRoundOffOfKept = 1e-11;
   const Model& model = scaled_->equations().model();
-  const double rate = std::max(scaled_->rate(), scaled_->size_of_u(closed.u));
+  const double rate = scaled_->size().rate_at(closed.u);
   const auto require = [&](const Joint& joint, const char* what, const VecX& found, const VecX& kept, double allowed,
                            const VecX& left_out) {
     if ((found - kept).cwiseAbs().maxCoeff() <= allowed) return;
@@ -341,14 +341,14 @@ void Start::require_kept(const Coordinates& closed, const Coordinates& said) con
           kept.normalize();
           if (found.dot(kept) < 0.0) kept = -kept;
         }
-        const double unit = scaled_->coordinate_units()(iq);
+        const double unit = scaled_->size().coordinates()(iq);
         require(joint, "coordinates", found, kept, kRoundOffOfKept * std::max(unit, kept.cwiseAbs().maxCoeff()),
                 angles.segment(iq, n));
       }
       if (start.role_u == StartRole::keep && start.u.size() > 0) {
         const auto n = start.u.size();
         require(joint, "speeds", closed.u.segment(iu, n), said.u.segment(iu, n),
-                kRoundOffOfKept * rate * scaled_->scales().speeds()(iu), VecX::Zero(n));
+                kRoundOffOfKept * rate * scaled_->size().speeds()(iu), VecX::Zero(n));
       }
     }
   }

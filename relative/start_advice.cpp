@@ -32,7 +32,7 @@ void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure
     VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), damping);
     const double farthest = largest_entry(step);
     if (farthest < kStands) break;
-    step = step.cwiseProduct(scaled.scales().speeds().head(step.size())) * std::min(1.0, kFarthest / farthest);
+    step = step.cwiseProduct(scaled.size().speeds().head(step.size())) * std::min(1.0, kFarthest / farthest);
     Coordinates reached = coordinates;
     scaled.advance(reached.q, step);
     const double sum_reached = sum_at(reached);
@@ -91,7 +91,7 @@ std::string words_of_open_loop(const ScaledClosure& scaled, const Coordinates& g
   const std::vector<int> columns = scaled.moving_columns(prescribed, Modes::kept);
   Coordinates nearest = guess;
   come_nearest(scaled, nearest, closure, columns);
-  const double length = scaled.scales().length();
+  const double length = scaled.size().length();
   const CutJoint* worst = nullptr;
   std::vector<double> sizes;
   for (const CutJoint& cut : closure.cuts()) {

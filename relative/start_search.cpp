@@ -41,7 +41,7 @@ VecX reach_of_moves(const ScaledClosure& scaled, const PrescribedMask& prescribe
     for (int c = 0; c < n_u(word); ++c) {
       const bool slides = !joints::is_orientation(word) && joints::is_length(word, c);
       const int at = first_u + c;
-      if (prescribed[at] == 0) reach(at) = part * (slides ? 1.0 : std::numbers::pi) * scaled.scales().speeds()(at);
+      if (prescribed[at] == 0) reach(at) = part * (slides ? 1.0 : std::numbers::pi) * scaled.size().speeds()(at);
     }
   });
   return reach.head(equations.topology().n_tree_u);
@@ -79,7 +79,7 @@ double departure(const ScaledClosure& scaled, const Coordinates& from, const Coo
     } else {
       VecX apart = now - then;
       if (is_turn(word)) apart(0) = whole_turns_off(apart(0));
-      sum += weight * apart.cwiseQuotient(scaled.coordinate_units().segment(first_q, n)).squaredNorm();
+      sum += weight * apart.cwiseQuotient(scaled.size().coordinates().segment(first_q, n)).squaredNorm();
     }
   });
   return sum;

@@ -12,23 +12,11 @@ namespace concord::relative {
 
 namespace {
 
-/// The larger of a displacement and a rotation, each relative to its size; nothing is zero of nothing.
+/// The larger of a displacement and a rotation, each relative to its size.
 double largest(const Vec6& values, double linear_size, double angular_size) {
   const double linear = values.head<3>().cwiseAbs().maxCoeff();
   const double angular = values.tail<3>().cwiseAbs().maxCoeff();
-  const double parts =
-      std::max(linear > 0.0 ? linear / linear_size : 0.0, angular > 0.0 ? angular / angular_size : 0.0);
-  return std::isnan(linear + angular) ? linear + angular : parts;
-}
-
-double part_of(double value, double size) { return value == 0.0 ? 0.0 : std::abs(value) / size; }
-
-/// The largest speed of a body's parts [m/s]: of its origin, of what is the length away from it, and of its modes,
-/// whose units move some part by the length.
-double fastest(const BodyState& body, double length, const Eigen::Ref<const VecX>& mode_units) {
-  const double rigid = std::max(body.v.cwiseAbs().maxCoeff(), length * body.omega.cwiseAbs().maxCoeff());
-  if (body.adot.size() == 0) return rigid;
-  return std::max(rigid, length * body.adot.cwiseQuotient(mode_units).cwiseAbs().maxCoeff());
+  return std::isnan(linear + angular) ? linear + angular : std::max(linear / linear_size, angular / angular_size);
 }
 
 constexpr double kLargestMisfit = 1e-12;
@@ -51,12 +39,7 @@ void StateMisfit::take(double value, const char* kind, const std::string& name) 
   where = fmt::format("{} '{}'", kind, name);
 }
 
-States::States(const Equations& equations)
-    : equations_(&equations),
-      kinematics_(equations.model()),
-      length_(machine_length(equations.model())),
-      scales_(equations.model(), equations.topology()),
-      rate_(machine_rate(equations.model())) {
+States::States(const Equations& equations) : equations_(&equations), kinematics_(equations.model()) {
   for (const JointIndex k : upward<JointIndex>(equations.model().joints.size())) {
     measures_.emplace_back(kinematics_.mobilizer(k),
                            equations.driven().data() + equations.topology().joints[k].first_u);
@@ -98,9 +81,11 @@ Coordinates States::read(const State& state, StateMisfit& misfit) {
   }
   Coordinates found = stated_coordinates(state);
   count_turns(found);
-  const Sizes sizes = sizes_of(state);
   kinematics_.place(state.bodies);
-  for (const JointIndex k : upward<JointIndex>(model.joints.size())) measure_joint(k, state, sizes, found, misfit);
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) measure_joint(k, state, found);
+  const MachineSize& size = kinematics_.size();
+  const Sizes sizes{std::max(size.length(), kinematics_.farthest_place()), size.rate_at(found.u)};
+  for (const JointIndex k : upward<JointIndex>(model.joints.size())) take_misfit(k, sizes, found, misfit);
   misfit.joint_off_branch = joint_off_branch(state, found.q);
   for (const Coupling& coupling : model.couplings) measure_coupling(coupling, sizes, found, misfit);
   return found;
@@ -122,24 +107,9 @@ Coordinates States::stated_coordinates(const State& state) const {
   return found;
 }
 
-States::Sizes States::sizes_of(const State& state) const {
-  const Topology& topology = equations_->topology();
-  double place = length_;
-  double speed = length_ * rate_;
-  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
-    const BodyState& body = state.bodies[i];
-    place = std::max(place, body.r.cwiseAbs().maxCoeff());
-    const Span& modes = topology.modes[BodyIndex(i)];
-    speed = std::max(speed, fastest(body, length_, scales_.speeds().segment(modes.first_u, modes.n_u)));
-  }
-  return {place, speed / length_};
-}
-
-/// Coordinates and speeds of a joint between its bodies, which have been placed, and what is left of both.
-void States::measure_joint(JointIndex k, const State& state, const Sizes& sizes, Coordinates& found,
-                           StateMisfit& misfit) {
+/// Coordinates and speeds of a joint between its bodies, which have been placed.
+void States::measure_joint(JointIndex k, const State& state, Coordinates& found) {
   const Span& span = equations_->topology().joints[k];
-  const std::string& name = equations_->model().joints[k].name;
   JointMeasure& measure = measures_[k];
   const JointPoint& parent = kinematics_.point(k, Side::parent);
   const JointPoint& child = kinematics_.point(k, Side::child);
@@ -147,10 +117,17 @@ void States::measure_joint(JointIndex k, const State& state, const Sizes& sizes,
   measure.find_q(parent, child, found.q.data() + span.first_q, restart);
   measure.find_u(parent, child, found.q.data() + span.first_q, found.u.data() + span.first_u);
   kinematics_.require_rank(k, measure.motion_at());
-  misfit.take(largest(measure.position_residual(), sizes.place, angle_size(span)), "joint", name);
+}
+
+/// What is left of both.
+void States::take_misfit(JointIndex k, const Sizes& sizes, const Coordinates& found, StateMisfit& misfit) {
+  const std::string& name = equations_->model().joints[k].name;
+  const JointMeasure& measure = measures_[k];
+  const double angles = angle_size(equations_->topology().joints[k]);
+  misfit.take(largest(measure.position_residual(), sizes.place, angles), "joint", name);
   // Round-off of places far from the origin stands between the points of a joint, and turns with them.
-  misfit.take(largest(measure.velocity_residual(), sizes.turning * sizes.place, sizes.turning), "joint", name);
-  misfit.take(part_of(nonholonomic_residual(k, found.u), sizes.turning), "joint", name);
+  misfit.take(largest(measure.velocity_residual(), sizes.rate * sizes.place, sizes.rate), "joint", name);
+  misfit.take(nonholonomic_residual(k, found.u) / sizes.rate, "joint", name);
 }
 
 /// What is left of a coupling's two relations; after all joints have been measured.
@@ -162,9 +139,9 @@ void States::measure_coupling(const Coupling& coupling, const Sizes& sizes, cons
   const double velocity_residual =
       compute_velocity_residual(coupling, equations_->model(), equations_->topology(), found.u);
   const double of_turns = kRoundOffOfTurns / kLargestMisfit * size_of_turns(coupling, kinematics_);
-  misfit.take(part_of(position_residual, std::max({readings.of_coordinates, terms, of_turns})), "coupling",
+  misfit.take(std::abs(position_residual) / std::max({readings.of_coordinates, terms, of_turns}), "coupling",
               coupling.name);
-  misfit.take(part_of(velocity_residual, readings.of_speeds * sizes.turning), "coupling", coupling.name);
+  misfit.take(std::abs(velocity_residual) / (readings.of_speeds * sizes.rate), "coupling", coupling.name);
 }
 
 Coordinates States::read_closed(const State& state) {
@@ -221,7 +198,7 @@ States::Readings States::size_of_readings(const Coupling& coupling) const {
   double of_speeds = 0.0;
   for (const CouplingTerm& term : coupling.terms) {
     const int c = first_u(*model.joints[term.joint].type, term.word) + term.component;
-    const double unit = kinematics_.mobilizer(JointIndex(term.joint)).kind(c).is_length ? length_ : 1.0;
+    const double unit = kinematics_.size().speeds()(kinematics_.topology().joints[term.joint].first_u + c);
     const double amplification = std::max(1.0, measures_[term.joint].amplification(c));
     of_coordinates = std::hypot(of_coordinates, term.factor * unit * amplification);
     of_speeds = std::hypot(of_speeds, term.factor * unit * amplification * amplification);

@@ -2,7 +2,8 @@
 
 #include <optional>
 
-#include "relative/assembly.h"
+#include "relative/coordinates.h"
+#include "relative/equations.h"
 
 /// Between complete states (poses and velocities of all bodies) and the solver's own coordinates.
 namespace concord::relative {
@@ -10,9 +11,8 @@ namespace concord::relative {
 /// How far a state is from one that this solver could have made.
 struct StateMisfit {
   /// Largest misfit over joints, drivers, couplings and Euler parameter norms, free of units: displacements relative to
-  /// the larger of the machine's length and the largest |r|, rotations in rad; velocities relative to the largest speed
-  /// of the state, turning times the machine's length among them, or the machine's rate times its length: as a rate of
-  /// turning, times what displacements are relative to.
+  /// the larger of the machine's length and the largest |r|, rotations in rad; velocities the same, per unit of the
+  /// larger of the machine's rate and the state's largest speed, MachineSize::rate_at.
   double largest = 0.0;
   /// Where: "joint 'B'", "body 'crank'" or "coupling 'G'".
   std::string where;
@@ -59,12 +59,12 @@ class States {
  private:
   /// What the misfits of a state are relative to.
   struct Sizes {
-    double place;    // [m]
-    double turning;  // [1/s]
+    double place;  // [m]
+    double rate;   // [1/s]
   };
   [[nodiscard]] Coordinates stated_coordinates(const State& state) const;
-  [[nodiscard]] Sizes sizes_of(const State& state) const;
-  void measure_joint(JointIndex k, const State& state, const Sizes& sizes, Coordinates& found, StateMisfit& misfit);
+  void measure_joint(JointIndex k, const State& state, Coordinates& found);
+  void take_misfit(JointIndex k, const Sizes& sizes, const Coordinates& found, StateMisfit& misfit);
   void measure_coupling(const Coupling& coupling, const Sizes& sizes, const Coordinates& found,
                         StateMisfit& misfit) const;
   [[nodiscard]] double nonholonomic_residual(JointIndex joint, const VecX& u);
@@ -80,9 +80,6 @@ class States {
 
   const Equations* equations_;
   Kinematics kinematics_;
-  double length_;
-  Scales scales_;
-  double rate_;
   std::vector<JointMeasure> measures_;
   std::vector<NonholonomicConstraint> nonholonomic_;
 };

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -149,52 +148,7 @@ void lay_out(const Model& model, Topology& topology) {
   topology.n_u = u;
 }
 
-/// Whether one body holds two points of joints or force elements at different places.
-bool has_distances(const Model& model) {
-  std::vector<std::pair<int, Vec3>> places;
-  const auto differs = [&](const Attachment& one) {
-    for (const auto& [body, point] : places) {
-      if (body == one.body && point != one.point_L) return true;
-    }
-    places.emplace_back(one.body, one.point_L);
-    return false;
-  };
-  for (const Joint& joint : model.joints) {
-    if (differs(joint.sides[0]) || differs(joint.sides[1])) return true;
-  }
-  for (const ForceElement& element : model.elements) {
-    for (const Side side : {Side::parent, Side::child}) {
-      const Attachment* end = end_of(element, side);
-      if (end != nullptr && differs(*end)) return true;
-    }
-  }
-  return false;
-}
-
-Vec3 center_of_mass(const Body& body) {
-  if (!body.modal) return body.center_of_mass_L;
-  return body.modal->G.block<3, 1>(1, 0) / body.modal->G(0, 0);
-}
-
-double radius_of_gyration(const Body& body) {
-  if (!body.modal) return body.mass > 0.0 ? std::sqrt(0.5 * body.inertia_L.trace() / body.mass) : 0.0;
-  return std::sqrt(body.modal->G.block<3, 3>(1, 1).trace() / body.modal->G(0, 0));
-}
-
 }  // namespace
-
-double machine_length(const Model& model) {
-  if (has_distances(model)) return model.length_scale();
-  double length = 0.0;
-  for (const Joint& joint : model.joints) {
-    for (const Attachment& side : joint.sides) {
-      if (side.body == kGround) continue;
-      length = std::max(length, (center_of_mass(model.bodies[side.body]) - side.point_L).norm());
-    }
-  }
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) length = std::max(length, radius_of_gyration(model.bodies[i]));
-  return length > 0.0 ? length : model.length_scale();
-}
 
 Topology build_topology(const Model& model) {
   Topology topology;

@@ -65,12 +65,6 @@ struct Topology {
   }
 };
 
-/// Length of a machine [m], by which displacements count against rotations: Model::length_scale, the largest distance
-/// between two points of joints or force elements on one body. A machine in which all these points coincide gets the
-/// largest distance between them and a centre of mass or the largest radius of gyration, so that no length is a matter
-/// of units (R62).
-double machine_length(const Model& model);
-
 /// Opens the loops of the joint graph.
 ///
 /// Rule for the cut joint: joints that the model names are cut. Of the others, those with the most closure rows

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "relative/exponential_map.h"
@@ -18,15 +19,15 @@ Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child) {
 Kinematics::Kinematics(const Model& model)
     : model_(&model),
       topology_(build_topology(model)),
+      size_(model, topology_),
       joint_motions_(model.joints.size()),
       bodies_(model.bodies.size()),
       first_rows_(model.bodies.size(), 0),
       turns_(VecX::Zero(topology_.n_q)),
       q_(VecX::Zero(topology_.n_q)),
       u_(VecX::Zero(topology_.n_u)) {
-  const double length = machine_length(model);
   for (const Joint& joint : model.joints) {
-    mobilizers_.emplace_back(*joint.type, length);
+    mobilizers_.emplace_back(*joint.type, size_.length());
     for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
   }
   for (const Link& link : topology_.links) {
@@ -98,6 +99,12 @@ void Kinematics::place(const std::vector<BodyState>& bodies) {
       moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
     }
   }
+}
+
+double Kinematics::farthest_place() const {
+  double farthest = 0.0;
+  for (const BodyMotion& body : bodies_) farthest = std::max(farthest, body.r.cwiseAbs().maxCoeff());
+  return farthest;
 }
 
 void Kinematics::deform(JointIndex joint, Side side) {

@@ -5,6 +5,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "relative/joint_point.h"
+#include "relative/machine_size.h"
 #include "relative/mobilizer.h"
 #include "relative/topology.h"
 #include "relative/turns.h"
@@ -49,6 +50,7 @@ class Kinematics {
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] const Topology& topology() const { return topology_; }
+  [[nodiscard]] const MachineSize& size() const { return size_; }
   [[nodiscard]] const Mobilizer& mobilizer(JointIndex joint) const { return mobilizers_[joint]; }
 
   /// Counts whole turns apart from the coordinates, which so keep their digits after many of them: from now on a
@@ -73,6 +75,8 @@ class Kinematics {
   void place(const std::vector<BodyState>& bodies);
 
   [[nodiscard]] const BodyMotion& body(BodyIndex i) const { return bodies_[i]; }
+  /// Largest entry of the places of all bodies [m].
+  [[nodiscard]] double farthest_place() const;
   [[nodiscard]] const LinkBlocks& blocks(LinkIndex link) const { return blocks_[link]; }
   [[nodiscard]] const JointPoint& point(JointIndex joint, Side side) const { return points_[2 * joint + index(side)]; }
   /// Joint motion of a tree joint, as of the last update.
@@ -107,6 +111,7 @@ class Kinematics {
 
   const Model* model_;
   Topology topology_;
+  MachineSize size_;
   std::vector<Mobilizer> mobilizers_;
   std::vector<JointPoint> points_;
   std::vector<JointMotion> joint_motions_;

@@ -54,17 +54,16 @@ TEST(IntegratedVariables, TakeWholeTurnsOff) {
 TEST(IntegratedVariables, HaveSizesOfTheMachine) {
   const Model model = test::spatial_slider_crank(true);
   Equations equations(model);
-  Assembly assembly(equations);
-  const Coordinates start = assembly.start();
+  const Coordinates start = Assembly(equations).start();
   const IntegratedVariables variables(equations);
-  const VecX sizes = sizes_of(variables, equations, assembly.scales(), start, 1.0);
+  const VecX sizes = sizes_of(variables, equations, start);
   Coordinates found{0.0, VecX::Zero(equations.topology().n_q), VecX::Zero(equations.topology().n_u)};
   variables.unpack(sizes, found);
   EXPECT_GT(sizes.minCoeff(), 0.0);
   EXPECT_EQ(found.q(equations.topology().joints[0].first_q), 1.0);
-  EXPECT_EQ(found.q(equations.topology().joints[3].first_q), assembly.scales().length());
+  EXPECT_EQ(found.q(equations.topology().joints[3].first_q), equations.size().length());
   const double rate = found.u(equations.topology().joints[0].first_u);
-  EXPECT_NEAR(found.u(equations.topology().joints[3].first_u), rate * assembly.scales().length(), 1e-13);
+  EXPECT_NEAR(found.u(equations.topology().joints[3].first_u), rate * equations.size().length(), 1e-13);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "machines.h"
+#include "relative/assembly.h"
 #include "relative/solver.h"
 
 namespace concord::relative {
@@ -14,7 +15,7 @@ RankReport report_of(const Model& model) {
   Equations equations(model);
   Assembly assembly(equations);
   const Coordinates start = assembly.start();
-  return analyze_rank(equations, assembly.scales(), start);
+  return analyze_rank(assembly.scaled(), start);
 }
 
 std::string flags(const JointUniqueness& joint, Side side) {
@@ -112,12 +113,11 @@ TEST_P(PermittedVelocities, AreAsManyAsTheFreedomsAndStrainNoJoint) {
   const MatX V = solver->tangent(state);
   ASSERT_EQ(V.cols(), solver->rank(state).degrees_of_freedom);
   Kinematics kinematics(model);
-  const Scales scales(model, kinematics.topology());
   MatX in_units = V;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const Span& modes = kinematics.topology().modes[BodyIndex(i)];
     in_units.middleRows(kinematics.first_row(BodyIndex(i)) + 6, modes.n_u).array().colwise() /=
-        scales.speeds().segment(modes.first_u, modes.n_u).array();
+        kinematics.size().speeds().segment(modes.first_u, modes.n_u).array();
   }
   EXPECT_LT((in_units.transpose() * in_units - MatX::Identity(V.cols(), V.cols())).norm(), 1e-13);
   const PrescribedMask driven = driven_speeds(model, kinematics.topology());
@@ -156,7 +156,7 @@ TEST(Rank, DecidesTheForceOfEachCoupling) {
   couple("again", -3.0, 0, 7);
   Equations equations(model);
   Coordinates pose{0.0, equations.home(), VecX::Zero(equations.topology().n_u)};
-  const RankReport report = analyze_rank(equations, Scales(model, equations.topology()), pose);
+  const RankReport report = analyze_rank(ScaledClosure(equations), pose);
   EXPECT_EQ(report.unique_coupling, (std::vector<bool>{false, true, false}));
   EXPECT_EQ(report.decided_coupling, (std::vector<bool>{true, true, true}));
   for (const JointUniqueness& joint : report.joints) EXPECT_EQ(flags(joint, Side::child), "uuuuuu");
@@ -173,7 +173,7 @@ TEST(Rank, SaysWhereAFlagDependsOnTheThreshold) {
     Model tilted = model;
     tilted.joints[3].sides[1].C = model.joints[3].sides[1].C * rotation_about(Axis::x, tilt);
     Equations equations(tilted);
-    return analyze_rank(equations, Scales(tilted, equations.topology()), pose);
+    return analyze_rank(ScaledClosure(equations), pose);
   };
   const auto n_undecided = [](const RankReport& report) {
     int n = 0;

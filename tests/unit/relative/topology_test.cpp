@@ -92,21 +92,5 @@ TEST(Topology, RefusesABodyWithoutJoint) {
   }
 }
 
-/// A pendulum has one joint point: its length is that of its own mass, in whatever unit.
-TEST(Topology, LengthOfAMachineIsNeverAUnit) {
-  test::Numbers numbers(4);
-  Model model;
-  model.bodies = {test::ground(), test::rigid_body("bob", numbers)};
-  model.joints = {test::joint(model, "hinge", "revolute", 0, 1, numbers)};
-  const double length = machine_length(model);
-  EXPECT_GT(length, 0.1);
-  for (Attachment& side : model.joints[0].sides) side.point_L *= 1024.0;
-  model.bodies[1].center_of_mass_L *= 1024.0;
-  model.bodies[1].inertia_L *= 1024.0 * 1024.0;
-  EXPECT_EQ(machine_length(model), 1024.0 * length);
-  const Model crank = test::spatial_slider_crank(false);
-  EXPECT_EQ(machine_length(crank), crank.length_scale());
-}
-
 }  // namespace
 }  // namespace concord::relative
