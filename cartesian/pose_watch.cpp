@@ -7,14 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
-#include "cartesian/row_choice.h"
+#include "cartesian/constraint_rank.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
 
 namespace {
+
+/// Of the largest that a pivot has been; the root of that is the distance. Closed poses this near to a singular one are
+/// known to the root of round-off only: on which side they stand is open.
+constexpr double kVanished = 1e-13;
 
 /// Constraint rows in an order of little fill for J M^-1 J^T: rows on one body are neighbours.
 std::vector<int> order_rows(const Equations& equations) {
@@ -44,13 +47,13 @@ std::vector<int> order_rows(const Equations& equations) {
 
 }  // namespace
 
-/// Pivots of J_b M_b^-1 J_a^T by eliminating, in a fixed order without exchanges, first the inertias and then the rows
-/// of [M_b J_a^T; J_b 0]; memory is laid out once. The inertias only weigh directions, so that a small part of the
-/// machine's largest is added to each: a thin rod has none about its axis.
-class PoseWatch::Overlap {
+/// Pivots of J M^-1 J^T by eliminating, in a fixed order without exchanges, first the inertias and then the rows of
+/// [M J^T; J 0]; memory is laid out once. The inertias only weigh directions, so that a small part of the machine's
+/// largest is added to each: a thin rod has none about its axis.
+class PoseWatch::RowPivots {
  public:
-  /// `matrix`: that of the equations with its numbers, from which the largest inertia is taken.
-  Overlap(const Equations& equations, const SparseLu& matrix)
+  /// `matrix`: that of the equations, with what their inertias count as at least.
+  RowPivots(const Equations& equations, const SparseLu& matrix)
       : matrix_(matrix), first_row_(equations.layout().n_Y()), values_(matrix_.row_indices().size(), 0.0) {
     klu_defaults(&common_);
     common_.btf = 0;
@@ -60,21 +63,20 @@ class PoseWatch::Overlap {
     order_.resize(matrix_.size());
     std::iota(order_.begin(), order_.end(), 0);
     for (std::size_t k = 0; k < rows.size(); ++k) order_[first_row_ + k] = first_row_ + rows[k];
+    for (int place = 0; place < first_row_; ++place) diagonal_.push_back(matrix_.find(place, place));
     symbolic_ = klu_analyze_given(matrix_.size(), starts(), indices(), order_.data(), order_.data(), &common_);
     if (symbolic_ == nullptr) throw SolverError("cartesian: klu_analyze_given failed");
-    take_share_of_inertia(equations.units());
   }
-  ~Overlap() {
+  ~RowPivots() {
     if (numeric_ != nullptr) klu_free_numeric(&numeric_, &common_);
     klu_free_symbolic(&symbolic_, &common_);
   }
-  Overlap(const Overlap&) = delete;
-  Overlap& operator=(const Overlap&) = delete;
+  RowPivots(const RowPivots&) = delete;
+  RowPivots& operator=(const RowPivots&) = delete;
 
-  /// By constraint row: the pivots, negative where the overlap is lost; zero for rows that take no part, and all zero
-  /// where a pivot vanishes.
-  VecX pivots(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& rows) {
-    fill(a, b, rows);
+  /// By constraint row: the pivots, zero for rows that take no part, and all zero where a pivot vanishes.
+  VecX of(const std::vector<double>& values, const std::vector<bool>& rows) {
+    fill(values, rows);
     VecX found = VecX::Zero(matrix_.size() - first_row_);
     if (!factor()) return found;
     const auto* diagonal = static_cast<const double*>(numeric_->Udiag);
@@ -98,70 +100,34 @@ class PoseWatch::Overlap {
     return false;
   }
 
-  void take_share_of_inertia(const VecX& units) {
-    constexpr double kShare = 1e-6;
-    double largest = 0.0;
-    for_each_inertia(
-        [&](int place, int k) { largest = std::max(largest, matrix_.values()[k] * units(place) * units(place)); });
-    added_ = kShare * largest * units.array().square().inverse();
-  }
-
-  /// Calls visit(place, k) for the diagonal entries of M and their places among the values.
-  template <class Visit>
-  void for_each_inertia(const Visit& visit) const {
-    for (int column = 0; column < first_row_; ++column) {
-      for (int k = matrix_.column_starts()[column]; k < matrix_.column_starts()[column + 1]; ++k) {
-        if (matrix_.row_indices()[k] == column) visit(column, k);
-      }
-    }
-  }
-
   int* starts() { return const_cast<int*>(matrix_.column_starts().data()); }  // KLU reads them only
   int* indices() { return const_cast<int*>(matrix_.row_indices().data()); }
 
-  void fill(const std::vector<double>& a, const std::vector<double>& b, const std::vector<bool>& rows) {
+  void fill(const std::vector<double>& values, const std::vector<bool>& rows) {
     const auto takes_part = [&](int place) { return place < first_row_ || rows[place - first_row_]; };
     for (int column = 0; column < matrix_.size(); ++column) {
       for (int k = matrix_.column_starts()[column]; k < matrix_.column_starts()[column + 1]; ++k) {
         const int row = matrix_.row_indices()[k];
         if (takes_part(row) && takes_part(column)) {
-          values_[k] = column >= first_row_ ? a[k] : b[k];
+          values_[k] = values[k];
         } else {
           values_[k] = row == column ? -1.0 : 0.0;
         }
       }
     }
-    for_each_inertia([this](int place, int k) { values_[k] += added_(place); });
+    const VecX& least = matrix_.least_diagonal();
+    for (int place = 0; place < first_row_; ++place) values_[diagonal_[place]] += least(place);
   }
 
   const SparseLu& matrix_;
   int first_row_;
   std::vector<int> order_;
   std::vector<double> values_;
-  VecX added_;  // to the inertias
+  std::vector<int> diagonal_;  // places of the inertias' own entries
   klu_common common_{};
   klu_symbolic* symbolic_ = nullptr;
   klu_numeric* numeric_ = nullptr;
 };
-
-bool may_lose_rank(const Model& model) {
-  if (!model.couplings.empty()) return true;
-  ByBody<BodyIndex> tree;
-  for (const BodyIndex body : indices_of(model.bodies)) tree.add(body);
-  const auto root = [&](BodyIndex body) {
-    while (tree[body] != body) body = tree[body];
-    return body;
-  };
-  for (const Joint& joint : model.joints) {
-    const bool restricts = joint.type->n_u() < 6 || !joint.drivers.empty();
-    if (!restricts) continue;
-    const BodyIndex parent = root(body_of(joint.on(Side::parent)));
-    const BodyIndex child = root(body_of(joint.on(Side::child)));
-    if (parent == child) return true;
-    tree[child] = parent;
-  }
-  return false;
-}
 
 PoseWatch::PoseWatch(Dynamics& dynamics, int generic_rank, double t, const MotionState& start)
     : dynamics_(dynamics),
@@ -170,7 +136,7 @@ PoseWatch::PoseWatch(Dynamics& dynamics, int generic_rank, double t, const Motio
       may_lose_rank_(may_lose_rank(equations_.model())) {
   if (!may_lose_rank_) return;
   equations_.update(t, start.q, start.Y);
-  overlap_ = std::make_unique<Overlap>(equations_, dynamics_.fill_matrix());
+  pivots_ = std::make_unique<RowPivots>(equations_, dynamics_.fill_matrix());
   last_ = sample_pose(t, start);
   chosen_pivots_ = largest_pivots_ = last_.pivots;
 }
@@ -182,17 +148,17 @@ PoseWatch::PoseSample PoseWatch::sample_pose(double t, const MotionState& motion
   const SparseLu& matrix = dynamics_.fill_matrix();
   PoseSample at{t, motion.q, motion.Y, {matrix.values(), matrix.values() + matrix.row_indices().size()}, {}, {}};
   at.rows = dynamics_.active_rows();
-  at.pivots = overlap_->pivots(at.values, at.values, at.rows);
+  at.pivots = pivots_->of(at.values, at.rows);
   return at;
 }
 
 /// Rows chosen anew at a pose, which are in use from then on.
 void PoseWatch::choose(PoseSample& at) {
-  const RowChoice choice = choose_rows(equations_, generic_rank_);
+  const RowChoice choice = choose_rows(equations_);
   if (choice.rank < generic_rank_) refuse(at.t, weakest_row_);
   dynamics_.use_rows(choice.independent);
   at.rows = choice.independent;
-  at.pivots = overlap_->pivots(at.values, at.values, at.rows);
+  at.pivots = pivots_->of(at.values, at.rows);
 }
 
 bool PoseWatch::follow(double t, const MotionState& motion) {
@@ -209,7 +175,7 @@ bool PoseWatch::follow(double t, const MotionState& motion) {
   refuse_vanished(now);
   const double rate = rate_of_change(last_, now);
   const bool changes_little = std::max(rate_, rate) * (now.t - last_.t) < kLittle;
-  bisect(last_, now, changes_little, kDepth);
+  if (!changes_little) bisect(last_, now, kDepth);
   rate_ = rate;
   dynamics_.use_rows(now.rows);
   last_ = std::move(now);
@@ -229,9 +195,7 @@ bool PoseWatch::has_weakened(const PoseSample& now) {
   return closes_worse || !(now.pivots.array() >= kWeakened * chosen_pivots_.array()).all();
 }
 
-/// Closed poses this near to a singular one are known to the root of round-off only: on which side they stand is open.
 void PoseWatch::refuse_vanished(const PoseSample& now) {
-  constexpr double kVanished = 1e-13;  // of the largest that a pivot has been; the root of that is the distance
   largest_pivots_ = largest_pivots_.cwiseMax(now.pivots);
   for (Eigen::Index row = 0; row < now.pivots.size(); ++row) {
     if (now.rows[row] && !(now.pivots(row) > kVanished * largest_pivots_(row)))
@@ -240,25 +204,7 @@ void PoseWatch::refuse_vanished(const PoseSample& now) {
 }
 
 VecX PoseWatch::own_pivots(const PoseSample& at, const std::vector<bool>& rows) {
-  return at.rows == rows ? at.pivots : overlap_->pivots(at.values, at.values, rows);
-}
-
-/// Whether the rows at one pose certainly change into those at the other without losing rank in between (C53).
-bool PoseWatch::is_continuous(const PoseSample& before, const PoseSample& after, const std::vector<bool>& rows) {
-  // What the rows permit turns by less than about 25 degrees; where a motion changes to another branch it turns at
-  // once, however near the poses are.
-  constexpr double kOverlap = 0.9;
-  const VecX between = overlap_->pivots(before.values, after.values, rows);
-  const VecX at_before = own_pivots(before, rows);
-  const VecX at_after = own_pivots(after, rows);
-  for (Eigen::Index row = 0; row < between.size(); ++row) {
-    if (!rows[row]) continue;
-    const double geometric_mean = std::sqrt(at_before(row)) * std::sqrt(at_after(row));
-    if (at_before(row) > 0.0 && at_after(row) > 0.0 && between(row) >= kOverlap * geometric_mean) continue;
-    weakest_row_ = RowIndex(static_cast<int>(row));
-    return false;
-  }
-  return true;
+  return at.rows == rows ? at.pivots : pivots_->of(at.values, rows);
 }
 
 /// The largest relative rate of the roots of pivots between two samples [1/s].
@@ -274,19 +220,21 @@ double PoseWatch::rate_of_change(const PoseSample& before, const PoseSample& aft
   return largest / (after.t - before.t);
 }
 
-/// Whether no pivot falls to zero and rises again between the samples. Its root is straight over a short time: from the
-/// middle and either end the other end is predicted, with the other sign where the root has passed zero.
+/// Whether no pivot falls to zero and rises again between the samples. Its root is straight over a short time: the
+/// middle is the mean of the ends, unless the root has passed zero, or the middle has been brought onto another branch
+/// (C53).
 bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& middle, const PoseSample& after,
                                   const std::vector<bool>& rows) {
-  constexpr double kPredicted = 0.5;  // of the root at an end
+  constexpr double kStraight = 0.5;  // of the smaller root
   const VecX between = own_pivots(middle, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_before = own_pivots(before, rows).cwiseMax(0.0).cwiseSqrt();
   const VecX at_after = own_pivots(after, rows).cwiseMax(0.0).cwiseSqrt();
   for (Eigen::Index row = 0; row < between.size(); ++row) {
     if (!rows[row]) continue;
-    const double from_before = 2.0 * between(row) - at_before(row);
-    const double from_after = 2.0 * between(row) - at_after(row);
-    if (from_before > kPredicted * at_after(row) && from_after > kPredicted * at_before(row)) continue;
+    const double bend = std::abs(at_before(row) + at_after(row) - 2.0 * between(row));
+    const double least = std::min(at_before(row), at_after(row));
+    const double vanished = std::sqrt(kVanished * largest_pivots_(row));
+    if (bend < kStraight * least && std::min(between(row), least) > vanished) continue;
     weakest_row_ = RowIndex(static_cast<int>(row));
     return false;
   }
@@ -294,19 +242,13 @@ bool PoseWatch::stays_independent(const PoseSample& before, const PoseSample& mi
 }
 
 /// Looks closer and closer where a singular pose may be, by the rows of either sample.
-void PoseWatch::bisect(const PoseSample& before, const PoseSample& after, bool changes_little, int depth) {
-  std::optional<PoseSample> middle;
-  for (const PoseSample* own : {&before, &after}) {
-    if (own == &after && after.rows == before.rows) break;
-    if (!is_continuous(before, after, own->rows)) continue;
-    if (changes_little) return;
-    if (!middle) middle = sample_between(before, after);
-    if (stays_independent(before, *middle, after, own->rows)) return;
-  }
+void PoseWatch::bisect(const PoseSample& before, const PoseSample& after, int depth) {
+  const PoseSample middle = sample_between(before, after);
+  if (stays_independent(before, middle, after, before.rows)) return;
+  if (after.rows != before.rows && stays_independent(before, middle, after, after.rows)) return;
   if (depth == 0) refuse(after.t, weakest_row_);
-  if (!middle) middle = sample_between(before, after);
-  bisect(before, *middle, false, depth - 1);
-  bisect(*middle, after, false, depth - 1);
+  bisect(before, middle, depth - 1);
+  bisect(middle, after, depth - 1);
 }
 
 /// Halfway in time: the cubic through both, brought onto the constraints (C54).
@@ -324,7 +266,7 @@ PoseWatch::PoseSample PoseWatch::sample_between(const PoseSample& before, const 
   layout.normalize(middle.q);
   try {
     equations_.update(t, middle.q, middle.Y);
-    const RowChoice choice = choose_rows_beside(equations_, generic_rank_);
+    const RowChoice choice = choose_rows(equations_, generic_rank_);
     if (choice.rank < generic_rank_) refuse(t, weakest_row_);
     dynamics_.use_rows(choice.independent);
     dynamics_.project(dynamics_.solve(Pivots::fresh), t, middle.q, middle.Y);

@@ -83,7 +83,9 @@ void decide_left_over(const SparseMatrix& transposed, RowSelection& selection, d
   std::vector<Eigen::Index> order(left_over);
   std::iota(order.begin(), order.end(), 0);
   if (added > 0) (void)pivot_columns(rest, 0.0, order);
-  for (Eigen::Index k = 0; k < added; ++k) decision.independent[selection.order[selection.live + order[k]]] = true;
+  for (Eigen::Index k = 0; k < added; ++k) {
+    decision.independent.push_back(selection.order[selection.live + order[k]]);
+  }
   decision.rank += static_cast<int>(added);
   decision.left_null_space = decision.near_null_space.leftCols(left_over - added);
 }
@@ -103,8 +105,7 @@ RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* go
   const double largest = estimate_largest(transposed);
   decision.rank = static_cast<int>(selection.live);
   decision.smallest_kept = selection.smallest_live / largest;
-  decision.independent.assign(matrix.rows(), false);
-  for (Eigen::Index k = 0; k < selection.live; ++k) decision.independent[selection.order[k]] = true;
+  for (Eigen::Index k = 0; k < selection.live; ++k) decision.independent.push_back(selection.order[k]);
   decision.left_null_space = decision.near_null_space = MatX::Zero(matrix.rows(), 0);
   if (selection.live < matrix.rows()) decide_left_over(transposed, selection, largest, decision);
   return decision;

@@ -19,8 +19,8 @@ struct RankDecision {
   int rank = 0;
   double smallest_kept = 0.0;
   double largest_dropped = 0.0;
-  MatX left_null_space;           // Z, orthonormal columns: Z^T matrix = 0
-  std::vector<bool> independent;  // a largest independent set of rows
+  MatX left_null_space;                   // Z, orthonormal columns: Z^T matrix = 0
+  std::vector<Eigen::Index> independent;  // a largest independent set of rows, up to 500 rows the most so first
   /// The left singular vectors of all small singular values, those of the null space and any that another threshold
   /// would add to it, by rising value.
   MatX near_null_space;
@@ -28,9 +28,9 @@ struct RankDecision {
 };
 
 /// Threshold 1e-10 of the largest singular value. Singular values that small are found exactly, from the rows that a
-/// rank-revealing QR leaves over (dense with pivots up to 60 rows, sparse by SuiteSparseQR above); the smallest of the
+/// rank-revealing QR leaves over (select_rows); the smallest of the
 /// others and the largest are estimated. With `goes_first` given, its rows come before all others into the independent
-/// set, and the QR is a dense one. Throws SolverError if an entry is no number.
+/// set. Throws SolverError if an entry is no number.
 RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* goes_first = nullptr);
 
 /// Shortest x with matrix x = right side, dependent rows left out: by SuiteSparseQR; where rows are dependent, it gives

@@ -62,16 +62,6 @@ Eigen::Index count_live(const VecX& diagonal, double tolerance) {
   return live;
 }
 
-RowSelection select_dense(const MatX& transposed, double tolerance) {
-  RowSelection selection;
-  const Eigen::ColPivHouseholderQR<MatX> qr(transposed);
-  const auto indices = qr.colsPermutation().indices();
-  selection.order.assign(indices.begin(), indices.end());
-  selection.live = count_live(qr.matrixQR().diagonal(), tolerance);
-  select_from(qr.matrixQR(), selection);
-  return selection;
-}
-
 /// The rows that go first are selected among themselves, the others by their parts independent of these.
 RowSelection select_dense_in_order(const MatX& transposed, const std::vector<bool>& goes_first, double tolerance) {
   std::vector<Eigen::Index> first;
@@ -145,14 +135,25 @@ Eigen::Index pivot_columns(const MatX& columns, double tolerance, std::vector<Ei
   return count_live(qr.matrixQR().diagonal(), tolerance);
 }
 
-RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
-  if (goes_first != nullptr) return select_dense_in_order(MatX(transposed), *goes_first, tolerance);
-  return transposed.cols() > kDenseRows ? select_sparse(transposed, tolerance)
-                                        : select_dense(MatX(transposed), tolerance);
+RowSelection select_dense(const MatX& transposed, double tolerance) {
+  RowSelection selection;
+  const Eigen::ColPivHouseholderQR<MatX> qr(transposed);
+  const auto indices = qr.colsPermutation().indices();
+  selection.order.assign(indices.begin(), indices.end());
+  selection.live = count_live(qr.matrixQR().diagonal(), tolerance);
+  select_from(qr.matrixQR(), selection);
+  return selection;
 }
 
-RowSelection select_well(const SparseMatrix& transposed, double tolerance) {
-  return select_dense(MatX(transposed), tolerance);
+RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance) {
+  const Eigen::Index rows = transposed.cols();
+  if (rows > kDenseRows) {
+    RowSelection sparse = select_sparse(transposed, tolerance);
+    const bool is_full = sparse.live == rows && sparse.smallest_live > tolerance;
+    if (is_full || (rows > kMostDenseRows && goes_first == nullptr)) return sparse;
+  }
+  return goes_first != nullptr ? select_dense_in_order(MatX(transposed), *goes_first, tolerance)
+                               : select_dense(MatX(transposed), tolerance);
 }
 
 void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance,

@@ -13,9 +13,9 @@ namespace concord::cartesian {
 using SparseIndex = std::int64_t;
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
 
-/// Of more rows SuiteSparseQR makes the factorization.
+/// Of more rows SuiteSparseQR makes the factorization, as long as it leaves none over.
 inline constexpr Eigen::Index kDenseRows = 60;
-/// Of more rows no dense factorization is made, however well it would exchange.
+/// Of more rows it makes any.
 inline constexpr Eigen::Index kMostDenseRows = 500;
 
 /// Rows in the order in which a QR factorization of the transposed matrix takes them: `live` ones first, then those
@@ -27,12 +27,13 @@ struct RowSelection {
   double smallest_live = 0.0;  // estimate of the smallest singular value of the live rows
 };
 
-/// `tolerance`: what others leave of a row that is left over. With `goes_first` given, its rows come before all others,
-/// and the QR is a dense one.
+/// `tolerance`: what others leave of a row that is left over. Where some are, the factorization is a dense one with
+/// column exchanges (up to kMostDenseRows), which gives well-conditioned live rows, most independent first; with
+/// `goes_first` given, its rows come before all others.
 RowSelection select_rows(const SparseMatrix& transposed, const std::vector<bool>* goes_first, double tolerance);
 
-/// The same by column exchanges, which give well-conditioned live rows; a dense factorization.
-RowSelection select_well(const SparseMatrix& transposed, double tolerance);
+/// The same by column exchanges, of any size.
+RowSelection select_dense(const MatX& transposed, double tolerance);
 
 /// Rows may leave each other more than the tolerance one by one and yet depend on each other together, which a sparse
 /// QR without column exchanges does not see: as long as they do, the one that has the largest part in it is left over,

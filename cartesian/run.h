@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "cartesian/constraint_rank.h"
 #include "cartesian/dynamics.h"
-#include "cartesian/machine_rank.h"
 #include "common/results.h"
 #include "common/solver.h"
 

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "cartesian/closing.h"
+#include "cartesian/constraint_rank.h"
 #include "cartesian/dynamics.h"
 #include "cartesian/equations.h"
 #include "cartesian/evaluation.h"
-#include "cartesian/machine_rank.h"
-#include "cartesian/row_choice.h"
 #include "cartesian/run.h"
 #include "cartesian/start.h"
 #include "cartesian/state_check.h"

@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "cartesian/closing.h"
+#include "cartesian/constraint_rank.h"
 #include "cartesian/evaluation.h"
 #include "cartesian/joint_coordinates.h"
-#include "cartesian/machine_rank.h"
 #include "cartesian/open_joint.h"
-#include "cartesian/row_choice.h"
 #include "cartesian/start_search.h"
 #include "common/error.h"
 
@@ -111,7 +110,7 @@ const char* hint_at_rod_between_balls(const Model& model, const KeptCount& kept)
 /// Whether the constraints lose rank at this closed pose: poses round about have more.
 bool is_singular_pose(Equations& equations, const VecX& q, const VecX& Y, const std::vector<VecX>& turns) {
   equations.update(0.0, q, Y);
-  const int rank = choose_rows(equations, -1).rank;
+  const int rank = choose_rows(equations).rank;
   State here = equations.layout().pack(0.0, q, Y);
   here.q = turns;
   return decide_for_the_machine(equations, here).generic > rank;

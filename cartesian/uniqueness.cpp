@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cartesian/rank.h"
+#include "cartesian/constraint_rank.h"
 #include "cartesian/reactions.h"
-#include "cartesian/row_choice.h"
 
 namespace concord::cartesian {
 

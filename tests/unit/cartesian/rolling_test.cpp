@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "cartesian/constraint_rank.h"
 #include "cartesian/equations.h"
-#include "cartesian/row_choice.h"
 #include "cartesian/solver.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
@@ -240,7 +240,7 @@ TEST(Rolling, ADependentRowOfVelocityGivesWayToThoseOfPlaces) {
   VecX Y(6);
   equations.layout().unpack(state, q, Y);
   equations.update(0.0, q, Y);
-  const std::vector<bool> independent = independent_rows(equations);
+  const std::vector<bool> independent = choose_rows(equations).independent;
   EXPECT_EQ(std::count(independent.begin(), independent.end(), true), 5);
   EXPECT_FALSE(independent[3]);  // the edge's own
   RunOptions options;
