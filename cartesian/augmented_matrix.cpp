@@ -51,11 +51,7 @@ SparseLu make_lu(const Pattern& pattern) { return {pattern.starts, pattern.rows,
 constexpr double kLeastInertia = 1e-6;
 
 /// Unit of inertia that the matrix is scaled with, a power of two near the mass of all bodies [kg].
-double mass_unit(const Equations& equations) {
-  double mass = 0.0;
-  for (const BodyIndex i : equations.layout().moving_bodies()) mass += equations.inertia(i).mass();
-  return mass > 0.0 ? std::ldexp(1.0, std::ilogb(mass)) : 1.0;
-}
+double mass_unit(double mass) { return mass > 0.0 ? std::ldexp(1.0, std::ilogb(mass)) : 1.0; }
 
 }  // namespace
 
@@ -65,7 +61,7 @@ AugmentedMatrix::AugmentedMatrix(const Equations& equations)
       lu_(make_lu(lay_out(equations))),
       mass_matrices_(make_mass_matrices(equations.layout())),
       mass_entries_(equations.model().bodies.size()) {
-  const double mass = mass_unit(equations);
+  const double mass = mass_unit(equations.scales().mass);
   lu_.set_diagonal_unit(mass);
   for (const BodyIndex i : equations.layout().moving_bodies()) {
     equations.layout().v(lu_.least_diagonal(), i).setConstant(kLeastInertia * mass);

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cartesian/closing_reach.h"
 #include "cartesian/closing_system.h"
 #include "cartesian/kept_rows.h"
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 
 namespace concord::cartesian {
 
@@ -45,7 +44,7 @@ bool goes_on(double size, double last, double closed) {
 template <class Rows>
 void close_positions(Equations& equations, double t, Holding hold, const Rows& rows, Modes modes, VecX& q,
                      const VecX& Y, Closing& closing, std::optional<int> rank = {}) {
-  const VecX units = units_of_displacements(equations, modes);
+  const VecX units = units_of_steps(equations, Kept::coordinates, modes);
   RoundOffShares shares(equations.constraints());
   const auto system_at = [&] {
     equations.update(t, q, Y);
@@ -80,28 +79,18 @@ void close_positions(Equations& equations, double t, Holding hold, const Rows& r
   if (!closing.closed) name_open(equations, system.kept, system.residual, closing);
 }
 
-/// The largest speed that the velocity residuals are measured by [1/s].
-double largest_rate_with(const std::vector<KeptRow>& kept, const Equations& equations, double t, const VecX& Y) {
-  double rate = largest_rate(equations, t, Y);
-  for (const KeptRow& row : kept) {
-    const double size = std::max(row.row.over_d.norm() * equations.model().length_scale(), row.row.over_rho.norm());
-    if (size > 0.0) rate = std::max(rate, std::abs(row.target) / size);
-  }
-  return rate;
-}
-
 void close_velocities(Equations& equations, double t, Hold hold, Modes modes, const VecX& q, VecX& Y,
                       Closing& closing) {
   constexpr int kMostSteps = 4;
   constexpr double kRoundOff = 1e-16;
-  const VecX units = units_of_steps(equations, modes);
+  const VecX units = units_of_steps(equations, Kept::speeds, modes);
   const RoundOffShares none(equations.constraints());  // velocities are judged by their rate
   const auto system_at = [&] {
     equations.update(t, q, Y);
     return make_system(equations, {hold}, Kept::speeds, units, none, kept_at(equations, hold, Kept::speeds));
   };
   ClosingSystem system = system_at();
-  const auto speed = [&] { return largest_rate_with(system.kept, equations, t, Y); };
+  const auto speed = [&] { return std::max(system.kept_rate, largest_rate(equations, t, Y)); };
   double last = HUGE_VAL;
   for (int step = 0; step < kMostSteps && system.rate() > kRoundOff * speed() && system.rate() < 0.5 * last; ++step) {
     last = system.rate();
@@ -117,7 +106,8 @@ void close_velocities(Equations& equations, double t, Hold hold, Modes modes, co
 
 bool modes_are_restricted(const Equations& equations) {
   const auto rank = [&](Modes modes) {
-    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units_of_steps(equations, modes)));
+    const VecX units = units_of_steps(equations, Kept::speeds, modes);
+    return rank_of_rows(equations, closing_jacobian(equations, Kept::speeds, {}, units));
   };
   return equations.model().is_flexible() && rank(Modes::moving) > rank(Modes::kept);
 }
@@ -164,7 +154,7 @@ std::vector<StartWord> words_to_keep(Equations& equations, double t, const VecX&
   constexpr int kMostNamed = 12;  // longer lists are not read
   constexpr int kMostTried = 200;
   equations.update(t, q, Y);
-  const VecX units = units_of_steps(equations, Modes::kept);
+  const VecX units = units_of_steps(equations, Kept::speeds, Modes::kept);
   const auto rank_with = [&](const std::vector<KeptRow>& kept) {
     return rank_of_rows(equations, closing_jacobian(equations, what, kept, units));
   };
@@ -189,7 +179,7 @@ std::vector<StartWord> words_to_keep(Equations& equations, double t, const VecX&
 
 KeptCount count_kept(Equations& equations, double t, const VecX& q, const VecX& Y, bool coarse) {
   equations.update(t, q, Y);
-  const VecX units = units_of_steps(equations, Modes::kept);
+  const VecX units = units_of_steps(equations, Kept::speeds, Modes::kept);
   const auto columns = static_cast<int>((units.array() > 0.0).count());
   const auto rank_with = [&](Kept what, const std::vector<KeptRow>& kept) {
     return rank_of_rows(equations, closing_jacobian(equations, what, kept, units), coarse);

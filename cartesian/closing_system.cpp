@@ -1,9 +1,9 @@
 #include "cartesian/closing_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "cartesian/machine_units.h"
 #include "cartesian/rank.h"
 
 namespace concord::cartesian {
@@ -12,20 +12,11 @@ std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what) {
   return hold == Hold::start ? kept_rows(equations, what) : std::vector<KeptRow>{};
 }
 
-VecX units_of_steps(const Equations& equations, Modes modes) {
-  VecX units = equations.units();
+VecX units_of_steps(const Equations& equations, Kept what, Modes modes) {
   const Layout& layout = equations.layout();
+  VecX units = what == Kept::coordinates ? equations.scales().displacements : equations.units();
   if (modes == Modes::moving) return units;
   for (const BodyIndex i : layout.moving_bodies()) layout.adot(units, i).setZero();
-  return units;
-}
-
-VecX units_of_displacements(const Equations& equations, Modes modes) {
-  VecX units = units_of_steps(equations, modes);
-  const Layout& layout = equations.layout();
-  for (const BodyIndex i : layout.moving_bodies()) {
-    for (int k = 0; k < layout.n_modes(i); ++k) layout.adot(units, i)(k) *= compliance_of(equations.inertia(i), k);
-  }
   return units;
 }
 
@@ -106,10 +97,33 @@ ClosingSystem make_system(const Equations& equations, Holding hold, Kept what, c
     const Eigen::Index row = n_rows + static_cast<Eigen::Index>(k);
     system.residual(row) =
         what == Kept::coordinates ? kept[k].row.value : rate_of(kept[k].row, motion) - kept[k].target;
+    system.kept_rate = std::max(system.kept_rate, std::abs(kept[k].target) * by_size(row));
     system.terms(row) = std::max(kept[k].row.reads_places() ? shares.reach : 1.0, kept[k].size * by_size(row));
   }
   system.residual = system.residual.cwiseProduct(by_size);
   return system;
+}
+
+double ClosingReach::part_of(const Layout& layout, const VecX& step) const {
+  double turn = 0.0;
+  double other = 0.0;
+  for (const BodyIndex i : layout.moving_bodies()) {
+    const Eigen::Index first = layout.first_Y(i);
+    for (int c = 0; c < layout.size_Y(i); ++c) {
+      double& largest = c >= 3 && c < 6 ? turn : other;
+      largest = std::max(largest, std::abs(step(first + c)));
+    }
+  }
+  return std::min({1.0, kLargestTurn / std::max(turn, kLargestTurn), farthest_ / std::max(other, farthest_)});
+}
+
+void ClosingReach::learn(const VecX& before, const VecX& after, double part) {
+  constexpr double kStraight = 0.01;  // of what the step takes away
+  constexpr double kNothing = 1e-9;   // of the largest residual
+  const VecX bent = (after - (1.0 - part) * before).cwiseAbs();
+  const double floor = before.size() == 0 ? 0.0 : kNothing * before.lpNorm<Eigen::Infinity>();
+  const bool is_straight = (bent.array() <= kStraight * part * before.array().abs() + floor).all();
+  farthest_ = is_straight ? 2.0 * farthest_ : kLargestTurn;
 }
 
 }  // namespace concord::cartesian

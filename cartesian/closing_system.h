@@ -8,7 +8,7 @@
 #include "cartesian/equations.h"
 #include "cartesian/kept_rows.h"
 #include "cartesian/rank.h"
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 
 /// The linear systems by which a machine is closed: residuals of constraints and of what the start keeps, by their
 /// sizes, and their Jacobian over steps in the machine's units.
@@ -17,10 +17,9 @@ namespace concord::cartesian {
 /// What the start keeps, where closing holds that.
 std::vector<KeptRow> kept_at(const Equations& equations, Hold hold, Kept what);
 
-/// What a unit of a closing step moves over Y: v by the length, omega by a radian, modes as far as they move a joint by
-/// the length, or not at all. Steps of positions move them less, as their stiffness asks.
-VecX units_of_steps(const Equations& equations, Modes modes);
-VecX units_of_displacements(const Equations& equations, Modes modes);
+/// What a unit of a closing step of speeds, or of coordinates, moves over Y: the machine's units, or its displacements,
+/// without those of modes that are kept.
+VecX units_of_steps(const Equations& equations, Kept what, Modes modes);
 
 /// Jacobian over steps in these units: constraints first, then the kept rows. For coordinates the rows that hold for
 /// velocities alone are empty, as is their residual.
@@ -50,7 +49,8 @@ struct ClosingSystem {
   std::vector<KeptRow> kept;
   SparseMatrix jacobian;
   VecX residual;
-  VecX terms;  // how often a residual holds its round-off
+  VecX terms;              // how often a residual holds its round-off
+  double kept_rate = 0.0;  // the largest speed that is kept, by the size of its row [1/s]
 
   [[nodiscard]] VecX shortest_step(std::optional<int> rank = {}) const {  // (C47)
     return solve_shortest(jacobian, -residual, rank);
@@ -64,5 +64,20 @@ struct ClosingSystem {
 /// At the last update.
 ClosingSystem make_system(const Equations& equations, Holding hold, Kept what, const VecX& units,
                           const RoundOffShares& shares, std::vector<KeptRow> kept_rows);
+
+/// How far one step of Newton's method on positions may go: half a radian, so that no turn is lost and no other branch
+/// is met, and half the machine's length. Where a step leaves of every residual what its first order says, as along a
+/// slide that a rope hauls, the way is straight, and the next step may displace bodies twice as far.
+class ClosingReach {
+ public:
+  /// The part of a step [dr; dpi; da], in the machine's units, that may be made; at most one.
+  [[nodiscard]] double part_of(const Layout& layout, const VecX& step) const;
+  /// Residuals before and after that `part` of a step was made.
+  void learn(const VecX& before, const VecX& after, double part);
+
+ private:
+  static constexpr double kLargestTurn = 0.5;  // rad
+  double farthest_ = kLargestTurn;             // of all else, in the machine's units
+};
 
 }  // namespace concord::cartesian

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -97,15 +97,6 @@ const Solution& Dynamics::solve_at(double t, const Eigen::Ref<const VecX>& q, co
   return solve(pivots);
 }
 
-/// The largest of what gravity, speeds and forces cause, in the machine's units [1/s2].
-double Dynamics::typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const {
-  constexpr double kBroughtToRest = 1e-3;  // of what drivers do at any time
-  const double rate = std::max(natural_rate(equations_), kBroughtToRest * equations_.driven_rate());
-  const VecX& units = equations_.units();
-  return std::max({rate * rate, equations_.Y().cwiseQuotient(units).cwiseAbs2().maxCoeff(),
-                   Ydot.cwiseQuotient(units).cwiseAbs().maxCoeff()});
-}
-
 /// Whether the last solution needed correcting: as a whole, or the accelerations alone, which is where the tiny
 /// equations of a body far lighter than those that lead it are seen.
 bool Dynamics::magnifies_round_off() const {
@@ -113,7 +104,7 @@ bool Dynamics::magnifies_round_off() const {
   const SparseLu& lu = matrix_.lu();
   if (lu.relative_correction() > kMagnified) return true;
   const auto n_Y = equations_.layout().n_Y();
-  const double acceleration = typical_acceleration(unknowns_.head(n_Y));
+  const double acceleration = largest_acceleration(equations_, unknowns_.head(n_Y));
   const auto correction = lu.first_correction().head(n_Y).cwiseQuotient(equations_.units());
   return (correction.array().abs() > kMagnified * acceleration).any();
 }
@@ -125,7 +116,7 @@ std::optional<RowIndex> Dynamics::contradicted_row(const Solution& solution) {
   solved << solution.Ydot(), solution.lambda();
   unknowns_ << equations_.forces(), gamma_;
   matrix_.lu().subtract_product(solved, unknowns_);
-  double worst = kContradiction * typical_acceleration(solution.Ydot());
+  double worst = kContradiction * largest_acceleration(equations_, solution.Ydot());
   std::optional<RowIndex> found;
   for (const RowIndex row : equations().constraints().rows()) {
     const double size = equations_.row_sizes()(row.value);

@@ -71,7 +71,6 @@ class Dynamics {  // (C40)
   [[nodiscard]] bool factor_and_solve(Pivots pivots);
   [[nodiscard]] bool solve_between_steps();
   [[nodiscard]] bool magnifies_round_off() const;
-  [[nodiscard]] double typical_acceleration(const Eigen::Ref<const VecX>& Ydot) const;
 
   Equations& equations_;
   AugmentedMatrix matrix_;

@@ -4,9 +4,6 @@
 
 #include <cmath>
 
-#include "cartesian/driven_rate.h"
-#include "cartesian/machine_units.h"
-
 namespace concord::cartesian {
 
 namespace {
@@ -27,14 +24,12 @@ ByBody<DeformedInertia> make_deformed(const ByBody<BodyInertia>& inertias) {
 
 Equations::Equations(const Model& model)
     : model_(model),
-      length_(model.length_scale()),
-      driven_rate_(rate_of_drivers(model)),
       layout_(model),
       inertias_(make_inertias(model)),
+      scales_(model, layout_, inertias_),
       deformed_(make_deformed(inertias_)),
       constraints_(Constraints::make(model, layout_)),
       applied_(model, layout_),
-      units_(machine_units(model, layout_)),
       Y_(VecX::Zero(layout_.n_Y())),
       forces_(VecX::Zero(layout_.n_Y())),
       residual_(VecX::Zero(constraints_->n_rows())),
@@ -87,7 +82,7 @@ double Equations::size_of(JointIndex joint, int own) const {
     const BodyIndex body = body_of(pick(model_.joints, joint).on(side));
     if (is_ground(body)) continue;
     const auto over_Y = moving_->joint(joint).Phi_Y_transposed[index(side)].col(own);
-    squared += over_Y.cwiseProduct(units_.segment(layout_.first_Y(body), over_Y.size())).squaredNorm();
+    squared += over_Y.cwiseProduct(units().segment(layout_.first_Y(body), over_Y.size())).squaredNorm();
   }
   return std::sqrt(squared);
 }

@@ -8,6 +8,7 @@
 #include "cartesian/constraints.h"
 #include "cartesian/indices.h"
 #include "cartesian/layout.h"
+#include "cartesian/machine_scales.h"
 #include "common/model.h"
 
 namespace concord::cartesian {
@@ -28,11 +29,10 @@ class Equations {
   [[nodiscard]] const AppliedForces& applied() const { return applied_; }
   [[nodiscard]] AppliedForces& applied() { return applied_; }
   [[nodiscard]] const BodyInertia& inertia(BodyIndex body) const { return inertias_[body]; }
-  /// The machine's units over Y (machine_units).
-  [[nodiscard]] const VecX& units() const { return units_; }
-  [[nodiscard]] double length() const { return length_; }  // the machine's [m]
-  /// The largest rate of the drivers, at any time [1/s].
-  [[nodiscard]] double driven_rate() const { return driven_rate_; }
+  [[nodiscard]] const MachineScales& scales() const { return scales_; }
+  /// The machine's units over Y, and its length [m].
+  [[nodiscard]] const VecX& units() const { return scales_.units; }
+  [[nodiscard]] double length() const { return scales_.length; }
 
   /// Joint coordinates (by joint) from which the turns of sprung and coupled angles are counted: at most half a turn
   /// away.
@@ -74,14 +74,12 @@ class Equations {
   [[nodiscard]] double size_of(JointIndex joint, int own) const;
 
   const Model& model_;
-  double length_;
-  double driven_rate_;
   Layout layout_;
   ByBody<BodyInertia> inertias_;
+  MachineScales scales_;
   ByBody<DeformedInertia> deformed_;
   std::unique_ptr<Constraints> constraints_;
   AppliedForces applied_;
-  VecX units_;
 
   MovingConstraints* moving_ = nullptr;
   double t_ = 0.0;

@@ -8,7 +8,7 @@
 
 #include "cartesian/ida_jacobian.h"
 #include "cartesian/refined_lu.h"
-#include "cartesian/step_tolerances.h"
+#include "cartesian/state_scales.h"
 #include "cartesian/stepper.h"
 #include "common/error.h"
 #include "common/sundials.h"
@@ -155,17 +155,16 @@ class IdaStepper : public Stepper {
   /// speeds themselves, so that only Newton's convergence on the motion counts. mu in particular carries round-off over
   /// the step.
   void write_tolerances(const MotionState& start, const Solution& at_start, Tolerance tolerance) {
-    const VecX motion = absolute_tolerances(equations_, start, tolerance);
+    const VecX sizes_of_motion = motion_sizes(equations_, start.q, start.Y, tolerance.until);
     auto tolerances = view(tolerances_.get());
-    tolerances.head(places_.first_lambda) = motion.head(places_.first_lambda);
-    tolerances(places_.at_work) = motion(motion.size() - 1);
-    double work = motion(motion.size() - 1) / tolerance.rtol;  // of a multiplier over a unit of its row
+    tolerances.head(places_.first_lambda) = tolerance.rtol * sizes_of_motion.head(places_.first_lambda);
+    double work = sizes_of_motion(sizes_of_motion.size() - 1);  // of a multiplier over a unit of its row
+    tolerances(places_.at_work) = tolerance.rtol * work;
     const VecX& sizes = equations_.row_sizes();
     for (const RowIndex row : places_.rows()) {
       work = std::max(work, std::abs(at_start.lambda()(row.value)) * sizes(row.value));
     }
-    rate_ = (motion.segment(places_.first_Y, layout_.n_Y()).array() / equations_.units().array()).maxCoeff() /
-            tolerance.rtol;
+    rate_ = sizes_of_motion.segment(places_.first_Y, layout_.n_Y()).cwiseQuotient(equations_.units()).maxCoeff();
     for (const RowIndex row : places_.rows()) {
       const double size = sizes(row.value) > 0.0 ? sizes(row.value) : 1.0;
       tolerances(places_.at_lambda(row)) = work / size;

@@ -65,7 +65,7 @@ VecX come_nearest(Equations& equations, double t, const Holding& hold, VecX& q, 
   constexpr double kMostDamping = 1e3;
   constexpr double kFarthest = 0.5;  // the machine's length, rad
   constexpr double kStands = 1e-12;
-  const VecX units = units_of_displacements(equations, Modes::kept);
+  const VecX units = units_of_steps(equations, Kept::coordinates, Modes::kept);
   const RoundOffShares none(equations.constraints());
   const auto system_at = [&](const VecX& at) {
     equations.update(t, at, Y);

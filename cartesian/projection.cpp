@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "cartesian/machine_units.h"
 #include "common/error.h"
 
 namespace concord::cartesian {
@@ -20,12 +19,10 @@ constexpr double kProjectionLimit = 1e-9;
 
 Projection::Projection(const Equations& equations)
     : constraints_(Constraints::make(equations.model(), equations.layout())),
-      stiffening_(equations.model().bodies.size()),
       shares_(*constraints_),
       residual_(VecX::Zero(constraints_->n_rows())),
       unknowns_(VecX::Zero(equations.layout().n_Y() + constraints_->n_rows())),
       step_(VecX::Zero(equations.layout().n_Y())) {
-  for (const BodyIndex i : equations.layout().moving_bodies()) stiffening_[i] = stiffening_of(equations.inertia(i));
   if (constraints_->has_nonholonomic_rows() || equations.model().is_flexible()) {
     position_matrix_ = std::make_unique<AugmentedMatrix>(equations);
   }
@@ -57,7 +54,7 @@ const RoundOffShares& Projection::project(const Equations& equations, AugmentedM
 void Projection::factor_position_matrix(const Equations& equations, const AugmentedMatrix& matrix) {
   position_matrix_->copy_numbers_of(matrix);
   for (const BodyIndex i : equations.layout().moving_bodies()) {
-    position_matrix_->add_to_modes(i, stiffening_[i], equations.inertia(i).stiffness());
+    position_matrix_->add_to_modes(i, equations.scales().stiffening[i], equations.inertia(i).stiffness());
   }
   SparseLu& lu = position_matrix_->lu();
   const bool is_regular = has_new_rows_ ? lu.factor() : lu.refactor();

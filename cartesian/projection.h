@@ -5,7 +5,7 @@
 
 #include "cartesian/augmented_matrix.h"
 #include "cartesian/constraints.h"
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 
 namespace concord::cartesian {
 
@@ -37,7 +37,6 @@ class Projection {
   void solve_constraint_step(AugmentedMatrix& matrix);
 
   std::unique_ptr<Constraints> constraints_;
-  ByBody<double> stiffening_;  // [s^2]: what stiffness counts for beside inertia in steps of positions
   /// The matrix that steps of positions are taken with: no rows that hold for velocities alone, and modes held by their
   /// stiffness, so that they take no round-off of the joints. nullptr: it is the matrix itself.
   std::unique_ptr<AugmentedMatrix> position_matrix_;

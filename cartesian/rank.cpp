@@ -131,7 +131,8 @@ VecX solve_truncated(const MatX& matrix, const VecX& right_side, Eigen::Index mo
 }  // namespace
 
 VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::optional<int> most_rank) {
-  if (most_rank && *most_rank < matrix.rows() && matrix.rows() <= kMostDenseRows) {
+  const bool may_be_dense = matrix.rows() <= kMostDenseRows;
+  if (may_be_dense && most_rank && *most_rank < matrix.rows()) {
     return solve_truncated(MatX(matrix), right_side, *most_rank);
   }
   constexpr int kPlaceOfRank = 4;  // in SuiteSparseQR's statistics
@@ -150,9 +151,8 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::opt
   }
   const bool has_full_rank = common.SPQR_istat[kPlaceOfRank] == matrix.rows();
   cholmod_l_finish(&common);
-  if (has_full_rank || matrix.rows() > kMostDenseRows) return x;
   // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
-  return smallest_least_squares(MatX(matrix), right_side, kDependent);
+  return has_full_rank || !may_be_dense ? x : solve_truncated(MatX(matrix), right_side, matrix.rows());
 }
 
 }  // namespace concord::cartesian

@@ -28,13 +28,13 @@ struct RankDecision {
 };
 
 /// Threshold 1e-10 of the largest singular value. Singular values that small are found exactly, from the rows that a
-/// rank-revealing QR leaves over (select_rows); the smallest of the
-/// others and the largest are estimated. With `goes_first` given, its rows come before all others into the independent
-/// set. Throws SolverError if an entry is no number.
+/// rank-revealing QR leaves over (select_rows); the smallest of the others and the largest are estimated. With
+/// `goes_first` given, its rows come before all others into the independent set. Throws SolverError if an entry is no
+/// number.
 RankDecision decide_rank(const SparseMatrix& matrix, const std::vector<bool>* goes_first = nullptr);
 
 /// Shortest x with matrix x = right side, dependent rows left out: by SuiteSparseQR; where rows are dependent, it gives
-/// a solution but not the shortest, so up to 500 rows a complete orthogonal decomposition does. Rows should be of about
+/// a solution but not the shortest, so up to 500 rows a dense QR with column exchanges does. Rows should be of about
 /// unit size. `most_rank`: that of the matrix where the right side vanishes. Up to 500 rows, what it has beyond as many
 /// pivots is left out, and the rows are obeyed by least squares: it comes from the right side and would ask for steps
 /// as large as this is small.

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "cartesian/closing.h"
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 #include "common/error.h"
 
 namespace concord::cartesian {

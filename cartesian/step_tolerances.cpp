@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 #include "common/error.h"
 #include "common/laws/break_times.h"
 
@@ -14,62 +14,13 @@ namespace {
 
 constexpr double kTwoRoundOffs = 2.0 * std::numeric_limits<double>::epsilon();
 
-struct Mode {
-  double mass;       // kg, of a mode whose shape has no unit
-  double frequency;  // rad/s, of the mode alone
-};
-
-Mode mode_of(const ModalData& modal, int k) {
-  double mass = 0.0;
-  for (int c = 0; c < 3; ++c) mass += modal.G(4 + 3 * k + c, 4 + 3 * k + c);
-  return {mass, std::sqrt(std::abs(modal.stiffness(k, k)) / mass)};
-}
-
 }  // namespace
-
-VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance) {
-  const Model& model = equations.model();
-  const Layout& layout = equations.layout();
-  const double length = model.length_scale();
-  double speed = std::sqrt(model.gravity.norm() * length);
-  for (const BodyIndex i : layout.moving_bodies()) {
-    speed = std::max({speed, layout.v(start.Y, i).norm(), layout.omega(start.Y, i).norm() * length});
-    for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
-      const double rate =
-          std::max(std::abs(layout.adot(start.Y, i)(k)), mode.frequency * std::abs(layout.a(start.q, i)(k)));
-      speed = std::max(speed, rate * std::sqrt(mode.mass / equations.inertia(i).mass()));
-    }
-  }
-  constexpr double kStandstill = 1e-9;  // of the length in the time of the run: what closing leaves, and no motion
-  const double least = length / tolerance.until;
-  if (!(speed > kStandstill * least)) speed = std::max(natural_rate(equations) * length, least);
-  double energy = 0.0;
-  VecX scales(layout.n_q() + layout.n_Y() + 1);
-  auto q = scales.head(layout.n_q());
-  auto Y = scales.segment(layout.n_q(), layout.n_Y());
-  for (const BodyIndex i : layout.moving_bodies()) {
-    layout.r(q, i).setConstant(length);
-    layout.p(q, i).setConstant(1.0);
-    layout.v(Y, i).setConstant(speed);
-    layout.omega(Y, i).setConstant(speed / length);
-    energy += equations.inertia(i).mass() * speed * speed;
-    for (int k = 0; k < layout.n_modes(i); ++k) {
-      const Mode mode = mode_of(*pick(model.bodies, i).modal, k);
-      const double modal_speed = speed * std::sqrt(equations.inertia(i).mass() / mode.mass);
-      layout.adot(Y, i)(k) = modal_speed;
-      layout.a(q, i)(k) = modal_speed / std::max(mode.frequency, speed / length);
-    }
-  }
-  scales(scales.size() - 1) = energy;
-  return tolerance.rtol * scales;
-}
 
 StepTolerances::StepTolerances(Dynamics& dynamics, const MotionState& start, Tolerance tolerance)
     : dynamics_(dynamics),
       layout_(dynamics.equations().layout()),
       tolerance_(tolerance),
-      asked_(absolute_tolerances(dynamics.equations(), start, tolerance)),
+      asked_(tolerance.rtol * motion_sizes(dynamics.equations(), start.q, start.Y, tolerance.until)),
       absolute_(asked_),
       has_laws_of_time_(has_laws_of_time(dynamics.equations().model())),
       noise_(VecX::Zero(layout_.n_Y())) {
@@ -187,10 +138,8 @@ VecX StepTolerances::measure_round_off(const MotionState& start) {
 /// 1, or how many lengths away from the origin the machine stands.
 VecX StepTolerances::sizes_of_places(const VecX& q) const {
   VecX sizes = (asked_.head(layout_.n_q()) / tolerance_.rtol).cwiseMax(q.cwiseAbs());
-  const double length = dynamics_.equations().model().length_scale();
-  double farthest = length;
-  for (const BodyIndex i : layout_.moving_bodies()) farthest = std::max(farthest, layout_.r(q, i).norm());
-  for (const BodyIndex i : layout_.moving_bodies()) layout_.p(sizes, i).setConstant(farthest / length);
+  const double reach = reach_of(dynamics_.equations(), q);
+  for (const BodyIndex i : layout_.moving_bodies()) layout_.p(sizes, i).setConstant(reach);
   return sizes;
 }
 

@@ -4,14 +4,8 @@
 
 namespace concord::cartesian {
 
-/// Absolute tolerances over [q; Y; work] that follow from rtol and the sizes of the machine: its length, the speed and
-/// angular speed that it starts with or would fall with, for modal coordinates the vibration at that speed. A machine
-/// that starts at rest without gravity has the speed that its forces bring about over its length, or at least its
-/// length in the time of the run. At the last update of `equations` (C58).
-VecX absolute_tolerances(const Equations& equations, const MotionState& start, Tolerance tolerance);
-
-/// The same for an explicit method, which does not ask for less than round-off leaves, and for modes by what vibrates:
-/// the tolerances change with the motion (C58).
+/// Absolute tolerances over [q; Y; work] of an explicit method, which does not ask for less than round-off leaves, and
+/// for modes by what vibrates: they follow from rtol and motion_sizes(), and change with the motion (C58).
 class StepTolerances {
  public:
   /// `dynamics` must outlive this object.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cartesian/residual_measures.h"
+#include "cartesian/state_scales.h"
 #include "common/error.h"
 
 namespace concord::cartesian {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cartesian/state_scales.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 
@@ -24,7 +25,7 @@ class StepTolerancesTest : public ::testing::Test {
 
   /// Of the modal coordinates, in parts of those by the sizes of the machine.
   [[nodiscard]] VecX shares(const StepTolerances& tolerances) const {
-    const VecX asked = absolute_tolerances(equations_, start_, kTolerance);
+    const VecX asked = kTolerance.rtol * motion_sizes(equations_, start_.q, start_.Y, kTolerance.until);
     const Layout& layout = equations_.layout();
     const VecX& needed = tolerances.absolute();
     return layout.a(needed.head(layout.n_q()), kFlexible).cwiseQuotient(layout.a(asked.head(layout.n_q()), kFlexible));
@@ -34,7 +35,7 @@ class StepTolerancesTest : public ::testing::Test {
   [[nodiscard]] MotionState deformed(double part) const {
     MotionState motion = start_;
     const Layout& layout = equations_.layout();
-    const VecX asked = absolute_tolerances(equations_, start_, kTolerance);
+    const VecX asked = kTolerance.rtol * motion_sizes(equations_, start_.q, start_.Y, kTolerance.until);
     layout.a(motion.q, kFlexible) = part / kTolerance.rtol * layout.a(asked.head(layout.n_q()), kFlexible);
     return motion;
   }

@@ -1,4 +1,4 @@
-#include "cartesian/driven_rate.h"
+#include "cartesian/machine_scales.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,7 @@
 
 #include "cartesian/equations.h"
 
-/// How large residuals of constraints are, and what motions and forces of a machine they are compared with: numbers
-/// without a length or a mass in their unit.
+/// How large motions, forces and residuals of constraints are in a state, over the machine's scales (MachineScales).
 namespace concord::cartesian {
 
 /// By what factor the round-off in the residuals of constraint rows exceeds that of a row of unit terms, at some
@@ -22,6 +21,8 @@ struct RoundOffShares {
   /// The farthest that anything stands from the origin or its body's origin, in lengths of the machine; at least 1.
   double reach = 1.0;
 };
+/// RoundOffShares::reach at the last update, which was at positions q.
+double reach_of(const Equations& equations, const Eigen::Ref<const VecX>& q);
 /// At the last update, which was at time t and positions q, or for positions q that are as near as round-off.
 void measure_round_off(const Equations& equations, double t, const Eigen::Ref<const VecX>& q, RoundOffShares& shares);
 
@@ -42,5 +43,13 @@ double natural_rate(const Equations& equations);
 /// The largest speed Y in the machine's units [1/s], that of laws of drivers at time t included; at least a millionth
 /// of the natural rate, and of that of the drivers, which may bring the machine to rest.
 double largest_rate(const Equations& equations, double t, const Eigen::Ref<const VecX>& Y);
+/// The largest of what gravity, speeds and forces cause, and of these accelerations, in the machine's units [1/s^2].
+double largest_acceleration(const Equations& equations, const Eigen::Ref<const VecX>& Ydot);
+
+/// Sizes of [q; Y; work] of a motion that starts so and goes on for `until` [s], what tolerances are parts of: lengths
+/// by the machine's, speeds by that which it starts with or would fall with, modal coordinates by the vibration at that
+/// speed (C58). A machine that starts at rest without gravity has the speed that its forces bring about over its
+/// length, or at least its length in the time of the run. At the last update.
+VecX motion_sizes(const Equations& equations, const VecX& q, const VecX& Y, double until);
 
 }  // namespace concord::cartesian
