@@ -5,15 +5,15 @@
 #include <utility>
 #include <vector>
 
-#include "cartesian/closing.h"
-#include "cartesian/constraint_rank.h"
-#include "cartesian/dynamics.h"
-#include "cartesian/equations.h"
-#include "cartesian/evaluation.h"
-#include "cartesian/run.h"
-#include "cartesian/start.h"
-#include "cartesian/state_check.h"
-#include "cartesian/uniqueness.h"
+#include "cartesian/dynamics/dynamics.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/dynamics/evaluation.h"
+#include "cartesian/rank/closing.h"
+#include "cartesian/rank/constraint_rank.h"
+#include "cartesian/rank/state_check.h"
+#include "cartesian/rank/uniqueness.h"
+#include "cartesian/run/run.h"
+#include "cartesian/start/start.h"
 #include "common/error.h"
 
 namespace concord::cartesian {

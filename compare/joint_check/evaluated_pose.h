@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "cartesian/joint_rows.h"
+#include "cartesian/bodies/joint_rows.h"
 #include "compare/audit/referee.h"
 #include "compare/joint_check/poses.h"
 #include "compare/joint_check/property.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cartesian/equations.h"
+#include "cartesian/dynamics/equations.h"
 #include "cartesian/solver.h"
 #include "compare/joint_check/opinions.h"
 #include "relative/equations.h"

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "cartesian/dynamics.h"
-#include "cartesian/equations.h"
-#include "cartesian/reactions.h"
+#include "cartesian/dynamics/dynamics.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/dynamics/reactions.h"
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/equilibrium/started_machine.h"

@@ -9,9 +9,9 @@
 #include <map>
 #include <string>
 
-#include "cartesian/dynamics.h"
-#include "cartesian/equations.h"
-#include "cartesian/reactions.h"
+#include "cartesian/dynamics/dynamics.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/dynamics/reactions.h"
 #include "relative/equations.h"
 #include "relative/states.h"
 #include "tests/benchmarks/chain.h"

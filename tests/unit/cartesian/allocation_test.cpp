@@ -3,8 +3,8 @@
 #include <atomic>
 #include <cstddef>
 
-#include "cartesian/closing.h"
-#include "cartesian/dynamics.h"
+#include "cartesian/dynamics/dynamics.h"
+#include "cartesian/rank/closing.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

@@ -1,4 +1,4 @@
-#include "cartesian/applied_forces.h"
+#include "cartesian/forces/applied_forces.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "cartesian/closing.h"
-#include "cartesian/equations.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/rank/closing.h"
 #include "common/error.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"

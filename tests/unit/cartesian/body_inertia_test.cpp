@@ -1,4 +1,4 @@
-#include "cartesian/body_inertia.h"
+#include "cartesian/bodies/body_inertia.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cartesian/closing.h"
+#include "cartesian/rank/closing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

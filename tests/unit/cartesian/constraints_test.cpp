@@ -1,11 +1,11 @@
-#include "cartesian/constraints.h"
+#include "cartesian/bodies/constraints.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <type_traits>
 
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

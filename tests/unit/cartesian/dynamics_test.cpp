@@ -1,4 +1,4 @@
-#include "cartesian/dynamics.h"
+#include "cartesian/dynamics/dynamics.h"
 
 #include <gtest/gtest.h>
 

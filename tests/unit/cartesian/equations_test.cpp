@@ -1,4 +1,4 @@
-#include "cartesian/equations.h"
+#include "cartesian/dynamics/equations.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "cartesian/indices.h"
+#include "cartesian/bodies/indices.h"
 
 #include <gtest/gtest.h>
 
 #include <type_traits>
 #include <vector>
 
-#include "cartesian/layout.h"
+#include "cartesian/bodies/layout.h"
 
 namespace concord::cartesian {
 namespace {

@@ -1,10 +1,10 @@
-#include "cartesian/joint_coordinates.h"
+#include "cartesian/bodies/joint_coordinates.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

@@ -1,4 +1,4 @@
-#include "cartesian/joint_rows.h"
+#include "cartesian/bodies/joint_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "cartesian/layout.h"
+#include "cartesian/bodies/layout.h"
 
 #include <gtest/gtest.h>
 
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

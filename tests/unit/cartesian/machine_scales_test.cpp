@@ -1,4 +1,4 @@
-#include "cartesian/machine_scales.h"
+#include "cartesian/bodies/machine_scales.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cartesian/marker_kinematics.h"
+#include "cartesian/bodies/marker_kinematics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cartesian/pose_watch.h"
+#include "cartesian/run/pose_watch.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cartesian/constraint_rank.h"
+#include "cartesian/rank/constraint_rank.h"
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "linkage.h"

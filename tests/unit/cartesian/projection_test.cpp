@@ -1,8 +1,8 @@
-#include "cartesian/projection.h"
+#include "cartesian/dynamics/projection.h"
 
 #include <gtest/gtest.h>
 
-#include "cartesian/closing.h"
+#include "cartesian/rank/closing.h"
 #include "two_bodies.h"
 
 namespace concord::cartesian {

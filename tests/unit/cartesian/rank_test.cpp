@@ -1,4 +1,4 @@
-#include "cartesian/rank.h"
+#include "cartesian/rank/rank.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "cartesian/reactions.h"
+#include "cartesian/dynamics/reactions.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "cartesian/constraint_rank.h"
-#include "cartesian/equations.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/rank/constraint_rank.h"
 #include "cartesian/solver.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
 #include "common/joints/catalogue.h"
 #include "common/reading/model_file.h"
 #include "linkage.h"

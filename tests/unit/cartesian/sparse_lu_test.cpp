@@ -1,4 +1,4 @@
-#include "cartesian/sparse_lu.h"
+#include "cartesian/dynamics/sparse_lu.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cartesian/start_search.h"
+#include "cartesian/start/start_search.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

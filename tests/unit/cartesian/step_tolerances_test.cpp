@@ -1,8 +1,8 @@
-#include "cartesian/step_tolerances.h"
+#include "cartesian/run/step_tolerances.h"
 
 #include <gtest/gtest.h>
 
-#include "cartesian/state_scales.h"
+#include "cartesian/dynamics/state_scales.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

@@ -1,4 +1,4 @@
-#include "cartesian/stepper.h"
+#include "cartesian/run/stepper.h"
 
 #include <gtest/gtest.h>
 

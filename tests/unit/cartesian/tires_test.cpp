@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
-#include "cartesian/applied_forces.h"
-#include "cartesian/euler_parameters.h"
+#include "cartesian/bodies/euler_parameters.h"
+#include "cartesian/forces/applied_forces.h"
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "common/joints/catalogue.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cartesian/dynamics.h"
+#include "cartesian/dynamics/dynamics.h"
 #include "common/joints/catalogue.h"
 #include "machines.h"
 

@@ -1,4 +1,4 @@
-#include "cartesian/uniqueness.h"
+#include "cartesian/rank/uniqueness.h"
 
 #include <gtest/gtest.h>
 

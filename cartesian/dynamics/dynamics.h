@@ -1,0 +1,87 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cartesian/dynamics/augmented_matrix.h"
+#include "cartesian/dynamics/equations.h"
+#include "cartesian/dynamics/projection.h"
+
+namespace concord::cartesian {
+
+/// Accelerations and multipliers in the state of the last update. Only Dynamics makes one: who holds it knows that the
+/// equations are solved and their matrix is factorized. Overwritten by the next solution.
+class Solution {
+ public:
+  Solution(const Solution&) = delete;
+  Solution& operator=(const Solution&) = delete;
+
+  [[nodiscard]] const VecX& Ydot() const { return Ydot_; }
+  /// One multiplier for each constraint row; zero for rows that take no part.
+  [[nodiscard]] const VecX& lambda() const { return lambda_; }
+
+ private:
+  friend class Dynamics;
+  Solution(int n_Y, int n_rows) : Ydot_(VecX::Zero(n_Y)), lambda_(VecX::Zero(n_rows)) {}
+
+  VecX Ydot_;
+  VecX lambda_;
+};
+
+/// Pivots chosen anew, with a solution refined to round-off, or those of the last factorization.
+enum class Pivots { fresh, kept };
+
+/// Solves the equations of motion of the whole machine,
+///   [M  Phi_Y^T; Phi_Y  0] [Ydot; lambda] = [Q - S - U; gamma],
+/// over all bodies and an independent set of constraint rows. Memory is laid out once; a solution allocates nothing.
+class Dynamics {  // (C40)
+ public:
+  /// The equations must outlive this object.
+  explicit Dynamics(Equations& equations);
+
+  [[nodiscard]] const Equations& equations() const { return equations_; }
+  [[nodiscard]] Equations& equations() { return equations_; }
+
+  /// Which constraint rows take part (all of them until this is called).
+  void use_rows(const std::vector<bool>& active);
+  [[nodiscard]] bool is_active(RowIndex row) const { return active_[row.value]; }
+  [[nodiscard]] const std::vector<bool>& active_rows() const { return active_; }
+  /// Adds Phi_Y^T x over the active rows to `sum` (n_Y rows), x one number for each constraint row.
+  void add_Phi_Y_transposed_times(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> sum) const;
+
+  /// The matrix with its numbers at the last update of the equations, rows that take no part included.
+  const SparseLu& fill_matrix();
+
+  /// Accelerations and multipliers at the last update of the equations. Throws SingularPose where the matrix is
+  /// singular (C40).
+  const Solution& solve(Pivots pivots);
+  /// Updates the equations first.
+  const Solution& solve_at(double t, const Eigen::Ref<const VecX>& q, const Eigen::Ref<const VecX>& Y, Pivots pivots);
+
+  /// A constraint row that takes no part because it depends on others, and whose accelerations those others contradict:
+  /// the worst of those that miss by more than kContradiction of the machine's accelerations, if any.
+  [[nodiscard]] std::optional<RowIndex> contradicted_row(const Solution& solution);
+
+  /// Brings q and Y onto the constraints (Projection::project) with the factors of a solution nearby.
+  const RoundOffShares& project(const Solution& nearby, double t, Eigen::Ref<VecX> q, Eigen::Ref<VecX> Y);
+  [[nodiscard]] double velocity_residual_left() const { return projection_.velocity_residual_left(); }
+
+ private:
+  void write_right_side();
+  [[nodiscard]] bool factor_and_solve(Pivots pivots);
+  [[nodiscard]] bool solve_between_steps();
+  [[nodiscard]] bool magnifies_round_off() const;
+
+  Equations& equations_;
+  AugmentedMatrix matrix_;
+  Projection projection_;
+  std::vector<bool> active_;  // by constraint row
+  bool has_new_rows_ = true;  // since the last factorization
+  bool magnifies_ = false;    // the condition magnifies round-off beyond what evaluations between steps may lose
+  VecX gamma_;
+  VecX unknowns_;
+  VecX least_unknowns_;  // accelerations that are none, by the equations' residuals; zero for multipliers
+  Solution solution_;
+};
+
+}  // namespace concord::cartesian

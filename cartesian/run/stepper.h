@@ -1,0 +1,101 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "cartesian/dynamics/dynamics.h"
+
+namespace concord::cartesian {
+
+/// The state of a motion between steps: what a Stepper integrates.
+struct MotionState {
+  VecX q;
+  VecX Y;
+  double work = 0.0;  // of drivers, springs, force elements and modal damping since the start, J
+};
+
+/// Carries the motion from t = 0 one internal step at a time, through SUNDIALS. The regimes of tires and stops, which
+/// the caller holds, stay during a step; where one ends inside a step, the step is cut there, the regimes are set anew,
+/// and the integration starts again.
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+  Stepper(const Stepper&) = delete;
+  Stepper& operator=(const Stepper&) = delete;
+
+  /// One internal step, not past `stop`, which does not fall from call to call; returns the time reached [s]. Throws
+  /// SolverError where no step succeeds, or where regimes change without end.
+  double step(double stop);
+  /// The motion at the time reached; to be projected by whoever needs it closed to round-off.
+  [[nodiscard]] const MotionState& motion() const { return motion_; }
+  [[nodiscard]] long steps() const { return steps_; }
+  /// The equations change here, and the motion goes on as it was reached: other rows are in use from now on, or a law
+  /// of time goes on as another formula.
+  void begin_anew();
+  /// Evaluations of the equations of motion so far.
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// The largest |work| after any step so far [J].
+  [[nodiscard]] double largest_work() const { return largest_work_; }
+
+ protected:
+  Stepper(Dynamics& dynamics, const MotionState& start);
+
+  /// One step of the method from reached_ on, which it moves; it may pass `stop` if set_motion_at() then finds the way.
+  virtual void advance(double stop) = 0;
+  /// The motion at a time within the last step, good enough to see what happens there.
+  virtual const MotionState& interpolate(double t) = 0;
+  /// Sets motion_ to that at a time within the last step, as exact as the step. A method that must repeat the step for
+  /// it moves reached_ there.
+  virtual void set_motion_at(double t) = 0;
+  /// Starts the method again at time t from motion_.
+  virtual void restart(double t) = 0;
+  /// Whether the method remembers multipliers, which belong to the rows in use.
+  [[nodiscard]] virtual bool remembers_multipliers() const = 0;
+
+  Dynamics& dynamics_;
+  Equations& equations_;
+  MotionState motion_;
+  double reached_ = 0.0;  // by the method; time_ may lag behind
+  long steps_ = 0;
+  long evaluations_ = 0;
+  double largest_work_ = 0.0;
+
+ private:
+  const VecX& event_functions(double t, const MotionState& motion);
+  double event_function(double t, const MotionState& motion);
+  double event_function_at(double t);
+  double find_outside(double from);
+  double find_minimum(Eigen::Index function, double low, double high);
+  double locate_event(double from, double stop);
+  void pass_event();
+  void close_motion(double t);
+  void note_rate(double t);
+  void refuse_chatter();
+
+  bool has_regimes_;
+  double time_ = 0.0;
+  double fastest_ = 0.0;             // rate of the machine so far [1/s]
+  double event_;                     // in the last step, not yet passed; HUGE_VAL: none
+  AppliedForceIndex nearest_event_;  // the applied force whose event function was the smallest
+  MatX event_samples_;               // event functions at equal times of the last step, by column
+  double events_since_ = 0.0;
+  int events_ = 0;
+};
+
+/// Relative tolerance of each step, and the time of the run [s].
+struct Tolerance {
+  double rtol;
+  double until;
+};
+
+/// Gragg's extrapolation of the midpoint rule, order 10 with an embedded order 8, as an explicit Runge-Kutta method of
+/// ARKODE; every step is projected onto the constraints. For machines that are not stiff. Each step holds `tolerance`.
+std::unique_ptr<Stepper> make_extrapolation_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance);
+
+/// IDA (BDF, orders 1 to 5) on the stabilized index-2 equations with KLU: positions and velocities are both
+/// constrained, the position rows' extra multipliers mu stay at round-off. For stiff machines. Each step holds
+/// `tolerance`.
+std::unique_ptr<Stepper> make_ida_stepper(Dynamics& dynamics, const MotionState& start, Tolerance tolerance);
+
+}  // namespace concord::cartesian
