@@ -6,8 +6,10 @@
 
 namespace concord::compare {
 
-/// Size of the terms that a solver adds up to each quantity in a state [the quantity's unit]: loads of the bodies, and
-/// what passes through their joints.
+/// Size of the terms that a solver adds up to each quantity in a state [the quantity's unit]: the loads on the two
+/// bodies of its joint or force element, weight, inertia, strain and every wrench, whatever cancels of them; a torque
+/// counts as its force at the machine's length, and the other way round. Of a body's sum those on the body; of its
+/// accelerations the same over its mass.
 VecX term_sizes(const QuantityLayout& layout, const SharedState& shared);
 
 }  // namespace concord::compare
