@@ -7,7 +7,6 @@
 #include "compare/equilibrium/other_rests.h"
 #include "compare/equilibrium/rests.h"
 #include "compare/verdict/motions.h"
-#include "compare/verdict/near_parallel.h"
 
 namespace concord::compare {
 
@@ -41,11 +40,7 @@ StartedMachine::StartedMachine(const Model& given, const SolverMakers& makers) :
   std::string start;
   model_ = as_it_starts(near_.model(), makers, start);
   std::string branch;
-  try {
-    solvers_ = make_solvers_on_one_branch(model_, makers, branch);
-  } catch (const InputError& error) {
-    throw explained(error, model_);
-  }
+  solvers_ = make_solvers_on_one_branch(model_, makers, branch);
   for (const std::string& note : {near_.note(), start, branch}) {
     if (!note.empty()) notes_.push_back(note);
   }

@@ -21,12 +21,10 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/near_parallel.h"
 #include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
-#include "compare/verdict/table_notes.h"
 
 namespace concord::compare {
 
@@ -327,8 +325,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
                                solver.name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
                                trajectory.statistics.steps, trajectory.statistics.evaluations)
                 << format_peaks(model, trajectory);
-    std::vector<std::string> notes = notes_on_tables(model, run.until);
-    notes.insert(notes.end(), machine.notes().begin(), machine.notes().end());
+    std::vector<std::string> notes = machine.notes();
     if (!made_by.note.empty()) notes.push_back(made_by.note);
     tell(notes, console);
     const QuantityLayout layout(model);
@@ -342,33 +339,17 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   });
 }
 
-namespace {
-
-State assemble_explained(Solver& solver, const Model& model) {
-  try {
-    return solver.assemble();
-  } catch (const InputError& error) {
-    throw explained(error, model);
-  }
-}
-
-}  // namespace
-
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
     const StartedMachine machine(read_model(file), makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);
-      const State start = assemble_explained(solver, machine.model());
+      const State start = solver.assemble();
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
     console.out << format_info(machine.model(), views);
     tell(machine.notes(), console);
-    const bool is_doubtful =
-        std::any_of(views.begin(), views.end(), [](const SolverView& view) { return is_motion_doubtful(view.rank); });
-    const std::string note = is_doubtful ? note_on_near_parallel_axes(machine.model()) : "";
-    if (!note.empty()) tell({note}, console);
     return static_cast<int>(kAgree);
   });
 }

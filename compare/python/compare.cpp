@@ -14,7 +14,6 @@
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
-#include "compare/verdict/table_notes.h"
 
 /// The commands `compare` and `run` of the program, with results in memory.
 namespace concord::compare::python {
@@ -99,8 +98,7 @@ std::shared_ptr<Run> run_model(const Model& model, const std::string& name, cons
   found->check = format_run_check(layout, name, check);
   if (!check.holds()) throw SolverError(found->check);
   found->trajectory = machine.back(std::move(found->trajectory));
-  std::vector<std::string> notes = notes_on_tables(machine.model(), run.until);
-  notes.insert(notes.end(), machine.notes().begin(), machine.notes().end());
+  std::vector<std::string> notes = machine.notes();
   if (!made_by.note.empty()) notes.push_back(made_by.note);
   for (const std::string& one : notes) {
     found->check += fmt::format("note: {}\n", one);

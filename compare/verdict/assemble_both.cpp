@@ -7,7 +7,6 @@
 #include "common/error.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/branch.h"
-#include "compare/verdict/near_parallel.h"
 
 namespace concord::compare {
 
@@ -50,9 +49,9 @@ std::array<State, 2> assemble_both(const Model& model, const std::array<Solver*,
     } catch (const SolverError& error) {
       verdict.failures.emplace_back(error.what());
     } catch (const StartNotFound& error) {
-      refusals[index(who)] = Refusal{explained(error, model), true};
+      refusals[index(who)] = Refusal{error, true};
     } catch (const InputError& error) {
-      refusals[index(who)] = Refusal{explained(error, model), false};
+      refusals[index(who)] = Refusal{error, false};
     }
   }
   for (const Who who : kBothSolvers) {

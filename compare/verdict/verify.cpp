@@ -17,13 +17,11 @@
 #include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
-#include "compare/verdict/near_parallel.h"
 #include "compare/verdict/one_start.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/sums.h"
-#include "compare/verdict/table_notes.h"
 #include "compare/verdict/third_words.h"
 #include "compare/verdict/two_by_two.h"
 
@@ -129,26 +127,21 @@ class Verification {
       summary.cut_joints = solver.cut_joints();
     }
     runs_.allow_switching({options_.integrators[0].empty(), options_.integrators[1].empty()});
-    for (std::string& note : notes_on_tables(model_, verdict_.run.until)) verdict_.notes.push_back(std::move(note));
   }
 
   /// What must hold at the start before anything else is asked. Uniqueness is compared state by state later.
   void check_rank() {
-    bool is_doubtful = false;
     for (const SolverSummary& solver : verdict_.solvers) {
       if (solver.rank.joints.size() != model_.joints.size()) {
         throw IncompleteResult(fmt::format("{}: the rank report has {} joints, the model {}", solver.name,
                                            solver.rank.joints.size(), model_.joints.size()));
       }
-      is_doubtful = is_doubtful || is_motion_doubtful(solver.rank);
       if (!solver.rank.undecided) continue;
       verdict_.notes.push_back(fmt::format(
           "{}: the rank of the constraints is undecided at the start: relative singular values {:.1e} kept, {:.1e} "
           "dropped; what depends on it is not judged there",
           solver.name, solver.rank.smallest_kept, solver.rank.largest_dropped));
     }
-    if (!is_doubtful) return;
-    if (std::string note = note_on_near_parallel_axes(model_); !note.empty()) verdict_.notes.push_back(std::move(note));
   }
 
   [[nodiscard]] int trajectory_states() const { return options_.states.value_or(kTrajectoryStates); }
