@@ -78,9 +78,7 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
       RunOptions own = run;
       own.integrator = integrator_of(who);
       const auto tell = [&](double t) { progress_.advance(what, who, t / own.until); };
-      const int patience = has_made_run_[index(who)] ? kPatienceForTheSame : 1;
-      return integrate_or_switch(*solvers_[index(who)], own, may_switch[index(who)], tell, made_by[index(who)],
-                                 patience);
+      return integrate_or_switch(*solvers_[index(who)], own, may_switch[index(who)], tell, made_by[index(who)]);
     });
   }
   RunPair pair{run, {}, {}, {}, {}};
@@ -93,10 +91,8 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
   }
   for (const Who who : kBothSolvers) {
     pair.integrators[index(who)] = made_by[index(who)].integrator;
-    if (made_by[index(who)].note.empty()) {
-      has_made_run_[index(who)] = pair.trajectories[index(who)].has_value();
-      continue;
-    }
+    may_switch_[index(who)] = false;  // runs by two integrators tell less of convergence than two by one
+    if (made_by[index(who)].note.empty()) continue;
     goes_on_by_[index(who)] = made_by[index(who)].integrator;
     verdict_.notes.push_back(fmt::format("{}: {}", what, made_by[index(who)].note));
   }

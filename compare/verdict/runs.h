@@ -27,8 +27,8 @@ class RunRungs {
            RungProgress& progress, Verdict& verdict);
 
   /// Both solvers at once, each in its own thread and by the integrator that the verdict names; neither sees the other.
-  /// Who does not finish is a failure. Nothing is judged. A solver whose first integrator takes too long, and that may
-  /// switch, goes on by its second from then on; a note says so.
+  /// Who does not finish is a failure. Nothing is judged. A solver whose first integrator takes too long in its first
+  /// run, and that may switch, goes on by its second from then on; a note says so.
   RunPair integrate(const RunOptions& run, Rung rung);
   /// Whose integrator was not asked for, by Who.
   void allow_switching(const std::array<bool, 2>& may_switch) { may_switch_ = may_switch; }
@@ -78,7 +78,6 @@ class RunRungs {
   Verdict& verdict_;
   std::array<bool, 2> may_switch_{};
   std::array<std::string, 2> goes_on_by_;  // after a switch
-  std::array<bool, 2> has_made_run_{};     // by the integrator that was tried first
   Sensitivity sensitivity_;
   WeighedRun weighed_run_;
   std::array<bool, 2> stands_{};

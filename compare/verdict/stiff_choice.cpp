@@ -57,7 +57,7 @@ Trajectory integrate_stiff(Solver& solver, const RunOptions& stiff, const std::s
 }  // namespace
 
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
-                               MadeBy& made_by, int patience) {
+                               MadeBy& made_by) {
   made_by = {run.integrator, {}};
   const std::vector<std::string> known = solver.integrators();
   const bool has_other = known.size() > 1 && run.integrator == known.front();
@@ -69,7 +69,7 @@ Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_s
   std::string first;
   if (has_other && may_switch) {
     try {
-      return solver.integrate(with_at_most(patience * kPatience, run), progress);
+      return solver.integrate(with_at_most(kPatience, run), progress);
     } catch (const EvaluationsSpent& error) {
       if (auto trajectory = short_run(solver, stiff, progress)) {
         switch_because(error.what());

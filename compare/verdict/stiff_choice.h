@@ -17,13 +17,8 @@ struct MadeBy {
 /// hundred thousand, and is the first that the solver has, the second one, which is for stiff machines, has a fifth of
 /// a million: where that is enough, its run counts, else the first goes on to its end. If the first gets nowhere at
 /// all, the second may take what it needs. If it may not switch, the message names the second. Throws what the solver
-/// throws; where both take too many, TooManyEvaluations with both messages. `patience`: the first integrator may take
-/// so many times a million.
+/// throws; where both take too many, TooManyEvaluations with both messages.
 Trajectory integrate_or_switch(Solver& solver, const RunOptions& run, bool may_switch, const Progress& progress,
-                               MadeBy& made_by, int patience = 1);
-
-/// Of a run whose like the first integrator made before, at a looser tolerance: runs by two integrators tell less of
-/// convergence than two by one.
-inline constexpr int kPatienceForTheSame = 3;
+                               MadeBy& made_by);
 
 }  // namespace concord::compare
