@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <string>
 
 #include "common/error.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/branch.h"
+#include "compare/verdict/motions.h"
+#include "compare/verdict/resolution.h"
+#include "compare/verdict/singular_pose.h"
 
 namespace concord::compare {
 
@@ -32,6 +37,22 @@ bool is_mistaken(const Model& model, const std::array<Solver*, 2>& solvers, cons
   } catch (const SolverError&) {  // nothing is known of the state: the refusal stands
     return false;
   }
+}
+
+/// Why two starts beside a singular pose are no difference, though they differ: closing knows them no better. Empty for
+/// all others. A parallelogram 6e-6 rad from flat.
+std::string why_start_is_unknown(const Model& model, const std::array<State, 2>& starts, const Verdict& verdict) {
+  const std::array<const RankReport*, 2> ranks{&verdict.solvers[0].rank, &verdict.solvers[1].rank};
+  const RankReport& lower = ranks[0]->smallest_kept < ranks[1]->smallest_kept ? *ranks[0] : *ranks[1];
+  const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
+  if (!is_beside_singular(lower) || apart <= kSameClosing || apart > known_from_closing(lower)) return "";
+  std::array<Trajectory, 2> runs;
+  for (std::size_t who = 0; who < 2; ++who) runs[who].samples = {{starts[who], {}, 0.0}};
+  return fmt::format(
+      "the start is beside a singular pose: one of the independent constraints has a relative singular value of {:.1e} "
+      "there (need {:g}), so that closing knows few digits of it, and the starts of both solvers differ by {:.1e} of "
+      "their size, most in the {}: start farther from that pose",
+      lower.smallest_kept, kBesideSingular, apart, compare_motions(model, {&runs[0], &runs[1]}).worst);
 }
 
 }  // namespace
@@ -60,6 +81,10 @@ std::array<State, 2> assemble_both(const Model& model, const std::array<Solver*,
     if (!is_mistaken(model, solvers, starts, who, *refusal, seed, explains)) throw InputError(refusal->error);
     verdict.failures.push_back(fmt::format("{} refuses the start that {} finds: {}", solvers[index(who)]->name(),
                                            solvers[1 - index(who)]->name(), refusal->error.what()));
+  }
+  if (!verdict.failures.empty()) return starts;
+  if (std::string why = why_start_is_unknown(model, starts, verdict); !why.empty()) {
+    verdict.failures.push_back(std::move(why));
   }
   return starts;
 }

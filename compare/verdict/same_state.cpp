@@ -9,7 +9,6 @@
 #include "common/error.h"
 #include "compare/verdict/jumps.h"
 #include "compare/verdict/resolution.h"
-#include "compare/verdict/uniqueness.h"
 
 namespace concord::compare {
 
@@ -70,25 +69,22 @@ void SameState::forget_neighbours() {
 
 /// A rank at the start that is lower than in other states is a singular pose.
 void SameState::note_singular_start() {
-  const std::array<int, 2> general = general_ranks(layout_.model(), weighed_.states, weighed_.reports);
   for (std::size_t who = 0; who < 2; ++who) {
-    const int rank = verdict_.solvers[who].rank.rank;
-    if (rank >= general[who]) continue;
+    const RankReport& at_start = verdict_.solvers[who].rank;
+    if (!weighed_.poses.is_singular(at_start, who)) continue;
     verdict_.notes.push_back(
         fmt::format("{}: the start pose is singular: rank {} there, {} at a neighbouring pose; motion may branch",
-                    solvers_[who]->name(), rank, general[who]));
+                    solvers_[who]->name(), at_start.rank, weighed_.poses.general_rank(who)));
   }
 }
 
 /// In a singular pose the solvers need not close alike, nor beside one in which a machine is locked: there a closing
 /// holds the root of round-off. Such a state is counted, and no difference.
 void SameState::note_refusals(const std::vector<RefusedState>& refused) {
-  const std::array<int, 2> general = general_ranks(layout_.model(), weighed_.states, weighed_.reports);
   std::vector<std::string> elsewhere;
   std::vector<std::string> there;
   for (const RefusedState& one : refused) {
-    const bool is_singular = is_at_singular_pose(one.state, general[index(one.state.owner)]);
-    (is_singular ? there : elsewhere).push_back(one.why);
+    (is_at_singular_pose(one.state) ? there : elsewhere).push_back(one.why);
   }
   if (!there.empty()) {
     verdict_.singular_states += static_cast<int>(there.size());
@@ -105,10 +101,10 @@ void SameState::note_refusals(const std::vector<RefusedState>& refused) {
 
 /// Whether a state's owner finds a lower rank there than in general, or one that hangs by a singular value which may be
 /// round-off.
-bool SameState::is_at_singular_pose(const OwnedState& state, int general) const {
+bool SameState::is_at_singular_pose(const OwnedState& state) const {
   try {
     const RankReport report = solvers_[index(state.owner)]->rank(state.state);
-    return report.rank < general || report.undecided;
+    return weighed_.poses.is_singular(report, index(state.owner)) || report.undecided;
   } catch (const SolverError&) {
     return false;
   }

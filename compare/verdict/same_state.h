@@ -31,7 +31,7 @@ class SameState {
   void forget_neighbours();
   void note_singular_start();
   void note_refusals(const std::vector<RefusedState>& refused);
-  bool is_at_singular_pose(const OwnedState& state, int general) const;
+  bool is_at_singular_pose(const OwnedState& state) const;
   void note_resolution();
 
   const QuantityLayout& layout_;

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <map>
-#include <optional>
 #include <set>
 #include <tuple>
 
-#include "common/error.h"
 #include "compare/audit/carried_components.h"
 
 namespace concord::compare {
@@ -96,123 +93,6 @@ Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, 
     unique(row) = uniqueness_of(report, quantity) == Uniqueness::unique;
   }
   return unique;
-}
-
-RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
-                         std::string& why) {
-  RankReports reports;
-  std::vector<SharedState> kept;
-  for (SharedState& shared : states) {
-    try {
-      std::array<RankReport, 2> both{solvers[0]->rank(shared.state), solvers[1]->rank(shared.state)};
-      reports.push_back(std::move(both));
-      kept.push_back(std::move(shared));
-    } catch (const SolverError& error) {
-      if (dropped++ == 0) why = error.what();
-    }
-  }
-  states = std::move(kept);
-  return reports;
-}
-
-namespace {
-
-/// Whether a body that joints hold redundantly stands elsewhere in the other pose, by 1e-4 of the model's length, or is
-/// turned by so much; any body where no joint does. What moves beside a locked loop says nothing of it.
-bool are_apart(const Model& model, const RankReport& report, const State& one, const State& other) {
-  constexpr double kElsewhere = 1e-4;
-  const double away = kElsewhere * model.length_scale();
-  std::set<int> bodies;
-  for (std::size_t k = 0; k < report.joints.size(); ++k) {
-    const auto& unique = report.joints[k].unique;
-    const auto has_redundant = [](const auto& flags) {
-      return !std::all_of(flags.begin(), flags.end(), std::identity());
-    };
-    if (!std::any_of(unique.begin(), unique.end(), has_redundant)) continue;
-    for (const Attachment& side : model.joints[k].sides) bodies.insert(side.body);
-  }
-  for (int i = 1; bodies.empty() && i < static_cast<int>(one.bodies.size()); ++i) bodies.insert(bodies.end(), i);
-  return std::any_of(bodies.begin(), bodies.end(), [&](int i) {
-    const BodyState& here = one.bodies[static_cast<std::size_t>(i)];
-    const BodyState& there = other.bodies[static_cast<std::size_t>(i)];
-    return (here.r - there.r).norm() > away ||
-           std::min((here.p - there.p).norm(), (here.p + there.p).norm()) > kElsewhere;
-  });
-}
-
-/// Whether a rank does not count rows that a pose beside a singular one may have by the root of round-off, as far as
-/// it is closed.
-bool is_apart_from_singular(const RankReport& report) {
-  constexpr double kBesideSingular = 1e-6;
-  return report.smallest_kept > kBesideSingular;
-}
-
-/// The largest rank that one solver reports in a general pose, and whether there are general poses.
-struct GeneralRank {
-  int rank = 0;
-  bool is_clear = false;
-};
-
-GeneralRank general_rank(const Model& model, const std::vector<SharedState>& states, const RankReports& reports,
-                         std::size_t who) {
-  int largest = 0;
-  int clear = 0;
-  bool moves = false;
-  std::optional<std::size_t> first;
-  for (std::size_t k = 0; k < reports.size(); ++k) {
-    const RankReport& report = reports[k][who];
-    largest = std::max(largest, report.rank);
-    if (!is_apart_from_singular(report)) continue;
-    clear = std::max(clear, report.rank);
-    if (!first) first = k;
-    moves = moves || (k != *first && are_apart(model, report, states[*first].state, states[k].state));
-  }
-  // A machine that is locked in a singular pose is apart from it in no other.
-  return {moves ? clear : largest, moves};
-}
-
-}  // namespace
-
-std::array<int, 2> general_ranks(const Model& model, const std::vector<SharedState>& states,
-                                 const RankReports& reports) {
-  return {general_rank(model, states, reports, 0).rank, general_rank(model, states, reports, 1).rank};
-}
-
-int leave_out_beside_singular(const Model& model, std::vector<SharedState>& states, RankReports& reports) {
-  const std::array general{general_rank(model, states, reports, 0), general_rank(model, states, reports, 1)};
-  const auto is_beside_singular = [&](const std::array<RankReport, 2>& both) {
-    return (general[0].is_clear && !is_apart_from_singular(both[0])) ||
-           (general[1].is_clear && !is_apart_from_singular(both[1]));
-  };
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    if (states[k].row < 0 && is_beside_singular(reports[k])) continue;
-    if (kept != k) {
-      states[kept] = std::move(states[k]);
-      reports[kept] = std::move(reports[k]);
-    }
-    ++kept;
-  }
-  const auto left_out = static_cast<int>(states.size() - kept);
-  states.resize(kept);
-  reports.resize(kept);
-  return left_out;
-}
-
-std::vector<std::string> lower_ranks(const Model& model, const std::array<Solver*, 2>& solvers,
-                                     const std::vector<SharedState>& states, const RankReports& reports) {
-  const std::array<int, 2> general = general_ranks(model, states, reports);
-  std::vector<std::string> lower(states.size());
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    for (std::size_t who = 0; who < 2; ++who) {
-      const int rank = reports[k][who].rank;
-      if (rank >= general[who] || !lower[k].empty()) continue;
-      lower[k] =
-          fmt::format("{}: at t = {:.6g} s the pose is singular: the constraints have rank {} there, {} in other poses",
-                      solvers[who]->name(), states[k].state.t, rank, general[who]);
-    }
-  }
-  return lower;
 }
 
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports) {

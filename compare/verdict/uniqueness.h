@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/singular_pose.h"
 #include "compare/verdict/verdict.h"
 
 /// Which quantities are unique in which states, as both solvers find it, state by state.
@@ -24,28 +24,6 @@ std::vector<Uniqueness> uniqueness_of(const QuantityLayout& layout, const RankRe
 
 /// Which of them are unique, and not undecided.
 Eigen::Array<bool, Eigen::Dynamic, 1> unique_rows(const QuantityLayout& layout, const RankReport& report);
-
-/// The reports of both solvers in the same states.
-using RankReports = std::vector<std::array<RankReport, 2>>;
-
-/// Asks both solvers in every state. States in which a solver finds a singular pose, or cannot say, are dropped from
-/// `states`; their number is returned in `dropped`, the first one's words in `why`.
-RankReports report_ranks(const std::array<Solver*, 2>& solvers, std::vector<SharedState>& states, int& dropped,
-                         std::string& why);
-
-/// The rank of each solver's constraints in a general pose: the largest in any state that is apart from singular poses,
-/// if what joints hold redundantly has more than one such pose; the largest in any otherwise.
-std::array<int, 2> general_ranks(const Model& model, const std::vector<SharedState>& states,
-                                 const RankReports& reports);
-
-/// Leaves out perturbed states beside a singular pose, if there are general ones: a solver counts rows there which may
-/// be independent by the root of round-off alone, as far as the state is closed. Returns their number.
-int leave_out_beside_singular(const Model& model, std::vector<SharedState>& states, RankReports& reports);
-
-/// Of each state why it is a singular pose: a solver finds a lower rank there than in another state. Empty for all
-/// others.
-std::vector<std::string> lower_ranks(const Model& model, const std::array<Solver*, 2>& solvers,
-                                     const std::vector<SharedState>& states, const RankReports& reports);
 
 /// Where both find a quantity unique, and nothing is undecided.
 Mask judged_states(const QuantityLayout& layout, const RankReports& reports);

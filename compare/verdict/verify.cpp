@@ -17,7 +17,6 @@
 #include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
-#include "compare/verdict/one_start.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
@@ -97,10 +96,6 @@ class Verification {
   void verify_rungs() {
     check_rank();
     make_rows(layout_, verdict_);
-    if (const auto same = one_start(model_, solvers_, starts_, options_.seed)) {
-      verdict_.run.start = same->state;
-      verdict_.notes.push_back(same->note);
-    }
     RunPair pair = runs_.integrate(verdict_.run, Rung::same_run);
     ask_in_same_states(view(pair.trajectories));
     runs_.judge_same_run(pair, same_state_.weighed());

@@ -11,14 +11,16 @@ WeighedStates weigh(const QuantityLayout& layout, const std::array<Solver*, 2>& 
   std::string why;
   weighed.reports = report_ranks(solvers, states, dropped, why);
   if (dropped > 0) weighed.dropped = fmt::format("rank: in {} states: {}", dropped, why);
-  weighed.beside_singular = leave_out_beside_singular(layout.model(), states, weighed.reports);
+  weighed.beside_singular =
+      SingularPoses(layout.model(), states, weighed.reports).leave_out_beside(states, weighed.reports);
+  weighed.poses = SingularPoses(layout.model(), states, weighed.reports);
   weighed.states = std::move(states);
   weighed.mask = judged_states(layout, weighed.reports);
   weighed.findings = compare_uniqueness(layout, weighed.states, weighed.reports);
   weighed.series = align(layout, weighed.states);
   weighed.resolution =
       measure_resolution(layout, solvers, weighed.states, weighed.mask, measure(layout, weighed.series), seed);
-  weighed.singular = lower_ranks(layout.model(), solvers, weighed.states, weighed.reports);
+  weighed.singular = weighed.poses.reasons(solvers, weighed.states, weighed.reports);
   for (std::size_t k = 0; k < weighed.states.size(); ++k) {
     const std::string& within_round_off = weighed.resolution.singular[k];
     std::string& reason = weighed.singular[k];

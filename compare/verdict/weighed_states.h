@@ -17,6 +17,7 @@ struct WeighedStates {
   /// Where each quantity is unique.
   Mask mask;
   Resolution resolution;
+  SingularPoses poses;
   /// Of each state why it is singular, by its rank or within round-off, so that nothing is judged there; empty for all
   /// others.
   std::vector<std::string> singular;

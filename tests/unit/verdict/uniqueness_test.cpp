@@ -12,7 +12,6 @@ class UniquenessTest : public ::testing::Test {
   UniquenessTest() {
     report_.constraints = report_.rank = 5;
     report_.degrees_of_freedom = 1;
-    report_.smallest_kept = 0.1;
     report_.joints.resize(1);
     for (int k = 0; k < 4; ++k) {
       states_.emplace_back();
@@ -51,50 +50,6 @@ TEST_F(UniquenessTest, EachStateIsDecidedByItself) {
   EXPECT_TRUE(is_judged({Kind::total, 0, Side::child, 1}, 2));
   EXPECT_TRUE(is_judged({Kind::body_sum, 1, Side::child, 1}, 2));
   EXPECT_TRUE(compare_uniqueness(layout_, states_, reports_).empty());
-}
-
-TEST_F(UniquenessTest, AStateOfLowerRankThanOthersIsASingularPose) {
-  FakePendulum cartesian(model_, "cartesian");
-  FakePendulum relative(model_, "relative");
-  const std::array<Solver*, 2> solvers{&cartesian, &relative};
-  for (const std::string& why : lower_ranks(model_, solvers, states_, reports_)) EXPECT_EQ(why, "");
-  reports_[2][1].rank = 4;
-  EXPECT_EQ(general_ranks(model_, states_, reports_), (std::array{5, 5}));
-  const std::vector<std::string> lower = lower_ranks(model_, solvers, states_, reports_);
-  ASSERT_EQ(lower.size(), 4U);
-  for (const std::size_t k : {0U, 1U, 3U}) EXPECT_EQ(lower[k], "");
-  EXPECT_NE(lower[2].find("at t = 0.2 s the pose is singular: the constraints have rank 4 there, 5 in other poses"),
-            std::string::npos)
-      << lower[2];
-}
-
-TEST_F(UniquenessTest, ARankByTheRootOfRoundOffIsNotTheGeneralOneOfAMachineThatMoves) {
-  reports_[2][0].rank = 6;
-  reports_[2][0].smallest_kept = 1e-8;
-  states_[2].row = -1;
-  for (SharedState& shared : states_) shared.state.bodies.resize(2);
-  EXPECT_EQ(general_ranks(model_, states_, reports_), (std::array{6, 5})) << "locked";
-  EXPECT_EQ(leave_out_beside_singular(model_, states_, reports_), 0);
-  states_[1].state.bodies[1].r = {0.3, 0.1, 0.2};
-  EXPECT_EQ(general_ranks(model_, states_, reports_), (std::array{5, 5}));
-  EXPECT_EQ(leave_out_beside_singular(model_, states_, reports_), 1);
-  ASSERT_EQ(states_.size(), 3U);
-  ASSERT_EQ(reports_.size(), 3U);
-  EXPECT_EQ(states_[2].row, 3);
-  for (const auto& both : reports_) EXPECT_EQ(both[0].rank, 5);
-}
-
-TEST_F(UniquenessTest, WhatMovesBesideALockedLoopSaysNothingOfIt) {
-  model_.bodies.push_back(model_.bodies[1]);
-  for (auto& both : reports_) set(both[0], false, true);
-  reports_[2][0].rank = 6;
-  reports_[2][0].smallest_kept = 1e-8;
-  states_[2].row = -1;
-  for (SharedState& shared : states_) shared.state.bodies.resize(3);
-  states_[1].state.bodies[2].r = {0.3, 0.1, 0.2};
-  EXPECT_EQ(general_ranks(model_, states_, reports_)[0], 6);
-  states_[1].state.bodies[1].r = {0.0, 0.1, 0.0};
-  EXPECT_EQ(general_ranks(model_, states_, reports_)[0], 5);
 }
 
 TEST_F(UniquenessTest, EitherSolverKeepsAComponentFromBeingJudgedAndADisagreementIsTold) {
