@@ -22,7 +22,6 @@
 #include "compare/verdict/verify.h"
 #include "relative/solver.h"
 #include "tests/faults/catalogue.h"
-#include "tests/second_reading/folder.h"
 #include "tests/second_reading/second_reading.h"
 
 namespace concord::compare {
@@ -99,16 +98,6 @@ struct Judged {
   Verdict verdict;
   std::vector<std::string> misread;  // what the second reading tells; then no solver was asked
 };
-
-/// Whether the machine of a fault is misread; not if it is refused.
-bool second_reading_tells(const std::string& name) {
-  const std::string file = CONCORD_FAULTS "/" + name + ".toml";
-  try {
-    return !second_reading::read_again(read_model(file), file).differing.empty();
-  } catch (const InputError&) {
-    return false;
-  }
-}
 
 /// A machine of this folder, held against its file and then computed in near frames as every command does. Read anew
 /// with every fault, which may sit in the reader.
@@ -225,23 +214,6 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
       CHECK(fault.is_in(found.audited));
     }
   }
-  print(lines);
-}
-
-/// What turns a file into a model is held by a test that reads files a second time (unit_second_reading): it has to be
-/// red for each such fault.
-TEST_CASE("Every planted fault of reading is found in the models of data by the second reading") {
-  CHECK(second_reading::read_folder_again(CONCORD_DATA).differing.empty());
-  std::vector<std::vector<std::string>> lines{{"fault", "models differ in", "first"}};
-  for (const Fault& fault : faults_of_solvers()) {
-    const Planting planting(fault.number);
-    if (!second_reading_tells(fault.machine)) continue;
-    const std::vector<std::string> found = second_reading::read_folder_again(CONCORD_DATA).differing;
-    INFO(fault.name);
-    CHECK(!found.empty());
-    lines.push_back({fault.name, std::to_string(found.size()) + " values", found.empty() ? "-" : found.front()});
-  }
-  CHECK(lines.size() == 18);
   print(lines);
 }
 
