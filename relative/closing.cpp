@@ -6,7 +6,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
-#include "relative/row_factors.h"
+#include "relative/row_rank.h"
 
 namespace concord::relative {
 
@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kMostIterations = 60;
 constexpr double kFarthestStep = 0.5;  // in machine units: half a radian, half the length, unless rows are straight
-constexpr int kManyRows = 48;
 constexpr double kFarFromDependent = 1e-4;  // smallest singular value of rows that need no filter
 constexpr double kBeyondDamping = 30.0;     // times the damping, which takes a thousandth of the step there
 
@@ -32,12 +31,11 @@ VecX filtered_step(const MatX& Phi, const VecX& misfit, double damping, std::opt
   return -(svd.matrixV() * filter.asDiagonal() * svd.matrixU().transpose() * misfit);
 }
 
-/// The same of many rows without their singular values (R66), if all are far from dependent, and from the damping.
+/// The same without singular values (R66), if all rows are far from dependent, and from the damping.
 std::optional<VecX> undamped_step(const MatX& Phi, const VecX& misfit, double damping, std::optional<int> rank) {
   const int n_rows = static_cast<int>(Phi.rows());
-  if (n_rows < kManyRows || rank.value_or(n_rows) < n_rows) return std::nullopt;
-  RowFactors factors;
-  factors.compute(Phi);
+  if (rank.value_or(n_rows) < n_rows) return std::nullopt;
+  const RowRank factors(Phi);
   const double least = std::max(kFarFromDependent, kBeyondDamping * damping);
   if (factors.rank() < n_rows || factors.singular_value(n_rows) <= least) return std::nullopt;
   return factors.smallest_step(misfit);

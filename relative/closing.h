@@ -15,8 +15,8 @@ double measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& c
 double try_to_measure(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure);
 
 /// The smallest step (n_tree_u numbers, in machine units) of the given columns that takes the misfit, of as many rows
-/// as it has, away to first order (R65). Many rows that are far from dependent are left without their singular values,
-/// which would take most of a closing's time.
+/// as it has, away to first order (R65). Rows that are far from dependent are left without their singular values, which
+/// would take most of a closing's time.
 [[nodiscard]] VecX smallest_step(const ScaledClosure& scaled, const Closure& closure, const std::vector<int>& columns,
                                  const VecX& misfit, double damping, std::optional<int> rank = {});
 

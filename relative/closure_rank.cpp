@@ -6,10 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "common/decompositions.h"
 #include "common/error.h"
 #include "relative/closing.h"
-#include "relative/row_factors.h"
+#include "relative/row_rank.h"
 
 namespace concord::relative {
 
@@ -22,13 +21,6 @@ VecX exploring_steps(const Equations& equations) {
   return steps;
 }
 
-/// Whether rows of these singular values are dependent but for round-off: near a singular pose residuals vanish with
-/// the square of the distance, so that a pose may close 1e-8 off, where their singular values are of that size.
-bool is_beside_singular(const VecX& sigma, int rank) {
-  constexpr double kBesideSingular = 1e-6;
-  return rank > 0 && sigma(rank - 1) <= kBesideSingular * std::max(sigma(0), 1.0);
-}
-
 /// Over q: 1 for coordinates of joints and modes that closure rows hold which depend on others in this pose, else 0.
 /// What moves elsewhere in the machine says nothing of these rows.
 VecX held_by_dependent_rows(const ScaledClosure& scaled, Coordinates closed) {
@@ -39,8 +31,8 @@ VecX held_by_dependent_rows(const ScaledClosure& scaled, Coordinates closed) {
   const std::vector<int>& columns = scaled.free_columns();
   const MatX Phi = scaled.rows(columns);
   if (Phi.size() == 0) return held;
-  const Svd svd = svd_of(Phi);
-  const MatX dependent = svd.U.rightCols(Phi.rows() - rank_of_singular_values(svd.sigma));
+  const RowRank rows(Phi);
+  const MatX dependent = rows.vanishing_combinations(rows.rank());
   const VecX takes_part = (dependent.rowwise().norm().array() > kRoundOff).select(VecX::Ones(Phi.rows()), 0.0);
   const VecX effect = Phi.cwiseAbs().transpose() * takes_part;
   const auto mark = [&](const Span& span) {
@@ -98,16 +90,15 @@ void ClosureRank::decide_near(const Coordinates& closed) {
       continue;
     }
     scaled_->move(nearby);
-    const VecX sigma = singular_values(scaled_->rows(scaled_->free_columns()));
-    const int rank = rank_of_singular_values(sigma);
-    const bool is_doubtful = is_beside_singular(sigma, rank);
+    const RowRank rows(scaled_->rows(scaled_->free_columns()));
+    const bool is_doubtful = rows.is_beside_singular();
     if (!is_doubtful) --looks;
     // Near a flat pose only poses that are nearer still are apart from it.
     if (is_doubtful) far = std::max(0.25 * far, kNearest);
     const bool has_moved = scaled_->size().largest_coordinate(held.cwiseProduct(nearby.q - closed.q)) > kElsewhere;
     is_clear = is_clear || (!is_doubtful && has_moved);
     Found& best = is_doubtful ? doubtful : clear;
-    if (rank > best.rank) best = {rank, nearby};
+    if (rows.rank() > best.rank) best = {rows.rank(), nearby};
   }
   // A machine whose rows are hardly independent anywhere has the rank that it shows.
   const Found& most = !is_clear && doubtful.rank > clear.rank ? doubtful : clear;
@@ -140,22 +131,19 @@ void ClosureRank::require_agreeing_rows(const Coordinates& coordinates, const Ev
 void ClosureRank::throw_singular(const Coordinates& coordinates, const std::string& passing) const {
   scaled_->equations().move(coordinates.t, coordinates.q, coordinates.u);
   const Closure& closure = scaled_->closure();
-  RowFactors factors;
-  factors.compute(scaled_->rows(scaled_->free_columns()));
+  const RowRank rows(scaled_->rows(scaled_->free_columns()));
   throw SingularPose(fmt::format(
       "relative: at t = {:.6g} s the {} closure rows{} {}lose rank: {} of {} at {}: the pose is singular and the "
       "motion may branch",
       coordinates.t, closure.n_rows(),
       closure.speed_constraints().empty() ? "" : " of loops, couplings and rolling contacts", passing,
-      std::min(factors.rank(), rank() - 1), rank(), closure.worst_place(factors.weakest_combination(rank()))));
+      std::min(rows.rank(), rank() - 1), rank(), closure.worst_place(rows.weakest_combination(rank()))));
 }
 
 double ClosureRank::factor_rows(Coordinates& coordinates, MatX& Phi) const {
   scaled_->move(coordinates);
   Phi = scaled_->rows(scaled_->free_columns());
-  RowFactors factors;
-  factors.compute(Phi);
-  return factors.singular_value(rank());
+  return RowRank(Phi).singular_value(rank());
 }
 
 }  // namespace concord::relative

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "relative/row_factors.h"
+#include "relative/row_rank.h"
 #include "relative/scaled_closure.h"
 
 namespace concord::relative {
@@ -30,8 +30,8 @@ class Projection {
   // By free column: as if it were this part of itself.
   VecX weights_of_joints_;
   VecX weights_of_all_;
-  RowFactors row_factors_;
-  RowFactors position_factors_;  // of the rows for positions, where there are others
+  RowRank row_factors_;
+  RowRank position_factors_;  // of the rows for positions, where there are others
 };
 
 }  // namespace concord::relative

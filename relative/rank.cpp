@@ -4,23 +4,18 @@
 #include <cmath>
 
 #include "common/decompositions.h"
-#include "relative/row_factors.h"
+#include "relative/row_rank.h"
 
 namespace concord::relative {
 
 namespace {
 
-constexpr double kThreshold = 1e-10;
 constexpr double kSurelyZero = 1e-12;
 constexpr double kSurelyKept = 1e-8;
 /// A component that self-stresses of unit size move by less than this part of the largest one is unique.
 constexpr double kUnmoved = 1e-8;
 /// A flag that changes when both thresholds move by this factor, one way or the other, is undecided.
 const double kHalfWay = std::sqrt(1000.0);
-/// From here on a pivoted elimination that finds all rows independent, the smallest singular value above this, does
-/// without singular vectors.
-constexpr Eigen::Index kManyRows = 24;
-constexpr double kClearlyIndependent = 1e-5;
 
 /// Rows that the tree holds by itself: forbidden directions of its joints and their drivers.
 int tree_rows(const Equations& equations) {
@@ -104,32 +99,6 @@ class SelfStressEffect {
   double of_speed_constraints_ = 0.0;
 };
 
-/// The largest singular value, by a few rounds of the power method: to some per cent.
-double largest_singular_value(const MatX& Phi) {
-  constexpr int kRounds = 6;
-  VecX x = VecX::Ones(Phi.cols()).normalized();
-  double sigma = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
-    x = Phi.transpose() * (Phi * x).eval();
-    const double size = x.norm();
-    if (!(size > 0.0)) return 0.0;
-    sigma = std::sqrt(size);
-    x /= size;
-  }
-  return sigma;
-}
-
-/// Relative size of the smallest singular value of many rows, if they are clearly independent; else 0.
-double clearly_independent(const MatX& Phi) {
-  if (Phi.rows() < kManyRows) return 0.0;
-  RowFactors factors;
-  factors.compute(Phi);
-  if (factors.rank() < Phi.rows()) return 0.0;
-  const double relative =
-      factors.singular_value(static_cast<int>(Phi.rows())) / std::max(largest_singular_value(Phi), 1.0);
-  return relative > kClearlyIndependent ? relative : 0.0;
-}
-
 void agree(const JointUniqueness& one, const JointUniqueness& other, JointUniqueness& same) {
   for (int side = 0; side < 2; ++side) {
     for (int c = 0; c < 6; ++c) {
@@ -140,27 +109,20 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
   for (int c = 0; c < 6; ++c) same.unique_tau[c] = one.unique_tau[c] == other.unique_tau[c];
 }
 
-/// The flags, and which of them stay with stricter and looser thresholds. `relative`: singular values in parts of the
-/// largest, one for each column of U that has one (R67), (R68).
-void decide_uniqueness(const ScaledClosure& scaled, const Motion& motion, const Svd& spectrum, const VecX& relative,
-                       RankReport& report) {
+/// The flags, and which of them stay with stricter and looser thresholds (R67), (R68).
+void decide_uniqueness(const ScaledClosure& scaled, const Motion& motion, const RowRank& rows, RankReport& report) {
   Equations& equations = scaled.equations();
-  const auto n_rows = static_cast<int>(spectrum.U.rows());
-  const auto sigma = [&](int z) { return z < relative.size() ? relative(z) : 0.0; };
-  SelfStressEffect moved(equations.model());
   std::array<std::vector<JointUniqueness>, 3> joints;
   std::array<std::vector<bool>, 3> couplings;
-  // Thresholds that grow take more self-stresses in, and what is gathered is judged before it grows.
-  const std::array<double, 3> thresholds{kThreshold / kHalfWay, kThreshold, kThreshold * kHalfWay};
-  const std::array<double, 3> unmoved{kUnmoved * kHalfWay, kUnmoved, kUnmoved / kHalfWay};
-  int z = n_rows - 1;
-  for (int step = 0; step < 3; ++step) {
-    for (; z >= 0 && sigma(z) <= thresholds[step]; --z) {
-      const VecX lambda = spectrum.U.col(z).cwiseQuotient(scaled.closure().row_units());
-      const JointReactions& stress = equations.compute_self_stress(motion, lambda);
-      moved.add(equations, stress, spectrum.U.col(z));
+  const std::array<double, 3> factors{1.0 / kHalfWay, 1.0, kHalfWay};
+  for (std::size_t step = 0; step < factors.size(); ++step) {
+    const MatX stresses = rows.vanishing_combinations(rows.rank(kDependentPart * factors[step]));
+    SelfStressEffect moved(equations.model());
+    for (Eigen::Index z = 0; z < stresses.cols(); ++z) {
+      const VecX lambda = stresses.col(z).cwiseQuotient(scaled.closure().row_units());
+      moved.add(equations, equations.compute_self_stress(motion, lambda), stresses.col(z));
     }
-    moved.mark(unmoved[step], joints[step], couplings[step]);
+    moved.mark(kUnmoved / factors[step], joints[step], couplings[step]);
   }
   report.joints = joints[1];
   report.unique_coupling = couplings[1];
@@ -184,21 +146,12 @@ RankReport analyze_rank(const ScaledClosure& scaled, const Coordinates& coordina
   report.unique_coupling.assign(equations.model().couplings.size(), true);
   report.decided_coupling = report.unique_coupling;
   const int n_rows = equations.closure().n_rows();
-  int rank = 0;
-  report.smallest_kept = clearly_independent(Phi);
-  if (report.smallest_kept > 0.0) {
-    rank = n_rows;
-  } else if (n_rows > 0) {
-    // Where drivers hold every column, one of zeros stands for them: no row has rank, and all can carry self-stress.
-    const Svd spectrum = svd_of(Phi.cols() == 0 ? MatX::Zero(n_rows, 1) : Phi);
-    // Rows of unit norm over speeds of unit size: where all of them vanish, the largest is round-off, and 1 the scale.
-    const VecX relative = spectrum.sigma / std::max(spectrum.sigma(0), 1.0);
-    rank = static_cast<int>((relative.array() > kThreshold).count());
-    report.undecided = (relative.array() > kSurelyZero && relative.array() < kSurelyKept).any();
-    report.smallest_kept = rank > 0 ? relative(rank - 1) : 0.0;
-    report.largest_dropped = rank < relative.size() ? relative(rank) : 0.0;
-    decide_uniqueness(scaled, motion, spectrum, relative, report);
-  }
+  const RowRank rows(Phi);
+  const int rank = rows.rank();
+  report.smallest_kept = rank > 0 ? rows.relative_singular_value(rank) : 0.0;
+  report.largest_dropped = rows.pivot(rank);
+  report.undecided = (rank > 0 && report.smallest_kept < kSurelyKept) || report.largest_dropped > kSurelyZero;
+  if (rank < n_rows || report.undecided) decide_uniqueness(scaled, motion, rows, report);
   const int tree = tree_rows(equations);
   report.constraints = tree + n_rows;
   report.rank = tree + rank;
@@ -210,15 +163,7 @@ MatX permitted_velocities(const ScaledClosure& scaled, const Coordinates& coordi
   Equations& equations = scaled.equations();
   equations.move(coordinates.t, coordinates.q, coordinates.u);
   const std::vector<int>& free = scaled.free_columns();
-  const MatX Phi = scaled.rows(free);
-  const auto n_free = static_cast<Eigen::Index>(free.size());
-  MatX N = MatX::Identity(n_free, n_free);
-  if (Phi.size() > 0) {
-    const Eigen::JacobiSVD<MatX> svd(Phi, Eigen::ComputeFullV);
-    const VecX& sigma = svd.singularValues();
-    const Eigen::Index rank = (sigma.array() > kThreshold * std::max(sigma(0), 1.0)).count();
-    N = svd.matrixV().rightCols(n_free - rank);
-  }
+  const MatX N = RowRank(scaled.rows(free)).free_directions();
   const VecX& speeds = scaled.size().speeds();
   const VecX units = speeds(free);
   const MatX B = equations.kinematics().explicit_B();

@@ -2,16 +2,9 @@
 
 #include <algorithm>
 
-#include "common/decompositions.h"
+#include "relative/row_rank.h"
 
 namespace concord::relative {
-
-int rank_of_rows(const MatX& scaled) { return rank_of_singular_values(singular_values(scaled)); }
-
-int rank_of_singular_values(const VecX& sigma) {
-  if (sigma.size() == 0) return 0;
-  return static_cast<int>((sigma.array() > kDependentPart * std::max(sigma(0), 1.0)).count());
-}
 
 ScaledClosure::ScaledClosure(Equations& equations)
     : equations_(&equations), free_columns_(moving_columns(equations.driven(), Modes::moving)) {}
@@ -91,8 +84,8 @@ int ScaledClosure::rank(const Coordinates& coordinates, ClosureRows which, Modes
 
 int ScaledClosure::rank_here(ClosureRows which, Modes modes) const {
   const MatX Phi = rows(moving_columns(equations_->driven(), modes));
-  return rank_of_rows(
-      Phi.topRows(which == ClosureRows::of_positions ? closure().n_position_rows() : closure().n_rows()));
+  const int n_rows = which == ClosureRows::of_positions ? closure().n_position_rows() : closure().n_rows();
+  return RowRank(Phi.topRows(n_rows)).rank();
 }
 
 }  // namespace concord::relative

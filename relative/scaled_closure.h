@@ -15,14 +15,6 @@ enum class ClosureRows { of_positions, of_velocities };
 
 /// A machine is closed where its residuals are below this part of the largest coordinate or speed, at least of 1.
 inline constexpr double kClosedPart = 1e-13;
-/// Rows depend on others where a singular value is below this part of the largest, or of 1, the size of a row, if all
-/// vanish.
-inline constexpr double kDependentPart = 1e-10;
-
-/// How many singular values are above kDependentPart: of rows, and of these, the largest first.
-int rank_of_rows(const MatX& scaled);
-int rank_of_singular_values(const VecX& sigma);
-
 /// Residuals and rows of the equations' closure in the units of the machine's size.
 /// After Equations::move, unless a function says that it moves the machine itself.
 class ScaledClosure {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "relative/row_rank.h"
+
 namespace concord::relative {
 
 namespace {
 
-/// Below this a singular value is zero as far as closed poses near it tell: they are known to the root of round-off.
-constexpr double kSingular = 3e-6;
 /// But a machine whose rows always depend that nearly is not singular: it must fall to this part of what it is at an
 /// end of the step.
 constexpr double kFallen = 0.01;
@@ -91,7 +91,7 @@ void SingularityWatch::search(const Record& a, const Record& b) const {
   double part_low = 0.0;
   double part_high = 1.0;
   double part = kGoldenSection;
-  const double singular = std::min(kSingular, kFallen * std::max(a.sigma, b.sigma));
+  const double singular = std::min(kBesideSingular, kFallen * std::max(a.sigma, b.sigma));
   Record inner = probe(a, b, part);
   for (int count = 0; count < kMostProbes; ++count) {
     if (inner.sigma <= singular) assembly_->closure_rank().throw_singular(inner.at, "reach or pass a pose where they ");
@@ -144,7 +144,8 @@ void SingularityWatch::pass(const Coordinates& coordinates) {
   if (last_.size() > 3) last_.erase(last_.begin());
   const double sigma = last_.back().sigma;
   largest_sigma_ = std::max(largest_sigma_, sigma);
-  if (sigma <= std::min(kSingular, kFallen * largest_sigma_)) assembly_->closure_rank().throw_singular(coordinates, "");
+  if (sigma <= std::min(kBesideSingular, kFallen * largest_sigma_))
+    assembly_->closure_rank().throw_singular(coordinates, "");
   const std::size_t n = last_.size();
   if (n >= 2 && may_pass_zero(last_[n - 2], last_[n - 1])) search(last_[n - 2], last_[n - 1]);
   if (n == 3 && may_pass_zero(last_[0], last_[1])) search(last_[0], last_[1]);

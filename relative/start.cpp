@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "relative/closing.h"
+#include "relative/row_rank.h"
 #include "relative/start_advice.h"
 #include "relative/start_search.h"
 
@@ -209,7 +210,7 @@ void Start::require_independent(const Coordinates& coordinates, const Prescribed
   const std::vector<int> columns = scaled_->moving_columns(prescribed, Modes::kept);
   const int n_rows = rows == ClosureRows::of_positions ? closure.n_position_rows() : closure.n_rows();
   const MatX Phi = scaled_->rows(closure, columns).topRows(n_rows);
-  if (rank_of_rows(Phi) == static_cast<int>(columns.size())) return;
+  if (RowRank(Phi).rank() == static_cast<int>(columns.size())) return;
   throw InputError(where_kept(prescribed),
                    fmt::format("start: the kept joint {} ({}) depend on each other and leave the rest "
                                "of the machine free: keep others{}",

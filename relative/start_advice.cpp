@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "relative/closing.h"
+#include "relative/row_rank.h"
 
 namespace concord::relative {
 
@@ -77,7 +78,7 @@ int freedom_with(const ScaledClosure& scaled, const Coordinates& closed, const P
   measure(scaled, copy, closure);
   const std::vector<int> columns = scaled.moving_columns(prescribed, Modes::kept);
   const int n_rows = rows == ClosureRows::of_positions ? closure.n_position_rows() : closure.n_rows();
-  return static_cast<int>(columns.size()) - rank_of_rows(scaled.rows(closure, columns).topRows(n_rows));
+  return static_cast<int>(columns.size()) - RowRank(scaled.rows(closure, columns).topRows(n_rows)).rank();
 }
 
 }  // namespace
