@@ -16,9 +16,6 @@ namespace concord::relative {
 
 namespace {
 
-/// Columns are dependent if one of them keeps less than this part of the largest beside the others.
-constexpr double kLeastIndependence = 1e-6;
-
 /// The motion of the words read so far, extended by each word from the parent's frame on; q and u advance with it (R9).
 struct Composition {
   const double* q;
@@ -194,7 +191,7 @@ bool Mobilizer::depend_separately(const JointMotion& motion) const {
     largest = std::max(largest, parts[part].col(n[part]++).norm());
   }
   const double least = std::min(least_independent_part(parts[0], n[0]), least_independent_part(parts[1], n[1]));
-  return !(least > kLeastIndependence * largest);
+  return !(least > kLeastOwnPart * largest);
 }
 
 bool Mobilizer::depend_together(const JointMotion& motion) const {
@@ -212,7 +209,7 @@ bool Mobilizer::depend_together(const JointMotion& motion) const {
       const Vec6 rest = found.rest(columns[c]);
       if (rest.squaredNorm() > longest.squaredNorm()) longest = rest;
     }
-    if (!(longest.norm() > kLeastIndependence * largest)) return true;
+    if (!(longest.norm() > kLeastOwnPart * largest)) return true;
     found.add(longest);
   }
   return false;

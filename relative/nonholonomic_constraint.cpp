@@ -14,8 +14,6 @@ namespace concord::relative {
 
 namespace {
 
-/// A direction that keeps less than this part beside the others is one of them.
-constexpr double kLeastOwnPart = 1e-6;
 constexpr double kContradiction = 1e-9;  // of a column
 
 struct MovingAxis {

@@ -4,6 +4,9 @@
 
 namespace concord::relative {
 
+/// Of several motions, one that keeps less than this part beside the others is one of them: a joint is singular there.
+inline constexpr double kLeastOwnPart = 1e-6;
+
 /// Orthonormal directions in six dimensions, gathered one by one without heap memory.
 class OrthonormalColumns {
  public:
