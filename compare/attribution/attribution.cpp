@@ -356,7 +356,6 @@ std::optional<Attribution> find_cause_of_stop(const Model& model, const std::vec
   if (!fault) fault = opinion.wrong_velocities();
   if (!fault) fault = opinion.wrong_count();
   if (!fault) fault = opinion.wrongly_singular();
-  if (!fault) fault = opinion.stopped_by_own_check();
   return fault ? std::optional(from(*fault)) : std::nullopt;
 }
 

@@ -232,18 +232,6 @@ std::optional<ConstraintFault> ConstraintOpinion::wrongly_singular() {
   return std::nullopt;
 }
 
-std::optional<ConstraintFault> ConstraintOpinion::stopped_by_own_check() const {
-  using Answer = StatedConstraints::Answer;
-  for (int solver = 0; solver < 2; ++solver) {
-    for (const AskedState& one : asked_) {
-      if (one.by[solver].answer != Answer::out_of_balance || one.by[1 - solver].answer != Answer::given) continue;
-      return ConstraintFault{solver, Term::reaction, "body " + one.by[solver].body,
-                             "its own check of what it reports stops it: " + one.by[solver].words};
-    }
-  }
-  return std::nullopt;
-}
-
 std::optional<ConstraintFault> ConstraintOpinion::wrong_uniqueness() {
   constexpr int kClearly = 10;
   std::array<int, 2> wrong{};

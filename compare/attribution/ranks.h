@@ -15,7 +15,7 @@ namespace concord::compare {
 
 /// What one solver says of its constraints in a state.
 struct StatedConstraints {
-  enum class Answer { given, singular, out_of_balance, open, none };
+  enum class Answer { given, singular, open, none };
 
   /// Missing where it stops.
   std::optional<RankReport> rank;
@@ -26,7 +26,6 @@ struct StatedConstraints {
   /// What Solver::evaluate() comes to, in its words where it stops.
   Answer answer = Answer::none;
   std::string words;
-  std::string body;   // that is out of balance by its own check
   std::string place;  // where the state is open by its own constraints
 };
 
@@ -61,8 +60,6 @@ class ConstraintOpinion {
   [[nodiscard]] std::optional<ConstraintFault> refuses_closed() const;
   /// Who calls poses singular that are clearly not, and that the other one answers.
   [[nodiscard]] std::optional<ConstraintFault> wrongly_singular();
-  /// Whose own check finds a body out of balance in states that the other one answers.
-  [[nodiscard]] std::optional<ConstraintFault> stopped_by_own_check() const;
   /// Who calls components unique that a self-stress moves, or the other way round, where the solvers contradict each
   /// other.
   [[nodiscard]] std::optional<ConstraintFault> wrong_uniqueness();

@@ -6,7 +6,7 @@
 #include <exception>
 #include <utility>
 
-#include "common/unbalanced_body.h"
+#include "common/error.h"
 
 namespace concord::compare {
 
@@ -38,10 +38,6 @@ StatedConstraints ask(Solver& solver, const State& state) {
     stated.answer = Answer::open;
     stated.words = error.what();
     stated.place = error.place();
-  } catch (const UnbalancedBody& error) {
-    stated.answer = Answer::out_of_balance;
-    stated.words = error.what();
-    stated.body = error.body();
   } catch (const std::exception& error) {
     stated.words = error.what();
   }

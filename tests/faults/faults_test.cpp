@@ -50,7 +50,7 @@ const std::string& owner_of(const Model& model, const Quantity& quantity) {
   return quantity.kind == Kind::element ? model.elements[quantity.owner].name : model.joints[quantity.owner].name;
 }
 
-/// Of joints, couplings, force elements and bodies: a solver's own check may name the body that is out of balance.
+/// Of joints, couplings, force elements and bodies.
 std::vector<std::string> names_of(const Model& model) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints) names.push_back(joint.name);

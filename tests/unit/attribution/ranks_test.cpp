@@ -60,7 +60,6 @@ TEST_F(RanksTest, NobodyIsBlamedWhereAllIsRight) {
   EXPECT_FALSE(opinion.wrong_velocities());
   EXPECT_FALSE(opinion.wrongly_closed());
   EXPECT_FALSE(opinion.wrongly_singular());
-  EXPECT_FALSE(opinion.stopped_by_own_check());
   EXPECT_FALSE(opinion.wrong_uniqueness());
   EXPECT_FALSE(find_cause_of_stop(model_, asked_));
 }
@@ -135,14 +134,6 @@ TEST_F(RanksTest, TotalsThatOnlyACouplingMovesAreFlagsToo) {
   ASSERT_TRUE(fault);
   EXPECT_EQ(fault->solver, 1);
   EXPECT_THAT(fault->because, testing::HasSubstr("T_z of the total of joint A on ground"));
-}
-
-TEST_F(RanksTest, ItsOwnCheckNamesABody) {
-  for (AskedState& one : asked_) {
-    one.by[1].answer = StatedConstraints::Answer::out_of_balance;
-    one.by[1].body = "bob";
-  }
-  expect(ConstraintOpinion(model_, asked_).stopped_by_own_check(), Term::reaction, "body bob");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/unbalanced_body.h"
+#include "common/error.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
 
@@ -12,13 +12,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A stand-in that refuses starts, permits other velocities, or is stopped by its own check.
+/// A stand-in that refuses starts, or permits other velocities.
 class StubbornPendulum : public FakePendulum {
  public:
   using FakePendulum::FakePendulum;
 
   bool refuses_start = false;
-  bool refuses_states = false;
   double tilt = 0.0;
 
   State assemble() override {
@@ -29,10 +28,6 @@ class StubbornPendulum : public FakePendulum {
     MatX velocities = FakePendulum::tangent(state);
     velocities(3) += tilt;
     return velocities;
-  }
-  Evaluation evaluate(const State& state) override {
-    if (refuses_states) throw UnbalancedBody("relative: body 'bob' is out of balance", "bob");
-    return FakePendulum::evaluate(state);
   }
 };
 
@@ -83,13 +78,6 @@ TEST_F(BlameTest, AStartThatASolverRefusesWronglyIsNoBadInput) {
 TEST_F(BlameTest, AStartThatASolverRefusesForNoKnownReasonIsBadInput) {
   wrong_.refuses_start = true;
   EXPECT_THROW(verdict(), InputError);
-}
-
-TEST_F(BlameTest, ABodyThatASolversOwnCheckFindsOutOfBalanceIsNamed) {
-  wrong_.refuses_states = true;
-  const Verdict found = verdict();
-  EXPECT_NE(found.outcome, Outcome::agree);
-  expect_blamed(found, Term::reaction, "body bob");
 }
 
 /// A verdict whose answers hold.
