@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "relative/integration.h"
-#include "relative/rank.h"
-#include "relative/states.h"
+#include "relative/rank/rank.h"
+#include "relative/run/integration.h"
+#include "relative/start/states.h"
 
 namespace concord::relative {
 

@@ -12,9 +12,9 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/needs.h"
-#include "relative/equations.h"
+#include "relative/dynamics/equations.h"
 #include "relative/solver.h"
-#include "relative/states.h"
+#include "relative/start/states.h"
 
 namespace concord::compare::joint_check {
 

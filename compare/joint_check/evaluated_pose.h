@@ -7,7 +7,7 @@
 #include "compare/audit/referee.h"
 #include "compare/joint_check/poses.h"
 #include "compare/joint_check/property.h"
-#include "relative/mobilizer.h"
+#include "relative/bodies/mobilizer.h"
 
 /// A joint type at one pose, by all who know its words, and what the checks of words share.
 namespace concord::compare::joint_check {

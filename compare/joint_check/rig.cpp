@@ -10,8 +10,8 @@
 #include "compare/audit/referee.h"
 #include "compare/joint_check/parts.h"
 #include "compare/verdict/observe.h"
-#include "relative/equations.h"
-#include "relative/states.h"
+#include "relative/dynamics/equations.h"
+#include "relative/start/states.h"
 
 namespace concord::compare::joint_check {
 

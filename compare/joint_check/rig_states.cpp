@@ -9,8 +9,8 @@
 #include "cartesian/dynamics/equations.h"
 #include "cartesian/solver.h"
 #include "compare/joint_check/opinions.h"
-#include "relative/equations.h"
-#include "relative/states.h"
+#include "relative/dynamics/equations.h"
+#include "relative/start/states.h"
 
 namespace concord::compare::joint_check {
 

@@ -7,7 +7,7 @@
 
 #include "compare/audit/referee.h"
 #include "compare/joint_check/poses.h"
-#include "relative/mobilizer.h"
+#include "relative/bodies/mobilizer.h"
 
 namespace concord::compare::joint_check {
 

@@ -11,7 +11,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/joint_check/derivative_properties.h"
 #include "compare/joint_check/evaluated_pose.h"
-#include "relative/nonholonomic_constraint.h"
+#include "relative/closure/nonholonomic_constraint.h"
 
 namespace concord::compare::joint_check {
 

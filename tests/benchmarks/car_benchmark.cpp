@@ -18,9 +18,9 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/equilibrium/started_machine.h"
-#include "relative/equations.h"
+#include "relative/dynamics/equations.h"
 #include "relative/solver.h"
-#include "relative/states.h"
+#include "relative/start/states.h"
 
 namespace concord::benchmarks {
 namespace {

@@ -12,8 +12,8 @@
 #include "cartesian/dynamics/dynamics.h"
 #include "cartesian/dynamics/equations.h"
 #include "cartesian/dynamics/reactions.h"
-#include "relative/equations.h"
-#include "relative/states.h"
+#include "relative/dynamics/equations.h"
+#include "relative/start/states.h"
 #include "tests/benchmarks/chain.h"
 #ifdef CONCORD_HAS_SIMBODY
 #include "tests/benchmarks/simbody_chain.h"

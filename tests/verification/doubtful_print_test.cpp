@@ -7,8 +7,8 @@
 #include "common/decompositions.h"
 #include "compare/audit/balance.h"
 #include "compare/verdict/verify.h"
-#include "relative/assembly.h"
-#include "relative/equations.h"
+#include "relative/dynamics/equations.h"
+#include "relative/start/assembly.h"
 
 /// Three formulas of the paper as they are printed, beside what virtual work and Newton's law require: the third row of
 /// (32), the right side of (22), and (20) for angular velocities. The referee is the direct sum over mass points.

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 
 #include "closed_forms.h"
-#include "relative/assembly.h"
-#include "relative/equations.h"
-#include "relative/exponential_map.h"
+#include "relative/bodies/exponential_map.h"
+#include "relative/dynamics/equations.h"
+#include "relative/start/assembly.h"
 
 namespace concord::verification {
 namespace {

@@ -1,9 +1,9 @@
-#include "relative/acceleration_refinement.h"
+#include "relative/dynamics/acceleration_refinement.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

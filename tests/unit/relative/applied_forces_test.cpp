@@ -1,12 +1,12 @@
-#include "relative/applied_forces.h"
+#include "relative/forces/applied_forces.h"
 
 #include <gtest/gtest.h>
 
 #include "common/decompositions.h"
 #include "machines.h"
-#include "relative/assembly.h"
 #include "relative/solver.h"
-#include "relative/states.h"
+#include "relative/start/assembly.h"
+#include "relative/start/states.h"
 
 namespace concord::relative {
 namespace {

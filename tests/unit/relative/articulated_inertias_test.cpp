@@ -1,10 +1,10 @@
-#include "relative/articulated_inertias.h"
+#include "relative/dynamics/articulated_inertias.h"
 
 #include <gtest/gtest.h>
 
 #include "common/decompositions.h"
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,9 +1,9 @@
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/states.h"
+#include "relative/start/states.h"
 
 namespace concord::relative {
 namespace {

@@ -1,4 +1,4 @@
-#include "relative/body_inertia.h"
+#include "relative/bodies/body_inertia.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "relative/closure.h"
+#include "relative/closure/closure.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,12 +1,12 @@
-#include "relative/equations.h"
+#include "relative/dynamics/equations.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
 #include "machines.h"
-#include "relative/assembly.h"
-#include "relative/states.h"
+#include "relative/start/assembly.h"
+#include "relative/start/states.h"
 
 #if !defined(CONCORD_SANITIZED)
 namespace {

@@ -1,4 +1,4 @@
-#include "relative/exponential_map.h"
+#include "relative/bodies/exponential_map.h"
 
 #include <gtest/gtest.h>
 

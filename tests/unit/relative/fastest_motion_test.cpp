@@ -1,11 +1,11 @@
-#include "relative/fastest_motion.h"
+#include "relative/run/fastest_motion.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

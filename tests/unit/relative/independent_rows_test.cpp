@@ -1,8 +1,8 @@
-#include "relative/independent_rows.h"
+#include "relative/dynamics/independent_rows.h"
 
 #include <gtest/gtest.h>
 
-#include "relative/multiplier_factors.h"
+#include "relative/dynamics/multiplier_factors.h"
 
 namespace concord::relative {
 namespace {

@@ -1,4 +1,4 @@
-#include "relative/indices.h"
+#include "relative/bodies/indices.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "relative/integrated_variables.h"
+#include "relative/run/integrated_variables.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

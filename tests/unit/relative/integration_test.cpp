@@ -1,11 +1,11 @@
-#include "relative/integration.h"
+#include "relative/run/integration.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "machines.h"
-#include "relative/prince_dormand.h"
+#include "relative/run/prince_dormand.h"
 #include "relative/solver.h"
 
 namespace concord::relative {

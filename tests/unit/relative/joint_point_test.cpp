@@ -1,9 +1,9 @@
-#include "relative/joint_point.h"
+#include "relative/bodies/joint_point.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/exponential_map.h"
+#include "relative/bodies/exponential_map.h"
 
 namespace concord::relative {
 namespace {

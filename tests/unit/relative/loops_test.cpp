@@ -1,9 +1,9 @@
-#include "relative/loops.h"
+#include "relative/dynamics/loops.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,11 +1,11 @@
-#include "relative/machine_size.h"
+#include "relative/bodies/machine_size.h"
 
 #include <gtest/gtest.h>
 
 #include "common/joints/revolute.h"
 #include "common/joints/translational.h"
 #include "machines.h"
-#include "relative/scaled_closure.h"
+#include "relative/rank/scaled_closure.h"
 
 namespace concord::relative {
 namespace {

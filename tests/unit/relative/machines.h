@@ -10,7 +10,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "common/rotation.h"
-#include "relative/mobilizer.h"
+#include "relative/bodies/mobilizer.h"
 
 /// Machines for the tests of the relative solver, all in generic poses: tilted frames, offsets along no axis, unequal
 /// inertias; and a referee of their motion that uses Newton's and Euler's laws for bodies and mass points, nothing

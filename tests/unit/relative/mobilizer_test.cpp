@@ -1,11 +1,11 @@
-#include "relative/mobilizer.h"
+#include "relative/bodies/mobilizer.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "machines.h"
-#include "relative/exponential_map.h"
+#include "relative/bodies/exponential_map.h"
 
 namespace concord::relative {
 namespace {

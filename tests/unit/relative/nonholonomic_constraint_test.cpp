@@ -1,4 +1,4 @@
-#include "relative/nonholonomic_constraint.h"
+#include "relative/closure/nonholonomic_constraint.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "relative/rank.h"
+#include "relative/rank/rank.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "machines.h"
-#include "relative/assembly.h"
 #include "relative/solver.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,10 +1,10 @@
-#include "relative/reactions.h"
+#include "relative/dynamics/reactions.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
 #include "relative/solver.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

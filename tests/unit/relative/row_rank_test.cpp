@@ -1,4 +1,4 @@
-#include "relative/row_rank.h"
+#include "relative/rank/row_rank.h"
 
 #include <gtest/gtest.h>
 

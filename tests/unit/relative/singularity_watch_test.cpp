@@ -1,4 +1,4 @@
-#include "relative/singularity_watch.h"
+#include "relative/run/singularity_watch.h"
 
 #include <gtest/gtest.h>
 

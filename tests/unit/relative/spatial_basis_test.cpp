@@ -1,4 +1,4 @@
-#include "relative/spatial_basis.h"
+#include "relative/bodies/spatial_basis.h"
 
 #include <gtest/gtest.h>
 

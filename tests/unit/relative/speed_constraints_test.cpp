@@ -1,4 +1,4 @@
-#include "relative/speed_constraints.h"
+#include "relative/closure/speed_constraints.h"
 
 #include <gtest/gtest.h>
 

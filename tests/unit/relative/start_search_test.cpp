@@ -1,4 +1,4 @@
-#include "relative/start_search.h"
+#include "relative/start/start_search.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

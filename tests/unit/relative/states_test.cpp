@@ -1,4 +1,4 @@
-#include "relative/states.h"
+#include "relative/start/states.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "relative/stepper.h"
+#include "relative/run/stepper.h"
 
 #include <arkode/arkode.h>
 #include <gtest/gtest.h>

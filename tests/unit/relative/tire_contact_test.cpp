@@ -1,11 +1,11 @@
-#include "relative/tire_contact.h"
+#include "relative/forces/tire_contact.h"
 
 #include <gtest/gtest.h>
 
 #include "common/reading/model_file.h"
 #include "machines.h"
-#include "relative/assembly.h"
 #include "relative/solver.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,4 +1,4 @@
-#include "relative/topology.h"
+#include "relative/bodies/topology.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "relative/tree_accelerations.h"
+#include "relative/dynamics/tree_accelerations.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,10 +1,10 @@
-#include "relative/velocity_transformation.h"
+#include "relative/bodies/velocity_transformation.h"
 
 #include <gtest/gtest.h>
 
 #include "machines.h"
-#include "relative/assembly.h"
-#include "relative/exponential_map.h"
+#include "relative/bodies/exponential_map.h"
+#include "relative/start/assembly.h"
 
 namespace concord::relative {
 namespace {

@@ -1,0 +1,261 @@
+#include "relative/bodies/velocity_transformation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "relative/bodies/exponential_map.h"
+
+namespace concord::relative {
+
+Vec6 relative_velocity(const JointPoint& parent, const JointPoint& child) {
+  Vec6 v_rel;
+  v_rel.head<3>() = parent.A.transpose() * (child.v - parent.v - parent.omega.cross(child.r - parent.r));
+  v_rel.tail<3>() = parent.A.transpose() * (child.omega - parent.omega);
+  return v_rel;
+}
+
+Kinematics::Kinematics(const Model& model)
+    : model_(&model),
+      topology_(build_topology(model)),
+      size_(model, topology_),
+      joint_motions_(model.joints.size()),
+      bodies_(model.bodies.size()),
+      first_rows_(model.bodies.size(), 0),
+      turns_(VecX::Zero(topology_.n_q)),
+      q_(VecX::Zero(topology_.n_q)),
+      u_(VecX::Zero(topology_.n_u)) {
+  for (const Joint& joint : model.joints) {
+    mobilizers_.emplace_back(*joint.type, size_.length());
+    for (const Attachment& side : joint.sides) points_.emplace_back(fmt::format("joint '{}'", joint.name), side);
+  }
+  for (const Link& link : topology_.links) {
+    LinkBlocks blocks;
+    blocks.Xa.setZero(6, model.bodies[link.reference].n_modes());
+    blocks.Ha.setZero(6, model.bodies[link.body].n_modes());
+    blocks_.push_back(blocks);
+  }
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    first_rows_[i] = n_rows_;
+    n_rows_ += 6 + model.bodies[i].n_modes();
+  }
+}
+
+void Kinematics::count_turns(const VecX& turns) {
+  turns_ = turns;
+  for (std::size_t k = 0; k < mobilizers_.size(); ++k)
+    mobilizers_[k].count_turns(turns.data() + topology_.joints[k].first_q);
+}
+
+VecX Kinematics::with_turns(const VecX& q) const {
+  return VecX::NullaryExpr(q.size(), [&](Eigen::Index c) { return with_turns(static_cast<int>(c), q(c)); });
+}
+
+VecX Kinematics::without_turns(const VecX& values) const {
+  return VecX::NullaryExpr(values.size(),
+                           [&](Eigen::Index c) { return without_turns(static_cast<int>(c), values(c)); });
+}
+
+VecX Kinematics::whole_turns(const VecX& q, double least) const {
+  VecX turns = VecX::Zero(q.size());
+  for (std::size_t k = 0; k < mobilizers_.size(); ++k) {
+    for (int c = 0; c < mobilizers_[k].n_u(); ++c) {
+      if (!mobilizers_[k].is_turn(c)) continue;
+      const int place = topology_.joints[k].first_q + c;
+      const double made = q(place) / static_cast<double>(kWholeTurn);
+      if (std::abs(made) > least) turns(place) = std::round(made);
+    }
+  }
+  return turns;
+}
+
+void Kinematics::update(const VecX& q, const VecX& u) {
+  q_ = q;
+  u_ = u;
+  for (const LinkIndex l : upward<LinkIndex>(topology_.links.size())) update_link(l);
+  place_cut_joint_points();
+}
+
+void Kinematics::require_rank(JointIndex joint, const JointMotion& motion) const {
+  if (!mobilizers_[joint].loses_rank(motion)) return;
+  throw SingularPose(
+      fmt::format("relative: joint '{}' ({}): its coordinates are singular in this pose, where two of its motions are "
+                  "one: turn its frame on the parent, so that the machine stays away from there",
+                  model_->joints[joint].name, model_->joints[joint].type->name));
+}
+
+void Kinematics::place(const std::vector<BodyState>& bodies) {
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const BodyState& body = bodies[i];
+    bodies_[i] = {body.r, rotation_from_euler_parameters(body.p), body.v, body.omega};
+    const Span& modes = topology_.modes[i];
+    q_.segment(modes.first_q, modes.n_q) = body.a;
+    u_.segment(modes.first_u, modes.n_u) = body.adot;
+  }
+  for (const JointIndex k : upward<JointIndex>(model_->joints.size())) {
+    for (const Side side : {Side::parent, Side::child}) {
+      deform(k, side);
+      moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
+    }
+  }
+}
+
+double Kinematics::farthest_place() const {
+  double farthest = 0.0;
+  for (const BodyMotion& body : bodies_) farthest = std::max(farthest, body.r.cwiseAbs().maxCoeff());
+  return farthest;
+}
+
+void Kinematics::deform(JointIndex joint, Side side) {
+  const Span& modes = topology_.modes[model_->joints[joint].on(side).body];
+  moving_point(joint, side).deform(q_.data() + modes.first_q, u_.data() + modes.first_u);
+}
+
+void Kinematics::update_link(LinkIndex l) {
+  const Link& link = topology_.links[l];
+  const Span& span = topology_.joints[link.joint];
+  mobilizers_[link.joint].evaluate(q_.data() + span.first_q, u_.data() + span.first_u, joint_motions_[link.joint]);
+  require_rank(link.joint, joint_motions_[link.joint]);
+  deform(link.joint, Side::parent);
+  deform(link.joint, Side::child);
+  moving_point(link.joint, link.reference_side()).compute_point_motion(bodies_[link.reference]);
+  if (link.along) {
+    place_child_side(link);
+  } else {
+    place_parent_side(link);
+  }
+  moving_point(link.joint, link.own_side()).compute_body_motion(bodies_[link.body]);
+  compute_blocks(l);
+}
+
+void Kinematics::place_child_side(const Link& link) {  // (R15)
+  const JointMotion& motion = joint_motions_[link.joint];
+  const JointPoint& parent = point(link.joint, Side::parent);
+  JointPoint& child = moving_point(link.joint, Side::child);
+  const Vec3 d = parent.A * motion.d;
+  child.A = parent.A * motion.R;
+  child.r = parent.r + d;
+  child.omega = parent.omega + parent.A * motion.v_rel.tail<3>();
+  child.v = parent.v + parent.omega.cross(d) + parent.A * motion.v_rel.head<3>();
+}
+
+void Kinematics::place_parent_side(const Link& link) {  // (R16)
+  const JointMotion& motion = joint_motions_[link.joint];
+  JointPoint& parent = moving_point(link.joint, Side::parent);
+  const JointPoint& child = point(link.joint, Side::child);
+  parent.A = child.A * motion.R.transpose();
+  const Vec3 d = parent.A * motion.d;
+  parent.r = child.r - d;
+  parent.omega = child.omega - parent.A * motion.v_rel.tail<3>();
+  parent.v = child.v - parent.omega.cross(d) - parent.A * motion.v_rel.head<3>();
+}
+
+/// The joint contributes the velocity of the child's point seen from the parent's frame, plus or minus by the direction
+/// of the tree; everything is then moved to the origin of the link's body (R20), (R21). Levers are sums of the link's
+/// own lengths, not differences of places, which far from the ground's origin would hold the round-off of these.
+void Kinematics::compute_blocks(LinkIndex l) {
+  const Link& link = topology_.links[l];
+  LinkBlocks& blocks = blocks_[l];
+  const JointMotion& motion = joint_motions_[link.joint];
+  const JointPoint& parent = point(link.joint, Side::parent);
+  const JointPoint& own = point(link.joint, link.own_side());
+  const JointPoint& reference = point(link.joint, link.reference_side());
+  const double sign = link.along ? 1.0 : -1.0;
+  const Vec3 d = parent.A * motion.d;
+  const Vec3 from_own = -own.lever;  // to the body's origin
+  const Vec3 from_reference = from_own + sign * d;
+  const Vec3& from_child = link.along ? from_own : from_reference;
+
+  blocks.rho = from_reference + reference.lever;
+  for (int c = 0; c < mobilizers_[link.joint].n_u(); ++c) {
+    const ColumnKind& kind = mobilizers_[link.joint].kind(c);
+    auto column = blocks.H.col(c);
+    column.setZero();
+    if (kind.rotates) {
+      const Vec3 axis = sign * (parent.A * motion.S.col(c).tail<3>());
+      column.tail<3>() = axis;
+      column.head<3>() = axis.cross(from_child);
+    }
+    if (kind.displaces) column.head<3>() += sign * (parent.A * motion.S.col(c).head<3>());
+  }
+
+  const Vec3 spin = parent.A * motion.v_rel.tail<3>();
+  const Vec3 sliding_velocity = parent.A * motion.v_rel.head<3>();
+  Vec6 joint_bias;
+  joint_bias.head<3>() = parent.omega.cross(parent.omega.cross(d) + 2.0 * sliding_velocity);
+  if (mobilizers_[link.joint].is_curved()) joint_bias.head<3>() += parent.A * motion.Sdot_u.head<3>();
+  joint_bias.tail<3>() = parent.omega.cross(spin) + parent.A * motion.Sdot_u.tail<3>();
+  blocks.D = shift_motion(reference.bias, from_reference) + sign * shift_motion(joint_bias, from_child) -
+             shift_motion(own.bias, from_own);
+
+  const auto shift_columns = [](const Mat6X& G, const Vec3& e, Mat6X& moved) {
+    for (Eigen::Index c = 0; c < G.cols(); ++c) moved.col(c) = shift_motion(G.col(c), e);
+  };
+  shift_columns(reference.Ga(), from_reference, blocks.Xa);
+  shift_columns(own.Ga(), from_own, blocks.Ha);
+}
+
+void Kinematics::place_cut_joint_points() {
+  for (const JointIndex k : topology_.cuts) {
+    for (const Side side : {Side::parent, Side::child}) {
+      deform(k, side);
+      moving_point(k, side).compute_point_motion(bodies_[model_->joints[k].on(side).body]);
+    }
+  }
+}
+
+void Kinematics::add_times_B(BodyIndex body, MatX rows_on_body, MatX& rows) const {
+  for (std::optional<LinkIndex> l = topology_.link_of_body[body]; l; l = topology_.inward_link(*l)) {
+    const Link& link = topology_.links[*l];
+    const LinkBlocks& b = blocks_[*l];
+    const Span& joint = topology_.joints[link.joint];
+    const Span& modes = topology_.modes[link.body];
+    if (modes.n_u > 0) rows.middleCols(modes.first_u, modes.n_u) += rows_on_body.rightCols(modes.n_u);
+    if (modes.n_u != b.Xa.cols()) rows_on_body.conservativeResize(Eigen::NoChange, 6 + b.Xa.cols());
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      const Vec6 w = rows_on_body.row(row).head<6>();
+      for (int c = 0; c < joint.n_u; ++c) rows(row, joint.first_u + c) += w.dot(b.H.col(c));
+      for (int c = 0; c < modes.n_u; ++c) rows(row, modes.first_u + c) -= w.dot(b.Ha.col(c));
+      for (Eigen::Index c = 0; c < b.Xa.cols(); ++c) rows_on_body(row, 6 + c) = w.dot(b.Xa.col(c));
+      rows_on_body.row(row).head<6>() = shift_wrench(w, b.rho);
+    }
+  }
+}
+
+MatX Kinematics::explicit_B() const {
+  MatX B = MatX::Zero(n_rows_, topology_.n_tree_u);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    const int size = 6 + topology_.modes[i].n_u;
+    MatX rows = MatX::Zero(size, topology_.n_tree_u);
+    add_times_B(BodyIndex(i), MatX::Identity(size, size), rows);
+    B.middleRows(first_rows_[i], size) = rows;
+  }
+  return B;
+}
+
+VecX Kinematics::Bdot_u() const {
+  VecX result = VecX::Zero(n_rows_);
+  for (std::size_t l = 0; l < topology_.links.size(); ++l) {
+    const Link& link = topology_.links[l];
+    Vec6 acceleration = blocks_[l].D;
+    if (link.reference != kGround) {
+      const Vec6 of_reference = result.segment<6>(first_rows_[link.reference]);
+      acceleration += shift_motion(of_reference, blocks_[l].rho);
+    }
+    result.segment<6>(first_rows_[link.body]) = acceleration;
+  }
+  return result;
+}
+
+VecX Kinematics::Y() const {
+  VecX result(n_rows_);
+  for (std::size_t i = 1; i < bodies_.size(); ++i) {
+    const Span& modes = topology_.modes[i];
+    result.segment(first_rows_[i], 6 + modes.n_u) << bodies_[i].v, bodies_[i].omega,
+        u_.segment(modes.first_u, modes.n_u);
+  }
+  return result;
+}
+
+}  // namespace concord::relative

@@ -1,0 +1,266 @@
+#include "relative/dynamics/articulated_inertias.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "relative/dynamics/joint_factors.h"
+
+namespace concord::relative {
+
+namespace {
+
+/// The least pivot of the factor of D, in parts of the terms that it is made of.
+double least_pivot_of(const Eigen::LLT<MatX>& llt, const MatX& D) {
+  return (llt.matrixLLT().diagonal().array().square() / D.diagonal().array()).minCoeff();
+}
+
+}  // namespace
+
+ArticulatedInertias::ArticulatedInertias(const Kinematics& kinematics, const PrescribedMask& driven)
+    : kinematics_(&kinematics),
+      links_(kinematics.topology().links.size()),
+      flexible_of_link_(kinematics.topology().links.size()) {
+  const Topology& topology = kinematics.topology();
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+    ArticulatedBody& link = links_[l];
+    const Span& span = topology.joints[topology.links[l].joint];
+    for (int c = 0; c < span.n_u; ++c) {
+      if (driven[span.first_u + c] != 0) {
+        link.driven_column[link.n_driven] = c;
+        link.driven[link.n_driven++] = span.first_u + c;
+      } else {
+        link.free_column[link.n_free] = c;
+        link.free[link.n_free++] = span.first_u + c;
+      }
+    }
+    const int m = topology.modes[topology.links[l].body].n_u;
+    if (m == 0) continue;
+    flexible_of_link_[l] = static_cast<int>(flexible_.size());
+    const int n = link.n_free + m;
+    flexible_.push_back({Mat6X::Zero(6, m), MatX::Zero(m, m), VecX::Zero(m), Mat6X::Zero(6, n), Mat6X::Zero(6, n),
+                         MatX::Zero(m, n), MatX::Zero(n, n), Eigen::LLT<MatX>(MatX(MatX::Identity(n, n))),
+                         MatX::Zero(n, 6), VecX::Zero(n)});
+  }
+}
+
+int ArticulatedInertias::n_unknowns(LinkIndex link) const {
+  const std::optional<int> flexible = flexible_of_link_[link];
+  return flexible ? static_cast<int>(flexible_[*flexible].uhat.size()) : links_[link].n_free;
+}
+
+void ArticulatedInertias::load_bodies(const std::vector<BodyInertia>& inertias) {
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+    inertias[l].moments().fill(links_[l].articulated_inertia);
+    links_[l].bias_force = inertias[l].p();
+    if (flexible_of_link_[l]) load_flexible(l, inertias[l]);
+  }
+}
+
+void ArticulatedInertias::subtract_applied(const AppliedForces& applied) {
+  if (!applied.any()) return;
+  for (const LinkIndex l : upward<LinkIndex>(links_.size())) {
+    ArticulatedBody& link = links_[l];
+    link.bias_force -= applied.on_body(l);
+    for (int k = 0; k < link.n_free; ++k) link.tau(k) = applied.tau()(link.free[k]);
+    if (flexible_of_link_[l]) flexible_[*flexible_of_link_[l]].bias_force_a -= applied.on_modes(l);
+  }
+}
+
+void ArticulatedInertias::load_flexible(LinkIndex l, const BodyInertia& inertia) {
+  FlexibleArticulatedBody& flexible = flexible_[*flexible_of_link_[l]];
+  flexible.inertia_ra = inertia.flexible()->M_ra();
+  flexible.inertia_aa = inertia.flexible()->M_aa();
+  flexible.bias_force_a = inertia.flexible()->p_a();
+}
+
+void ArticulatedInertias::gather_columns(LinkIndex l, const VecX& udot) {  // (R33)
+  ArticulatedBody& link = links_[l];
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  link.c = blocks.D;
+  if (link.n_driven == 0) return;
+  for (int k = 0; k < link.n_driven; ++k) link.c += blocks.H.col(link.driven_column[k]) * udot(link.driven[k]);
+  for (int k = 0; k < link.n_free; ++k) link.H_free.col(k) = blocks.H.col(link.free_column[k]);
+}
+
+void ArticulatedInertias::compute(const std::vector<BodyInertia>& inertias, const AppliedForces& applied,
+                                  const VecX& udot) {
+  least_pivot_ = 1.0;
+  load_bodies(inertias);
+  subtract_applied(applied);
+  for (const LinkIndex l : downward<LinkIndex>(links_.size())) {
+    gather_columns(l, udot);
+    if (flexible_of_link_[l]) {
+      eliminate_flexible(l);
+    } else if (links_[l].n_free == 0) {
+      const ArticulatedBody& link = links_[l];
+      add_to_reference_body(l, link.articulated_inertia, link.bias_force + link.articulated_inertia * link.c);
+    } else {
+      with_constant(links_[l].n_free, [&](auto n) { eliminate_rigid<n()>(l); });
+    }
+  }
+}
+
+template <int N>
+void ArticulatedInertias::eliminate_rigid(LinkIndex l) {  // (R34), (R35)
+  ArticulatedBody& link = links_[l];
+  const Mat6& H = free_columns(l);
+  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
+  Mat6 V;
+  Vec6 w;
+  for (int j = 0; j < N; ++j) V.col(j).noalias() = link.articulated_inertia.lazyProduct(H.col(j));
+  for (int j = 0; j < N; ++j) {
+    for (int i = j; i < N; ++i) link.L(i, j) = H.col(i).dot(V.col(j));
+  }
+  if (!factorize<N>(link.L)) throw_indefinite(l);
+  for (int i = 0; i < N; ++i) w(i) = link.tau(i) - H.col(i).dot(p);
+  substitute_forward<N>(link.L, w);
+  divide_by_transpose<N>(link.L, V);
+  for (int j = 0; j < N; ++j) {
+    link.W.col(j) = V.col(j) / link.L(j, j);
+    link.root(j) = std::sqrt(link.L(j, j));
+    link.uhat(j) = w(j) / link.root(j);
+  }
+  if (kinematics_->topology().links[l].reference == kGround) return;
+  add_to_reference_body(l, without_products<N>(link.articulated_inertia, V, link.W), p + combination<N>(link.W, w));
+}
+
+void ArticulatedInertias::eliminate_flexible(LinkIndex l) {  // (R34), (R35)
+  ArticulatedBody& link = links_[l];
+  FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[l]];
+  const Eigen::Index m = f.bias_force_a.size();
+  const Eigen::Index n_free = link.n_free;
+  f.H.leftCols(n_free) = free_columns(l).leftCols(n_free);
+  f.H.rightCols(m) = -kinematics_->blocks(l).Ha;
+  f.U.noalias() = link.articulated_inertia * f.H;
+  f.U.rightCols(m) += f.inertia_ra;
+  f.U_a.noalias() = f.inertia_ra.transpose() * f.H;
+  f.U_a.rightCols(m) += f.inertia_aa;
+  f.D.noalias() = f.H.transpose() * f.U;
+  f.D.bottomRows(m) += f.U_a;
+  const Vec6 p = link.bias_force + link.articulated_inertia * link.c;
+  f.uhat.noalias() = f.H.transpose().lazyProduct(-p);
+  f.uhat.head(n_free) += link.tau.head(n_free);
+  f.uhat.tail(m) -= f.bias_force_a;
+  f.uhat.tail(m).noalias() -= f.inertia_ra.transpose() * link.c;
+  if (f.llt.compute(f.D).info() != Eigen::Success) throw_indefinite(l);
+  const double pivot = least_pivot_of(f.llt, f.D);
+  if (!(pivot > kRoundOffOfPivot)) throw_indefinite(l);
+  least_pivot_ = std::min(least_pivot_, pivot);
+  f.llt.matrixL().solveInPlace(f.uhat);
+  f.Kt = f.U.transpose();
+  f.llt.matrixL().solveInPlace(f.Kt);
+  Mat6 I = link.articulated_inertia;
+  I.noalias() -= f.Kt.transpose().lazyProduct(f.Kt);
+  Vec6 p_left = p;
+  // What the modal rows still push: their bias force is part of uhat, of which K^T takes the share of the body.
+  p_left.noalias() += f.Kt.transpose().lazyProduct(f.uhat);
+  add_to_reference_body(l, I, p_left);
+}
+
+/// Adds what is left of a link's inertia and bias force to its reference body: Sh^T I Sh, Sh^T p, and the same through
+/// Xa for the modal speeds of the reference body (R36).
+void ArticulatedInertias::add_to_reference_body(LinkIndex l, const Mat6& I, const Vec6& p) {
+  const Link& step = kinematics_->topology().links[l];
+  if (step.reference == kGround) return;
+  const LinkIndex reference = *kinematics_->topology().link_of_body[step.reference];
+  const LinkBlocks& blocks = kinematics_->blocks(l);
+  const Vec3& rho = blocks.rho;
+  ArticulatedBody& to = links_[reference];
+  // I Sh: the right half is [B; C] - [A; B^T] rho~, where a row x^T times rho~ is (x cross rho)^T.
+  const Mat3 A = I.topLeftCorner<3, 3>();
+  Mat3 B = I.topRightCorner<3, 3>();
+  Mat3 C = I.bottomRightCorner<3, 3>();
+  const auto times_rho_tilde = [&rho](const Mat3& X) {
+    Mat3 result;
+    result.col(0) = X.col(1) * rho.z() - X.col(2) * rho.y();
+    result.col(1) = X.col(2) * rho.x() - X.col(0) * rho.z();
+    result.col(2) = X.col(0) * rho.y() - X.col(1) * rho.x();
+    return result;
+  };
+  C -= times_rho_tilde(B.transpose());
+  B -= times_rho_tilde(A);
+  // rho~ B = -(B^T rho~)^T.
+  C -= times_rho_tilde(B.transpose()).transpose();
+  to.articulated_inertia.topLeftCorner<3, 3>() += A;
+  to.articulated_inertia.topRightCorner<3, 3>() += B;
+  to.articulated_inertia.bottomLeftCorner<3, 3>() += B.transpose();
+  to.articulated_inertia.bottomRightCorner<3, 3>() += C;
+  to.bias_force += shift_wrench(p, rho);
+  if (!flexible_of_link_[reference]) return;
+  FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[reference]];
+  for (Eigen::Index k = 0; k < blocks.Xa.cols(); ++k) {
+    const Vec6 IX = I * blocks.Xa.col(k);
+    f.inertia_ra.col(k) += shift_wrench(IX, rho);
+    f.inertia_aa.col(k).noalias() += blocks.Xa.transpose().lazyProduct(IX);
+  }
+  f.bias_force_a.noalias() += blocks.Xa.transpose().lazyProduct(p);
+}
+
+void ArticulatedInertias::add_coordinate_forces(LinkIndex link, const Eigen::Ref<const MatX>& forces,
+                                                Eigen::Ref<MatX> on_unknowns) const {
+  const ArticulatedBody& factors = links_[link];
+  for (int k = 0; k < factors.n_free; ++k) on_unknowns.row(k) += forces.row(factors.free_column[k]);
+}
+
+void ArticulatedInertias::propagate_force(LinkIndex link, Mat6X& z_r, const MatX& z_a, MatX& response) const {
+  if (flexible_of_link_[link]) {
+    const FlexibleArticulatedBody& f = flexible_[*flexible_of_link_[link]];
+    response.noalias() += f.H.transpose() * z_r;
+    response.bottomRows(z_a.rows()) += z_a;
+    f.llt.matrixL().solveInPlace(response);
+    z_r.noalias() -= f.Kt.transpose() * response;
+    return;
+  }
+  if (links_[link].n_free == 0) return;
+  with_constant(links_[link].n_free, [&](auto n) { propagate_force_rigid<n()>(link, z_r, response); });
+}
+
+template <int N>
+void ArticulatedInertias::propagate_force_rigid(LinkIndex l, Mat6X& z_r, MatX& response) const {
+  const ArticulatedBody& link = links_[l];
+  const Mat6& H = free_columns(l);
+  for (Eigen::Index c = 0; c < z_r.cols(); ++c) {
+    Vec6 z = z_r.col(c);
+    auto along = response.col(c);
+    for (int i = 0; i < N; ++i) along(i) += H.col(i).dot(z);
+    substitute_forward<N>(link.L, along);
+    z_r.col(c) = z - combination<N>(link.W, along);
+    for (int i = 0; i < N; ++i) along(i) /= link.root(i);
+  }
+}
+
+void ArticulatedInertias::add_passed_force(LinkIndex link, const Mat6X& z_r, Mat6X& zj_r, MatX& zj_a) const {
+  const LinkBlocks& blocks = kinematics_->blocks(link);
+  for (Eigen::Index c = 0; c < z_r.cols(); ++c) zj_r.col(c) += shift_wrench(z_r.col(c), blocks.rho);
+  zj_a.noalias() += blocks.Xa.transpose().lazyProduct(z_r);
+}
+
+void ArticulatedInertias::throw_indefinite(LinkIndex l) const {
+  const Link& link = kinematics_->topology().links[l];
+  throw SolverError(
+      fmt::format("relative: body '{}' and all that it carries have no inertia against the motion of joint '{}'",
+                  kinematics_->model().bodies[link.body].name, kinematics_->model().joints[link.joint].name));
+}
+
+/// The least eigenvalue of H^T I H, its columns scaled by the terms that their inertia is made of.
+std::optional<MotionWithoutInertia> find_motion_without_inertia(const ArticulatedInertias& tree) {
+  constexpr double kLeast = 4.0 * kRoundOffOfPivot;  // a pivot at round-off must be found here
+  for (const LinkIndex l : downward<LinkIndex>(tree.n_links())) {
+    const ArticulatedBody& link = tree.link(l);
+    if (link.n_free == 0) continue;
+    const Eigen::Map<const Mat6X> H(tree.free_columns(l).data(), 6, link.n_free);
+    const MatX terms = H.cwiseAbs().transpose() * link.articulated_inertia.cwiseAbs() * H.cwiseAbs();
+    const VecX units = terms.diagonal().unaryExpr([](double size) { return size > 0.0 ? 1.0 / std::sqrt(size) : 1.0; });
+    const MatX scaled = units.asDiagonal() * H.transpose() * link.articulated_inertia * H * units.asDiagonal();
+    const SymmetricEigenpairs spectrum = symmetric_eigenpairs(scaled);
+    if (spectrum.values(0) > kLeast) continue;
+    MotionWithoutInertia found{l, JointVector::Zero(link.n_free + link.n_driven)};
+    for (int k = 0; k < link.n_free; ++k) found.u(link.free_column[k]) = units(k) * spectrum.vectors(k, 0);
+    return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace concord::relative

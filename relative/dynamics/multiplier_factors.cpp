@@ -1,0 +1,53 @@
+#include "relative/dynamics/multiplier_factors.h"
+
+#include <cmath>
+
+namespace concord::relative {
+
+void MultiplierFactors::lay_out(int rank, Eigen::Index n_stacked) {
+  selected_.setIdentity(rank, rank);
+  llt_.compute(selected_);
+  stacked_.setZero(n_stacked, rank);
+  if (stacked_.size() > 0) qr_.compute(stacked_);
+  permuted_.setZero(rank);
+}
+
+double MultiplierFactors::factor(const MatX& Lambda, const IndependentRows& rows) {
+  is_orthogonal_ = false;
+  const std::vector<RowIndex>& used = rows.rows;
+  const auto n = static_cast<Eigen::Index>(used.size());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      selected_(i, j) = rows.scale[used[i]] * Lambda(used[i].value(), used[j].value()) * rows.scale[used[j]];
+    }
+  }
+  if (llt_.compute(selected_).info() != Eigen::Success) return 0.0;
+  return llt_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
+}
+
+MultiplierFactors::LeastSine MultiplierFactors::factor_stacked() {
+  is_orthogonal_ = true;
+  qr_.compute(stacked_);
+  const Eigen::Index least = stacked_.cols() - 1;
+  const double pivot = stacked_.rows() < stacked_.cols() ? 0.0 : std::abs(qr_.matrixQR()(least, least));
+  return {pivot, qr_.colsPermutation().indices()(least)};
+}
+
+void MultiplierFactors::solve(const IndependentRows& rows, VecX& right) const {
+  const std::vector<RowIndex>& used = rows.rows;
+  const auto n = static_cast<Eigen::Index>(used.size());
+  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale[used[i]];
+  if (is_orthogonal_) {
+    const auto& place = qr_.colsPermutation().indices();
+    for (Eigen::Index i = 0; i < n; ++i) permuted_(i) = right(place(i));
+    const auto R = qr_.matrixQR().topRows(n).triangularView<Eigen::Upper>();
+    R.transpose().solveInPlace(permuted_);
+    R.solveInPlace(permuted_);
+    for (Eigen::Index i = 0; i < n; ++i) right(place(i)) = permuted_(i);
+  } else {
+    llt_.solveInPlace(right);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) right(i) *= rows.scale[used[i]];
+}
+
+}  // namespace concord::relative
