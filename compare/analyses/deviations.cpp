@@ -64,7 +64,7 @@ void Deviations::choose_axes(const State& state, const TurningAxes& axes) {
   constexpr double kClearlySlower = 1.0 - 1e-6;
   constexpr double kTurns = 1e-9;  // of how the machine moves, or falls: less is round-off of a side that stands still
   const double falls = std::sqrt(model_.gravity.norm() / model_.length_scale());
-  const double least = kTurns * std::max(falls, sizes_of(model_, state).turning);
+  const double least = kTurns * std::max(falls, MachineSize(model_, state).turning);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& joint = model_.joints[k];

@@ -10,6 +10,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_kinematics.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/machine_size.h"
 #include "compare/equilibrium/acceleration_scale.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
@@ -53,15 +54,14 @@ double round_trip_digits(const Model& model, const State& state, const Evaluatio
   const VecX asked = scaled_accelerations(model, there);
   const VecX reached = scaled_accelerations(model, back);
   const double scale = scale_of(layout, state, {there, back});
-  double mass = 0.0;
-  for (const Body& body : model.bodies) mass += body.modal ? body.modal->G(0, 0) : body.mass;
+  const MachineSize size(model);
   double worst = matching_digits((reached - asked).lpNorm<Eigen::Infinity>(), scale);
   for (std::size_t row = 0; row < measured.size(); ++row) {
     const Kind kind = layout.quantities()[row].kind;
     if (kind != Kind::body_sum && kind != Kind::element) continue;
     // A body at rest between springs has a sum of nothing but round-off: it is held against what accelerates elsewhere.
     const bool is_torque = layout.quantities()[row].component >= 3;
-    const double load = mass * scale * model.length_scale() * (is_torque ? model.length_scale() : 1.0);
+    const double load = size.mass * scale * size.length * (is_torque ? size.length : 1.0);
     worst = std::min(worst, matching_digits(measured[row].difference, std::max(measured[row].scale, load)));
   }
   return worst;

@@ -9,6 +9,7 @@
 #include "compare/analyses/linearize.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/equilibrium/other_rests.h"
 #include "compare/report/text_table.h"
@@ -323,7 +324,7 @@ std::array<Trajectory, 2> starts(const Solvers& solvers) {
 std::string nonholonomic_text(const Model& model, const Trajectory& at) {
   constexpr double kAtRest = 1e-9;
   const double length = model.length_scale();
-  const double size = size_of_speeds(model, at);
+  const double size = MachineSize(model, at).speed_or();
   std::string text;
   for (const Joint& joint : model.joints) {
     if (joint.type->nonholonomic_rows() == 0) continue;

@@ -94,7 +94,7 @@ void hold_vanishing_against_machine(const QuantityLayout& layout, const SharedSt
 }
 
 /// The state with every mode moved by at most as much as moves a place by round-off.
-State with_modes_within_round_off(State state, const StateSizes& sizes, Draws& draws) {
+State with_modes_within_round_off(State state, const MachineSize& sizes, Draws& draws) {
   const double round_off = std::numeric_limits<double>::epsilon() * sizes.place;
   for (std::size_t i = 1; i < state.bodies.size(); ++i) {
     VecX& a = state.bodies[i].a;
@@ -114,7 +114,7 @@ void resolve_as_places_are(const QuantityLayout& layout, const Solvers& solvers,
   constexpr std::uint64_t kOfModes = 6;
   for (const Who who : kBothSolvers) {
     const Sample& rest = found[index(who)].samples.front();
-    const StateSizes sizes = sizes_of(layout.model(), rest.state);
+    const MachineSize sizes(layout.model(), rest.state);
     Draws draws(kSeed + kOfModes);
     for (int draw = 0; draw < kDraws; ++draw) {
       const State moved = with_modes_within_round_off(rest.state, sizes, draws);

@@ -9,6 +9,7 @@
 #include "common/joints/named_coordinates.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/law_of_time.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 
 namespace concord::compare {
@@ -130,7 +131,7 @@ std::string KeptStart::text() const {
 
 KeptStart audit_kept_start(const Model& model, const Trajectory& run) {
   if (run.samples.empty()) return {};
-  return StartAudit(model, run.samples.front().state, size_of_speeds(model, run)).find();
+  return StartAudit(model, run.samples.front().state, MachineSize(model, run).speed_or()).find();
 }
 
 KeptStart audit_kept_start(const Model& model, const State& start) {

@@ -35,24 +35,6 @@ Mat3 rotation_of(const Vec4& p) {
   return (p(0) * p(0) - e.squaredNorm()) * Mat3::Identity() + 2.0 * e * e.transpose() + 2.0 * p(0) * skew(e);
 }
 
-double size_of_places(const State& state, double length) {
-  for (const BodyState& body : state.bodies) length = std::max(length, body.r.cwiseAbs().maxCoeff());
-  return length;
-}
-
-double size_of_speeds(const Model& model, const Trajectory& run) {
-  constexpr double kRest = 1e-6;
-  const double length = model.length_scale();
-  const double until = run.samples.empty() ? 0.0 : run.samples.back().state.t;
-  double size = kRest * std::max(std::sqrt(model.gravity.norm() * length), until > 0.0 ? length / until : 0.0);
-  for (const Sample& sample : run.samples) {
-    for (const BodyState& body : sample.state.bodies) {
-      size = std::max({size, body.v.norm(), body.omega.norm() * length});
-    }
-  }
-  return size;
-}
-
 Mat3 exponential_of(const Vec3& theta) {
   const double t = theta.norm();
   const Mat3 theta_tilde = skew(theta);

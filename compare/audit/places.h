@@ -11,14 +11,6 @@ namespace concord::compare {
 /// Rotation of Euler parameters, scalar first.
 Mat3 rotation_of(const Vec4& p);
 
-/// What the round-off of places is relative to: the largest of their coordinates, or the machine's length [m].
-double size_of_places(const State& state, double length);
-
-/// What the round-off of velocities is relative to [m/s]: the largest of a body in a run, turns at the end of the
-/// machine's length. A machine at rest has speeds of round-off: at least a millionth of what gravity gives along the
-/// length, or of the length in the run's time.
-double size_of_speeds(const Model& model, const Trajectory& run);
-
 /// exp(theta~).
 Mat3 exponential_of(const Vec3& theta);
 

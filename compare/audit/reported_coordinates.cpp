@@ -13,6 +13,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/element_laws.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/audit/round_off.h"
 
@@ -87,7 +88,7 @@ std::vector<Entry> entries_of(const TurnSpring& spring, std::size_t element, con
 class CoordinateAudit {
  public:
   CoordinateAudit(const Model& model, const Trajectory& run)
-      : length_(model.length_scale()), speed_(size_of_speeds(model, run)) {
+      : length_(model.length_scale()), speed_(MachineSize(model, run).speed_or()) {
     for (std::size_t k = 0; k < model.joints.size(); ++k) {
       owners_.push_back({fmt::format("joint '{}'", model.joints[k].name),
                          [k, entries = Entries(model.joints[k])](const State& bodies, const State& reported) {

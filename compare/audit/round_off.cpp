@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "compare/audit/audit_ledger.h"
-#include "compare/audit/places.h"
+#include "compare/audit/machine_size.h"
 
 namespace concord::compare {
 
@@ -18,10 +18,7 @@ constexpr double kUnits = 4.0 * std::numeric_limits<double>::epsilon();
 /// Two draws; for the opposite number of units the opposite ones.
 std::array<State, 2> moved_by(const State& state, double length, double units) {
   const double place = size_of_places(state, length);
-  double speed = 0.0;
-  for (const BodyState& body : state.bodies) {
-    speed = std::max({speed, body.v.cwiseAbs().maxCoeff(), body.omega.cwiseAbs().maxCoeff() * length});
-  }
+  const double speed = size_of_speeds(state, length);
   std::array<State, 2> moved{state, state};
   std::uint32_t signs = 1;
   const auto move = [&](auto& values, double size) {

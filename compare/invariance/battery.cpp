@@ -177,7 +177,7 @@ class BatteryRun {
   /// Near a singular pose closing may know the start itself no better, in one of the descriptions or in both.
   bool is_known_no_better(Who who, MovedSolver& moved, const State& again) {
     const State& start = starts_[index(who)].samples.front().state;
-    const double apart = distance(start, again, sizes_of(model_, start));
+    const double apart = distance(start, again, {model_, start});
     if (apart > std::max(known_from_closing(solvers_[index(who)]->rank(start)), known_from_closing(moved.rank(again))))
       return false;
     loosest_start_ = std::max(loosest_start_, apart);

@@ -7,6 +7,7 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/machine_size.h"
 
 namespace concord::compare {
 
@@ -34,12 +35,6 @@ double radius_of(const Body& body) {
   if (body.modal) return std::sqrt(body.modal->G.block<3, 3>(1, 1).trace() / body.modal->G(0, 0));
   if (!(body.mass > 0.0)) return 0.0;
   return std::sqrt(0.5 * body.inertia_L.trace() / body.mass + body.center_of_mass_L.squaredNorm());
-}
-
-double total_mass(const Model& model) {
-  double mass = 0.0;
-  for (const Body& body : model.bodies) mass += mass_of(body);
-  return mass;
 }
 
 class Scales {
@@ -243,7 +238,7 @@ class Scales {
       }
     }
     // A body that nothing but its modes moves still has the loads of the machine to be compared with.
-    const double by_loads = wrench_floor_.linear / total_mass(model);
+    const double by_loads = wrench_floor_.linear / MachineSize(model).mass;
     acceleration_floor_ = {std::max(kScaleFloor * acceleration_floor_.linear, by_loads),
                            std::max(kScaleFloor * acceleration_floor_.angular, by_loads / length_)};
   }

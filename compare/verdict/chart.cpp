@@ -11,6 +11,7 @@
 
 #include "common/decompositions.h"
 #include "common/error.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/motion_names.h"
 #include "compare/verdict/resolution.h"

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "compare/audit/digits.h"
+#include "compare/audit/free_body.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/resolution.h"
 
@@ -29,9 +31,9 @@ constexpr double kEndOfARun = kUnitsOfARun * kUnitRoundOff;
 /// The same of modal coordinates, which are no differences of places.
 constexpr double kModalNoise = 20.0 * kUnitRoundOff;
 
-/// Largest speeds and modal coordinates of a run: the scales of motion.
+/// What the motions of a run are held against.
 struct MotionScales {
-  double place = 0.0;
+  double place = 0.0;  // the farthest that a body goes, m
   double speed = 0.0;
   double turning = 0.0;
   std::vector<double> modal;
@@ -70,40 +72,28 @@ double beyond(const VecX& difference, const VecX& noise) {
 }
 
 MotionScales motion_scales(const Model& model, const Trajectory& trajectory) {
+  const MachineSize size(model, trajectory);
   MotionScales scales;
-  scales.place = model.length_scale();
-  scales.modal.assign(model.bodies.size(), 0.0);
-  scales.modal_rate.assign(model.bodies.size(), 0.0);
-  scales.modal_noise.assign(model.bodies.size(), 0.0);
-  scales.modal_rate_noise.resize(model.bodies.size());
-  for (std::size_t i = 1; i < model.bodies.size(); ++i)
-    scales.modal_rate_noise[i] = VecX::Zero(model.bodies[i].n_modes());
+  scales.place = size.length;
   for (const Sample& sample : trajectory.samples) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const BodyState& body = sample.state.bodies[i];
-      scales.place_noise = std::max(scales.place_noise, kEndOfARun * body.r.cwiseAbs().maxCoeff());
-      const Vec3& start = trajectory.samples.front().state.bodies[i].r;
-      scales.place = std::max(scales.place, (body.r - start).norm());
-      scales.speed = std::max(scales.speed, body.v.norm());
-      scales.turning = std::max(scales.turning, body.omega.norm());
-      scales.modal[i] = std::max(scales.modal[i], body.a.lpNorm<Eigen::Infinity>());
-      scales.modal_rate[i] = std::max(scales.modal_rate[i], body.adot.lpNorm<Eigen::Infinity>());
+      const Vec3& r = sample.state.bodies[i].r;
+      scales.place_noise = std::max(scales.place_noise, kEndOfARun * r.cwiseAbs().maxCoeff());
+      scales.place = std::max(scales.place, (r - trajectory.samples.front().state.bodies[i].r).norm());
     }
   }
-  const double length = model.length_scale();
-  const double until = trajectory.samples.empty() ? 0.0 : trajectory.samples.back().state.t;
-  scales.speed = std::max(scales.speed, scales.turning * length);
   // A machine at rest is compared with what gravity, or the time of the run, would make of it.
-  scales.speed = std::max(scales.speed, kAtRest * std::sqrt(model.gravity.norm() * length));
-  if (until > 0.0) scales.speed = std::max(scales.speed, kAtRest * length / until);
-  scales.turning = scales.speed / length;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    if (!model.bodies[i].modal) continue;
-    const double shape = largest_displacements(model.bodies[i]).lpNorm<Eigen::Infinity>();
+  scales.speed = size.speed_or(kAtRest);
+  scales.turning = scales.speed / size.length;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    scales.modal.push_back(size.modal[i].lpNorm<Eigen::Infinity>());
+    scales.modal_rate.push_back(size.modal_rate[i].lpNorm<Eigen::Infinity>());
+    scales.modal_noise.push_back(modal_noise_of(model, i));
+    scales.modal_rate_noise.emplace_back(VecX::Zero(model.bodies[i].n_modes()));
+    const double shape = size.shapes[i].lpNorm<Eigen::Infinity>();
     if (shape == 0.0) continue;
-    scales.modal_noise[i] = modal_noise_of(model, i);
     scales.modal_rate_noise[i] = scales.modal_noise[i] * frequencies(*model.bodies[i].modal);
-    scales.modal[i] = std::max(scales.modal[i], kAtRest * length / shape);
+    scales.modal[i] = std::max(scales.modal[i], kAtRest * size.length / shape);
     scales.modal_rate[i] = std::max(scales.modal_rate[i], kAtRest * scales.speed / shape);
   }
   return scales;

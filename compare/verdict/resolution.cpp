@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/error.h"
-#include "compare/audit/places.h"
 #include "compare/verdict/draws.h"
 #include "compare/verdict/term_sizes.h"
 
@@ -49,7 +48,8 @@ void take_largest_of_blocks(const QuantityLayout& layout, const UniqueRows& uniq
 
 }  // namespace
 
-double distance(const State& one, const State& other, const StateSizes& sizes) {
+double distance(const State& one, const State& other, const MachineSize& sizes) {
+  const double speed = sizes.speed_or();
   double largest = 0.0;
   const auto take = [&](const VecX& difference, double size) {
     if (size > 0.0) largest = std::max(largest, difference.lpNorm<Eigen::Infinity>() / size);
@@ -59,38 +59,15 @@ double distance(const State& one, const State& other, const StateSizes& sizes) {
     const BodyState& b = other.bodies[i];
     take(a.r - b.r, sizes.place);
     largest = std::max(largest, std::min((a.p - b.p).norm(), (a.p + b.p).norm()));
-    take(a.v - b.v, std::max(sizes.velocity, sizes.at_rest));
-    take(a.omega - b.omega, std::max(sizes.turning, sizes.at_rest / sizes.place));
+    take(a.v - b.v, speed);
+    take(a.omega - b.omega, speed / sizes.length);
     take((a.a - b.a).cwiseProduct(sizes.shapes[i]), sizes.place);
-    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), std::max(sizes.velocity, sizes.at_rest));
+    take((a.adot - b.adot).cwiseProduct(sizes.shapes[i]), speed);
   }
   return largest;
 }
 
-StateSizes sizes_of(const Model& model, const State& state) {
-  const double length = model.length_scale();
-  StateSizes sizes;
-  sizes.place = size_of_places(state, length);
-  sizes.modal.assign(state.bodies.size(), 0.0);
-  for (const Body& body : model.bodies) sizes.shapes.push_back(largest_displacements(body));
-  sizes.modal_rate.assign(state.bodies.size(), 0.0);
-  double fastest = 0.0;
-  double turning = 0.0;
-  for (std::size_t i = 1; i < state.bodies.size(); ++i) {
-    const BodyState& body = state.bodies[i];
-    fastest = std::max(fastest, body.v.cwiseAbs().maxCoeff());
-    turning = std::max(turning, body.omega.cwiseAbs().maxCoeff());
-    sizes.modal[i] = body.a.lpNorm<Eigen::Infinity>();
-    sizes.modal_rate[i] = body.adot.lpNorm<Eigen::Infinity>();
-  }
-  sizes.velocity = std::max(fastest, turning * length);
-  sizes.turning = std::max(turning, fastest / length);
-  constexpr double kHardly = 1e-6;  // of falling by the length, or of moving by it in the time of the run
-  sizes.at_rest = kHardly * std::max(std::sqrt(model.gravity.norm() * length), length / model.run.until);
-  return sizes;
-}
-
-State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed, double units) {
+State draw_within_roundoff(const State& state, const MachineSize& sizes, std::uint64_t seed, double units) {
   const double step = units * kEps;
   State drawn = state;
   Draws draws(seed);
@@ -98,10 +75,10 @@ State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uin
     BodyState& body = drawn.bodies[i];
     move(body.r, step * sizes.place, draws);
     move(body.p, step, draws);
-    move(body.v, step * sizes.velocity, draws);
+    move(body.v, step * sizes.speed, draws);
     move(body.omega, step * sizes.turning, draws);
-    move(body.a, step * sizes.modal[i], draws);
-    move(body.adot, step * sizes.modal_rate[i], draws);
+    move(body.a, step * sizes.modal[i].lpNorm<Eigen::Infinity>(), draws);
+    move(body.adot, step * sizes.modal_rate[i].lpNorm<Eigen::Infinity>(), draws);
   }
   return drawn;
 }
@@ -116,7 +93,7 @@ class StateResolution {
       : layout_(layout),
         shared_(shared),
         unique_(std::move(unique)),
-        sizes_(sizes_of(layout.model(), shared.state)),
+        sizes_(layout.model(), shared.state),
         seed_(seed),
         result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
@@ -214,7 +191,7 @@ class StateResolution {
   const QuantityLayout& layout_;
   const SharedState& shared_;
   UniqueRows unique_;
-  StateSizes sizes_;
+  MachineSize sizes_;
   std::uint64_t seed_;
   Resolution& result_;
   std::vector<State> drawn_;
@@ -286,7 +263,7 @@ MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who wh
 Redraw answers_within_roundoff(const Model& model, Solver& solver, std::uint64_t seed) {
   return [&model, &solver, seed](const State& state, int k) -> std::optional<std::pair<State, Evaluation>> {
     try {
-      State moved = draw_within_roundoff(state, sizes_of(model, state), seed + static_cast<std::uint64_t>(k));
+      State moved = draw_within_roundoff(state, {model, state}, seed + static_cast<std::uint64_t>(k));
       Evaluation answer = solver.evaluate(moved);
       return std::pair{std::move(moved), std::move(answer)};
     } catch (const SolverError&) {

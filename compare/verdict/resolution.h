@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/audit/machine_size.h"
 #include "compare/audit/round_off.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -42,26 +43,13 @@ struct Resolution {
   std::vector<std::string> singular;
 };
 
-/// Sizes of the numbers in a state, which round-off is relative to: of positions, velocities, angular velocities [m,
-/// m/s, rad/s] and of each body's modal coordinates and rates; and by how much a unit of each mode moves the body.
-struct StateSizes {
-  double place = 0.0;
-  double velocity = 0.0;
-  double turning = 0.0;
-  double at_rest = 0.0;  // a velocity [m/s] below which the machine is as good as at rest
-  std::vector<double> modal;
-  std::vector<double> modal_rate;
-  std::vector<VecX> shapes;
-};
-StateSizes sizes_of(const Model& model, const State& state);
-
 /// How far two states are from each other, relative to the sizes of their numbers; modes by how far they move a body,
 /// as they may be nothing but round-off; velocities of a machine at rest by one that it hardly would be seen to have.
-double distance(const State& one, const State& other, const StateSizes& sizes);
+double distance(const State& one, const State& other, const MachineSize& sizes);
 
 /// `state` with every number moved by at most so many units of round-off of its kind's size, the same for the same
 /// seed; by the opposite numbers of units, if they are negative.
-State draw_within_roundoff(const State& state, const StateSizes& sizes, std::uint64_t seed, double units = 1.0);
+State draw_within_roundoff(const State& state, const MachineSize& sizes, std::uint64_t seed, double units = 1.0);
 
 /// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
 /// closing by each; near singular poses, over closings from nearby. Over the three components of a force, torque or

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/audit/free_body.h"
 #include "compare/verdict/chart.h"
 
 namespace concord::compare {
@@ -41,32 +40,19 @@ std::vector<OwnedState> run_states(const std::array<const Trajectory*, 2>& traje
 }
 
 StatePerturbation::StatePerturbation(const Model& model, const std::vector<OwnedState>& run, std::uint64_t seed)
-    : draws_(seed), length_(model.length_scale()) {
-  modal_.reserve(model.bodies.size());
-  for (const Body& body : model.bodies) {
-    modal_.emplace_back(VecX::Zero(body.n_modes()));
-    modal_rate_.emplace_back(VecX::Zero(body.n_modes()));
-  }
-  for (const OwnedState& owned : run) {
-    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const BodyState& body = owned.state.bodies[i];
-      speed_ = std::max(speed_, body.v.norm());
-      turning_ = std::max(turning_, body.omega.norm());
-      modal_[i] = modal_[i].cwiseMax(body.a.cwiseAbs());
-      modal_rate_[i] = modal_rate_[i].cwiseMax(body.adot.cwiseAbs());
-    }
-  }
+    : draws_(seed), sizes_(model) {
+  for (const OwnedState& owned : run) sizes_.take(owned.state);
   // A machine that hardly moves is set in motion as gravity would, or the time of the run.
   const double until = run.empty() ? 0.0 : run.back().state.t;
-  turning_ = std::max({turning_, speed_ / length_, std::sqrt(model.gravity.norm() / length_)});
-  if (turning_ == 0.0 && until > 0.0) turning_ = 1.0 / until;
-  speed_ = std::max(speed_, turning_ * length_);
+  sizes_.speed = std::max(sizes_.speed, sizes_.falling);
+  if (sizes_.speed == 0.0 && until > 0.0) sizes_.speed = sizes_.length / until;
+  sizes_.turning = sizes_.speed / sizes_.length;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const VecX shapes = largest_displacements(model.bodies[i]);
+    const VecX& shapes = sizes_.shapes[i];
     for (int mode = 0; mode < model.bodies[i].n_modes(); ++mode) {
-      if (modal_[i](mode) > 0.0) continue;
-      modal_[i](mode) = shapes(mode) > 0.0 ? kQuietDeflection * length_ / shapes(mode) : 0.0;
-      modal_rate_[i](mode) = modal_[i](mode) * turning_;
+      if (sizes_.modal[i](mode) > 0.0) continue;
+      sizes_.modal[i](mode) = shapes(mode) > 0.0 ? kQuietDeflection * sizes_.length / shapes(mode) : 0.0;
+      sizes_.modal_rate[i](mode) = sizes_.modal[i](mode) * sizes_.turning;
     }
   }
 }
@@ -89,15 +75,15 @@ State StatePerturbation::perturb(const State& state, double amplitude) {
   State perturbed = state;
   for (std::size_t i = 1; i < perturbed.bodies.size(); ++i) {
     BodyState& body = perturbed.bodies[i];
-    body.r += amplitude * kMove * length_ * uniform3();
+    body.r += amplitude * kMove * sizes_.length * uniform3();
     const Vec3 turn = amplitude * kTurn * uniform3();
     const Eigen::Quaterniond before(body.p(0), body.p(1), body.p(2), body.p(3));
     const Eigen::Quaterniond after = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * before;
     body.p << after.w(), after.x(), after.y(), after.z();
-    body.v += amplitude * kTurn * speed_ * uniform3();
-    body.omega += amplitude * kTurn * turning_ * uniform3();
-    body.a = within(modal_[i]);
-    body.adot = within(modal_rate_[i]);
+    body.v += amplitude * kTurn * sizes_.speed * uniform3();
+    body.omega += amplitude * kTurn * sizes_.turning * uniform3();
+    body.a = within(sizes_.modal[i]);
+    body.adot = within(sizes_.modal_rate[i]);
   }
   return perturbed;
 }
@@ -109,7 +95,7 @@ std::optional<State> StatePerturbation::perturb_along(const Model& model, Solver
   Chart chart(model, solver, state);
   const VecX ones = VecX::Ones(chart.n());
   const VecX delta = within(amplitude * kMove * ones);
-  return chart.at(delta, chart.rates_at_origin() + within(amplitude * kRate * turning_ * ones));
+  return chart.at(delta, chart.rates_at_origin() + within(amplitude * kRate * sizes_.turning * ones));
 }
 
 namespace {

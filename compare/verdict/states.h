@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/audit/machine_size.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/draws.h"
 
@@ -47,11 +48,7 @@ class StatePerturbation {
   VecX within(const VecX& largest);
 
   Draws draws_;
-  double length_;
-  double speed_ = 0.0;
-  double turning_ = 0.0;
-  std::vector<VecX> modal_;
-  std::vector<VecX> modal_rate_;
+  MachineSize sizes_;
 };
 
 /// What a solver finds in a state; nothing if it refuses the state, as where a spring's ends meet or a frame has turned

@@ -56,7 +56,7 @@ class ResolutionTest : public ::testing::Test {
 
 TEST_F(ResolutionTest, DrawsMoveEveryNumberByRoundOffOfItsKindAndRepeat) {
   const State& state = states_[3].state;
-  const StateSizes sizes = sizes_of(model_, state);
+  const MachineSize sizes(model_, state);
   const State drawn = draw_within_roundoff(state, sizes, 11);
   const BodyState& before = state.bodies[1];
   const BodyState& after = drawn.bodies[1];
@@ -71,7 +71,7 @@ TEST_F(ResolutionTest, DrawsMoveEveryNumberByRoundOffOfItsKindAndRepeat) {
 TEST_F(ResolutionTest, ZeroesAreMovedToo) {
   State state = states_[0].state;
   state.bodies[1].v(1) = 0.0;
-  EXPECT_NE(draw_within_roundoff(state, sizes_of(model_, state), 3).bodies[1].v(1), 0.0);
+  EXPECT_NE(draw_within_roundoff(state, {model_, state}, 3).bodies[1].v(1), 0.0);
 }
 
 TEST_F(ResolutionTest, AWellConditionedMachineResolvesNearlyAllDigits) {
