@@ -1,7 +1,6 @@
 #pragma once
 
-#include <concepts>
-#include <span>
+#include <cstddef>
 #include <string_view>
 
 #include "common/attachment.h"
@@ -14,12 +13,34 @@ namespace concord::elements {
 /// by the same turn, by turns about their own y axis, or not at all.
 enum class EndAxes { any, alike, about_y, fixed };
 
+/// The ends of an element, two or one; the child's comes last.
+template <class T>
+struct Ends {
+  T* first;
+  std::size_t count;
+
+  [[nodiscard]] T* begin() const { return first; }
+  [[nodiscard]] T* end() const { return first + count; }
+  [[nodiscard]] T& front() const { return *first; }
+  [[nodiscard]] T& back() const { return first[count - 1]; }
+  [[nodiscard]] std::size_t size() const { return count; }
+};
+template <class T>
+Ends(T*, std::size_t) -> Ends<T>;
+
 /// Force to one power, times length and time to theirs.
 struct Dimension {
   int force = 0;
   int length = 0;
   int time = 0;
 };
+inline constexpr Dimension kNoUnit{0, 0, 0};
+inline constexpr Dimension kLength{0, 1, 0};
+inline constexpr Dimension kSpeed{0, 1, -1};
+inline constexpr Dimension kForce{1, 0, 0};
+inline constexpr Dimension kTorque{1, 1, 0};
+inline constexpr Dimension kForcePerLength{1, -1, 0};
+inline constexpr Dimension kForcePerSpeed{1, -1, 1};
 
 // What an element's page calls its visitor with. `name`: the key in the model file.
 
@@ -99,17 +120,6 @@ struct Word {
 struct IgnoreQuantity {
   template <class Quantity>
   void operator()(const Quantity& /*quantity*/) const {}
-};
-
-/// What a page must declare.
-template <class Element>
-concept StatesFacts = requires(Element& element, const Element& stated) {
-  { Element::kKey } -> std::convertible_to<std::string_view>;  // the table in the model file
-  { Element::kEndAxes } -> std::convertible_to<EndAxes>;
-  { Element::kSidesAlike } -> std::convertible_to<bool>;                        // parent and child may change places
-  { Element::ends_of(element) } -> std::convertible_to<std::span<Attachment>>;  // the child's comes last
-  { Element::ends_of(stated) } -> std::convertible_to<std::span<const Attachment>>;
-  Element::each_quantity(stated, IgnoreQuantity{});
 };
 
 }  // namespace concord::elements

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -22,12 +20,6 @@ namespace concord {
 /// All kinds. A new one has its page and its place here; what must have a clause for each does not compile without it.
 using AnyElement = std::variant<Load, LineSpring, TurnSpring, Bushing, Tire>;
 
-template <class... Kinds>
-constexpr bool state_facts(std::type_identity<std::variant<Kinds...>> /*all*/) {
-  return (elements::StatesFacts<Kinds> && ...);
-}
-static_assert(state_facts(std::type_identity<AnyElement>{}), "a page lacks facts: common/elements/facts.h lists them");
-
 struct ForceElement {
   std::string name;
   AnyElement what;
@@ -35,8 +27,8 @@ struct ForceElement {
 };
 
 /// Its ends, two or one; the child's comes last.
-std::span<Attachment> ends_of(ForceElement& element);
-std::span<const Attachment> ends_of(const ForceElement& element);
+elements::Ends<Attachment> ends_of(ForceElement& element);
+elements::Ends<const Attachment> ends_of(const ForceElement& element);
 
 /// The element's end on `side`; one with one end has only that of the child, its one body.
 const Attachment* end_of(const ForceElement& element, Side side);
@@ -48,20 +40,11 @@ const std::vector<std::string_view>& element_keys();
 /// Calls `visit` with each quantity of the element, as facts.h has them.
 template <class Element, class Visit>
 void each_quantity(Element& element, const Visit& visit) {
-  std::visit([&](auto& one) { std::remove_cvref_t<decltype(one)>::each_quantity(one, visit); }, element.what);
+  std::visit([&](auto& one) { one.each_quantity(one, visit); }, element.what);
 }
 
-/// What a kind says of itself: `ask` gets it as an object that has only the facts.
-template <class Ask>
-auto fact_of(const ForceElement& element, const Ask& ask) {
-  return std::visit([&](const auto& one) { return ask(std::type_identity<std::remove_cvref_t<decltype(one)>>{}); },
-                    element.what);
-}
-inline elements::EndAxes end_axes_of(const ForceElement& element) {
-  return fact_of(element, []<class Kind>(std::type_identity<Kind>) { return Kind::kEndAxes; });
-}
-inline bool has_sides_alike(const ForceElement& element) {
-  return fact_of(element, []<class Kind>(std::type_identity<Kind>) { return Kind::kSidesAlike; });
-}
+/// What the element's kind says of itself.
+elements::EndAxes end_axes_of(const ForceElement& element);
+bool has_sides_alike(const ForceElement& element);
 
 }  // namespace concord

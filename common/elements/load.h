@@ -22,13 +22,13 @@ struct Load {
   static constexpr bool kSidesAlike = false;
   template <class Self>
   static auto ends_of(Self& self) {
-    return std::span(&self.at, 1);
+    return elements::Ends{&self.at, 1};
   }
   template <class Self, class Visit>
   static void each_quantity(Self& self, const Visit& visit) {
     visit(elements::Word{"axes"});
-    visit(elements::Vector{"force", self.force, {.force = 1}, self.axes == LoadAxes::follower});
-    visit(elements::Vector{"torque", self.torque, {.force = 1, .length = 1}, self.axes == LoadAxes::follower});
+    visit(elements::Vector{"force", self.force, elements::kForce, self.axes == LoadAxes::follower});
+    visit(elements::Vector{"torque", self.torque, elements::kTorque, self.axes == LoadAxes::follower});
     visit(elements::FactorOverTime{"law", self.law});
   }
 };

@@ -36,18 +36,18 @@ struct Tire {
   static constexpr bool kSidesAlike = false;
   template <class Self>
   static auto ends_of(Self& self) {
-    return std::span(&self.wheel, 1);
+    return elements::Ends{&self.wheel, 1};
   }
   template <class Self, class Visit>
   static void each_quantity(Self& self, const Visit& visit) {
     visit(elements::RoadBelow{"road", self.road});
-    visit(elements::Scalar{"radius", self.radius, {.length = 1}});
-    visit(elements::Scalar{"stiffness", self.stiffness, {.force = 1, .length = -1}});
-    visit(elements::Scalar{"damping", self.damping, {.force = 1, .length = -1, .time = 1}});
-    visit(elements::Scalar{"slip_stiffness", self.slip_stiffness, {.force = 1}});
-    visit(elements::Scalar{"cornering_stiffness", self.cornering_stiffness, {.force = 1}});
-    visit(elements::Scalar{"friction", self.friction, {}});
-    visit(elements::Scalar{"speed_scale", self.speed_scale, {.length = 1, .time = -1}});
+    visit(elements::Scalar{"radius", self.radius, elements::kLength});
+    visit(elements::Scalar{"stiffness", self.stiffness, elements::kForcePerLength});
+    visit(elements::Scalar{"damping", self.damping, elements::kForcePerSpeed});
+    visit(elements::Scalar{"slip_stiffness", self.slip_stiffness, elements::kForce});
+    visit(elements::Scalar{"cornering_stiffness", self.cornering_stiffness, elements::kForce});
+    visit(elements::Scalar{"friction", self.friction, elements::kNoUnit});
+    visit(elements::Scalar{"speed_scale", self.speed_scale, elements::kSpeed});
   }
 };
 

@@ -21,7 +21,7 @@ struct TurnSpring {
   static constexpr bool kSidesAlike = false;
   template <class Self>
   static auto ends_of(Self& self) {
-    return std::span(self.ends.data(), 2);
+    return elements::Ends{self.ends.data(), 2};
   }
   template <class Self, class Visit>
   static void each_quantity(Self& self, const Visit& visit) {

@@ -175,7 +175,7 @@ struct Swapping {
     }
     for (std::size_t e = 0; e < elements.size(); ++e) {
       if (!elements[e]) continue;
-      const std::span<Attachment> ends = ends_of(model.elements[e]);
+      const auto ends = ends_of(model.elements[e]);
       std::swap(ends.front(), ends.back());
     }
     return model;

@@ -36,7 +36,7 @@ struct Part {
 
 Attachment& end_in(Model& model, const EndOf& end) {
   if (end.of_joint) return model.joints[end.number].sides[static_cast<std::size_t>(index(end.side))];
-  const std::span<Attachment> ends = ends_of(model.elements[end.number]);
+  const auto ends = ends_of(model.elements[end.number]);
   return end.side == Side::child ? ends.back() : ends.front();
 }
 
