@@ -44,7 +44,7 @@ bool is_mistaken(const Model& model, const std::array<Solver*, 2>& solvers, cons
 std::string why_start_is_unknown(const Model& model, const std::array<State, 2>& starts, const Verdict& verdict) {
   const std::array<const RankReport*, 2> ranks{&verdict.solvers[0].rank, &verdict.solvers[1].rank};
   const RankReport& lower = ranks[0]->smallest_kept < ranks[1]->smallest_kept ? *ranks[0] : *ranks[1];
-  const double apart = distance(starts[0], starts[1], sizes_of(model, starts[0]));
+  const double apart = distance(starts[0], starts[1], {model, starts[0]});
   if (!is_beside_singular(lower) || apart <= kSameClosing || apart > known_from_closing(lower)) return "";
   std::array<Trajectory, 2> runs;
   for (std::size_t who = 0; who < 2; ++who) runs[who].samples = {{starts[who], {}, 0.0}};
