@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -19,31 +18,10 @@ namespace fs = std::filesystem;
 constexpr int kMostLinesOfFile = 400;
 constexpr int kMostLinesOfFunction = 50;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// Every C++ source outside the tests, by its path in the project.
-std::map<std::string, std::string> sources() {
-  const fs::path root = CONCORD_SOURCE;
-  std::map<std::string, std::string> found;
-  for (const char* folder : {"common", "cartesian", "relative", "compare"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
-      const std::string extension = entry.path().extension().string();
-      if (extension != ".cpp" && extension != ".h") continue;
-      found[fs::relative(entry.path(), root).generic_string()] = text_of(entry.path());
-    }
-  }
-  return found;
-}
-
 /// What is longer than its limit: "file" or "file:function", and its lines.
 std::map<std::string, int> too_long() {
   std::map<std::string, int> found;
-  for (const auto& [path, text] : sources()) {
+  for (const auto& [path, text] : sources(CONCORD_SOURCE)) {
     if (count_lines(text) > kMostLinesOfFile) found[path] = count_lines(text);
     for (const FunctionSize& one : function_sizes(text)) {
       if (one.lines > kMostLinesOfFunction) found[path + ":" + one.name] = one.lines;
@@ -96,7 +74,7 @@ TEST(Sizes, TheListNamesNothingThatFits) {
 
 TEST(Sizes, TheScannerFindsTheFunctionsOfTheProject) {
   int count = 0;
-  for (const auto& [path, text] : sources()) count += static_cast<int>(function_sizes(text).size());
+  for (const auto& [path, text] : sources(CONCORD_SOURCE)) count += static_cast<int>(function_sizes(text).size());
   EXPECT_GT(count, 3000) << "fewer functions than the project has: the scanner misses some";
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <regex>
+#include <sstream>
 
 namespace concord::layout {
 
@@ -195,6 +197,26 @@ std::vector<FunctionSize> function_sizes(std::string_view source) {
 int count_lines(std::string_view source) {
   const auto ends = static_cast<int>(std::count(source.begin(), source.end(), '\n'));
   return ends + (source.empty() || source.back() == '\n' ? 0 : 1);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::map<std::string, std::string> sources(const std::filesystem::path& root) {
+  namespace fs = std::filesystem;
+  std::map<std::string, std::string> found;
+  for (const char* folder : {"common", "cartesian", "relative", "compare"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".cpp" && extension != ".h") continue;
+      found[fs::relative(entry.path(), root).generic_string()] = text_of(entry.path());
+    }
+  }
+  return found;
 }
 
 }  // namespace concord::layout

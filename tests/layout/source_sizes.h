@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,5 +23,10 @@ std::string without_texts(std::string_view source);
 std::vector<FunctionSize> function_sizes(std::string_view source);
 
 int count_lines(std::string_view source);
+
+std::string text_of(const std::filesystem::path& file);
+
+/// Every C++ source of the project outside the tests, by its path in the project.
+std::map<std::string, std::string> sources(const std::filesystem::path& root);
 
 }  // namespace concord::layout
