@@ -18,7 +18,7 @@ namespace {
 /// measured there.
 void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure& closure,
                   const std::vector<int>& columns) {
-  constexpr int kMostSteps = 400;
+  constexpr int kMostTries = 400;
   constexpr double kFarthest = 0.5;  // rad, or of the length
   constexpr double kLeastDamping = 1e-3;
   constexpr double kMostDamping = 1e6;
@@ -29,7 +29,7 @@ void come_nearest(const ScaledClosure& scaled, Coordinates& coordinates, Closure
   };
   double sum = sum_at(coordinates);
   double damping = kLeastDamping;
-  for (int iteration = 0; iteration < kMostSteps && sum < HUGE_VAL && damping < kMostDamping; ++iteration) {
+  for (int iteration = 0; iteration < kMostTries && sum < HUGE_VAL && damping < kMostDamping; ++iteration) {
     VecX step = smallest_step(scaled, closure, columns, closure.position_residual(), damping);
     const double farthest = largest_entry(step);
     if (farthest < kStands) break;
