@@ -85,7 +85,7 @@ PlacedConstraints& Projection::project_positions(const Equations& equations, Aug
     placed = &constraints_->place(q);
     placed->write_residual(t, residual_);
     const double last = size;
-    size = largest_residual(equations, residual_, shares_);
+    size = largest_residual(equations, residual_, &shares_.terms);
     if (size <= kProjected || (size < kProjectionLimit && size > 0.5 * last)) return *placed;
     solve_constraint_step(of_positions);
     equations.layout().displace(step_, q);
@@ -104,7 +104,7 @@ void Projection::project_velocities(PlacedConstraints& placed, const Equations& 
   for (int step = 0; step < kMostProjections; ++step) {
     placed.move(Y).write_velocity_residual(t, residual_);
     const double last = size;
-    size = largest_velocity_residual(equations, residual_);
+    size = largest_residual(equations, residual_);
     velocity_residual_left_ = size / speed;
     if (size <= kProjected * speed || (size < kProjectionLimit * speed && size > 0.5 * last)) return;
     solve_constraint_step(matrix);

@@ -68,31 +68,16 @@ void measure_round_off(const Equations& equations, double t, const Eigen::Ref<co
   }
 }
 
-double largest_residual(const Equations& equations, const VecX& residual, const RoundOffShares& shares) {
+double largest_residual(const Equations& equations, const VecX& residual, const VecX* shares) {
   const VecX& sizes = equations.row_sizes();
   double largest = 0.0;
   for (const RowIndex row : equations.constraints().rows()) {
-    const double own = std::abs(residual(row.value)) / (divisor(sizes, row) * shares.terms(row.value));
+    const double share = shares != nullptr ? (*shares)(row.value) : 1.0;
+    const double own = std::abs(residual(row.value)) / (divisor(sizes, row) * share);
     if (std::isnan(own)) return own;
     largest = std::max(largest, own);
   }
   return largest;
-}
-
-double largest_velocity_residual(const Equations& equations, const VecX& velocity_residual) {
-  const VecX& sizes = equations.row_sizes();
-  double largest = 0.0;
-  for (const RowIndex row : equations.constraints().rows()) {
-    const double own = std::abs(velocity_residual(row.value)) / divisor(sizes, row);
-    if (std::isnan(own)) return own;
-    largest = std::max(largest, own);
-  }
-  return largest;
-}
-
-double largest_velocity_residual_by_reach(const Equations& equations, const VecX& velocity_residual,
-                                          const RoundOffShares& shares) {
-  return largest_velocity_residual(equations, velocity_residual.cwiseQuotient(shares.reaches));
 }
 
 std::string name_of_largest(const Equations& equations, const VecX& residual) {

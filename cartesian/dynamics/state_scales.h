@@ -26,14 +26,10 @@ double reach_of(const Equations& equations, const Eigen::Ref<const VecX>& q);
 /// At the last update, which was at time t and positions q, or for positions q that are as near as round-off.
 void measure_round_off(const Equations& equations, double t, const Eigen::Ref<const VecX>& q, RoundOffShares& shares);
 
-/// The largest residual of positions by row sizes and shares of round-off (C45).
-double largest_residual(const Equations& equations, const VecX& residual, const RoundOffShares& shares);
-/// The largest residual of velocities by row sizes [1/s].
-double largest_velocity_residual(const Equations& equations, const VecX& velocity_residual);
-/// The same; rows that read places by the distance from the origin besides: round-off of places stands between the
-/// points of a joint and turns with them.
-double largest_velocity_residual_by_reach(const Equations& equations, const VecX& velocity_residual,
-                                          const RoundOffShares& shares);
+/// The largest residual of positions, or of velocities [1/s], by row sizes and, with `shares` given, by these: terms
+/// for positions (C45); reaches for velocities of a state that is handed over, where round-off of places stands between
+/// the points of a joint and turns with them.
+double largest_residual(const Equations& equations, const VecX& residual, const VecX* shares = nullptr);
 /// The joint or coupling of the largest of these residuals by row sizes.
 std::string name_of_largest(const Equations& equations, const VecX& residual);
 

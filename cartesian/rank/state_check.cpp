@@ -70,8 +70,8 @@ void refuse_open(const Equations& equations, const State& state, const VecX& q, 
   RoundOffShares shares(equations.constraints());
   measure_round_off(equations, state.t, q, shares);
   allow_round_off_of_turns(equations, state, shares);
-  const double position_residual = largest_residual(equations, equations.residual(), shares);
-  const double rate = largest_velocity_residual_by_reach(equations, equations.velocity_residual(), shares);
+  const double position_residual = largest_residual(equations, equations.residual(), &shares.terms);
+  const double rate = largest_residual(equations, equations.velocity_residual(), &shares.reaches);
   const double allowed_rate = kClosureAllowed * largest_rate(equations, state.t, Y);
   double stretch = 0.0;
   for (const BodyState& body : state.bodies) stretch = std::max(stretch, std::abs(body.p.norm() - 1.0));

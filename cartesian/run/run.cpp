@@ -225,8 +225,8 @@ class Run {
 
   /// At the last update: rows by their sizes, velocities by the largest speed.
   void note_residuals(SolverStatistics& statistics) const {
-    double largest = largest_residual(equations_, equations_.residual(), shares_);
-    const double rate = largest_velocity_residual(equations_, equations_.velocity_residual());
+    double largest = largest_residual(equations_, equations_.residual(), &shares_.terms);
+    const double rate = largest_residual(equations_, equations_.velocity_residual());
     if (rate > 0.0) largest = std::max(largest, rate / largest_rate(equations_, equations_.time(), motion_.Y));
     statistics.max_constraint = std::max(statistics.max_constraint, largest);
   }
