@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/solver.h"
+#include "compare/verdict/modal_sizes.h"
 
 /// Local coordinates of a machine about a closed state: the ground on which analyses differentiate.
 namespace concord::compare {
@@ -86,14 +87,6 @@ class Chart {
   MatX V_;
   int n_modal_ = 0;
 };
-
-/// What a unit of each modal coordinate of a body deflects a mass point by at most [m]; 1 for a mode that deflects
-/// none.
-VecX largest_deflections(const Body& body);
-
-/// How far a unit of each modal coordinate of a body moves it at most: a mass point, of the machine's length, or a
-/// frame to which a joint or a force element is attached, in rad, as torsion does that hardly moves a point.
-VecX modal_sizes(const Model& model, std::size_t body);
 
 /// Accelerations of bodies 1, 2, ... in the chart's scaled rows [1/s2].
 VecX scaled_accelerations(const Model& model, const Evaluation& evaluation);

@@ -8,7 +8,7 @@
 
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
-#include "compare/verdict/chart.h"
+#include "compare/verdict/modal_sizes.h"
 
 namespace concord::compare {
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "compare/verdict/refinement.h"
-
 namespace concord::compare {
 
 std::string to_string(Outcome outcome) {
