@@ -11,7 +11,8 @@
 #include "compare/verdict/verdict.h"
 
 /// The comparability horizon of a sensitive motion: how long two integrations of it can agree at all. It is taken from
-/// each solver alone, from two of its own runs with neighbouring starts, never from what the solvers differ by.
+/// each solver alone, from two of its own runs with neighbouring starts, never from what the solvers differ by. Needed
+/// by data/models/double_pendulum_3d.toml over 12 s: without it none of them is judged.
 namespace concord::compare {
 
 /// The solvers' horizons agree within this part of the longer one, or a sample.

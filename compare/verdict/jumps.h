@@ -10,7 +10,8 @@
 #include "compare/verdict/observe.h"
 #include "compare/verdict/refinement.h"
 
-/// Samples that fall on the instant at which a law of force jumps, as where a wheel leaves the edge of a bump.
+/// Samples that fall on the instant at which a law of force jumps, as where a wheel leaves the edge of a bump: needed
+/// by these (tests/verification/events_at_samples_test).
 namespace concord::compare {
 
 /// Finds the samples of a series in which each solver stands on another side of a jump, by round-off, so that the

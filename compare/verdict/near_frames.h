@@ -10,6 +10,8 @@
 
 /// Parts that a CAD program exports in the frame of the whole assembly lie far from their own frames. About such a
 /// frame the moment of inertia is that of the lever, m d^2, beside which the body's own drowns.
+/// Needed by such parts: a door latch in the frame of its car ran for minutes (tests/verification/far_frames_test), and
+/// tests/faults/machine_far.toml.
 namespace concord::compare {
 
 /// A machine whose bodies are all described in frames that lie in them or beside them, and the way back. A frame is

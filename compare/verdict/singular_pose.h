@@ -9,7 +9,8 @@
 
 /// Whether a pose is singular: the comparator's one answer, from the ranks that both solvers report of their
 /// constraints. The audit counts for itself (compare/audit/machine_rank), and whether a motion passes a singular pose
-/// between two others is another question (compare/analyses/branch).
+/// between two others is another question (compare/analyses/branch). Needed by locked triangles, which would differ
+/// (tests/verification/contradicting_rows_test).
 namespace concord::compare {
 
 /// The reports of both solvers in the same states.

@@ -4,7 +4,8 @@
 
 #include "common/solver.h"
 
-/// What becomes of a run that is too stiff for its integrator.
+/// What becomes of a run that is too stiff for its integrator. Needed by a wheel that rests on its tire: 24 million
+/// evaluations in 3 s by the first one, 4395 by the second.
 namespace concord::compare {
 
 /// Which integrator made a run, and a note if it is another than the one that was tried first.
