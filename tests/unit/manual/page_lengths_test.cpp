@@ -67,7 +67,7 @@ std::vector<Paragraph> paragraphs_of(const std::vector<std::string>& lines) {
 }
 
 /// Of a row of a table, outside code blocks.
-std::vector<std::string> cells_of(const std::string& row) {
+std::vector<std::string> trimmed_cells_of(const std::string& row) {
   std::vector<std::string> cells;
   std::istringstream in(row.substr(1));
   for (std::string cell; std::getline(in, cell, '|');) cells.push_back(without_blanks_around(cell));
@@ -106,7 +106,7 @@ TEST(PageLengths, CellsOfTablesAreShort) {
       ++number;
       if (line.rfind("```", 0) == 0) is_code = !is_code;
       if (is_code || line.rfind('|', 0) != 0) continue;
-      for (const std::string& cell : cells_of(line)) {
+      for (const std::string& cell : trimmed_cells_of(line)) {
         ++cells;
         EXPECT_LE(cell.size(), kLongestCell) << name_of(page) << ':' << number << ": " << cell;
       }
@@ -123,7 +123,7 @@ TEST(PageLengths, AreCounted) {
   EXPECT_EQ(words_of(found[0].text), 3U);
   EXPECT_EQ(words_of(found[1].text), 3U);
   EXPECT_EQ(found[2].line, 10U);
-  EXPECT_EQ(cells_of("| one | two three |"), (std::vector<std::string>{"one", "two three"}));
+  EXPECT_EQ(trimmed_cells_of("| one | two three |"), (std::vector<std::string>{"one", "two three"}));
 }
 
 }  // namespace
