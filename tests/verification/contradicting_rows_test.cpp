@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "closed_forms.h"
+#include "compare/equilibrium/started_machine.h"
 #include "judged_machines.h"
 
 /// Poses in which constraints depend on each other by accident, and ask for accelerations that contradict each other.
@@ -109,6 +110,37 @@ until = 0.04
   return parse_model(fmt::format(text, first, 0.1 + ground, second), "locked_triangle.toml");
 }
 
+/// A tilted four-bar of hinges, one of whose axes has lost its last digits.
+Model rounded_four_bar() {
+  const auto bar = [](const std::string& name, double length) {
+    return fmt::format(R"([[body]]
+name = "{}"
+mass = 0.9
+center_of_mass = [0.01, {}, {}]
+inertia = [0.002, 0.005, 0.0055]
+)",
+                       name, 0.4 * length, 0.3 * length);
+  };
+  const auto at = [](double along, const std::string& z = "[1, 2, -2]") {
+    return fmt::format("point = [0, {0}, {0}], x = [0, 1, 1], z = {1}", along, z);
+  };
+  const auto hinge = [](const std::string& name, const std::string& parent, const std::string& child) {
+    return fmt::format(R"([[joint]]
+name = "{}"
+type = "revolute"
+parent = {{ body = {} }}
+child = {{ body = {} }}
+start.turn_z = {{ {} }}
+)",
+                       name, parent, child, name == "A" ? "keep = 0.0, keep_speed = 3" : "guess = 1.0");
+  };
+  return parse("format = 1\ngravity = [0.3, -9.8, 0.5]\n" + bar("crank", 0.14) + bar("coupler", 0.42) +
+               bar("rocker", 0.28) + hinge("A", "\"ground\", " + at(0.0), "\"crank\", " + at(0.0)) +
+               hinge("B", "\"crank\", " + at(0.07), "\"coupler\", " + at(0.0, "[1.000003, 2, -2]")) +
+               hinge("C", "\"coupler\", " + at(0.21), "\"rocker\", " + at(0.14)) +
+               hinge("D", "\"ground\", " + at(0.21), "\"rocker\", " + at(0.0)));
+}
+
 }  // namespace
 
 TEST_CASE("Beside the singular pose in which a loop is locked no state is judged, and no difference is told",
@@ -176,6 +208,11 @@ until = 0.1
     }
     CHECK_NOTHROW(solver->evaluate(state));
   }
+}
+
+TEST_CASE("A loop of hinges that one rounded axis locks is refused with the angle that it is off", "[quick]") {
+  CHECK_THROWS_WITH(compare::StartedMachine(rounded_four_bar(), kMakers),
+                    Catch::Contains("e-07 rad about (") && Catch::Contains("of its frame on the parent"));
 }
 
 }  // namespace concord::verification
