@@ -83,15 +83,11 @@ class Loads {
     return size;
   }
 
+  /// What a force element exerts follows from the state alone: nothing cancels in it but what draws of the state show.
   [[nodiscard]] double force_on(const Quantity& quantity) const {
     if (quantity.kind == Kind::body_sum) return forces_[quantity.owner];
-    if (quantity.kind != Kind::element) return on_joint(quantity.owner);
-    double size = 0.0;
-    for (const Side side : kSides) {
-      const Attachment* end = end_of(model_.elements[quantity.owner], side);
-      if (end != nullptr) size = std::max(size, forces_[end->body]);
-    }
-    return size;
+    if (quantity.kind == Kind::element) return 0.0;
+    return on_joint(quantity.owner);
   }
 
   const Model& model_;

@@ -87,7 +87,7 @@ TEST_F(AssembleBoth, StartsThatClosingKnowsNoBetterThanTheyDifferAreRefusedBesid
   EXPECT_THAT(verdict_.failures,
               ElementsAre("the start is beside a singular pose: one of the independent constraints has a relative "
                           "singular value of 9.0e-07 there (need 1e-06), so that closing knows few digits of it, and "
-                          "the starts of both solvers differ by 1.0e-07 of their size, most in the angular velocity "
+                          "the starts of both solvers differ by 8.3e-08 of their size, most in the angular velocity "
                           "of bob: start farther from that pose"));
 }
 
