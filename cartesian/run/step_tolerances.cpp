@@ -117,11 +117,11 @@ VecX StepTolerances::measure_round_off(const MotionState& start) {
   const auto accelerations_at = [&](const VecX& q) -> VecX {
     return dynamics_.solve_at(0.0, q, start.Y, Pivots::fresh).Ydot();
   };
+  const VecX exact = accelerations_at(start.q);
   const VecX units = dynamics_.equations().units();
   const VecX sizes = sizes_of_places(start.q);
   VecX round_off(layout_.n_q() + layout_.n_Y());
   round_off << kTwoRoundOffs * sizes, VecX::Zero(layout_.n_Y());
-  const VecX exact = accelerations_at(start.q);
   VecX noise = VecX::Zero(layout_.n_Y());
   for (int pattern = 1; pattern <= 3; ++pattern) {
     VecX q = start.q;
