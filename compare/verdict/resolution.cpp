@@ -85,22 +85,27 @@ State draw_within_roundoff(const State& state, const MachineSize& sizes, std::ui
 
 namespace {
 
-/// Of one state: the largest change of each quantity over the draws.
+/// Of one state: the largest change of each quantity, as drawn and as closed by a solver.
 class StateResolution {
  public:
-  StateResolution(const QuantityLayout& layout, const SharedState& shared, UniqueRows unique, std::uint64_t seed)
-      : layout_(layout), unique_(std::move(unique)) {
-    const MachineSize sizes(layout.model(), shared.state);
+  StateResolution(const QuantityLayout& layout, const SharedState& shared, UniqueRows unique, std::uint64_t seed,
+                  Resolution& result)
+      : layout_(layout),
+        shared_(shared),
+        unique_(std::move(unique)),
+        sizes_(layout.model(), shared.state),
+        seed_(seed),
+        result_(result) {
     for (int draw = 0; draw < kDraws; ++draw) {
-      drawn_.push_back(draw_within_roundoff(shared.state, sizes, seed + static_cast<std::uint64_t>(draw)));
+      drawn_.push_back(draw_within_roundoff(shared.state, sizes_, seed + static_cast<std::uint64_t>(draw)));
     }
   }
 
   /// Why the state is singular within round-off; empty if it is not.
   [[nodiscard]] const std::string& singular() const { return singular_; }
 
-  /// Of a solver that said this in the state itself; nothing if too few draws were valid.
-  std::optional<VecX> of(Solver& solver, const VecX& said) {
+  /// Over the draws; nothing if too few were valid.
+  std::optional<VecX> of_draws(Solver& solver, const VecX& said) {
     VecX change = VecX::Zero(said.size());
     int valid = 0;
     for (const State& drawn : drawn_) {
@@ -110,11 +115,40 @@ class StateResolution {
       ++valid;
     }
     if (valid < kFewestDraws) return std::nullopt;
+    return change;
+  }
+
+  /// How often the accelerations hold the round-off of the state, by the change over its draws: as often as the
+  /// constraints are nearer to losing rank than to being orthogonal. Of a machine at rest those count that gravity
+  /// would give it.
+  [[nodiscard]] double amplification(const VecX& said, const VecX& change) const {
+    const double length = layout_.model().length_scale();
+    double size = layout_.model().gravity.norm();
+    double moved = 0.0;
+    for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
+      const Quantity& one = layout_.quantities()[row];
+      if (one.kind != Kind::acceleration || one.component >= 6) continue;
+      const double unit = one.component < 3 ? 1.0 : length;
+      size = std::max(size, unit * std::abs(said(static_cast<Eigen::Index>(row))));
+      moved = std::max(moved, unit * change(static_cast<Eigen::Index>(row)));
+    }
+    return size > 0.0 ? moved / (kEps * size) : 0.0;
+  }
+
+  /// Over closings too.
+  VecX with_closings(Solver& solver, const VecX& said, VecX change, double amplification) {
+    // Places are known to round-off times the amplification, velocities to as much more.
+    const double allowed =
+        std::max(kSameClosing, std::min(kWithinResolution * kEps * amplification * amplification, kElsewhere));
+    take_closing(solver, said, allowed, change);
+    if (amplification > kIllConditioned) take_pairs_of_closings(solver, said, allowed, change);
     take_largest_of_blocks(layout_, unique_, change);
     return change;
   }
 
  private:
+  static constexpr double kElsewhere = 1e-4;  // no round-off, however ill-conditioned the closing is
+
   std::optional<VecX> answer(Solver& solver, const State& state) {
     try {
       VecX values = layout_.observe(state, solver.evaluate(state));
@@ -126,8 +160,40 @@ class StateResolution {
     return std::nullopt;
   }
 
+  std::optional<VecX> answer_closed(Solver& solver, const State& state, double allowed) {
+    const auto closed = solver.close(state);
+    if (!closed) return std::nullopt;
+    if (distance(*closed, shared_.state, sizes_) <= allowed) return answer(solver, *closed);
+    ++result_.closings_left_out;
+    return std::nullopt;
+  }
+
+  void take_closing(Solver& solver, const VecX& said, double allowed, VecX& change) {
+    if (const auto moved = answer_closed(solver, shared_.state, allowed)) {
+      change = change.cwiseMax((*moved - said).cwiseAbs());
+    }
+  }
+
+  /// A state that closes is left as it is, and where it stands then is one draw of what the round-off of residuals
+  /// does. Others are the states in which a solver closes from opposite sides: the mean of the answers there holds
+  /// nothing of the sides.
+  void take_pairs_of_closings(Solver& solver, const VecX& said, double allowed, VecX& change) {
+    constexpr int kPairs = 3;
+    constexpr double kSide = 64.0;  // units of round-off
+    for (int pair = 0; pair < kPairs; ++pair) {
+      const std::uint64_t seed = seed_ + static_cast<std::uint64_t>(kDraws + pair);
+      const auto one = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, kSide), allowed);
+      const auto other = answer_closed(solver, draw_within_roundoff(shared_.state, sizes_, seed, -kSide), allowed);
+      if (one && other) change = change.cwiseMax((0.5 * (*one + *other) - said).cwiseAbs());
+    }
+  }
+
   const QuantityLayout& layout_;
+  const SharedState& shared_;
   UniqueRows unique_;
+  MachineSize sizes_;
+  std::uint64_t seed_;
+  Resolution& result_;
   std::vector<State> drawn_;
   std::string singular_;
 };
@@ -152,16 +218,23 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
   for (Eigen::Index row = 0; row < rows; ++row) scales(row) = measured[static_cast<std::size_t>(row)].scale;
   for (Eigen::Index column = 0; column < columns; ++column) {
     const SharedState& shared = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, shared, unique.col(column), seed_of(seed, column));
-    bool is_known = true;
+    StateResolution one(layout, shared, unique.col(column), seed_of(seed, column), result);
+    std::array<VecX, 2> said;
+    std::array<std::optional<VecX>, 2> change;
+    double amplification = HUGE_VAL;  // that of the solver that knows better: what the machine has
     for (const Who who : {Who::cartesian, Who::relative}) {
-      const VecX said = layout.observe(shared.state, shared.evaluations[index(who)]);
-      const auto change = one.of(*solvers[index(who)], said);
-      if (change) result.own[index(who)].col(column) = *change;
-      is_known = is_known && change;
+      said[index(who)] = layout.observe(shared.state, shared.evaluations[index(who)]);
+      change[index(who)] = one.of_draws(*solvers[index(who)], said[index(who)]);
+      if (!change[index(who)]) continue;
+      amplification = std::min(amplification, one.amplification(said[index(who)], *change[index(who)]));
+    }
+    for (const Who who : {Who::cartesian, Who::relative}) {
+      if (!change[index(who)]) continue;
+      result.own[index(who)].col(column) =
+          one.with_closings(*solvers[index(who)], said[index(who)], *change[index(who)], amplification);
     }
     result.singular.push_back(one.singular());
-    if (!is_known) {
+    if (!change[0] || !change[1]) {
       ++result.unknown_states;
       continue;
     }
@@ -173,13 +246,16 @@ Resolution measure_resolution(const QuantityLayout& layout, const std::array<Sol
 
 MatX measure_own_resolution(const QuantityLayout& layout, Solver& solver, Who who,
                             const std::vector<SharedState>& states, const Mask& unique, std::uint64_t seed) {
+  Resolution counts;
   MatX own = MatX::Constant(static_cast<Eigen::Index>(layout.quantities().size()),
                             static_cast<Eigen::Index>(states.size()), kUnknown);
   for (Eigen::Index column = 0; column < own.cols(); ++column) {
     const SharedState& state = states[static_cast<std::size_t>(column)];
-    StateResolution one(layout, state, unique.col(column), seed_of(seed, column));
+    StateResolution one(layout, state, unique.col(column), seed_of(seed, column), counts);
     const VecX said = layout.observe(state.state, state.evaluations[index(who)]);
-    if (const auto change = one.of(solver, said)) own.col(column) = *change;
+    if (const auto change = one.of_draws(solver, said)) {
+      own.col(column) = one.with_closings(solver, said, *change, one.amplification(said, *change));
+    }
   }
   return own;
 }

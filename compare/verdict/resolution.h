@@ -11,15 +11,19 @@
 #include "compare/verdict/align.h"
 
 /// What double precision resolves of each quantity in each state, measured: how far a solver's answer moves when the
-/// state moves by round-off. A difference between the solvers that is no larger than a few resolutions is round-off;
-/// one that is larger is not.
+/// state moves by round-off, and when the solver closes it again. A difference between the solvers that is no larger
+/// than a few resolutions is round-off; one that is larger is not.
 namespace concord::compare {
 
 inline constexpr int kDraws = 5;
 /// With fewer valid draws the resolution of a state is unknown there.
 inline constexpr int kFewestDraws = 3;
-/// A closing that moves a state by more than this (relative to the sizes that draws have) found another state.
+/// A closing that moves the state by more than this (relative to the sizes that draws have), and by more than what the
+/// round-off of the constraints explains there, found another state.
 inline constexpr double kSameClosing = 1e-11;
+/// Where accelerations hold round-off of the state more often than this, the places that close are less well known than
+/// the numbers of a state, and one closing does not tell how much less.
+inline constexpr double kIllConditioned = 30.0;
 
 /// The tightest integration holds a motion to 1e-13 of its size (kTightestRepeat): so many units of round-off of a
 /// state does its end differ by.
@@ -31,7 +35,8 @@ struct Resolution {
   MatX both;
   /// Of each solver alone, without the floor.
   std::array<MatX, 2> own;
-  /// States with too few valid draws.
+  /// Closings that were left out because they found another state, and states with too few valid draws.
+  int closings_left_out = 0;
   int unknown_states = 0;
   /// Of each state why it is singular within round-off, in the words of a solver that refuses a draw as a singular
   /// pose; empty for all others.
@@ -46,10 +51,10 @@ double distance(const State& one, const State& other, const MachineSize& sizes);
 /// seed; by the opposite numbers of units, if they are negative.
 State draw_within_roundoff(const State& state, const MachineSize& sizes, std::uint64_t seed, double units = 1.0);
 
-/// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers. Over the three
-/// components of a force, torque or acceleration the largest of those that are `unique` in the state (rows of the
-/// layout, columns: states); plus the floor, a unit of round-off of the larger of the scale (`measured`, one for each
-/// quantity) and of the terms.
+/// Measures the resolution in every state: the largest change over kDraws draws, handed to both solvers, and over a
+/// closing by each; near singular poses, over closings from nearby. Over the three components of a force, torque or
+/// acceleration the largest of those that are `unique` in the state (rows of the layout, columns: states); plus the
+/// floor, a unit of round-off of the larger of the scale (`measured`, one for each quantity) and of the terms.
 Resolution measure_resolution(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers,
                               const std::vector<SharedState>& states, const Mask& unique,
                               const std::vector<Measured>& measured, std::uint64_t seed);

@@ -117,6 +117,10 @@ void SameState::note_resolution() {
                     "judged there by the need alone",
                     weighed_.resolution.unknown_states, weighed_.states.size(), kFewestDraws, kDraws));
   }
+  if (weighed_.resolution.closings_left_out > 0) {
+    verdict_.notes.push_back(fmt::format("resolution: {} closings found another state and were left out",
+                                         weighed_.resolution.closings_left_out));
+  }
 }
 
 }  // namespace concord::compare

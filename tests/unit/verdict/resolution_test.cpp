@@ -77,6 +77,7 @@ TEST_F(ResolutionTest, ZeroesAreMovedToo) {
 TEST_F(ResolutionTest, AWellConditionedMachineResolvesNearlyAllDigits) {
   const Resolution resolution = measure_all();
   EXPECT_EQ(resolution.unknown_states, 0);
+  EXPECT_EQ(resolution.closings_left_out, 0);
   const double force = states_[0].evaluations[0].joints[0].total_on(Side::child).in_C.force.norm();
   EXPECT_TRUE((resolution.both.array() > 0.0).all());
   EXPECT_LT(resolution.both.row(row(0)).maxCoeff(), 1e-13 * force);
