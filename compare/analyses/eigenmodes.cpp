@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/decompositions.h"
+#include "compare/analyses/slow_modes.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/draws.h"
 
@@ -213,29 +214,6 @@ int FoundModes::count_free() const {
   return static_cast<int>(moving_free + free_places.cols() + free_rates.cols());
 }
 
-namespace {
-
-/// Free rates whose decay is not resolved are taken for steady ones. Modes that are hardly faster than such a decay
-/// feel it: one that does not solve lambda^2 x = A x + lambda B x is not resolved.
-void mark_slow_modes(const MotionMatrices& matrices, FoundModes& found) {
-  constexpr double kSlow = 1e3;  // times what is resolved of a decay
-  constexpr double kOpen = 1e-9;
-  constexpr double kRoundOff = 1e-13;
-  for (Mode& mode : found.moving) {
-    const Complex value = mode.eigenvalue;
-    if (mode.is_free || std::abs(value) >= kSlow * found.resolution) continue;
-    const Eigen::VectorXcd pull = matrices.A * mode.coordinates;
-    const Eigen::VectorXcd drag = value * (matrices.B * mode.coordinates);
-    const double terms = std::norm(value) + pull.norm() + drag.norm();
-    const double sizes = std::norm(value) + matrices.A.norm() + std::abs(value) * matrices.B.norm();
-    if ((value * value * mode.coordinates - pull - drag).norm() <= kOpen * terms + kRoundOff * sizes) continue;
-    mode.eigenvalue_resolution = std::abs(value);
-    mode.shape_resolution = 1.0;
-  }
-}
-
-}  // namespace
-
 FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, const MotionMatrices& errors) {
   const StiffnessSplit split(search.chart, {matrices.A, errors.A}, search.scale, VecX::Zero(search.chart.n()),
                              search.strictness);
@@ -264,7 +242,7 @@ FoundModes find_modes(const ModeSearch& search, const MotionMatrices& matrices, 
     set_shape(search.chart, pairs.vectors.col(k), mode);
     found.moving.push_back(std::move(mode));
   }
-  if (found.free_rates.cols() > 0 && !search.is_undamped) mark_slow_modes(matrices, found);
+  if (found.free_rates.cols() > 0 && !search.is_undamped) refine_slow_modes(search.chart, matrices, found);
   return found;
 }
 

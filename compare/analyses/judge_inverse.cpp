@@ -30,8 +30,8 @@ double scale_of(const QuantityLayout& layout, const State& state, const std::arr
   constexpr double kPartOfSpeed = 1e-5;
   const Model& model = layout.model();
   const Evaluation& there = found[0];
-  double scale =
-      std::max(scaled_accelerations(model, there).lpNorm<Eigen::Infinity>(), reference_acceleration(model, there));
+  double scale = std::max(scaled_accelerations(model, there).lpNorm<Eigen::Infinity>(),
+                          reference_acceleration(model, state, there));
   for (const BodyState& body : state.bodies) {
     const double of_speed = body.v.squaredNorm() / (model.length_scale() * model.length_scale());
     scale = std::max({scale, kPartOfSpin * body.omega.squaredNorm(), kPartOfSpeed * of_speed});

@@ -11,6 +11,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
+#include "compare/equilibrium/other_rests.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
@@ -304,7 +305,7 @@ Rests rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result)
     require_arrived(found[index(who)], solvers[index(who)]->name(), result);
   }
   if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
-    refuse_undetermined_rest(model, solvers, rests);
+    refuse_undetermined_rest(model, solvers, found);
   }
   return rests;
 }

@@ -15,8 +15,38 @@ namespace concord::compare {
 
 namespace {
 
+/// What springs, actuators and couplings exert on the speeds of joint k, as forces [N]: the sum of their sizes, though
+/// they may cancel.
+double force_of_laws(const Model& model, std::size_t k, const State& state, const Evaluation& evaluation) {
+  const Joint& joint = model.joints[k];
+  VecX sizes = coupled_tau(model, static_cast<int>(k), evaluation.couplings).cwiseAbs();
+  if (!joint.springs.empty()) {
+    const std::vector<LawOfForce> laws = laws_of_springs(joint);
+    const VecX tau = tau_by_laws(joint, laws, motion_of(model, k, state), state.t);
+    sizes += tau.array().isNaN().select(VecX::Zero(tau.size()), tau.cwiseAbs());
+  }
+  const std::vector<bool> turns = turning_speeds(*joint.type);
+  double sum = 0.0;
+  for (Eigen::Index c = 0; c < sizes.size(); ++c) {
+    sum += sizes(c) / (turns[static_cast<std::size_t>(c)] ? model.length_scale() : 1.0);
+  }
+  return sum;
+}
+
+/// What strain exerts on a body's mass, as a force that would move it as much as the modes [N].
+double force_of_strain(const Body& body, const BodyState& state) {
+  if (!body.modal) return 0.0;
+  const VecX modal = (body.modal->stiffness * state.a).cwiseAbs();
+  const VecX masses = modal_masses(*body.modal);
+  double sum = 0.0;
+  for (Eigen::Index m = 0; m < modal.size(); ++m) {
+    if (masses(m) > 0.0) sum += modal(m) * std::sqrt(mass_of(body) / masses(m));
+  }
+  return sum;
+}
+
 /// Sums of forces on each body [N]; a torque counts as its force at the machine's length.
-std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evaluation) {
+std::vector<double> forces_on_bodies(const Model& model, const State& state, const Evaluation& evaluation) {
   std::vector<double> forces(model.bodies.size(), 0.0);
   const auto add = [&](int body, const Wrench& wrench) {
     forces[body] += std::max(wrench.force.norm(), wrench.torque.norm() / model.length_scale());
@@ -30,6 +60,11 @@ std::vector<double> forces_on_bodies(const Model& model, const Evaluation& evalu
       if (end != nullptr) add(end->body, evaluation.elements[k].on_side(side).in_C);
     }
   }
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    const double of_laws = force_of_laws(model, k, state, evaluation);
+    for (const Side side : {Side::parent, Side::child}) forces[model.joints[k].on(side).body] += of_laws;
+  }
+  for (std::size_t i = 1; i < forces.size(); ++i) forces[i] += force_of_strain(model.bodies[i], state.bodies[i]);
   return forces;
 }
 
@@ -77,15 +112,13 @@ MatX inertia_of(const Model& model, const Chart& chart) {
 }
 
 /// What a unit of force on each body, at its origin or as a torque at the machine's length, causes in the chart's
-/// coordinates at most, one by one [1/(kg m)]: no more than it causes of the body alone.
+/// coordinates at most, one by one [1/(kg m)].
 std::vector<VecX> responses_to_forces(const Model& model, const Chart& chart) {
   const MatX causes = smallest_least_squares(inertia_of(model, chart), chart.basis().transpose());
   std::vector<VecX> responses(model.bodies.size(), VecX::Zero(chart.n()));
   Eigen::Index column = 0;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    responses[i] = model.length_scale() * causes.middleCols<6>(column).rowwise().norm();
-    const double size = responses[i].norm() * mass_of(model.bodies[i]) * model.length_scale();
-    if (size > 1.0) responses[i] /= size;
+    responses[i] = model.length_scale() * causes.middleCols(column, 6).rowwise().norm();
     column += 6 + chart.origin().bodies[i].a.size();
   }
   return responses;
@@ -93,8 +126,19 @@ std::vector<VecX> responses_to_forces(const Model& model, const Chart& chart) {
 
 }  // namespace
 
-double reference_acceleration(const Model& model, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, evaluation);
+/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
+/// the machine's length.
+double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
+  double mass = 0.0;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
+  double largest = model.gravity.norm();
+  if (mass > 0.0) largest = std::max(largest, *std::max_element(forces.begin() + 1, forces.end()) / mass);
+  return largest / model.length_scale();
+}
+
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
+  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
   double largest = model.gravity.norm();
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const double mass = mass_of(model.bodies[i]);
@@ -105,15 +149,29 @@ double reference_acceleration(const Model& model, const Evaluation& evaluation) 
 
 AccelerationScale acceleration_scale(const Model& model, const Chart& chart, const State& state,
                                      const Evaluation& evaluation) {
-  AccelerationScale scale{model.gravity.norm() / model.length_scale(), 0.0, VecX::Zero(chart.n())};
-  const std::vector<double> forces = forces_on_bodies(model, evaluation);
+  AccelerationScale scale{reference_acceleration(model, state, evaluation), 0.0};
+  const double of_gravity = model.gravity.norm() / model.length_scale();
   const std::vector<double> terms = spring_terms_on_bodies(model, state);
-  const std::vector<VecX> responses = responses_to_forces(model, chart);
+  const bool has_terms = std::any_of(terms.begin(), terms.end(), [](double size) { return size > 0.0; });
+  if (chart.n() == 0 || (scale.reference <= of_gravity && !has_terms)) return scale;
+  std::vector<VecX> responses = responses_to_forces(model, chart);
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const double response = responses[i].norm();
-    scale.reference = std::max(scale.reference, forces[i] * response);
-    scale.terms = std::max(scale.terms, terms[i] * response);
-    scale.terms_in_coordinates += terms[i] * responses[i];
+    const double alone = 1.0 / (mass_of(model.bodies[i]) * model.length_scale());
+    const double size = responses[i].norm();
+    if (size > alone) responses[i] *= alone / size;
+  }
+  const auto caused = [&](const std::vector<double>& forces) {
+    double largest = 0.0;
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      if (mass_of(model.bodies[i]) > 0.0) largest = std::max(largest, forces[i] * responses[i].norm());
+    }
+    return largest;
+  };
+  scale.reference = std::max(of_gravity, caused(forces_on_bodies(model, state, evaluation)));
+  scale.terms = caused(terms);
+  scale.terms_in_coordinates = VecX::Zero(chart.n());
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    if (mass_of(model.bodies[i]) > 0.0) scale.terms_in_coordinates += terms[i] * responses[i];
   }
   return scale;
 }

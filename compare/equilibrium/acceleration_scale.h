@@ -12,7 +12,7 @@ namespace concord::compare {
 
 /// Accelerations that the machine's forces cause in a state [1/s2]: the largest of gravity and of the sum of forces on
 /// a body per mass (a torque counts as its force at the machine's length), over the machine's length.
-double reference_acceleration(const Model& model, const Evaluation& evaluation);
+double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
 
 /// What decisions about accelerations are held against.
 struct AccelerationScale {
@@ -37,5 +37,9 @@ struct AccelerationScale {
 /// state.
 AccelerationScale acceleration_scale(const Model& model, const Chart& chart, const State& state,
                                      const Evaluation& evaluation);
+
+/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
+/// the machine's length.
+double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
 
 }  // namespace concord::compare

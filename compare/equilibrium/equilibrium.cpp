@@ -4,17 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
+#include <deque>
 #include <limits>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "common/decompositions.h"
 #include "common/error.h"
 #include "compare/equilibrium/acceleration_scale.h"
-#include "compare/equilibrium/joint_changes.h"
+#include "compare/equilibrium/floating_parts.h"
+#include "compare/equilibrium/free_directions.h"
+#include "compare/equilibrium/growth.h"
+#include "compare/equilibrium/step_length.h"
+#include "compare/equilibrium/steps_back.h"
 #include "compare/equilibrium/stiffness.h"
 #include "compare/verdict/chart.h"
+#include "compare/verdict/draws.h"
 #include "compare/verdict/motion_names.h"
 #include "compare/verdict/states.h"
 
@@ -22,236 +28,291 @@ namespace concord::compare {
 
 namespace {
 
-/// How far a search goes in one step of the chart's coordinates. Where a step that is not much shorter than the limit
-/// turns back, that halves; where many in a row go on the same way, as far as they may, it doubles with each.
-class StepLimit {
+constexpr int kMostIterations = 300;
+constexpr double kNegligibleForce = 1e-9;  // of what forces cause
+constexpr double kSmallStep = 1e-9;        // Newton's method may end
+constexpr double kRoundOffStep = 1e-14;    // and does end
+/// The longest pseudo time step, in units of the time in which forces move the machine by its length.
+constexpr double kLongestTime = 1e4;
+
+/// Pseudo-transient continuation of one machine to its equilibrium.
+class PseudoTransientContinuation {
  public:
-  void shorten(const Chart& chart, VecX& step) {
-    constexpr double kSameWay = 0.9;  // cosine
-    constexpr double kLong = 0.2;     // of the limit
-    constexpr int kManySteps = 10;
-    constexpr double kMostTurn = 2.0;  // of a body, rad: what a rotation vector tells for sure
-    const State moving = chart.origin_moving(step);
-    double turn = 0.0;
-    for (const BodyState& body : moving.bodies) turn = std::max(turn, body.omega.norm());
-    const VecX way = chart.velocities(step).normalized();
-    const double along = way_.size() > 0 ? way.dot(way_) : 0.0;
-    if (along < 0.0 && step.norm() > kLong * limit_) limit_ *= 0.5;
-    goes_on_ = was_cut_ && along > kSameWay ? goes_on_ + 1 : 0;
-    if (goes_on_ > kManySteps && step.norm() / limit_ > turn / kMostTurn) limit_ *= 2.0;
-    const double cut = std::max(step.norm() / limit_, turn / kMostTurn);
-    was_cut_ = cut > 1.0;
-    if (was_cut_) step /= cut;
-    way_ = way;
-    last_move_ = step.norm();
-  }
-
-  /// A step that ends in no closed state was too long.
-  void halve() {
-    last_move_ *= 0.5;
-    limit_ = last_move_;
-  }
-
-  [[nodiscard]] double last_move() const { return last_move_; }
-  [[nodiscard]] bool was_cut() const { return was_cut_; }
-  /// Whether the search runs on along a motion that nothing resists, farther than any machine or in very many steps.
-  [[nodiscard]] bool runs_away() const { return goes_on_ > kMostOnOneWay || (goes_on_ > 0 && last_move_ > kFar); }
-
- private:
-  static constexpr int kMostOnOneWay = 300;  // some hundred turns
-  static constexpr double kFar = 1e6;
-
-  double limit_ = 0.3;  // of the machine's length, rad
-  double last_move_ = limit_;
-  bool was_cut_ = false;
-  int goes_on_ = 0;  // so many steps
-  VecX way_;         // of the last step, a velocity of unit norm
-};
-
-/// The search of one machine for its equilibrium.
-class EquilibriumSearch {
- public:
-  EquilibriumSearch(const Model& model, Solver& solver, const State& start)
-      : model_(model), solver_(solver), start_(start), state_(start_), evaluation_(solver.evaluate(state_)) {}
+  PseudoTransientContinuation(const Model& model, Solver& solver, const Search& search)
+      : model_(model),
+        solver_(solver),
+        floating_(model),
+        search_(search),
+        start_(solver.assemble()),
+        state_(displaced(start_)),
+        evaluation_(solver.evaluate(state_)),
+        length_(model, search.longest_step),
+        steps_back_(model, start_) {}
 
   Equilibrium run() {
-    while (found_.iterations < kMostFlowSteps && newton_steps_ < kMostNewtonSteps) {
-      ++found_.iterations;
-      Chart chart(model_, solver_, state_);
-      if (chart.n() == 0) return conclude();
-      const VecX f = chart.accelerations(state_, evaluation_);
-      force_ = chart.velocities(f);
-      find_scale(chart, f);
-      is_near_rest_ = is_near_rest_ || f.norm() <= negligible();
-      if (!is_near_rest_) {
-        flow(chart, f, stiffness_on_the_way(chart, f));
-        if (limit_.runs_away()) refuse_pushed(force_);
-      } else if (approach(chart, f)) {
-        return conclude();
-      }
+    int iteration = 1;
+    for (; iteration <= kMostIterations + iterations_more(); ++iteration) {
+      if (advance(iteration)) return conclude(iteration);
     }
-    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
-                                  found_.iterations, describe_sense(model_, state_, force_)));
+    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates{}", name(),
+                                  iteration - 1, describe_motion(model_, state_, last_force_), jump_on_the_way()));
   }
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
-  [[nodiscard]] double negligible() const { return kNegligibleForce * scale_.reference; }
 
-  void find_scale(const Chart& chart, const VecX& f) {
+  /// Those that the longest step made short on a long way, and those that steps back need, each with its corrections.
+  [[nodiscard]] int iterations_more() const {
+    return std::min(length_.uncounted(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
+           steps_back_.iterations();
+  }
+
+  [[nodiscard]] State displaced(const State& start) {
+    if (search_.displacement == 0.0) return start;
+    Chart chart(model_, solver_, start);
+    Draws draws(search_.seed);
+    VecX delta(chart.n());
+    for (double& one : delta) one = search_.displacement * draws.next();
+    return chart.place_at(delta).value_or(start);
+  }
+
+  /// One step; true if the state is at rest already.
+  bool advance(int iteration) {
+    Chart chart(model_, solver_, state_);
+    if (chart.n() == 0) return true;
+    const VecX f = chart.accelerations(state_, evaluation_);
+    last_force_ = chart.velocities(f);
     scale_ = acceleration_scale(model_, chart, state_, evaluation_);
-    scale_.reference = scale_.resolved_reference();
-    if (!first_reference_) first_reference_ = std::max(scale_.reference, f.norm());
-    scale_.reference = std::max(scale_.reference, kOfFirstReference * *first_reference_);
+    scale_.reference = least_reference(scale_.resolved_reference());
+    const double reference = scale_.reference;
+    const double negligible = kNegligibleForce * reference;
+    const int rigid = chart.n() - chart.n_modal();
+    is_cautious_ = std::max(iteration, kFewSteps) * rigid * rigid <= kCautiousSteps;
+    if (is_on_the_way() && flow_roughly(chart, f, reference)) return false;
+    refuse_singular(chart, name());
+    const Stiffness stiffness = stiffness_here(chart, f.norm());
+    const StiffnessSplit split(chart, stiffness, scale_, f);
+    const VecX newton = split.newton_step(f);
+    step_left_ = newton.norm();
+    const VecX unmet = split.unmet(f);
+    const Growth growth(stiffness, std::max(kNoGrowth * reference, split.least()));
+    unstable_directions_ = growth.count();
+    free_ = name_free_directions(model_, chart, split.free_directions());
+    const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
+    if (is_met && is_done(newton.norm(), f.norm() <= negligible)) {
+      if (put_floating_parts_back() || step_back(chart, split.free_directions())) return false;
+      if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
+      return true;
+    }
+    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
+    const bool falls = growth.count() > 0 && pull == f;
+    const double nearly_longest = kNearlyAll * longest_time();
+    const bool settles = unmet.norm() <= kNearlyMet * f.norm() && search_.lengthening * time_ >= nearly_longest;
+    const bool arrives = is_met && (time_ >= nearly_longest || length_.crawls(f.norm()));
+    const bool by_newton = !falls && (settles || arrives);
+    if (!by_newton) lengthen(f, growth, falls);
+    length_.count_step(falls && is_cautious_);
+    refuse_if_pushed(chart, stiffness.J, unmet, negligible);
+    last_step_ = newton.norm();
+    const VecX step =
+        by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions());
+    move(chart, steps_back_.relaxed(chart, step));
+    return false;
+  }
+
+  [[nodiscard]] bool is_unresolved(const VecX& f) const { return f.norm() <= scale_.unresolved_along(f.normalized()); }
+
+  /// Without gravity forces vanish on the way to a rest: what counts then is what they were at the start.
+  [[nodiscard]] double least_reference(double reference) {
+    if (!first_reference_) first_reference_ = reference;
+    return std::max(reference, kOfFirstReference * *first_reference_);
+  }
+
+  /// In steps so short that it hardly changes, the stiffness of a machine with many coordinates is found once; anew
+  /// where accelerations f have become so much smaller that what their turning feigned counts now, or where directions
+  /// without stiffness say which rest is nearest to the start.
+  [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double f) {
+    moved_since_stiffness_ += length_.last_move();
+    const bool feigns_more = force_at_stiffness_ > std::max(10.0 * f, kRoundOffStep * scale_.reference);
+    const double reach = free_.empty() ? kNearRest : kSameDirections;
+    if (!is_cautious_ && !feigns_more && moved_since_stiffness_ < reach && last_basis_.cols() == chart.n()) {
+      const MatX turn = chart.basis().transpose() * last_basis_;
+      const MatX size = turn.cwiseAbs();
+      last_stiffness_ = {turn * last_stiffness_.J * turn.transpose(), size * last_stiffness_.error * size.transpose()};
+    } else {
+      last_stiffness_ = stiffness_matrix(chart, solver_, at_rest(chart), scale_);
+      force_at_stiffness_ = f;
+      moved_since_stiffness_ = 0.0;
+    }
+    last_basis_ = chart.basis();
+    return last_stiffness_;
+  }
+
+  /// What a step does along directions without stiffness grows with the time that it stands for, and must not leave
+  /// nothing of it for the others when it is shortened.
+  [[nodiscard]] VecX not_free_alone(VecX step, const MatX& directions) const {
+    const VecX along = directions * (directions.transpose() * step);
+    const double most =
+        std::max(1.1 * length_.longest_slide(), (step - along).norm());  // as much as shorten() cuts, and doubles
+    if (along.norm() > most) step -= along * (1.0 - most / along.norm());
+    return step;
+  }
+
+  /// Far from rest derivatives need not be good; for many coordinates they cost most. Directions without stiffness ask
+  /// for good ones: rough ones would lead along them.
+  [[nodiscard]] bool is_on_the_way() {
+    if (is_cautious_ || !free_.empty()) return false;
+    if (time_ < longest_time()) return true;
+    return length_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
+  }
+
+  /// A step with rough derivatives, where these can be had.
+  bool flow_roughly(Chart& chart, const VecX& f, double reference) {
+    const auto J = rough_stiffness(chart, f, at_rest(chart), reference, search_.rough_differences);
+    last_basis_.resize(0, 0);
+    if (!J) return false;
+    const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
+    const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
+    const bool falls = growth.count() > 0 && pull == f;
+    lengthen(f, growth, falls);
+    move(chart, flow_step(*J, growth, pull, falls));
+    return true;
   }
 
   /// Accelerations at rest, beside the chart's origin.
   [[nodiscard]] AccelerationsAt at_rest(const Chart& chart) const {
     return [&](const VecX& delta) -> std::optional<VecX> {
-      const auto state = chart.place_at(delta);
+      auto state = chart.place_at(delta);
       if (!state) return std::nullopt;
-      const auto evaluation = evaluation_unless_refused(solver_, *state);
+      auto evaluation = evaluation_unless_refused(solver_, *state);
       if (!evaluation) return std::nullopt;
+      floating_.turn_back(chart.origin(), *state, *evaluation);
       return chart.accelerations(*state, *evaluation);
     };
   }
 
-  /// Pseudo-transient continuation: an implicit Euler step along the accelerations f, shorter than the time in which
-  /// the fastest motion grows, so that it does not jump to the other side.
-  void flow(Chart& chart, const VecX& f, const MatX& J) {
-    const double longest = kLongestTime / scale_.reference;
-    VecX pull = f;
-    const double growth = split_growth(J, kOfGrowth / longest, pull);
-    time_ = std::min(time_ == 0.0 ? kFirstStep / f.norm() : kLongerTime * time_, longest);
-    if (growth > 0.0) time_ = std::min(time_, kOfGrowth / growth);
-    MatX system = -J;
-    system.diagonal().array() += 1.0 / time_;
-    move(chart, solve_square(system, pull));
-    is_near_rest_ = time_ == longest && !limit_.was_cut() && limit_.last_move() <= kNearRest;
+  /// False where there is no step back to make.
+  bool step_back(Chart& chart, const MatX& directions) {
+    length_.forget_leaps();
+    StepsBack::Next next = steps_back_.next(chart, directions, {state_, evaluation_}, length_.longest());
+    if (const auto* step = std::get_if<VecX>(&next)) {
+      last_step_ = 0.0;
+      move(chart, *step);
+    } else if (auto* nearest = std::get_if<Rest>(&next)) {
+      last_step_ = 0.0;
+      state_ = std::move(nearest->state);
+      evaluation_ = std::move(nearest->evaluation);
+    }
+    return !std::holds_alternative<std::monostate>(next);
   }
 
-  /// Derivatives that are good enough on the way.
-  [[nodiscard]] MatX stiffness_on_the_way(const Chart& chart, const VecX& f) const {
-    std::optional<MatX> J;
-    if (!hangs_by_way_) J = rough_stiffness(chart, f, at_rest(chart), scale_.reference);
-    return J ? std::move(*J) : stiffness_matrix(chart, solver_, at_rest(chart), scale_).J;
+  /// Of the rests of a floating part that no force from elsewhere tells apart, the one where it starts is meant; false
+  /// where there is none, or the machine has come there.
+  bool put_floating_parts_back() {
+    constexpr double kNearlyAtRest = 1e-3;  // of what forces cause: what round-off of stiff modes is relaxes
+    if (std::exchange(is_put_back_, true)) return false;
+    auto state = floating_.put_back(start_, state_);
+    if (!state) return false;
+    auto evaluation = evaluation_unless_refused(solver_, *state);
+    if (!evaluation) return false;
+    const Chart chart(model_, solver_, *state);
+    if (chart.accelerations(*state, *evaluation).norm() > kNearlyAtRest * scale_.reference) return false;
+    state_ = std::move(*state);
+    evaluation_ = std::move(*evaluation);
+    last_step_ = 0.0;
+    last_basis_.resize(0, 0);
+    return true;
   }
 
-  /// The largest growth beyond `least` of a motion along which something pulls [1/s2], or 0. Where the pull is
-  /// round-off, as on a pole that stands upright, it is taken out: it must not decide to which side the machine falls.
-  [[nodiscard]] double split_growth(const MatX& J, double least, VecX& pull) const {
-    const GeneralEigenpairs pairs = eigenpairs(J);
-    const Eigen::MatrixXcd left = inverse_of(pairs.vectors);  // rows
-    const Eigen::VectorXcd parts = left * pull.cast<std::complex<double>>();
-    double growth = 0.0;
-    for (Eigen::Index k = 0; k < parts.size(); ++k) {
-      const double rate = pairs.values(k).real();
-      if (rate <= least) continue;
-      const VecX along = (pairs.vectors.col(k) * parts(k)).real();
-      if (along.norm() <= negligible()) {
-        pull -= along;
-      } else {
-        growth = std::max(growth, rate);
-      }
-    }
-    return growth;
-  }
-
-  /// Newton's method, then a step towards the start; true at the equilibrium that is meant.
-  bool approach(Chart& chart, const VecX& f) {
-    ++newton_steps_;
-    refuse_singular(chart, name());
-    const Stiffness stiffness = stiffness_matrix(chart, solver_, at_rest(chart), scale_);
-    const StiffnessSplit split(chart, stiffness, scale_, f);
-    const int growing = count_growing(stiffness, std::max(kNoGrowth * scale_.reference, split.least()));
-    if (growing > 0 && f.norm() > negligible() && way_back_.cols() == 0) {  // the steps were short for another reason
-      is_near_rest_ = false;
-      flow(chart, f, stiffness.J);
-      return false;
-    }
-    const VecX newton = split.newton_step(f);
-    if (!is_at_rest(newton.norm(), f.norm())) {
-      found_.last_step = newton.norm();
-      move(chart, f.norm() > negligible() ? without_way_back(chart, newton) : newton);
-      return false;
-    }
-    const MatX& directions = split.free_directions();
-    found_.step_left = newton.norm();
-    found_.free = name_free_directions(model_, chart, directions);
-    found_.unstable = growing;
-    refuse_if_pushed(chart, split.unmet(f));
-    const VecX back = step_back(chart, directions);
-    if (back.norm() <= kRoundOffStep || (back.norm() <= kSmallStep && back.norm() >= kNoShorterBack * last_back_)) {
-      return true;
-    }
-    last_back_ = back.norm();
-    way_back_ = chart.basis() * directions;
-    found_.last_step = 0.0;
-    move(chart, back);
-    return false;
-  }
-
-  /// Newton's steps have become round-off.
-  [[nodiscard]] bool is_at_rest(double step, double f) {
+  /// Newton's steps have become round-off; short ones that do not shrink may also lead along a force that bends within
+  /// them, as that of a stop on the first part of its way.
+  [[nodiscard]] bool is_done(double step, bool is_at_rest) {
     if (step <= kRoundOffStep) return true;
-    if (step > kSmallStep || found_.last_step <= 0.0 || step < kNoShorter * found_.last_step) return false;
-    return f <= negligible() || ++short_steps_ > kMostShortSteps;
+    if (step > kSmallStep || last_step_ <= 0.0 || step < 0.3 * last_step_) return false;
+    return is_at_rest || ++short_steps_ > kMostShortSteps;
   }
 
-  /// Of the rests that directions without stiffness lead to, towards the one that is nearest to the start.
-  /// Places of rest may be curved, or end on the way: a step that led farther away was too long.
-  [[nodiscard]] VecX step_back(const Chart& chart, const MatX& directions) {
-    if (directions.cols() == 0) return VecX::Zero(chart.n());
-    const VecX moved = joint_displacements(model_, start_, state_);
-    if (last_back_ > kSeenStep && moved.norm() > last_moved_) part_of_way_back_ *= 0.5;
-    last_moved_ = moved.norm();
-    MatX rates(moved.size(), directions.cols());
-    for (Eigen::Index k = 0; k < directions.cols(); ++k) {
-      const VecX of_one = joint_speeds(model_, chart.origin_moving(directions.col(k)));
-      // Round-off of the directions must not count the ways of joints that do not move along them.
-      const double seen = kLeastSpeed * of_one.lpNorm<Eigen::Infinity>();
-      rates.col(k) = (of_one.array().abs() < seen).select(0.0, of_one);
+  /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
+  [[nodiscard]] double longest_time() {
+    if (is_cautious_) return kLongestTime / scale_.reference;
+    const double slow = slow_acceleration(model_, state_, evaluation_);
+    if (!first_slow_) first_slow_ = slow;
+    return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
+  }
+
+  /// Pseudo time steps grow, tenfold as a rule. Cautious ones stay short enough not to jump to a place from which the
+  /// machine falls.
+  void lengthen(const VecX& f, const Growth& growth, bool falls) {
+    time_ = time_ == 0.0 ? length_.longest() / (3.0 * f.norm()) : search_.lengthening * time_;
+    time_ = std::min(time_, longest_time());
+    if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
+  }
+
+  /// Implicit Euler; along motions that grow faster than the step can follow, against their growth reversed.
+  [[nodiscard]] VecX flow_step(const MatX& J, const Growth& growth, const VecX& f, bool falls) {
+    MatX system = -J;
+    if (!is_cautious_ || !falls) system += growth.reversed_above(0.5 / time_);
+    system.diagonal().array() += 1.0 / time_;
+    return solve_square(system, f);
+  }
+
+  [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J) const {
+    return kink_at_origin(chart, at_rest(chart), J, scale_);
+  }
+
+  /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
+  void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double negligible) {
+    if (time_ < longest_time() || unmet.norm() <= negligible || is_unresolved(unmet)) {
+      pushed_ = 0;
+      return;
     }
-    return -part_of_way_back_ * directions *
-           smallest_least_squares(weighed_by_nearness(model_, moved, rates), moved, kRoundOffStep);
-  }
-
-  /// While what a step back has strained relaxes, its directions look as if they met stiffness: forces turn with them.
-  [[nodiscard]] VecX without_way_back(const Chart& chart, const VecX& step) const {
-    if (way_back_.cols() == 0) return step;
-    const MatX directions = orthonormal_columns(chart.basis().transpose() * way_back_);
-    return step - directions * (directions.transpose() * step);
-  }
-
-  void refuse_if_pushed(const Chart& chart, const VecX& unmet) const {
-    if (unmet.norm() > std::max(negligible(), scale_.unresolved_along(unmet.normalized()))) {
-      refuse_pushed(chart.velocities(unmet));
+    if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(chart, unmet);
+    if (++pushed_ < most_pushes_) return;
+    if (const std::string kink = kink_here(chart, J); !kink.empty()) {
+      throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
     }
-  }
-
-  [[noreturn]] void refuse_pushed(const VecX& velocities) const {
+    const VecX pushed = chart.velocities(unmet);
     throw SolverError(fmt::format(
         "{}: nothing resists {}: it is pushed and meets no stiffness, or too soft a one to rest near, or one "
         "that vanishes with the push, as where a stop begins to press; hold it, or give it a spring",
-        name(), describe_sense(model_, state_, velocities)));
+        name(), describe_motion(model_, state_, pushed)));
   }
 
-  /// Goes as far as the limit and the constraints permit.
-  void move(Chart& chart, VecX step) {
-    constexpr int kTries = 20;
-    limit_.shorten(chart, step);
-    std::string refusal;
-    for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      if (arrive(chart.with_modes_at(step), refusal)) return;
-      limit_.halve();
+  /// A machine that is pushed to an edge from both sides rests on it, where no step arrives.
+  [[nodiscard]] std::string jump_on_the_way() const {
+    for (const auto& [from, step] : last_moves_) {
+      const Chart chart(model_, solver_, from);
+      if (const auto jump = find_jump(at_rest(chart), step, scale_)) {
+        return "; " + rests_on_jump(describe_motion(model_, from, chart.velocities(*jump)));
+      }
     }
-    for (int attempt = 0; refusal.empty() && attempt <= kTries; ++attempt, step *= 2.0)
-      refusal = chart.refusal_at(step);
-    if (!refusal.empty()) throw SolverError(refusal + ", on the way to the equilibrium");
-    throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
-                                  describe_sense(model_, state_, chart.velocities(step))));
+    return "";
   }
 
+  void move(Chart& chart, VecX step) {
+    length_.shorten(chart, is_cautious_, step);
+    if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
+    constexpr int kTries = 20;
+    std::string refusal_there;
+    for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
+      const State from = state_;
+      if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
+      last_moves_.emplace_back(from, step);
+      if (last_moves_.size() > kLastMoves) last_moves_.pop_front();
+      reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
+      return;
+    }
+    if (!refusal_there.empty()) {
+      throw SolverError(refusal_there + ", on the way to the equilibrium");
+    }
+    for (int attempt = 0; attempt <= kTries; ++attempt, step *= 2.0) {
+      if (const std::string refusal = chart.refusal_at(step); !refusal.empty()) throw SolverError(refusal);
+    }
+    throw SolverError(fmt::format("{}: the machine cannot be closed any more on its way along {}", name(),
+                                  describe_motion(model_, state_, chart.velocities(step / step.norm()))));
+  }
+
+  /// Goes there, unless the machine cannot be closed or evaluated there: a shorter step may do.
   bool arrive(std::optional<State> moved, std::string& refusal) {
     if (!moved) return false;
     try {
@@ -264,54 +325,65 @@ class EquilibriumSearch {
     return true;
   }
 
-  Equilibrium conclude() {
-    found_.state = std::move(state_);
-    found_.evaluation = std::move(evaluation_);
-    return std::move(found_);
+  Equilibrium conclude(int iterations) {
+    return {std::move(state_), std::move(evaluation_),   iterations, last_step_, std::move(free_), unstable_directions_,
+            std::move(kink_),  steps_back_.is_at_edge(), step_left_};
   }
 
-  static constexpr int kMostFlowSteps = 1000;
-  static constexpr int kMostNewtonSteps = 400;
-  static constexpr int kMostShortSteps = 20;         // along a force that bends within them, as that of a stop
-  static constexpr double kNegligibleForce = 1e-9;   // of what forces cause
-  static constexpr double kOfFirstReference = 1e-3;  // without gravity forces vanish on the way to a rest
-  static constexpr double kNoGrowth = 1e-8;          // of what forces cause
-  static constexpr double kFirstStep = 0.1;          // of the machine's length, rad
-  static constexpr double kLongerTime = 10.0;        // a pseudo time step than the one before
-  static constexpr double kLongestTime = 1e2;        // of the time in which forces move the machine by its length
-  static constexpr double kOfGrowth = 0.5;           // of the time in which a motion grows
-  static constexpr double kNearRest = 1e-2;          // of the machine's length, rad: Newton's method begins
-  static constexpr double kSmallStep = 1e-9;         // and may end
-  static constexpr double kRoundOffStep = 1e-14;     // and does end
-  static constexpr double kNoShorter = 0.3;          // than the step before: what is left is round-off
-  static constexpr double kNoShorterBack = 0.9;
-  static constexpr double kSeenStep = 1e-6;    // its half square is no round-off of the distance
-  static constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
+  static constexpr int kPushes = 25;
+  static constexpr double kNearlyMet = 1e-3;   // what forces that are of second order feign along free directions
+  static constexpr double kNearlyAll = 0.9;    // the longest time grows a little while forces fall
+  static constexpr int kCautiousSteps = 6000;  // times the square of rigid coordinates
+  static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
+  static constexpr int kLongSteps = 30;
+  static constexpr int kMostShortSteps = 20;
+  static constexpr int kMostByShafts = 400000;  // over the number of rates: some ten seconds
+  static constexpr std::size_t kLastMoves = 10;
+  static constexpr double kMoreReach = 1.3;
+  static constexpr double kNearRest = 1e-6;  // of the length, rad
+  static constexpr double kSameDirections = 1e-12;
+  static constexpr double kOfFirstReference = 1e-3;
+  static constexpr double kNoGrowth = 1e-8;  // of what forces cause
 
   const Model& model_;
   Solver& solver_;
+  FloatingParts floating_;
+  Search search_;
   State start_;
   State state_;
   Evaluation evaluation_;
-  Equilibrium found_;
-  AccelerationScale scale_;  // at the state
+  VecX last_force_;
+  std::vector<FreeDirection> free_;
+  Stiffness last_stiffness_;
+  double moved_since_stiffness_ = 0.0;
+  double force_at_stiffness_ = 0.0;  // size of the accelerations where it was found [1/s2]
+  MatX last_basis_;                  // of the chart in which it is, or none
   std::optional<double> first_reference_;
-  VecX force_;  // accelerations at the state, as velocities of bodies
-  StepLimit limit_;
+  AccelerationScale scale_;  // at the state
+  std::optional<double> first_slow_;
   double time_ = 0.0;
-  /// Constraints of velocities alone let the way decide where it ends: both solvers must go the same one.
-  bool hangs_by_way_ = std::any_of(model_.joints.begin(), model_.joints.end(),
-                                   [](const Joint& joint) { return joint.type->nonholonomic_rows() > 0; });
-  bool is_near_rest_ = false;
-  int newton_steps_ = 0;
+  double last_step_ = 0.0;
+  double step_left_ = 0.0;
+  std::deque<std::pair<State, VecX>> last_moves_;
+  StepLength length_;
+  /// Longer steps would hardly end in a closed state.
+  double reach_ = std::numeric_limits<double>::infinity();
+  bool is_cautious_ = true;
+  int long_steps_ = 0;
+  int pushed_ = 0;
+  int most_pushes_ = kPushes;
   int short_steps_ = 0;
-  MatX way_back_;  // velocities along the directions of the last step back
-  double part_of_way_back_ = 1.0;
-  double last_back_ = std::numeric_limits<double>::infinity();
-  double last_moved_ = std::numeric_limits<double>::infinity();
+  StepsBack steps_back_;
+  bool is_put_back_ = false;
+  int unstable_directions_ = 0;
+  std::string kink_;
 };
 
 }  // namespace
+
+Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search) {
+  return PseudoTransientContinuation(model, solver, search).run();
+}
 
 Model held_at_start(const Model& model) {
   Model held = model;
@@ -323,12 +395,6 @@ Model held_at_start(const Model& model) {
   return held;
 }
 
-Equilibrium find_equilibrium(const Model& model, Solver& solver) {
-  return find_equilibrium(model, solver, solver.assemble());
-}
-
-Equilibrium find_equilibrium(const Model& model, Solver& solver, const State& start) {
-  return EquilibriumSearch(model, solver, start).run();
-}
+Equilibrium find_equilibrium(const Model& model, Solver& solver) { return search_equilibrium(model, solver, {}); }
 
 }  // namespace concord::compare

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/solver.h"
 #include "compare/equilibrium/free_directions.h"
+#include "compare/equilibrium/stiffness.h"
 
 /// Static equilibrium, from a solver's accelerations alone.
 namespace concord::compare {
@@ -21,19 +24,34 @@ struct Equilibrium {
   std::vector<FreeDirection> free;
   /// In so many directions the machine would leave the equilibrium.
   int unstable = 0;
+  /// A motion along which a force has a kink there, as that of a tire that just leaves its road: equilibria begin there
+  /// that reach on into the air, and which of them is found hangs by round-off. Empty where the machine started there.
+  std::string kink;
+  /// It lies where places of rest end on the way to the start, as where a stop begins to press.
+  bool is_at_edge = false;
   /// Size of Newton's next step, which was not made any more.
   double step_left = 0.0;
 };
 
-/// Finds the equilibrium to which the machine settles from the start. First pseudo-transient continuation: implicit
-/// Euler steps along its accelerations, each ten times as long as the one before, motions that grow reversed (the sign
-/// of positive eigenvalues of J). Where these steps have become short, Newton's method on the accelerations. Where
-/// stiffness is missing (see StiffnessSplit), Newton's step leaves the direction alone; of the equilibria along such
-/// directions the one nearest to the start in the joints' coordinates is found, by least squares. `model` must be
-/// held_at_start() and `solver` made for it. Throws SolverError with the motion, and its sense, if nothing resists a
-/// force along such a direction, or if no equilibrium is found; SingularPose where the pose is singular.
+/// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler
+/// steps along its accelerations, ever longer, then Newton's method on the accelerations. Along motions that grow the
+/// long steps go down as far as the curvature says, so that they neither jump nor crawl. No joint moves by more than
+/// 0.3 rad, or of the machine's length, in a step. Stiff modes and soft rigid motions do not disturb each other: the
+/// modes are eliminated first. Where stiffness is missing (see StiffnessSplit), the step of least norm leaves the
+/// direction alone. `model` must be held_at_start() and `solver` made for it. Throws
+/// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
-/// The same from a closed state at rest.
-Equilibrium find_equilibrium(const Model& model, Solver& solver, const State& start);
+
+/// How a search goes: no rest that the statement determines hangs by it.
+struct Search {
+  double longest_step = 0.3;  // of the machine's length, rad
+  double lengthening = 10.0;  // of pseudo time steps
+  /// How far from the model's start it begins at most, along every coordinate of the chart there; drawn from `seed`.
+  double displacement = 0.0;
+  std::uint64_t seed = 0;
+  Sense rough_differences = Sense::forward;
+};
+/// One such search.
+Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search);
 
 }  // namespace concord::compare

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/error.h"
-#include "compare/equilibrium/joint_changes.h"
 #include "compare/verdict/motion_names.h"
 
 namespace concord::compare {
@@ -19,33 +18,6 @@ std::vector<FreeDirection> name_free_directions(const Model& model, const Chart&
   std::vector<FreeDirection> named;
   for (const auto& motion : motions.colwise()) named.push_back({describe_motion(model, chart.origin(), motion)});
   return named;
-}
-
-std::string describe_sense(const Model& model, const State& state, const VecX& velocities) {
-  State moving = state;
-  Eigen::Index row = 0;
-  for (std::size_t i = 1; i < moving.bodies.size(); ++i) {
-    BodyState& body = moving.bodies[i];
-    body.v = velocities.segment<3>(row);
-    body.omega = velocities.segment<3>(row + 3);
-    body.adot = velocities.segment(row + 6, body.adot.size());
-    row += 6 + body.adot.size();
-  }
-  const std::string motion = describe_motion(model, state, velocities);
-  const VecX speeds = joint_speeds(model, moving);
-  if (speeds.size() == 0) return motion;
-  Eigen::Index fastest = 0;
-  if (!(speeds.cwiseAbs().maxCoeff(&fastest) > 0.0)) return motion;
-  const char* sense = speeds(fastest) > 0.0 ? "grows" : "falls";
-  for (const Joint& joint : model.joints) {
-    const std::vector<std::string> names = speed_names(*joint.type);
-    const auto n = static_cast<Eigen::Index>(names.size());
-    if (fastest < n) {
-      return fmt::format("{} ({} of {} {})", motion, names[static_cast<std::size_t>(fastest)], joint.name, sense);
-    }
-    fastest -= n;
-  }
-  return motion;
 }
 
 void refuse_singular(Chart& chart, const std::string& name) {

@@ -16,10 +16,6 @@ struct FreeDirection {
 /// Such directions, columns of the chart's coordinates, told apart by the joints that move along them.
 std::vector<FreeDirection> name_free_directions(const Model& model, const Chart& chart, const MatX& directions);
 
-/// Velocities [v; omega; adot] of bodies 1, 2, ... as describe_motion() names them, with the joint coordinate that
-/// moves most and its sense: "turn_z of A (turn_z of A grows)"; without these where no joint moves.
-std::string describe_sense(const Model& model, const State& state, const VecX& velocities);
-
 /// Throws SingularPose, or the solver's refusal as SolverError, where neighbours of the chart's origin, looked at in
 /// one direction, have other directions of motion than the origin. `name`: who asks.
 void refuse_singular(Chart& chart, const std::string& name);

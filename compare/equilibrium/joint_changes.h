@@ -1,13 +1,45 @@
 #pragma once
 
+#include <algorithm>
+#include <vector>
+
 #include "common/solver.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/verdict/chart.h"
 
 /// What joints do between two states, and along a direction of motion.
 namespace concord::compare {
 
-/// The motion of joint k in a state.
+/// The largest changes of coordinates in a step: of a joint's angles [rad], those of fast shafts by the ratio of their
+/// gears, those of threads, and of what turns as fast on their bodies, by the lead; of its slides [of the machine's
+/// length] and of modes [modal_sizes()].
+struct JointStep {
+  double turn = 0.0;
+  double rest = 0.0;
+  double fastest_turn = 0.0;  // gears not counted
+  double into_stops = 0.0;    // in units of the way to half the width of a stop, or by that further into it
+
+  [[nodiscard]] double largest() const { return std::max(turn, rest); }
+  /// What gears make of the largest change, at most 1.
+  [[nodiscard]] double part_of_gears() const { return fastest_turn > largest() ? largest() / fastest_turn : 1.0; }
+};
+JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
+
+/// The motion of joint k in a state; of all.
 JointMotion motion_of(const Model& model, std::size_t k, const State& state);
+std::vector<JointMotion> motions_of(const Model& model, const State& state);
+
+/// What a law of force reads: a coordinate of a joint with a spring on it, the distance of a line spring's ends, the
+/// angle of a turn spring; and its rate.
+struct SprungCoordinate {
+  const ForceLaw* law;
+  double x;     // m or rad
+  double xdot;  // m/s or rad/s
+  bool is_length;
+};
+/// Of all springs in a state, in which the joints have these motions.
+std::vector<SprungCoordinate> sprung_coordinates(const Model& model, const State& state,
+                                                 const std::vector<JointMotion>& motions);
 
 /// Speeds of all joints; slides by the machine's length.
 VecX joint_speeds(const Model& model, const State& state);

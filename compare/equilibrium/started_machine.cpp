@@ -4,6 +4,7 @@
 
 #include "common/error.h"
 #include "compare/audit/digits.h"
+#include "compare/equilibrium/other_rests.h"
 #include "compare/equilibrium/rests.h"
 #include "compare/verdict/motions.h"
 
@@ -14,11 +15,10 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   Model held = held_at_start(model);
   std::string branch;
   const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
-  const Rests rests = find_rests(held, solvers);
-  const auto& [found, states] = rests;
+  const auto [found, states] = find_rests(held, solvers);
   const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
   if (agreement.digits < own_need(model)) {
-    refuse_undetermined_rest(held, solvers, rests);
+    refuse_undetermined_rest(held, solvers, found);
     throw SolverError(
         fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
                     "`concord statics`",

@@ -102,12 +102,23 @@ void refine_soft_directions(const AccelerationsAt& accelerations, const Accelera
   }
 }
 
-/// What an eigenvalue may be wrong by: |y E x| for measured errors, and round-off of the entries of J; of its largest
-/// ones too, which the search for eigenvalues spreads.
-double unresolved_growth(const Stiffness& stiffness, const Eigen::VectorXcd& x, const Eigen::RowVectorXcd& y) {
-  const double round_off = 4.0 * kEpsilon * y.cwiseAbs().dot(stiffness.J.cwiseAbs() * x.cwiseAbs());
-  const double of_search = kEpsilon * y.norm() * stiffness.J.norm() * x.norm();
-  return round_off + of_search + y.cwiseAbs().dot(stiffness.error.cwiseAbs() * x.cwiseAbs());
+/// What turning the accelerations f of the chart's origin with the bodies adds to derivatives, at most: rows by the
+/// accelerations `rows`, columns by the motions `columns`. Accelerations beyond `most` are those of a machine on its
+/// way, for which nothing is decided yet.
+MatX feigned_stiffness(const Chart& chart, const MatX& rows, const MatX& columns, const VecX& f, double most) {
+  const VecX accelerations = (chart.basis() * f).cwiseAbs();
+  const MatX seen = (chart.basis() * rows).cwiseAbs();
+  MatX feigned = MatX::Zero(rows.cols(), columns.cols());
+  const MatX moved = (chart.basis() * columns).cwiseAbs();
+  Eigen::Index row = 0;
+  for (std::size_t i = 1; i < chart.origin().bodies.size(); ++i) {
+    const Eigen::Index size = 6 + chart.origin().bodies[i].a.size();
+    const double largest = std::min(accelerations.segment(row, size).norm(), most);
+    feigned += largest * seen.middleRows(row, size).colwise().norm().transpose() *
+               moved.middleRows(row, size).colwise().norm();
+    row += size;
+  }
+  return feigned;
 }
 
 }  // namespace
@@ -133,28 +144,16 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
 }
 
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
-                                    double reference) {
+                                    double reference, Sense sense) {
+  const double step = sense == Sense::forward ? kRoughStep : -kRoughStep;
   MatX J(chart.n(), chart.n());
   for (int k = 0; k < chart.n(); ++k) {
-    const auto beside = accelerations(kRoughStep * VecX::Unit(chart.n(), k));
+    const auto beside = accelerations(step * VecX::Unit(chart.n(), k));
     if (!beside) return std::nullopt;
-    J.col(k) = (*beside - f) / kRoughStep;
+    J.col(k) = (*beside - f) / step;
     if (!(J.col(k).norm() * kRoughStep <= kTimesReference * reference)) return std::nullopt;
   }
   return J;
-}
-
-int count_growing(const Stiffness& stiffness, double least) {
-  constexpr double kClearlyGrows = 30.0;
-  const GeneralEigenpairs pairs = eigenpairs(stiffness.J);
-  const Eigen::MatrixXcd left = inverse_of(pairs.vectors);  // rows
-  int count = 0;
-  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
-    const double growth = pairs.values(k).real();
-    if (!(growth > least)) continue;
-    if (growth > kClearlyGrows * unresolved_growth(stiffness, pairs.vectors.col(k), left.row(k))) ++count;
-  }
-  return count;
 }
 
 std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J,
@@ -186,6 +185,45 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
   return worst < 0 ? "" : chart.describe(VecX::Unit(chart.n(), worst));
 }
 
+std::string rests_at_kink(const std::string& motion) {
+  return fmt::format(
+      "the machine comes to rest where a force has a kink, as that of a tire that just leaves its road: {} meets one "
+      "stiffness in one sense and another, or none, in the other, and nothing presses it there, so that its place "
+      "hangs by round-off; start beside it, or hold it",
+      motion);
+}
+
+std::optional<VecX> find_jump(const AccelerationsAt& accelerations, const VecX& step, const AccelerationScale& scale) {
+  constexpr double kJump = 1e-3;  // of what forces cause
+  constexpr int kHalvings = 35;   // what is smooth has become a small part of that
+  double from = 0.0;
+  double to = 1.0;
+  std::optional<VecX> before = accelerations(from * step);
+  std::optional<VecX> behind = accelerations(to * step);
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (from + to);
+    const std::optional<VecX> there = accelerations(middle * step);
+    if (!before || !behind || !there) return std::nullopt;
+    if ((*there - *before).norm() > (*behind - *there).norm()) {
+      to = middle;
+      behind = there;
+    } else {
+      from = middle;
+      before = there;
+    }
+  }
+  VecX jump = *behind - *before;
+  if (jump.norm() <= kJump * scale.reference) return std::nullopt;
+  return jump;
+}
+
+std::string rests_on_jump(const std::string& motion) {
+  return fmt::format(
+      "the search crosses a place where a force jumps, as that of a wheel at an edge of its road: it pushes {} one way "
+      "before it and another way behind it, and the machine may rest on that very edge, where no force is defined",
+      motion);
+}
+
 StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale,
                                const VecX& f, double strictness)
     : clearly_(kClearly * strictness) {
@@ -205,14 +243,13 @@ StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, c
   motions.bottomRows(n - m).setIdentity();
   if (m > 0) motions.topRows(m) = -least_squares(R11_, R12_);
   const MatX round_off = 4.0 * kEpsilon * (beyond_.cwiseAbs().transpose() * J.cwiseAbs() * motions.cwiseAbs());
-  // As bodies turn, accelerations turn with them; beyond this they are those of a machine on its way.
-  const double feigned = std::min((beyond_.transpose() * f).norm(), kNearRest * scale.reference);
-  MatX of_scale = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * scale.reference + feigned);
+  const MatX feigned = feigned_stiffness(chart, beyond_, motions, f, kNearRest * scale.reference);
+  MatX of_scale = MatX::Identity(n - m, n - m) * (kRoundOffOfReference * scale.reference);
   for (Eigen::Index row = 0; row < n - m; ++row) {
     of_scale.row(row).array() += scale.unresolved_along(beyond_.col(row)) / kFinestStep;
   }
   split(beyond_.transpose() * J.rightCols(n - m), beyond_.transpose() * stiffness.error * motions,
-        round_off + of_scale);
+        round_off + feigned + of_scale);
   const MatX directions = free_;
   free_ = motions * directions;
 }
