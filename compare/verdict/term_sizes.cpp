@@ -8,10 +8,14 @@
 
 #include "common/results.h"
 #include "compare/audit/free_body.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/verdict/spring_terms.h"
 
 namespace concord::compare {
 
 namespace {
+
+constexpr double kLeastLever = 1e-6;  // of the machine's length
 
 /// The loads on each body in one state, the larger of both solvers'.
 class Loads {
@@ -23,6 +27,8 @@ class Loads {
         accelerations_(model.bodies.size(), 0.0),
         modal_(model.bodies.size()) {
     for (std::size_t i = 1; i < forces_.size(); ++i) add_body(static_cast<int>(i), shared);
+    for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k), shared);
+    shake();
     carry_massless();
   }
 
@@ -47,11 +53,55 @@ class Loads {
       sizes = sizes.cwiseMax(balance_of(model_, points, i, shared.state, evaluation).scales);
     }
     forces_[i] = std::max(sizes.head<3>().maxCoeff(), sizes.segment<3>(3).maxCoeff() / length_);
-    if (mass_of(body) > 0.0) accelerations_[i] = forces_[i] / mass_of(body);
     modal_[i] = sizes.tail(body.n_modes());
     if (!body.modal) return;
     const VecX masses = modal_masses(*body.modal);
     modal_[i] = (masses.array() > 0.0).select(modal_[i].cwiseQuotient(masses), 0.0);
+  }
+
+  /// What springs, dampers, actuators, couplings and drivers share of a joint's coordinate forces, however much of it
+  /// cancels: along a permitted direction [v; omega] a coordinate force tau is a force tau / |v| or a torque tau /
+  /// |omega|.
+  void add_shares(int k, const SharedState& shared) {
+    const Joint& joint = model_.joints[k];
+    const auto at = static_cast<std::size_t>(k);
+    const SpringTerms springs = spring_terms(joint, shared.state.q[at], shared.state.u[at], shared.state.t);
+    const std::vector<bool> turning = turning_speeds(*joint.type);
+    VecX tau(joint.type->n_u());
+    for (Eigen::Index speed = 0; speed < tau.size(); ++speed) {
+      tau(speed) = turning[static_cast<std::size_t>(speed)] ? springs.torque : springs.force;
+    }
+    for (const Evaluation& evaluation : shared.evaluations) {
+      tau = tau.cwiseMax(evaluation.joints[k].tau.cwiseAbs());
+      tau = tau.cwiseMax(coupled_tau(model_, k, evaluation.couplings).cwiseAbs());
+    }
+    const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, shared.state), shared.state.q[at]);
+    double size = 0.0;
+    for (Eigen::Index speed = 0; speed < tau.size(); ++speed) {
+      const double moves = motion.S.col(speed).head<3>().norm();
+      const double turns = motion.S.col(speed).tail<3>().norm() * length_;
+      if (moves > kLeastLever * turns) size = std::max(size, tau(speed) / moves);
+      if (turns > kLeastLever * moves) size = std::max(size, tau(speed) / turns);
+    }
+    for (const Side side : kSides) {
+      double& load = forces_[joint.on(side).body];
+      load = std::max(load, size);
+    }
+  }
+
+  /// A body is shaken by the loads on it and on what it is joined to.
+  void shake() {
+    for (std::size_t i = 1; i < forces_.size(); ++i) accelerations_[i] = forces_[i];
+    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
+      for (const Side side : kSides) {
+        double& shaking = accelerations_[model_.joints[k].on(side).body];
+        shaking = std::max(shaking, on_joint(static_cast<int>(k)));
+      }
+    }
+    for (std::size_t i = 1; i < forces_.size(); ++i) {
+      const double mass = mass_of(model_.bodies[i]);
+      accelerations_[i] = mass > 0.0 ? accelerations_[i] / mass : 0.0;
+    }
   }
 
   /// A body without mass is moved by what it is joined to.

@@ -87,7 +87,9 @@ TEST_F(KeptStartTest, HoldsDriversToTheirLaws) {
 }
 
 TEST_F(KeptStartTest, HoldsModalCoordinatesAndTheirRates) {
-  model_.bodies[2].modal.emplace().stiffness = MatX::Identity(2, 2);
+  ModalData& modal = model_.bodies[2].modal.emplace();
+  modal.stiffness = MatX::Identity(2, 2);
+  modal.G = MatX::Identity(10, 10);
   model_.bodies[2].a_start = Eigen::Vector2d(1e-5, 0.0);
   model_.bodies[2].adot_start = Eigen::Vector2d(0.0, 2e-3);
   start_.bodies[2].a = model_.bodies[2].a_start;
@@ -102,6 +104,7 @@ TEST_F(KeptStartTest, HoldsModalCoordinatesAndTheirRates) {
 TEST_F(KeptStartTest, TakesRoundOffOfModesForRest) {
   ModalData& modal = model_.bodies[2].modal.emplace();
   modal.stiffness = MatX::Identity(2, 2);
+  modal.G = MatX::Identity(10, 10);
   modal.mass_points.push_back({1.0, Vec3::Zero(), Mat3X::Identity(3, 2)});
   model_.bodies[2].a_start = model_.bodies[2].adot_start = VecX::Zero(2);
   start_.bodies[2].a = start_.bodies[2].adot = VecX::Constant(2, 1e-17);

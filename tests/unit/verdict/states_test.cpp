@@ -74,6 +74,7 @@ TEST_F(StatesTest, AMachineAtRestIsShakenByItsOwnTime) {
 TEST_F(StatesTest, ModesAreDrawnWithinTheirRangeEvenIfTheRunNeverMovesThem) {
   ModalData modal;
   modal.stiffness = modal.damping = MatX::Identity(2, 2);
+  modal.G = MatX::Identity(10, 10);
   modal.mass_points = {{1.0, Vec3::Zero(), Mat3X::Constant(3, 2, 2.0)}};
   model_.bodies[1].modal = modal;
   Trajectory one = run(10);
