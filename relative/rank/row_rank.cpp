@@ -45,13 +45,13 @@ MatX RowRank::free_directions() const {
 /// The direction y of the pivoted rows with the smallest |R y|, and that size: inverse iteration from a vector that no
 /// symmetry favours (R70).
 VecX RowRank::iterate(int rank, double& sigma) const {
-  constexpr int kRounds = 4;
+  constexpr int kIterations = 4;
   const auto R = qr_.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
   VecX y(rank);
   for (int i = 0; i < rank; ++i) y(i) = 1.0 + 0.37 * std::sin(1.0 + 2.0 * i);
   y.normalize();
   sigma = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kIterations; ++round) {
     VecX x = R.transpose().solve(y);
     if (!x.allFinite()) return y;
     x.normalize();
