@@ -9,6 +9,7 @@
 #include "common/results.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/places.h"
 #include "compare/verdict/spring_terms.h"
 
 namespace concord::compare {
@@ -17,16 +18,29 @@ namespace {
 
 constexpr double kLeastLever = 1e-6;  // of the machine's length
 
+/// Of a body, or of what is on it: forces, and torques, the machine's length times forces among them.
+struct Load {
+  double force = 0.0;   // N
+  double torque = 0.0;  // N m
+
+  void take(double new_force, double new_torque, double length) {
+    force = std::max(force, new_force);
+    torque = std::max({torque, new_torque, force * length});
+  }
+  void take(const Load& other) { take(other.force, other.torque, 0.0); }
+};
+
 /// The loads on each body in one state, the larger of both solvers'.
 class Loads {
  public:
   Loads(const Model& model, const SharedState& shared)
       : model_(model),
+        shared_(shared),
         length_(model.length_scale()),
-        forces_(model.bodies.size(), 0.0),
+        loads_(model.bodies.size()),
         accelerations_(model.bodies.size(), 0.0),
         modal_(model.bodies.size()) {
-    for (std::size_t i = 1; i < forces_.size(); ++i) add_body(static_cast<int>(i), shared);
+    for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i), shared);
     for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k), shared);
     shake();
     carry_massless();
@@ -40,7 +54,8 @@ class Loads {
       if (quantity.component >= 6) return modal_[quantity.owner](quantity.component - 6);
       return accelerations_[quantity.owner] / (unit == "rad/s2" ? length_ : 1.0);
     }
-    return force_on(quantity) * (unit == "N m" ? length_ : 1.0);
+    const Load load = on_owner(quantity);
+    return unit == "N m" ? load.torque : load.force;
   }
 
  private:
@@ -52,7 +67,7 @@ class Loads {
     for (const Evaluation& evaluation : shared.evaluations) {
       sizes = sizes.cwiseMax(balance_of(model_, points, i, shared.state, evaluation).scales);
     }
-    forces_[i] = std::max(sizes.head<3>().maxCoeff(), sizes.segment<3>(3).maxCoeff() / length_);
+    loads_[i].take(sizes.head<3>().maxCoeff(), sizes.segment<3>(3).maxCoeff(), length_);
     modal_[i] = sizes.tail(body.n_modes());
     if (!body.modal) return;
     const VecX masses = modal_masses(*body.modal);
@@ -76,31 +91,25 @@ class Loads {
       tau = tau.cwiseMax(coupled_tau(model_, k, evaluation.couplings).cwiseAbs());
     }
     const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, shared.state), shared.state.q[at]);
-    double size = 0.0;
+    Load shares;
     for (Eigen::Index speed = 0; speed < tau.size(); ++speed) {
       const double moves = motion.S.col(speed).head<3>().norm();
-      const double turns = motion.S.col(speed).tail<3>().norm() * length_;
-      if (moves > kLeastLever * turns) size = std::max(size, tau(speed) / moves);
-      if (turns > kLeastLever * moves) size = std::max(size, tau(speed) / turns);
+      const double turns = motion.S.col(speed).tail<3>().norm();
+      if (moves > kLeastLever * turns * length_) shares.take(tau(speed) / moves, 0.0, length_);
+      if (turns * length_ > kLeastLever * moves) shares.take(0.0, tau(speed) / turns, length_);
     }
-    for (const Side side : kSides) {
-      double& load = forces_[joint.on(side).body];
-      load = std::max(load, size);
-    }
+    for (const Side side : kSides) loads_[joint.on(side).body].take(shares);
   }
 
-  /// A body is shaken by the loads on it and on what it is joined to.
+  /// What a joint passes is known as well as the loads on its bodies: a body is shaken by those on its neighbours, too.
   void shake() {
-    for (std::size_t i = 1; i < forces_.size(); ++i) accelerations_[i] = forces_[i];
+    shaken_ = loads_;
     for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-      for (const Side side : kSides) {
-        double& shaking = accelerations_[model_.joints[k].on(side).body];
-        shaking = std::max(shaking, on_joint(static_cast<int>(k)));
-      }
+      for (const Side side : kSides) shaken_[model_.joints[k].on(side).body].take(on_joint(static_cast<int>(k)));
     }
-    for (std::size_t i = 1; i < forces_.size(); ++i) {
+    for (std::size_t i = 1; i < shaken_.size(); ++i) {
       const double mass = mass_of(model_.bodies[i]);
-      accelerations_[i] = mass > 0.0 ? accelerations_[i] / mass : 0.0;
+      if (mass > 0.0) accelerations_[i] = std::max(shaken_[i].force, shaken_[i].torque / length_) / mass;
     }
   }
 
@@ -120,29 +129,51 @@ class Loads {
     }
   }
 
-  [[nodiscard]] double on_joint(int k) const {
-    const Joint& joint = model_.joints[k];
-    return std::max(forces_[joint.on(Side::parent).body], forces_[joint.on(Side::child).body]);
+  [[nodiscard]] Load on_joint(int k) const {
+    Load load = loads_[model_.joints[k].on(Side::parent).body];
+    load.take(loads_[model_.joints[k].on(Side::child).body]);
+    return load;
   }
 
   [[nodiscard]] double on_coupling(const Coupling& coupling) const {
     double size = 0.0;
     for (const CouplingTerm& term : coupling.terms) {
-      size = std::max(size, on_joint(term.joint) * (is_turn(model_, term) ? length_ : 1.0) / std::abs(term.factor));
+      const Load load = on_joint(term.joint);
+      size = std::max(size, (is_turn(model_, term) ? load.torque : load.force) / std::abs(term.factor));
     }
     return size;
   }
 
-  /// What a force element exerts follows from the state alone: nothing cancels in it but what draws of the state show.
-  [[nodiscard]] double force_on(const Quantity& quantity) const {
-    if (quantity.kind == Kind::body_sum) return forces_[quantity.owner];
-    if (quantity.kind == Kind::element) return 0.0;
+  /// What a force element exerts follows from the state alone: nothing cancels in it but what draws of the state show,
+  /// and what the levers of its force make of its torque.
+  [[nodiscard]] Load on_element(int k) const {
+    double lever = length_;
+    const Attachment* one = end_of(model_.elements[k], Side::parent);
+    const Attachment* other = end_of(model_.elements[k], Side::child);
+    if (one != nullptr && other != nullptr) {
+      const auto& bodies = shared_.state.bodies;
+      lever = std::max(lever, (place(*one, bodies[one->body]).r_P - place(*other, bodies[other->body]).r_P).norm());
+    }
+    Load load;
+    for (const Evaluation& evaluation : shared_.evaluations) {
+      for (const SideWrench& side : evaluation.elements[k].on) {
+        load.torque = std::max(load.torque, side.in_C.force.norm() * lever);
+      }
+    }
+    return load;
+  }
+
+  [[nodiscard]] Load on_owner(const Quantity& quantity) const {
+    if (quantity.kind == Kind::body_sum) return shaken_[quantity.owner];
+    if (quantity.kind == Kind::element) return on_element(quantity.owner);
     return on_joint(quantity.owner);
   }
 
   const Model& model_;
+  const SharedState& shared_;
   double length_;
-  std::vector<double> forces_;         // N
+  std::vector<Load> loads_;
+  std::vector<Load> shaken_;           // the same, those on neighbours included
   std::vector<double> accelerations_;  // m/s2
   std::vector<VecX> modal_;            // accelerations by mode
 };

@@ -259,11 +259,16 @@ TEST(ResolutionTerms, OfABodyWithoutMassAreThoseOfWhatItIsJoinedToThroughTheChai
   }
 }
 
-TEST(ResolutionTerms, OfAForceElementAreNone) {
+TEST(ResolutionTerms, OfAForceElementAreWhatLeversMakeOfItsForce) {
   const Model model = bob_on_a_chain();
   const QuantityLayout layout(model);
-  const VecX terms = term_sizes(layout, state_at_rest(model));
-  for (const Side side : kSides) EXPECT_EQ(terms(layout.row_of({Kind::element, 0, side, 0})), 0.0);
+  SharedState shared = state_at_rest(model);
+  shared.evaluations[1].elements[0].on[0].in_C.force = Vec3(0.0, 3.0, 4.0);
+  const VecX terms = term_sizes(layout, shared);
+  for (const Side side : kSides) {
+    EXPECT_EQ(terms(layout.row_of({Kind::element, 0, side, 0})), 0.0);
+    EXPECT_DOUBLE_EQ(terms(layout.row_of({Kind::element, 0, side, 3})), 5.0 * model.length_scale());
+  }
 }
 
 TEST(ResolutionTerms, OfAModeAreItsStrainOverItsMass) {
