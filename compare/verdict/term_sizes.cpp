@@ -38,6 +38,7 @@ class Loads {
         shared_(shared),
         length_(model.length_scale()),
         loads_(model.bodies.size()),
+        shares_(model.bodies.size()),
         accelerations_(model.bodies.size(), 0.0),
         modal_(model.bodies.size()) {
     for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i), shared);
@@ -98,14 +99,19 @@ class Loads {
       if (moves > kLeastLever * turns * length_) shares.take(tau(speed) / moves, 0.0, length_);
       if (turns * length_ > kLeastLever * moves) shares.take(0.0, tau(speed) / turns, length_);
     }
-    for (const Side side : kSides) loads_[joint.on(side).body].take(shares);
+    for (const Side side : kSides) {
+      loads_[joint.on(side).body].take(shares);
+      shares_[joint.on(side).body].take(shares);
+    }
   }
 
-  /// What a joint passes is known as well as the loads on its bodies: a body is shaken by those on its neighbours, too.
+  /// A body is shaken by the loads on it, and by what cancels on its neighbours.
   void shake() {
     shaken_ = loads_;
-    for (std::size_t k = 0; k < model_.joints.size(); ++k) {
-      for (const Side side : kSides) shaken_[model_.joints[k].on(side).body].take(on_joint(static_cast<int>(k)));
+    for (const Joint& joint : model_.joints) {
+      const auto [parent, child] = std::pair(joint.on(Side::parent).body, joint.on(Side::child).body);
+      shaken_[parent].take(shares_[child]);
+      shaken_[child].take(shares_[parent]);
     }
     for (std::size_t i = 1; i < shaken_.size(); ++i) {
       const double mass = mass_of(model_.bodies[i]);
@@ -173,7 +179,8 @@ class Loads {
   const SharedState& shared_;
   double length_;
   std::vector<Load> loads_;
-  std::vector<Load> shaken_;           // the same, those on neighbours included
+  std::vector<Load> shares_;           // those of add_shares() alone
+  std::vector<Load> shaken_;           // the loads, and the shares on neighbours
   std::vector<double> accelerations_;  // m/s2
   std::vector<VecX> modal_;            // accelerations by mode
 };
