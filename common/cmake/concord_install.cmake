@@ -43,9 +43,9 @@ endwhile()
 # The manual with its links, and the models beside the pages that explain them.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data DESTINATION ${CMAKE_INSTALL_DOCDIR})
 file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
-     ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/common/*.md ${PROJECT_SOURCE_DIR}/cartesian/*.md
+     ${PROJECT_SOURCE_DIR}/common/*.md ${PROJECT_SOURCE_DIR}/cartesian/*.md
      ${PROJECT_SOURCE_DIR}/relative/*.md ${PROJECT_SOURCE_DIR}/compare/*.md ${PROJECT_SOURCE_DIR}/tests/*.md)
-list(FILTER pages EXCLUDE REGEX "^build")
+list(PREPEND pages README.md)
 foreach(page IN LISTS pages)
   cmake_path(GET page PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})

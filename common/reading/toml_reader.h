@@ -19,7 +19,7 @@ using KnownKeys = std::vector<std::string_view>;
 
 /// One table of a file. Each reading returns nothing if the key is missing, or if its value is wrong: then it has
 /// reported at the value's location. Numbers may be expressions of the parameters, and are zero or of a usable size
-/// (common/magnitude.h).
+/// (common/reading/magnitude.h).
 class TableReader {
  public:
   /// `title` opens every message about the table ("joint 'A'"; may be empty). Complains of keys that are not known.

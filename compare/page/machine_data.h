@@ -12,7 +12,7 @@
 /// What the page shows of one machine.
 namespace concord::compare::page {
 
-/// A result document (compare/result_document.h) and the runs of both solvers, the Cartesian one first; a run is
+/// A result document (compare/report/result_document.h) and the runs of both solvers, the Cartesian one first; a run is
 /// missing where the solver did not finish.
 struct MachineResult {
   std::string document;

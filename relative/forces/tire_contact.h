@@ -5,7 +5,7 @@
 #include "common/elements/tire.h"
 #include "relative/bodies/joint_point.h"
 
-/// Where and how a tire touches the road, as common/tire.h states it.
+/// Where and how a tire touches the road, as common/elements/tire.h states it.
 namespace concord::relative {
 
 /// The tangent plane of the road below a wheel's centre: normal and directions in it, global axes, and the distance of

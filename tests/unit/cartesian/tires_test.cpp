@@ -12,7 +12,7 @@
 #include "common/reading/model_file.h"
 #include "machines.h"
 
-/// Tires: the statement in common/tire.h against the definitions of its words, and runs over events.
+/// Tires: the statement in common/elements/tire.h against the definitions of its words, and runs over events.
 namespace concord::cartesian {
 namespace {
 
