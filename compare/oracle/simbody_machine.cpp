@@ -202,7 +202,8 @@ void SimbodyMachine::Parts::build_step(const Step& step, const std::vector<int>&
     bodies_[step.body] = built.child;
     return;
   }
-  SimTK::Constraint::Weld(matter_.updMobilizedBody(bodies_[step.body]), matter_.updMobilizedBody(built.child));
+  [[maybe_unused]] const SimTK::Constraint::Weld weld(matter_.updMobilizedBody(bodies_[step.body]),
+                                                      matter_.updMobilizedBody(built.child));
   if (step.body == kGround) gravity_.setDefaultBodyIsExcluded(built.child, true);
 }
 
