@@ -41,8 +41,8 @@ class Loads {
         shares_(model.bodies.size()),
         accelerations_(model.bodies.size(), 0.0),
         modal_(model.bodies.size()) {
-    for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i), shared);
-    for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k), shared);
+    for (std::size_t i = 1; i < loads_.size(); ++i) add_body(static_cast<int>(i));
+    for (std::size_t k = 0; k < model.joints.size(); ++k) add_shares(static_cast<int>(k));
     shake();
     carry_massless();
   }
@@ -60,13 +60,13 @@ class Loads {
   }
 
  private:
-  void add_body(int i, const SharedState& shared) {
+  void add_body(int i) {
     const Body& body = model_.bodies[i];
     std::vector<MassPoint> of_rigid;
     const std::vector<MassPoint>& points = mass_points_of(body, of_rigid);
     VecX sizes = VecX::Zero(6 + body.n_modes());
-    for (const Evaluation& evaluation : shared.evaluations) {
-      sizes = sizes.cwiseMax(balance_of(model_, points, i, shared.state, evaluation).scales);
+    for (const Evaluation& evaluation : shared_.evaluations) {
+      sizes = sizes.cwiseMax(balance_of(model_, points, i, shared_.state, evaluation).scales);
     }
     loads_[i].take(sizes.head<3>().maxCoeff(), sizes.segment<3>(3).maxCoeff(), length_);
     modal_[i] = sizes.tail(body.n_modes());
@@ -78,20 +78,20 @@ class Loads {
   /// What springs, dampers, actuators, couplings and drivers share of a joint's coordinate forces, however much of it
   /// cancels: along a permitted direction [v; omega] a coordinate force tau is a force tau / |v| or a torque tau /
   /// |omega|.
-  void add_shares(int k, const SharedState& shared) {
+  void add_shares(int k) {
     const Joint& joint = model_.joints[k];
     const auto at = static_cast<std::size_t>(k);
-    const SpringTerms springs = spring_terms(joint, shared.state.q[at], shared.state.u[at], shared.state.t);
+    const SpringTerms springs = spring_terms(joint, shared_.state.q[at], shared_.state.u[at], shared_.state.t);
     const std::vector<bool> turning = turning_speeds(*joint.type);
     VecX tau(joint.type->n_u());
     for (Eigen::Index speed = 0; speed < tau.size(); ++speed) {
       tau(speed) = turning[static_cast<std::size_t>(speed)] ? springs.torque : springs.force;
     }
-    for (const Evaluation& evaluation : shared.evaluations) {
+    for (const Evaluation& evaluation : shared_.evaluations) {
       tau = tau.cwiseMax(evaluation.joints[k].tau.cwiseAbs());
       tau = tau.cwiseMax(coupled_tau(model_, k, evaluation.couplings).cwiseAbs());
     }
-    const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, shared.state), shared.state.q[at]);
+    const JointMotion motion = read_motion(*joint.type, relative_motion_of(joint, shared_.state), shared_.state.q[at]);
     Load shares;
     for (Eigen::Index speed = 0; speed < tau.size(); ++speed) {
       const double moves = motion.S.col(speed).head<3>().norm();
