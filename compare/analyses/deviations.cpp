@@ -6,7 +6,6 @@
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
 #include "compare/audit/joint_kinematics.h"
-#include "compare/verdict/prediction.h"
 #include "compare/verdict/resolution.h"
 #include "compare/verdict/states.h"
 

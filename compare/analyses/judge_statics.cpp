@@ -12,10 +12,10 @@
 #include "compare/report/text_table.h"
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/whole_turns.h"
 
 namespace concord::compare::analyses {
 

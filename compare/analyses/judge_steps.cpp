@@ -19,7 +19,6 @@
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
-#include "compare/verdict/sums.h"
 #include "compare/verdict/term_sizes.h"
 
 namespace concord::compare::analyses {

@@ -16,7 +16,6 @@
 #include "compare/equilibrium/stiffness.h"
 #include "compare/verdict/chart.h"
 #include "compare/verdict/motion_names.h"
-#include "compare/verdict/prediction.h"
 #include "compare/verdict/states.h"
 
 namespace concord::compare::analyses {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compare/verdict/agreement.h"
-#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/verdict.h"
 
 /// Each solver held against itself: the same machine, described in equivalent ways.

@@ -21,10 +21,10 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/not_expressible.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/run_check.h"
 #include "compare/verdict/stiff_choice.h"
+#include "compare/verdict/third_opinion.h"
 
 namespace concord::compare {
 

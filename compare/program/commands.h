@@ -8,7 +8,7 @@
 
 #include "common/model.h"
 #include "compare/report/console.h"
-#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/third_opinion.h"
 #include "compare/verdict/verify.h"
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "compare/python/bindings.h"
-#include "compare/verdict/solver_makers.h"
+#include "compare/verdict/branch.h"
 
 /// Long work that leaves Python free and ends soon after Ctrl-C.
 namespace concord::compare::python {

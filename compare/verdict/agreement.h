@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "compare/verdict/align.h"
@@ -64,6 +65,12 @@ struct Measured {
   std::array<double, 2> values{};
   double digits = 16.0;              // of the largest difference
   double unexplained_digits = 16.0;  // of the largest unexplained one: this is judged
+};
+
+/// A failing quantity in words: "joint D on slider, T_z, t = ...", and what it looks like.
+struct Finding {
+  std::string what;
+  std::string symptom;
 };
 
 /// One entry for each row of the series. Scale of a force: the joint's peak |F| over the series, the larger of both

@@ -1,13 +1,21 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 
-#include "compare/verdict/solver_makers.h"
+#include "common/solver.h"
 
 /// Loops close in more than one way. Both solvers start in the same one, or the model is refused.
 namespace concord::compare {
+
+/// Makes a solver of each kind for a model.
+struct SolverMakers {
+  std::function<std::unique_ptr<Solver>(const Model&)> cartesian;
+  std::function<std::unique_ptr<Solver>(const Model&)> relative;
+};
 
 using Solvers = std::array<std::unique_ptr<Solver>, 2>;  // by Who
 
@@ -27,5 +35,12 @@ bool obeys_the_model(const Model& model, const State& state);
 /// it was given where a start has not the coordinates that are kept or driven, and where one refuses the other's start,
 /// too, whose assemble() then throws. `model` must outlive the solvers.
 Solvers make_solvers_on_one_branch(Model& model, const SolverMakers& makers, std::string& note);
+
+/// Whether whole turns of a coordinate of joint `joint` change neither a pose nor a force: it is an angle about an
+/// axis, and nothing reads the angle itself: no driver, no coupling, and no spring or stop of the joint.
+bool whole_turns_change_nothing(const Model& model, std::size_t joint, int word, int component);
+
+/// The angle that differs from `angle` by whole turns and is nearest to `near` [rad].
+double with_turns_of(double near, double angle);
 
 }  // namespace concord::compare

@@ -14,7 +14,6 @@
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/verdict/motion_names.h"
-#include "compare/verdict/resolution.h"
 
 namespace concord::compare {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "compare/audit/digits.h"
-#include "compare/verdict/motions.h"
+#include "compare/verdict/refinement.h"
 
 namespace concord::compare {
 
@@ -17,9 +17,6 @@ constexpr double kOfOneDraw = 10.0;
 
 /// Where one solver's run moves by so many times more than the other's, it is not the motion that is sensitive.
 constexpr double kOneAlone = 1e4;
-
-/// Runs whose motions agree to so many digits are the same.
-constexpr double kTheSame = 14.0;
 
 /// Rows that are judged on a rung and miss their need, those with the fewest digits first.
 std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Rung rung) {
@@ -44,15 +41,6 @@ std::array<double, 2> own_changes(const RunPair& looser, const RunPair& tighter,
   return changes;
 }
 
-/// The same of the motions, as digits.
-std::array<double, 2> own_motion_digits(const Model& model, const RunPair& looser, const RunPair& tighter) {
-  std::array<double, 2> digits{};
-  for (std::size_t who = 0; who < 2; ++who) {
-    digits[who] = compare_motions(model, {&*looser.trajectories[who], &*tighter.trajectories[who]}).digits;
-  }
-  return digits;
-}
-
 std::string tell(std::string_view what, double digits, const std::array<double, 2>& own, const RunPair& looser,
                  const RunPair& tighter, Rung rung) {
   return fmt::format(
@@ -65,17 +53,6 @@ std::string tell(std::string_view what, double digits, const std::array<double, 
 
 }  // namespace
 
-RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples) {
-  RunPair first{pair.run, {}, {}, {}, {}, pair.integrators};
-  for (std::size_t who = 0; who < 2; ++who) {
-    Trajectory& run = first.trajectories[who].emplace();
-    const std::vector<Sample>& all = pair.trajectories[who]->samples;
-    run.samples.assign(all.begin(), all.begin() + samples);
-  }
-  first.series = align(layout, {&*first.trajectories[0], &*first.trajectories[1]}, samples);
-  return first;
-}
-
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
   if (pair.motion.digits < motion_need) return false;
   const auto misses = [rung](const QuantityRow& row) {
@@ -83,29 +60,6 @@ bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, doubl
   };
   return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
-}
-
-bool is_the_same_run(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who) {
-  return own_motion_digits(model, looser, tighter)[who] >= kTheSame;
-}
-
-std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter) {
-  if (!looser.is_complete() || !tighter.is_complete()) return std::nullopt;
-  if (looser.run.samples != tighter.run.samples) return std::nullopt;
-  const std::array<double, 2> digits = own_motion_digits(model, looser, tighter);
-  const std::size_t nearer = digits[0] >= digits[1] ? 0 : 1;
-  return digits[nearer] >= kTheSame ? std::optional(nearer) : std::nullopt;
-}
-
-std::string advice_on_integrator(const RunPair& pair, std::size_t who) {
-  return fmt::format("{} holds its steps no tighter, another integrator (--{}-integrator) may",
-                     pair.integrators[who].empty() ? "its integrator" : pair.integrators[who],
-                     who == 0 ? "cartesian" : "relative");
-}
-
-std::string advice_on_standing(const RunPair& pair, std::size_t who) {
-  return fmt::format("; the {} run is the same at rtol {:g} as at a looser one: {}",
-                     who == 0 ? "cartesian" : "relative", pair.run.rtol, advice_on_integrator(pair, who));
 }
 
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,

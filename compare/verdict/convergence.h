@@ -1,13 +1,9 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/refinement.h"
+#include "compare/verdict/run_pairs.h"
 #include "compare/verdict/verdict.h"
 
 /// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.
@@ -18,35 +14,8 @@ namespace concord::compare {
 /// A rung by runs is repeated at tighter tolerances while its needs are missed, but not below this.
 inline constexpr double kTightestRepeat = 1e-13;
 
-/// Both solvers' runs at one tolerance, side by side.
-struct RunPair {
-  RunOptions run;
-  std::array<std::optional<Trajectory>, 2> trajectories;
-  Series series;
-  std::vector<Measured> measured;
-  MotionAgreement motion;
-  /// Who made the runs, by Who.
-  std::array<std::string, 2> integrators = {};
-
-  [[nodiscard]] bool is_complete() const { return trajectories[0] && trajectories[1]; }
-};
-
-/// The same runs up to a sample, `samples` of them; not measured.
-RunPair first_samples(const QuantityLayout& layout, const RunPair& pair, int samples);
-
 /// Whether all that is judged on a rung meets its need; `motion_need`: digits that the motions need.
 bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need);
-
-/// Whether a solver's run is the same at both tolerances.
-bool is_the_same_run(const Model& model, const RunPair& looser, const RunPair& tighter, std::size_t who);
-
-/// The solver whose run is the same at both tolerances though one is tighter: its integrator holds its steps no tighter
-/// than a limit of its own, and what tolerance changes is not seen between these two. Of both the first.
-std::optional<std::size_t> run_that_stands(const Model& model, const RunPair& looser, const RunPair& tighter);
-
-/// What to do about it: the end of a sentence on runs that do not converge, and of one on what a run loses.
-std::string advice_on_integrator(const RunPair& pair, std::size_t who);
-std::string advice_on_standing(const RunPair& pair, std::size_t who);
 
 /// Looks at the rows that miss their need on a rung where the same state agrees. If the largest difference among them,
 /// relative to its scale, is of the size, within a factor of ten, of what the solvers' own runs moved by in these rows

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/solver.h"
-#include "compare/verdict/convergence.h"
-#include "compare/verdict/verdict.h"
+#include "compare/verdict/needs.h"
+#include "compare/verdict/run_pairs.h"
 
 /// The comparability horizon of a sensitive motion: how long two integrations of it can agree at all. It is taken from
 /// each solver alone, from two of its own runs with neighbouring starts, never from what the solvers differ by. Needed

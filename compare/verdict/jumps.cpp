@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common/error.h"
-#include "compare/verdict/prediction.h"
+#include "compare/verdict/states.h"
 
 namespace concord::compare {
 

@@ -7,8 +7,8 @@
 
 #include "common/solver.h"
 #include "compare/verdict/agreement.h"
+#include "compare/verdict/needs.h"
 #include "compare/verdict/observe.h"
-#include "compare/verdict/refinement.h"
 
 /// Samples that fall on the instant at which a law of force jumps, as where a wheel leaves the edge of a bump: needed
 /// by these (tests/verification/events_at_samples_test).

@@ -10,7 +10,6 @@
 #include "compare/audit/free_body.h"
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
-#include "compare/verdict/resolution.h"
 
 namespace concord::compare {
 

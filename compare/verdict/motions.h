@@ -9,6 +9,10 @@
 /// How far two runs' motions agree.
 namespace concord::compare {
 
+/// The tightest integration holds a motion to 1e-13 of its size (kTightestRepeat): so many units of round-off of a
+/// state does its end differ by.
+inline constexpr double kUnitsOfARun = 450.0;
+
 /// Angle between two orientations, of A1^T A2 [rad], accurate near zero.
 double angle_between(const Mat3& A1, const Mat3& A2);
 

@@ -9,6 +9,28 @@
 
 namespace concord::compare {
 
+const char* name_of(Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return "same state";
+    case Rung::same_run:
+      return "same run";
+    default:
+      return "refined";
+  }
+}
+
+double need_of(const Needs& needs, Rung rung) {
+  switch (rung) {
+    case Rung::same_state:
+      return needs.same_state;
+    case Rung::same_run:
+      return needs.same_run;
+    default:
+      return needs.refined;
+  }
+}
+
 namespace {
 
 /// Whether two components are both of forces or both of torques.

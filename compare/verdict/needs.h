@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "common/model.h"
@@ -7,6 +8,13 @@
 
 /// How many digits are enough.
 namespace concord::compare {
+
+/// The rungs at which digits are judged, in their order.
+enum class Rung { same_state, same_run, refined };
+inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
+
+/// "same state", "same run", "refined".
+const char* name_of(Rung rung);
 
 /// Digits that a quantity must reach on each rung.
 struct Needs {
@@ -28,6 +36,8 @@ inline constexpr double kRefined = 8.5;
 inline constexpr double kRefinedRise = 1.5;
 /// The energy balance of a run may err by this many times its relative tolerance.
 inline constexpr double kEnergyPerTolerance = 1e3;
+
+double need_of(const Needs& needs, Rung rung);
 
 /// What the comparator asks of a model that says nothing.
 Needs default_needs(const Model& model);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/verdict/motions.h"
+#include "compare/verdict/run_pairs.h"
 
 namespace concord::compare {
 

@@ -5,11 +5,37 @@
 #include <string>
 #include <vector>
 
-#include "compare/verdict/convergence.h"
+#include "common/results.h"
+#include "compare/verdict/agreement.h"
+#include "compare/verdict/observe.h"
 
 /// Observed order of each solver's integration: how what it leaves falls with the relative tolerance. It explains, and
 /// is never judged.
 namespace concord::compare {
+
+struct RunPair;
+
+/// How the errors of one solver's own runs fall with the relative tolerance, in one kind of numbers: error ~
+/// rtol^exponent.
+struct ObservedOrder {
+  /// At the tolerances, loosest first; largest over the run, in parts of the largest of the kind.
+  std::vector<double> errors;
+  /// Missing where the errors do not fall from each tolerance to the next: not in the range of convergence.
+  std::optional<double> exponent;
+};
+
+struct SolverOrders {
+  ObservedOrder places;      // of origins by the length, angles of orientations, modal ones by the body's largest
+  ObservedOrder velocities;  // of origins, angular ones times the length, by the largest; modal ones by the body's
+  ObservedOrder reactions;   // of components that are unique, each by its scale; no errors if there are none
+};
+
+/// Observed orders of both solvers.
+struct Orders {
+  std::vector<double> tolerances;  // of the errors, loosest first
+  double against = 0.0;            // the tolerance of the runs that the others are held against
+  std::array<SolverOrders, 2> solvers;
+};
 
 /// Gathers runs at several tolerances, a part of their samples.
 class OrderStudy {

@@ -10,17 +10,6 @@ namespace concord::compare {
 
 double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kTighter, kTightestTolerance)); }
 
-const char* name_of(Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
-      return "same state";
-    case Rung::same_run:
-      return "same run";
-    default:
-      return "refined";
-  }
-}
-
 namespace {
 
 constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
@@ -54,17 +43,6 @@ bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || 
 }  // namespace
 
 std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
-
-double need_of(const Needs& needs, Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
-      return needs.same_state;
-    case Rung::same_run:
-      return needs.same_run;
-    default:
-      return needs.refined;
-  }
-}
 
 double need_of(const QuantityRow& row, Rung rung) { return need_of(row.need, rung); }
 

@@ -15,15 +15,7 @@ inline constexpr double kTighter = 100.0;
 /// Relative tolerance of the refined run.
 double refined_tolerance(double rtol);
 
-/// The rungs at which digits are judged, in their order.
-enum class Rung { same_state, same_run, refined };
-inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
-
-/// "same state", "same run", "refined".
-const char* name_of(Rung rung);
-
 std::optional<double> digits_of(const QuantityRow& row, Rung rung);
-double need_of(const Needs& needs, Rung rung);
 double need_of(const QuantityRow& row, Rung rung);
 const RungSummary& summary_of(const Verdict& verdict, Rung rung);
 const RungDetail& detail_of(const QuantityRow& row, Rung rung);

@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "compare/verdict/draws.h"
+#include "compare/verdict/motions.h"
 #include "compare/verdict/term_sizes.h"
 
 namespace concord::compare {

@@ -25,10 +25,6 @@ inline constexpr double kSameClosing = 1e-11;
 /// the numbers of a state, and one closing does not tell how much less.
 inline constexpr double kIllConditioned = 30.0;
 
-/// The tightest integration holds a motion to 1e-13 of its size (kTightestRepeat): so many units of round-off of a
-/// state does its end differ by.
-inline constexpr double kUnitsOfARun = 450.0;
-
 /// Resolutions of all quantities (rows of the layout) in all states (columns), in each quantity's unit.
 struct Resolution {
   /// Of the less resolving solver, with the floor: round-off of the terms that are added up. NaN where it is unknown.

@@ -16,7 +16,6 @@ namespace concord::compare {
 inline constexpr int kTrajectoryStates = 200;  // at least
 inline constexpr int kRandomStates = 50;
 inline constexpr int kRedraws = 5;
-inline constexpr std::uint64_t kSeed = 19971025;
 
 /// A state, and the solver that closed it; `row`: the sample of a run that it is taken from, or -1.
 struct OwnedState {
@@ -50,6 +49,9 @@ class StatePerturbation {
   Draws draws_;
   MachineSize sizes_;
 };
+
+/// A guess of the state h seconds on, to the second order; hints of coordinates move on with their speeds.
+State predict(const Model& model, const Sample& now, double h);
 
 /// What a solver finds in a state; nothing if it refuses the state, as where a spring's ends meet or a frame has turned
 /// by half a turn: who can go elsewhere, does.

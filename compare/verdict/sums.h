@@ -1,12 +1,24 @@
 #pragma once
 
+#include <array>
+#include <string>
 #include <vector>
 
 #include "compare/verdict/agreement.h"
-#include "compare/verdict/verdict.h"
-#include "compare/verdict/weighed_states.h"
 
 namespace concord::compare {
+
+/// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
+/// point, in global axes, at t = 0.
+struct PairSum {
+  std::string what;
+  int body = 0;  // on which it acts
+  std::array<Wrench, 2> at_start;
+  int samples = 0;                   // states in which it must be unique, and is judged
+  double digits = 16.0;              // of the largest difference
+  double unexplained_digits = 16.0;  // of the largest that round-off does not explain: this is judged
+  [[nodiscard]] bool holds(double need) const { return unexplained_digits >= need; }
+};
 
 /// For each pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, moved
 /// to the first one's point, in global axes. It is judged in the states where it must be unique, because on one of the
@@ -14,9 +26,5 @@ namespace concord::compare {
 /// on that body, and the totals of the others. `measured` has an entry for each quantity of the layout.
 std::vector<PairSum> compare_pair_sums(const QuantityLayout& layout, const std::vector<SharedState>& states,
                                        const std::vector<Measured>& measured, const Budget& budget = {});
-
-/// Puts those of states that were weighed into the verdict; one that differs is a finding if nothing else is.
-void judge_pair_sums(const QuantityLayout& layout, const WeighedStates& weighed, const std::vector<Measured>& measured,
-                     Verdict& verdict);
 
 }  // namespace concord::compare

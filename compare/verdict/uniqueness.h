@@ -6,7 +6,6 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/singular_pose.h"
-#include "compare/verdict/verdict.h"
 
 /// Which quantities are unique in which states, as both solvers find it, state by state.
 namespace concord::compare {

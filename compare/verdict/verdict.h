@@ -13,10 +13,12 @@
 #include "compare/verdict/agreement.h"
 #include "compare/verdict/align.h"
 #include "compare/verdict/curve_metrics.h"
+#include "compare/verdict/draws.h"
 #include "compare/verdict/motions.h"
 #include "compare/verdict/needs.h"
 #include "compare/verdict/observe.h"
-#include "compare/verdict/states.h"
+#include "compare/verdict/orders.h"
+#include "compare/verdict/sums.h"
 #include "compare/verdict/third_opinion.h"
 
 /// All that the comparator found about one model.
@@ -77,12 +79,6 @@ struct RungSummary {
   std::optional<double> horizon;
 };
 
-/// A failing quantity in words: "joint D on slider, T_z, t = ...", and what it looks like.
-struct Finding {
-  std::string what;
-  std::string symptom;
-};
-
 struct SolverSummary {
   std::string name;
   std::string integrator;
@@ -94,18 +90,6 @@ struct SolverSummary {
   std::string audit_worst;
   double audit_need = kAudit;
   std::optional<double> energy_error;
-};
-
-/// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
-/// point, in global axes, at t = 0.
-struct PairSum {
-  std::string what;
-  int body = 0;  // on which it acts
-  std::array<Wrench, 2> at_start;
-  int samples = 0;                   // states in which it must be unique, and is judged
-  double digits = 16.0;              // of the largest difference
-  double unexplained_digits = 16.0;  // of the largest that round-off does not explain: this is judged
-  [[nodiscard]] bool holds(double need) const { return unexplained_digits >= need; }
 };
 
 /// One component against a reference from outside.
@@ -140,28 +124,6 @@ struct TwoByTwo {
   std::array<double, 2> integration{};  // by one solver's equations between both motions
   /// Each solver's equations on its own motion, cartesian's as the measure.
   CurveMetrics curves;
-};
-
-/// How the errors of one solver's own runs fall with the relative tolerance, in one kind of numbers: error ~
-/// rtol^exponent.
-struct ObservedOrder {
-  /// At the tolerances, loosest first; largest over the run, in parts of the largest of the kind.
-  std::vector<double> errors;
-  /// Missing where the errors do not fall from each tolerance to the next: not in the range of convergence.
-  std::optional<double> exponent;
-};
-
-struct SolverOrders {
-  ObservedOrder places;      // of origins by the length, angles of orientations, modal ones by the body's largest
-  ObservedOrder velocities;  // of origins, angular ones times the length, by the largest; modal ones by the body's
-  ObservedOrder reactions;   // of components that are unique, each by its scale; no errors if there are none
-};
-
-/// Observed orders of both solvers.
-struct Orders {
-  std::vector<double> tolerances;  // of the errors, loosest first
-  double against = 0.0;            // the tolerance of the runs that the others are held against
-  std::array<SolverOrders, 2> solvers;
 };
 
 struct Verdict {

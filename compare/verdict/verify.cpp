@@ -20,7 +20,6 @@
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
 #include "compare/verdict/states.h"
-#include "compare/verdict/sums.h"
 #include "compare/verdict/third_words.h"
 #include "compare/verdict/two_by_two.h"
 

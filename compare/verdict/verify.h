@@ -6,8 +6,8 @@
 #include <string>
 
 #include "common/solver.h"
+#include "compare/verdict/branch.h"
 #include "compare/verdict/progress.h"
-#include "compare/verdict/solver_makers.h"
 #include "compare/verdict/states.h"
 #include "compare/verdict/verdict.h"
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "compare/report/table.h"
-#include "compare/verdict/not_expressible.h"
+#include "compare/verdict/third_opinion.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/oracle/machines.h"
 

@@ -1,5 +1,3 @@
-#include "compare/verdict/whole_turns.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -8,6 +6,7 @@
 #include "common/joints/screw.h"
 #include "common/joints/spherical.h"
 #include "common/joints/universal.h"
+#include "compare/verdict/branch.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
