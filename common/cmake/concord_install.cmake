@@ -6,8 +6,8 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/concord)
 set(libraries concord_options)
-foreach(library common sundials cartesian relative audit attribution verdict equilibrium report analyses invariance
-                joint_check)
+foreach(library common sundials cartesian relative audit attribution quantities states resolution verdict equilibrium report
+                analyses invariance joint_check)
   if(TARGET concord_${library})
     set_target_properties(concord_${library} PROPERTIES EXPORT_NAME ${library})
     list(APPEND libraries concord_${library})

@@ -6,7 +6,7 @@
 #include "common/rotation.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 
 namespace concord::compare::analyses {
 

@@ -11,7 +11,7 @@
 /// drivers lie on both sides of a singular pose, and between them the determinant of the equations for its velocities
 /// changes its sign; along a motion that passes no singular pose it keeps it, however narrow the passage is.
 /// Needed by a crank that is hardly shorter than its rod (tests/verification/driven_motions_test); whether one pose is
-/// singular is another question (compare/verdict/singular_pose).
+/// singular is another question (compare/states/singular_pose).
 namespace concord::compare::analyses {
 
 /// The equations for all velocities of a machine in one state: v_rel - S u = 0 at each joint, global axes, u = its law

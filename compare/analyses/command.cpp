@@ -11,7 +11,7 @@
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/states/near_frames.h"
 
 namespace concord::compare::analyses {
 

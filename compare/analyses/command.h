@@ -5,7 +5,7 @@
 
 #include "compare/analyses/inverse.h"
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 /// `concord statics`, `linearize`, `kinematics`, `inverse`.

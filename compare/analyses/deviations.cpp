@@ -6,8 +6,8 @@
 #include "common/decompositions.h"
 #include "common/joints/joint_type.h"
 #include "compare/audit/joint_kinematics.h"
-#include "compare/verdict/resolution.h"
-#include "compare/verdict/states.h"
+#include "compare/resolution/resolution.h"
+#include "compare/states/states.h"
 
 namespace concord::compare::analyses {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/solver.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 /// Small deviations of a machine from a motion, in the coordinates of its joints.
 namespace concord::compare::analyses {

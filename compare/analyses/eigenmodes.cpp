@@ -8,8 +8,8 @@
 
 #include "common/decompositions.h"
 #include "compare/analyses/slow_modes.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/draws.h"
+#include "compare/quantities/agreement.h"
+#include "compare/states/draws.h"
 
 namespace concord::compare::analyses {
 

@@ -5,7 +5,7 @@
 
 #include "compare/analyses/linearize.h"
 #include "compare/equilibrium/stiffness.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 /// Eigenvalues and shapes of a linearized machine, from its matrices.
 namespace concord::compare::analyses {

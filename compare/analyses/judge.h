@@ -9,7 +9,7 @@
 #include "common/model.h"
 #include "compare/analyses/inverse.h"
 #include "compare/analyses/linearize.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verdict.h"
 #include "compare/verdict/verify.h"
 

@@ -12,11 +12,11 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/machine_size.h"
 #include "compare/equilibrium/acceleration_scale.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/chart.h"
-#include "compare/verdict/term_sizes.h"
+#include "compare/resolution/term_sizes.h"
+#include "compare/states/chart.h"
 
 namespace concord::compare::analyses {
 

@@ -2,8 +2,8 @@
 
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/kinematics.h"
+#include "compare/quantities/align.h"
 #include "compare/report/info.h"
-#include "compare/verdict/align.h"
 
 namespace concord::compare::analyses {
 

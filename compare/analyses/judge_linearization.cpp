@@ -12,10 +12,10 @@
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
 #include "compare/equilibrium/other_rests.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
+#include "compare/quantities/motions.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/motions.h"
 
 namespace concord::compare::analyses {
 

@@ -9,12 +9,12 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/equilibrium/joint_changes.h"
 #include "compare/equilibrium/other_rests.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
+#include "compare/quantities/motions.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/chart.h"
-#include "compare/verdict/motions.h"
+#include "compare/states/branch.h"
+#include "compare/states/chart.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::analyses {

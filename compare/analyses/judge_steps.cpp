@@ -12,14 +12,14 @@
 #include "compare/audit/balance.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/geometric_stiffness.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/draws.h"
+#include "compare/quantities/align.h"
+#include "compare/quantities/motions.h"
+#include "compare/resolution/term_sizes.h"
+#include "compare/states/draws.h"
+#include "compare/states/states.h"
 #include "compare/verdict/judge.h"
-#include "compare/verdict/motions.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/same_state.h"
-#include "compare/verdict/states.h"
-#include "compare/verdict/term_sizes.h"
 
 namespace concord::compare::analyses {
 

@@ -7,7 +7,7 @@
 
 #include "compare/analyses/judge.h"
 #include "compare/equilibrium/rests.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 /// What the judgement of every analysis takes: both solvers on one branch, their wrenches, numbers and an outcome.
 namespace concord::compare::analyses {

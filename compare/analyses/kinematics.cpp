@@ -15,7 +15,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/law_of_time.h"
 #include "compare/audit/places.h"
-#include "compare/verdict/states.h"
+#include "compare/states/states.h"
 
 namespace concord::compare::analyses {
 

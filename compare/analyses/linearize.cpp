@@ -14,9 +14,9 @@
 #include "compare/equilibrium/acceleration_scale.h"
 #include "compare/equilibrium/equilibrium.h"
 #include "compare/equilibrium/stiffness.h"
-#include "compare/verdict/chart.h"
-#include "compare/verdict/motion_names.h"
-#include "compare/verdict/states.h"
+#include "compare/states/chart.h"
+#include "compare/states/motion_names.h"
+#include "compare/states/states.h"
 
 namespace concord::compare::analyses {
 

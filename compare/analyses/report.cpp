@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/observe.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/carried.h"
-#include "compare/verdict/observe.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::analyses {

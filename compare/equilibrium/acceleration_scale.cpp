@@ -9,7 +9,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/places.h"
 #include "compare/equilibrium/joint_changes.h"
-#include "compare/verdict/spring_terms.h"
+#include "compare/resolution/spring_terms.h"
 
 namespace concord::compare {
 

@@ -5,7 +5,7 @@
 
 #include "common/model.h"
 #include "common/results.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 /// What forces cause in a machine: the scale of all that analyses decide about accelerations.
 namespace concord::compare {

@@ -19,10 +19,10 @@
 #include "compare/equilibrium/step_length.h"
 #include "compare/equilibrium/steps_back.h"
 #include "compare/equilibrium/stiffness.h"
-#include "compare/verdict/chart.h"
-#include "compare/verdict/draws.h"
-#include "compare/verdict/motion_names.h"
-#include "compare/verdict/states.h"
+#include "compare/states/chart.h"
+#include "compare/states/draws.h"
+#include "compare/states/motion_names.h"
+#include "compare/states/states.h"
 
 namespace concord::compare {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "compare/verdict/motion_names.h"
+#include "compare/states/motion_names.h"
 
 namespace concord::compare {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/model.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 namespace concord::compare {
 

@@ -7,7 +7,7 @@
 #include "common/rotation.h"
 #include "compare/audit/element_laws.h"
 #include "compare/audit/places.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 
 namespace concord::compare {
 

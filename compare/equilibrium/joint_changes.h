@@ -5,7 +5,7 @@
 
 #include "common/solver.h"
 #include "compare/audit/joint_motion.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 /// What joints do between two states, and along a direction of motion.
 namespace concord::compare {

@@ -5,7 +5,7 @@
 
 #include "common/solver.h"
 #include "compare/equilibrium/equilibrium.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 /// Whether a rest that a search found is the one that the statement determines: each solver asks itself.
 namespace concord::compare {

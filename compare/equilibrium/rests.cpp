@@ -1,6 +1,6 @@
 #include "compare/equilibrium/rests.h"
 
-#include "compare/verdict/align.h"
+#include "compare/quantities/align.h"
 
 namespace concord::compare {
 

@@ -5,7 +5,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "compare/equilibrium/equilibrium.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 /// The equilibria that both solvers find.
 namespace concord::compare {

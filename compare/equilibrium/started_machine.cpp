@@ -6,7 +6,7 @@
 #include "compare/audit/digits.h"
 #include "compare/equilibrium/other_rests.h"
 #include "compare/equilibrium/rests.h"
-#include "compare/verdict/motions.h"
+#include "compare/quantities/motions.h"
 
 namespace concord::compare {
 

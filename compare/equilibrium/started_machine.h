@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "compare/verdict/align.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/quantities/align.h"
+#include "compare/states/branch.h"
+#include "compare/states/near_frames.h"
 
 namespace concord::compare {
 

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "common/solver.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 namespace concord::compare {
 

@@ -6,7 +6,7 @@
 
 #include "common/solver.h"
 #include "compare/equilibrium/acceleration_scale.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 /// Derivatives of a machine's accelerations, -M^-1 K of its linearization, from a solver's accelerations alone, and how
 /// far double precision resolves them.

@@ -7,7 +7,7 @@
 
 #include "compare/random_machines/generator.h"
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 namespace concord::compare::fuzz {

@@ -12,13 +12,13 @@
 #include "compare/audit/digits.h"
 #include "compare/invariance/moved_solver.h"
 #include "compare/invariance/moves.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/motions.h"
-#include "compare/verdict/resolution.h"
-#include "compare/verdict/singular_pose.h"
-#include "compare/verdict/states.h"
-#include "compare/verdict/term_sizes.h"
-#include "compare/verdict/weighed_states.h"
+#include "compare/quantities/motions.h"
+#include "compare/resolution/resolution.h"
+#include "compare/resolution/term_sizes.h"
+#include "compare/resolution/weighed_states.h"
+#include "compare/states/branch.h"
+#include "compare/states/singular_pose.h"
+#include "compare/states/states.h"
 
 namespace concord::compare::invariance {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/branch.h"
+#include "compare/quantities/agreement.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verdict.h"
 
 /// Each solver held against itself: the same machine, described in equivalent ways.

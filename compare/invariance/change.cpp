@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "compare/audit/places.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
+#include "compare/states/branch.h"
 
 namespace concord::compare::invariance {
 

@@ -4,7 +4,7 @@
 
 #include "common/model.h"
 #include "common/solver.h"
-#include "compare/verdict/body_frames.h"
+#include "compare/states/body_frames.h"
 
 /// One machine, described in another way. What is physical stays.
 namespace concord::compare::invariance {

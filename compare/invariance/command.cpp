@@ -15,7 +15,7 @@
 #include "compare/report/interrupt.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/states/near_frames.h"
 #include "compare/verdict/verdict.h"
 
 namespace concord::compare::invariance {

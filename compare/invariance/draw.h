@@ -7,7 +7,7 @@
 
 #include "common/model.h"
 #include "common/rotation.h"
-#include "compare/verdict/draws.h"
+#include "compare/states/draws.h"
 
 namespace concord::compare::invariance {
 

@@ -7,8 +7,8 @@
 
 #include "cartesian/solver.h"
 #include "compare/audit/carried_components.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
 #include "relative/solver.h"
 
 namespace concord::compare::joint_check {

@@ -9,7 +9,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/referee.h"
 #include "compare/joint_check/parts.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 #include "relative/dynamics/equations.h"
 #include "relative/start/states.h"
 

@@ -7,7 +7,7 @@
 #include "compare/joint_check/opinions.h"
 #include "compare/joint_check/rig.h"
 #include "compare/joint_check/rig_states.h"
-#include "compare/verdict/needs.h"
+#include "compare/quantities/needs.h"
 
 namespace concord::compare::joint_check {
 

@@ -9,7 +9,7 @@
 #include "compare/nightly/history.h"
 #include "compare/nightly/plan.h"
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 /// A night as two jobs of Slurm: an array, each task of which runs some of the cases and leaves a file, and a merge
 /// that reads the files when all tasks have ended, however they did. Only the submission and the merge touch the

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 /// `concord nightly`, `accept`, `history`, `report` of a history, and `diff`.

@@ -9,7 +9,7 @@
 #include "compare/nightly/result.h"
 #include "compare/nightly/suite.h"
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 /// Runs the cases of a suite, each in a worker process, and stores what each finds as soon as it ends.

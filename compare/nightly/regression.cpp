@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 9> kChangeKinds{"red",   "worse",     "gone",   "no baseline", "changed",
                                                        "flaky", "known red", "better", "new"};
-/// A difference within 20 resolutions is round-off (compare/verdict/resolution).
+/// A difference within 20 resolutions is round-off (compare/resolution/resolution).
 const double kLuck = std::log10(20.0);
 /// Digits of runs beyond this are luck, too: steps are summed up.
 constexpr double kMostRunDigits = 13.0;

@@ -17,7 +17,7 @@
 #include "compare/random_machines/generator.h"
 #include "compare/random_machines/random.h"
 #include "compare/random_machines/trial.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/states/near_frames.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare::nightly {

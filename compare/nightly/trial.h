@@ -4,7 +4,7 @@
 
 #include "compare/nightly/case.h"
 #include "compare/nightly/result.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 namespace concord::compare::nightly {

@@ -13,7 +13,7 @@
 #include "compare/oracle/plan.h"
 #include "compare/oracle/recipes.h"
 #include "compare/oracle/simbody_parts.h"
-#include "compare/verdict/third_opinion.h"
+#include "compare/quantities/third_opinion.h"
 
 namespace concord::compare::oracle {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "common/model.h"
-#include "compare/verdict/third_opinion.h"
+#include "compare/quantities/third_opinion.h"
 
 namespace concord::compare::oracle {
 

@@ -11,6 +11,7 @@
 #include "compare/audit/digits.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
+#include "compare/quantities/third_opinion.h"
 #include "compare/report/files.h"
 #include "compare/report/info.h"
 #include "compare/report/interrupt.h"
@@ -21,10 +22,9 @@
 #include "compare/report/result_folder.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
+#include "compare/resolution/run_check.h"
+#include "compare/states/stiff_choice.h"
 #include "compare/verdict/reference.h"
-#include "compare/verdict/run_check.h"
-#include "compare/verdict/stiff_choice.h"
-#include "compare/verdict/third_opinion.h"
 
 namespace concord::compare {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/model.h"
+#include "compare/quantities/third_opinion.h"
 #include "compare/report/console.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/third_opinion.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 /// What the program does, free of its command line and of the solvers behind it.

@@ -11,9 +11,9 @@
 #include "compare/python/run.h"
 #include "compare/report/report_json.h"
 #include "compare/report/table.h"
+#include "compare/resolution/run_check.h"
+#include "compare/states/stiff_choice.h"
 #include "compare/verdict/reference.h"
-#include "compare/verdict/run_check.h"
-#include "compare/verdict/stiff_choice.h"
 
 /// The commands `compare` and `run` of the program, with results in memory.
 namespace concord::compare::python {

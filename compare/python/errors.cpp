@@ -2,7 +2,7 @@
 
 #include "common/error.h"
 #include "compare/python/bindings.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 
 /// What the libraries throw, as exceptions of Python.
 namespace concord::compare::python {

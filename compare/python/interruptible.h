@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "compare/python/bindings.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 /// Long work that leaves Python free and ends soon after Ctrl-C.
 namespace concord::compare::python {

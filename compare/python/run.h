@@ -10,7 +10,7 @@
 #include "common/model.h"
 #include "common/results.h"
 #include "compare/python/bindings.h"
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 
 namespace concord::compare::python {
 

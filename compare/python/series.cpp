@@ -9,10 +9,10 @@
 #include "compare/python/bindings.h"
 #include "compare/python/run.h"
 #include "compare/python/states.h"
+#include "compare/quantities/observe.h"
 #include "compare/report/result_files.h"
 #include "compare/report/result_folder.h"
-#include "compare/verdict/observe.h"
-#include "compare/verdict/unique_part.h"
+#include "compare/resolution/unique_part.h"
 
 /// Time series of a run: its samples, put one after another. Names are those of the NetCDF files.
 namespace concord::compare::python {

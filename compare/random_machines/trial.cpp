@@ -5,7 +5,7 @@
 
 #include "common/reading/model_file.h"
 #include "compare/report/files.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 
 namespace concord::compare::fuzz {
 

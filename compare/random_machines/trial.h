@@ -4,7 +4,7 @@
 
 #include "compare/random_machines/outcome.h"
 #include "compare/random_machines/writer.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "compare/verdict/verify.h"
 
 namespace concord::compare::fuzz {

@@ -6,8 +6,8 @@
 
 #include "compare/audit/carried_components.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/quantities/observe.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/observe.h"
 
 namespace concord::compare {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
-#include "compare/verdict/observe.h"
-#include "compare/verdict/orders.h"
+#include "compare/quantities/observe.h"
+#include "compare/resolution/orders.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/two_by_two.h"
 

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "compare/quantities/observe.h"
 #include "compare/report/feed_command.h"
 #include "compare/report/files.h"
-#include "compare/verdict/observe.h"
 
 namespace concord::compare {
 

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "compare/quantities/columns.h"
 #include "compare/report/files.h"
 #include "compare/report/result_files.h"
-#include "compare/verdict/columns.h"
-#include "compare/verdict/unique_part.h"
+#include "compare/resolution/unique_part.h"
 
 namespace concord::compare {
 

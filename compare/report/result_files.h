@@ -5,7 +5,7 @@
 
 #include "common/model.h"
 #include "common/results.h"
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 
 /// A solver's trajectory as files that other programs read. Nothing in them depends on when or how fast they were made;
 /// each is written under a temporary name and then renamed, so that no reader meets half of one. All throw InputError

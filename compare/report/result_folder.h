@@ -12,7 +12,7 @@
 
 #include "common/model.h"
 #include "common/results.h"
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 
 /// The files that the results of a model are, and how they replace those of an earlier run.
 namespace concord::compare {

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "compare/quantities/columns.h"
+#include "compare/quantities/observe.h"
 #include "compare/report/netcdf_file.h"
 #include "compare/report/result_files.h"
-#include "compare/verdict/columns.h"
-#include "compare/verdict/observe.h"
-#include "compare/verdict/unique_part.h"
+#include "compare/resolution/unique_part.h"
 
 namespace concord::compare {
 

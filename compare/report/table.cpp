@@ -11,9 +11,9 @@
 #include "compare/report/table_head.h"
 #include "compare/report/text_table.h"
 #include "compare/report/third_table.h"
+#include "compare/states/states.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/states.h"
 
 namespace concord::compare {
 

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "common/error.h"
+#include "compare/quantities/motions.h"
+#include "compare/resolution/resolution.h"
+#include "compare/states/branch.h"
+#include "compare/states/singular_pose.h"
 #include "compare/verdict/blame.h"
-#include "compare/verdict/branch.h"
-#include "compare/verdict/motions.h"
-#include "compare/verdict/resolution.h"
-#include "compare/verdict/singular_pose.h"
 
 namespace concord::compare {
 

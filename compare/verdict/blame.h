@@ -9,9 +9,9 @@
 #include "common/solver.h"
 #include "compare/attribution/attribution.h"
 #include "compare/attribution/ranks.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/states.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
+#include "compare/states/states.h"
 #include "compare/verdict/verdict.h"
 
 /// What both solvers say of their constraints, for compare/attribution to judge: also where one of them stops.

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "compare/verdict/run_pairs.h"
+#include "compare/resolution/run_pairs.h"
 #include "compare/verdict/verdict.h"
 
 /// Runs at several tolerances: whether what two solvers differ by is no more than what the integration of each leaves.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "compare/audit/digits.h"
-#include "compare/verdict/symptom.h"
+#include "compare/quantities/symptom.h"
 
 namespace concord::compare {
 

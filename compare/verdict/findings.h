@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/verdict.h"
 

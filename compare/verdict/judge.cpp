@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/needs.h"
 #include "compare/verdict/findings.h"
-#include "compare/verdict/needs.h"
 
 namespace concord::compare {
 

@@ -5,10 +5,10 @@
 #include "compare/audit/balance.h"
 #include "compare/audit/kept_start.h"
 #include "compare/audit/reported_coordinates.h"
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
+#include "compare/resolution/weighed_states.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/verdict.h"
-#include "compare/verdict/weighed_states.h"
 
 /// From what both solvers found to a verdict: the judge of runs and of analyses. These choose which values are compared
 /// and in which states; the judge holds them against their scale, what double precision resolves, where they are unique

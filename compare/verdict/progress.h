@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "compare/verdict/align.h"
+#include "compare/quantities/align.h"
 
 namespace concord::compare {
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "common/error.h"
-#include "compare/verdict/columns.h"
+#include "compare/quantities/columns.h"
+#include "compare/resolution/unique_part.h"
 #include "compare/verdict/reference_hints.h"
-#include "compare/verdict/unique_part.h"
 
 namespace concord::compare {
 

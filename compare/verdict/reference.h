@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/model.h"
-#include "compare/verdict/reference_file.h"
+#include "compare/quantities/reference_file.h"
 #include "compare/verdict/verdict.h"
 
 /// A third column from outside: published or measured reactions and motions, with the error that their source states.

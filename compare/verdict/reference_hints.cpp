@@ -6,13 +6,13 @@
 #include <array>
 #include <cmath>
 
-#include "compare/verdict/columns.h"
+#include "compare/quantities/columns.h"
 
 namespace concord::compare {
 
 namespace {
 
-constexpr double kClearly = 10.0;  // so many errors are no zero
+constexpr double kNoZero = 10.0;  // so many errors are no zero
 
 /// Whether the Euler parameters of a body are, within the allowed error, those of the inverse rotation.
 bool is_inverse(const RunsAtTimes& runs, const Reference& reference, const Column& column, double allowed) {
@@ -65,7 +65,7 @@ std::string hint_at_factor(const RunsAtTimes& runs, const ReferenceColumn& colum
   const double factor = product / square;
   if (!std::isfinite(factor) || factor == 0.0) return "";
   const double allowed_in_run = column.is_relative ? allowed / std::max(1.0, std::abs(factor)) : allowed;
-  if (largest <= kClearly * allowed_in_run) return "";
+  if (largest <= kNoZero * allowed_in_run) return "";
   double difference = 0.0;
   for (std::size_t k = 0; k < column.values.size(); ++k) {
     difference = std::max(difference, std::abs(factor * value_of(column.column, runs.sample(0, k)) - column.values[k]));
@@ -86,7 +86,7 @@ std::string what_would_fit(const Model& model, const RunsAtTimes& runs, const Re
   const double peak = std::abs(*std::max_element(column.values.begin(), column.values.end(),
                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }));
   std::string factor = column.values.size() > 2 ? hint_at_factor(runs, column, allowed) : "";
-  if (peak <= kClearly * allowed) return factor;
+  if (peak <= kNoZero * allowed) return factor;
   if (is_inverse(runs, reference, column.column, allowed)) return "it is the inverse rotation";
   if (fits(runs, column.values, column.column, -1.0, allowed)) return "it has the other sign";
   for (const double sign : {1.0, -1.0}) {

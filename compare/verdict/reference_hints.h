@@ -6,7 +6,7 @@
 
 #include "common/model.h"
 #include "common/results.h"
-#include "compare/verdict/reference_file.h"
+#include "compare/quantities/reference_file.h"
 #include "compare/verdict/verdict.h"
 
 /// What a column of a reference would fit that misses both solvers.

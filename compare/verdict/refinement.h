@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 #include "compare/verdict/verdict.h"
 
 /// From measured digits to judgements, rung by rung.

@@ -9,12 +9,12 @@
 
 #include "common/error.h"
 #include "compare/audit/digits.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/jumps.h"
-#include "compare/verdict/motions.h"
-#include "compare/verdict/needs.h"
+#include "compare/quantities/align.h"
+#include "compare/quantities/motions.h"
+#include "compare/quantities/needs.h"
+#include "compare/resolution/jumps.h"
+#include "compare/states/stiff_choice.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/stiff_choice.h"
 
 namespace concord::compare {
 

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/resolution/horizon.h"
+#include "compare/resolution/orders.h"
+#include "compare/resolution/weighed_states.h"
 #include "compare/verdict/convergence.h"
-#include "compare/verdict/horizon.h"
 #include "compare/verdict/judge.h"
-#include "compare/verdict/orders.h"
 #include "compare/verdict/progress.h"
-#include "compare/verdict/weighed_states.h"
 
 /// The rungs "same run" and "refined": each solver integrates alone.
 namespace concord::compare {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "common/error.h"
-#include "compare/verdict/jumps.h"
-#include "compare/verdict/resolution.h"
+#include "compare/resolution/jumps.h"
+#include "compare/resolution/resolution.h"
 
 namespace concord::compare {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "common/solver.h"
+#include "compare/resolution/weighed_states.h"
+#include "compare/states/states.h"
 #include "compare/verdict/judge.h"
-#include "compare/verdict/states.h"
-#include "compare/verdict/weighed_states.h"
 
 /// The rung "same state": both solvers are asked in the same states, no integration in between.
 namespace concord::compare {

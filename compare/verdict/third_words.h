@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/model.h"
-#include "compare/verdict/third_opinion.h"
+#include "compare/quantities/third_opinion.h"
 #include "compare/verdict/verdict.h"
 
 /// The third opinion in words.

@@ -14,12 +14,12 @@
 #include "compare/audit/digits.h"
 #include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
+#include "compare/states/states.h"
 #include "compare/verdict/assemble_both.h"
 #include "compare/verdict/blame.h"
 #include "compare/verdict/judge.h"
 #include "compare/verdict/runs.h"
 #include "compare/verdict/same_state.h"
-#include "compare/verdict/states.h"
 #include "compare/verdict/third_words.h"
 #include "compare/verdict/two_by_two.h"
 

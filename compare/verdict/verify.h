@@ -6,9 +6,9 @@
 #include <string>
 
 #include "common/solver.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
+#include "compare/states/states.h"
 #include "compare/verdict/progress.h"
-#include "compare/verdict/states.h"
 #include "compare/verdict/verdict.h"
 
 /// Two solvers, one model, one verdict.

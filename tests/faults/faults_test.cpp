@@ -16,7 +16,7 @@
 #include "common/error.h"
 #include "common/reading/model_file.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/states/near_frames.h"
 #include "compare/verdict/reference.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/verify.h"

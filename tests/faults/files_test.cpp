@@ -12,7 +12,7 @@
 #include "common/reading/model_file.h"
 #include "compare/report/result_folder.h"
 #include "compare/report/text_table.h"
-#include "compare/verdict/run_check.h"
+#include "compare/resolution/run_check.h"
 #include "tests/faults/catalogue.h"
 #include "tests/read_back/read_back.h"
 

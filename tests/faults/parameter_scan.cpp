@@ -8,9 +8,9 @@
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "compare/audit/digits.h"
+#include "compare/resolution/weighed_states.h"
+#include "compare/states/states.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/states.h"
-#include "compare/verdict/weighed_states.h"
 #include "relative/solver.h"
 
 namespace concord::compare {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/model.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/states.h"
+#include "compare/quantities/align.h"
+#include "compare/states/states.h"
 
 /// How small a slip in one parameter of one solver may be and still be seen at the same state.
 namespace concord::compare {

@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "common/reading/model_file.h"
+#include "compare/resolution/weighed_states.h"
 #include "compare/verdict/refinement.h"
-#include "compare/verdict/weighed_states.h"
 #include "tests/faults/parameter_scan.h"
 
 namespace concord::compare {

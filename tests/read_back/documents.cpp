@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 #include "compare/verdict/refinement.h"
 #include "tests/read_back/expected.h"
 

@@ -10,7 +10,7 @@
 #include "common/rotation.h"
 #include "common/solver.h"
 #include "compare/audit/element_laws.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 
 /// A tilted compound pendulum, with springs and force elements if the model has them, and a solver that knows nothing
 /// else, by hand from Newton and Euler: a stand-in for both solvers, with faults that the tests plant.

@@ -9,7 +9,7 @@
 
 #include "closed_forms.h"
 #include "common/error.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "judged_machines.h"
 
 /// Machines whose guesses leave open how their loops close.

@@ -15,7 +15,7 @@
 #include "common/reading/model_file.h"
 #include "common/rotation.h"
 #include "compare/audit/digits.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "relative/solver.h"
 
 /// Tools of the closed-form cases: both solvers in turn, exact functions, agreement in digits. No mechanics of a

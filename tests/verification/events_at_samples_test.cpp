@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "closed_forms.h"
-#include "compare/verdict/jumps.h"
+#include "compare/resolution/jumps.h"
 #include "judged_machines.h"
 
 /// Events that fall on output times, where a force jumps: round-off decides on which side of the jump a sample lies.

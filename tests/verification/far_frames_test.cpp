@@ -10,7 +10,7 @@
 #include "compare/audit/places.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/frames.h"
-#include "compare/verdict/near_frames.h"
+#include "compare/states/near_frames.h"
 #include "judged_machines.h"
 
 /// Bodies whose frames lie far from them, as those of parts that a CAD program exports in one frame.

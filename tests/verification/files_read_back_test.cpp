@@ -13,9 +13,9 @@
 #include "compare/analyses/command.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/program/commands.h"
-#include "compare/verdict/near_frames.h"
-#include "compare/verdict/run_check.h"
-#include "compare/verdict/stiff_choice.h"
+#include "compare/resolution/run_check.h"
+#include "compare/states/near_frames.h"
+#include "compare/states/stiff_choice.h"
 #include "tests/read_back/read_back.h"
 
 /// Every file that commands write into --out, read back by code of its own (tests/read_back) and held against runs that

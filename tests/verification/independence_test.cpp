@@ -102,7 +102,7 @@ TEST_CASE("Neither solver includes the other, the comparator neither, common non
   require_no_include("common", {"cartesian", "relative", "compare"});
   require_no_include("tests/unit/cartesian", {"relative", "compare"});
   require_no_include("tests/unit/relative", {"cartesian", "compare"});
-  for (const char* folder : {"audit", "verdict", "report"}) {
+  for (const char* folder : {"audit", "quantities", "states", "resolution", "verdict", "report"}) {
     require_no_include(std::string("tests/unit/") + folder, {"cartesian", "relative"});
   }
 }
@@ -127,6 +127,9 @@ TEST_CASE("No library defines or uses symbols of a folder that it must not know"
        {std::pair<std::string, std::vector<std::string>>{"cartesian", {"relative", "compare"}},
         {"relative", {"cartesian", "compare"}},
         {"compare/audit", {"cartesian", "relative"}},
+        {"compare/quantities", {"cartesian", "relative"}},
+        {"compare/states", {"cartesian", "relative"}},
+        {"compare/resolution", {"cartesian", "relative"}},
         {"compare/verdict", {"cartesian", "relative"}},
         {"compare/report", {"cartesian", "relative"}},
         {"compare/analyses", {"cartesian", "relative"}},

@@ -14,10 +14,10 @@
 #include "compare/invariance/moves.h"
 #include "compare/invariance/sides.h"
 #include "compare/invariance/units.h"
-#include "compare/verdict/agreement.h"
-#include "compare/verdict/align.h"
-#include "compare/verdict/motions.h"
-#include "compare/verdict/states.h"
+#include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
+#include "compare/quantities/motions.h"
+#include "compare/states/states.h"
 #include "relative/solver.h"
 
 /// A machine does not know in which words it is told: whatever frames, sides, order, modes or units its file chooses,

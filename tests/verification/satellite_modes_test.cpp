@@ -6,7 +6,7 @@
 #include "closed_forms.h"
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
-#include "compare/verdict/agreement.h"
+#include "compare/quantities/agreement.h"
 
 /// Modes of satellites whose reaction wheels turn fast while the bus tumbles slowly: precessions of hundredths of a
 /// hertz beside wheels that hardly any damping brakes.

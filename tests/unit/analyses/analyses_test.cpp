@@ -8,7 +8,7 @@
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
 #include "compare/equilibrium/equilibrium.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare::analyses {

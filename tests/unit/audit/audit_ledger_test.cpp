@@ -6,7 +6,7 @@
 
 #include "common/joints/catalogue.h"
 #include "compare/audit/balance.h"
-#include "compare/verdict/needs.h"
+#include "compare/quantities/needs.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {

@@ -10,7 +10,7 @@
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
 #include "compare/audit/balance.h"
-#include "compare/verdict/needs.h"
+#include "compare/quantities/needs.h"
 
 namespace concord::compare {
 namespace {

@@ -8,7 +8,7 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/invariance/change.h"
-#include "compare/verdict/branch.h"
+#include "compare/states/branch.h"
 #include "relative/solver.h"
 
 /// Shipped machines, and their numbers as lists that can be compared.

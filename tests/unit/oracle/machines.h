@@ -6,7 +6,7 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/oracle/simbody_oracle.h"
-#include "compare/verdict/third_opinion.h"
+#include "compare/quantities/third_opinion.h"
 #include "relative/solver.h"
 
 /// Machines that both solvers and the oracle are asked about.

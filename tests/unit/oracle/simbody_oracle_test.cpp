@@ -6,8 +6,8 @@
 
 #include <functional>
 
+#include "compare/quantities/third_opinion.h"
 #include "compare/report/table.h"
-#include "compare/verdict/third_opinion.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/oracle/machines.h"
 

@@ -13,7 +13,7 @@
 
 #include "common/joints/catalogue.h"
 #include "common/rotation.h"
-#include "compare/verdict/observe.h"
+#include "compare/quantities/observe.h"
 #include "tests/unit/temporary_folder.h"
 
 namespace concord::compare {

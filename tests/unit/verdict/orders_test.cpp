@@ -1,4 +1,4 @@
-#include "compare/verdict/orders.h"
+#include "compare/resolution/orders.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "compare/verdict/third_opinion.h"
+#include "compare/quantities/third_opinion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

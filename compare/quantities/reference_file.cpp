@@ -1,0 +1,295 @@
+#include "compare/quantities/reference_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "common/error.h"
+#include "common/reading/magnitude.h"
+#include "common/reading/spelling.h"
+#include "common/reading/text_file.h"
+
+namespace concord::compare {
+
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// A field of a line, and where it begins, from 1.
+struct CsvField {
+  std::string text;
+  int column;
+};
+
+/// Fields of a line of comma-separated values; quotes as CSV has them. Blanks beside a field count only within quotes.
+std::vector<CsvField> fields_of(const std::string& line) {
+  std::vector<CsvField> fields{{"", 1}};
+  bool quoted = false;
+  std::size_t needed = 0;  // of the field: up to the last quote
+  const auto finish = [&] {
+    std::string& text = fields.back().text;
+    const std::size_t last = text.find_last_not_of(" \t\r");
+    text.erase(std::max(needed, last == std::string::npos ? 0 : last + 1));
+    needed = 0;
+  };
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    std::string& text = fields.back().text;
+    if (line[k] == '"') {
+      const bool doubled = quoted && k + 1 < line.size() && line[k + 1] == '"';
+      if (doubled) text += line[++k];
+      if (!doubled) quoted = !quoted;
+      needed = text.size();
+    } else if (line[k] == ',' && !quoted) {
+      finish();
+      fields.push_back({"", static_cast<int>(k) + 2});
+    } else if (quoted || !text.empty() || line[k] != ' ') {
+      text += line[k];
+    } else {
+      ++fields.back().column;
+    }
+  }
+  finish();
+  return fields;
+}
+
+/// A number; one that is too small for the sizes of a model is as good as zero here.
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* end = text.data() + text.size();
+  const auto [read, trouble] = std::from_chars(first, end, value);
+  const bool is_out_of_range = trouble == std::errc::result_out_of_range;
+  if (is_out_of_range) value = std::strtod(first, nullptr);  // infinite, or next to nothing
+  if ((trouble != std::errc() && !is_out_of_range) || read != end || !(std::abs(value) <= kLargestSize))
+    return std::nullopt;
+  return value;
+}
+
+/// Half of the last digit of a number that number_in() reads: 5e-5 of "0.0333", 50 of "2.0e3".
+double rounding_of(const std::string& text) {
+  const std::size_t exponent = std::min(text.find_first_of("eE"), text.size());
+  const std::size_t point = text.find('.');
+  const double decimals = point < exponent ? static_cast<double>(exponent - point - 1) : 0.0;
+  const double power = exponent < text.size() ? number_in(text.substr(exponent + 1)).value_or(0.0) : 0.0;
+  return 0.5 * std::pow(10.0, power - decimals);
+}
+
+/// What of a header is no separator of ours: empty, or a hint at it.
+std::string hint_at_separator(const std::string& header) {
+  if (header.find(';') != std::string::npos) return ": fields are separated by commas, not by semicolons";
+  if (header.find('\t') != std::string::npos) return ": fields are separated by commas, not by tabs";
+  return "";
+}
+
+/// Every column that a reference may have, by its name: "D.child.T_z".
+std::map<std::string, Column> known_columns(const Model& model) {
+  std::map<std::string, Column> known;
+  for (const auto& columns :
+       {reaction_columns(model), element_columns(model), motion_columns(model), further_columns(model)}) {
+    for (const Column& column : columns) known.try_emplace(column.name, column);
+  }
+  const std::map<std::string, Column> of_run = known;
+  for (const auto& [name, column] : of_run) {
+    if (may_be_open(column)) known.try_emplace(own_column(column).name, own_column(column));
+  }
+  return known;
+}
+
+struct StatedError {
+  double size = 0.0;
+  bool is_relative = true;
+  std::string unit;
+  int line = 0;
+};
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it
+
+class ReferenceReader {
+ public:
+  ReferenceReader(const std::filesystem::path& file, const Model& model) : file_(file), known_(known_columns(model)) {
+    reference_.file = file.string();
+  }
+
+  Reference read() {
+    const std::string content = read_text_file(file_);
+    if (content.find('\0') != std::string::npos) refuse("holds a zero byte: expected text in UTF-8");
+    std::istringstream stream(content);
+    std::string text;
+    while (std::getline(stream, text)) {
+      ++line_;
+      if (line_ == 1 && text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+      text = trimmed(text);
+      if (text.empty()) continue;
+      if (text.front() == '#') {
+        read_comment(trimmed(text.substr(1)));
+      } else if (header_line_ == 0) {
+        read_header(text);
+      } else {
+        read_row(fields_of(text));
+      }
+    }
+    if (reference_.times.empty()) refuse("holds no row: expected a header and at least one line of numbers");
+    state_errors();
+    return std::move(reference_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& message, int column = 1) const { refuse_at(line_, column, message); }
+  [[noreturn]] void refuse_at(int line, int column, const std::string& message) const {
+    throw InputError({file_.string(), line, line > 0 ? column : 0}, fmt::format("reference: {}", message));
+  }
+
+  /// "error = 0.5 %", "error D.child.T_z = 0.02 N m"; any other comment says nothing.
+  void read_comment(const std::string& text) {
+    constexpr std::string_view kError = "error";
+    const std::size_t equals = text.find('=');
+    const bool says_error = equals != std::string::npos && text.size() > kError.size() &&
+                            std::equal(kError.begin(), kError.end(), text.begin(),
+                                       [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+    if (!says_error) return;
+    const std::string column = trimmed(text.substr(kError.size(), equals - kError.size()));
+    const std::string said = trimmed(text.substr(equals + 1));
+    const std::size_t space = said.find_first_of(" %");
+    const auto size = number_in(said.substr(0, space));
+    const std::string unit = space == std::string::npos ? "" : trimmed(said.substr(space));
+    if (!size || !(*size >= 0.0) || unit.empty()) {
+      refuse(
+          fmt::format("'{}': expected a stated error such as `error = 0.5 %` or `error D.child.T_z = 0.02 N m`", text));
+    }
+    if (column.empty() && unit != "%") {
+      refuse(
+          fmt::format("the error of all columns is in %, found '{}'; one in a unit names its column: `error "
+                      "D.child.T_z = 0.02 N m`",
+                      said));
+    }
+    const StatedError stated{unit == "%" ? *size / 100.0 : *size, unit == "%", unit, line_};
+    const auto [found, is_new] = errors_.try_emplace(column, stated);
+    if (is_new) return;
+    refuse(fmt::format("the error of {} is stated in line {} already",
+                       column.empty() ? "all columns" : fmt::format("'{}'", column), found->second.line));
+  }
+
+  void read_header(const std::string& text) {
+    const std::vector<CsvField> names = fields_of(text);
+    header_line_ = line_;
+    if (names.front().text != "t [s]") {
+      refuse(fmt::format("the first column is '{}', expected 't [s]'{}", names.front().text, hint_at_separator(text)));
+    }
+    for (std::size_t k = 1; k < names.size(); ++k) {
+      reference_.columns.push_back(column_named(names[k]));
+      columns_.push_back(names[k].column);
+      const std::string& name = reference_.columns.back().column.name;
+      const auto is_it = [&](const ReferenceColumn& column) { return column.column.name == name; };
+      if (std::count_if(reference_.columns.begin(), reference_.columns.end(), is_it) > 1) {
+        refuse(fmt::format("column '{}' stands there twice", name), names[k].column);
+      }
+    }
+    if (reference_.columns.empty()) {
+      refuse(fmt::format("the header names no component beside the time{}", hint_at_separator(text)));
+    }
+  }
+
+  [[nodiscard]] ReferenceColumn column_named(const CsvField& header) const {
+    const std::size_t bracket = header.text.rfind('[');
+    std::string name = header.text.substr(0, bracket);
+    name.erase(name.find_last_not_of(' ') + 1);
+    const auto found = known_.find(name);
+    if (found == known_.end()) {
+      std::vector<std::string> names;
+      for (const auto& [one, column] : known_) names.push_back(one);
+      const std::string hint = suggestion(name, names, "columns");
+      refuse(fmt::format("the model has no '{}'{} Columns are called JOINT.child.F_x [N] ... JOINT.parent.T_z [N m], "
+                         "and as in all our result files",
+                         name, hint.starts_with("did") ? ": " + hint : "."),
+             header.column);
+    }
+    const std::string unit = fmt::format("[{}]", found->second.unit);
+    if (bracket == std::string::npos || header.text.substr(bracket) != unit) {
+      refuse(fmt::format("column '{}': its unit must stand behind it: {}", header.text, unit), header.column);
+    }
+    ReferenceColumn column;
+    column.column = found->second;
+    return column;
+  }
+
+  void read_row(const std::vector<CsvField>& fields) {
+    if (fields.size() != reference_.columns.size() + 1) {
+      refuse(fmt::format("{} numbers, the header has {}", fields.size(), reference_.columns.size() + 1));
+    }
+    std::vector<double> numbers;
+    for (const CsvField& field : fields) {
+      if (field.text == "nan" && !numbers.empty()) {  // nothing is said of this component here
+        numbers.push_back(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
+      const auto value = number_in(field.text);
+      if (!value) {
+        refuse(fmt::format("'{}' is not a number of a size up to {:g}", field.text, kLargestSize), field.column);
+      }
+      numbers.push_back(*value);
+    }
+    if (!reference_.times.empty() && numbers.front() <= reference_.times.back()) {
+      refuse(
+          fmt::format("t = {:g} s does not follow {:g} s: times must rise", numbers.front(), reference_.times.back()));
+    }
+    reference_.times.push_back(numbers.front());
+    reference_.time_roundings.push_back(rounding_of(fields.front().text));
+    reference_.lines.push_back(line_);
+    for (std::size_t k = 1; k < numbers.size(); ++k) reference_.columns[k - 1].values.push_back(numbers[k]);
+  }
+
+  void state_errors() {
+    for (const auto& [name, error] : errors_) {
+      const auto is_it = [&, &wanted = name](const ReferenceColumn& column) { return column.column.name == wanted; };
+      if (name.empty() || std::any_of(reference_.columns.begin(), reference_.columns.end(), is_it)) continue;
+      refuse_at(error.line, 1, fmt::format("an error is stated for '{}', which is no column", name));
+    }
+    for (std::size_t k = 0; k < reference_.columns.size(); ++k) {
+      ReferenceColumn& column = reference_.columns[k];
+      auto found = errors_.find(column.column.name);
+      if (found == errors_.end()) found = errors_.find("");
+      if (found == errors_.end()) {
+        refuse_at(header_line_, columns_[k],
+                  fmt::format("'{}' has no stated error: say how far the source may be off, such as `# error = 1 %`",
+                              column.column.name));
+      }
+      const StatedError& stated = found->second;
+      if (!stated.is_relative && stated.unit != column.column.unit) {
+        refuse_at(stated.line, 1,
+                  fmt::format("the error of '{}' is in {}, the column in {}", column.column.name, stated.unit,
+                              column.column.unit));
+      }
+      column.error = stated.size;
+      column.is_relative = stated.is_relative;
+    }
+  }
+
+  std::filesystem::path file_;
+  std::map<std::string, Column> known_;
+  std::map<std::string, StatedError> errors_;
+  Reference reference_;
+  std::vector<int> columns_;  // where each begins in the header
+  int header_line_ = 0;
+  int line_ = 0;
+};
+
+}  // namespace
+
+Reference read_reference(const std::filesystem::path& file, const Model& model) {
+  return ReferenceReader(file, model).read();
+}
+
+}  // namespace concord::compare
