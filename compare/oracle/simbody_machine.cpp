@@ -13,7 +13,7 @@
 #include "compare/oracle/plan.h"
 #include "compare/oracle/recipes.h"
 #include "compare/oracle/simbody_parts.h"
-#include "compare/quantities/third_opinion.h"
+#include "compare/quantities/not_expressible.h"
 
 namespace concord::compare::oracle {
 

@@ -20,7 +20,7 @@ struct KnownForces {
 /// Constraint::ConstantAcceleration, couplings Constraint::SpeedCoupler, links without mass massless bodies.
 class SimbodyMachine {
  public:
-  /// Throws NotExpressible (compare/quantities/third_opinion.h) naming the part that Simbody does not know. The model
+  /// Throws NotExpressible (compare/quantities/not_expressible.h) naming the part that Simbody does not know. The model
   /// must outlive it.
   explicit SimbodyMachine(const Model& model);
   ~SimbodyMachine();

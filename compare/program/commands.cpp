@@ -11,7 +11,7 @@
 #include "compare/audit/digits.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
-#include "compare/quantities/third_opinion.h"
+#include "compare/quantities/not_expressible.h"
 #include "compare/report/files.h"
 #include "compare/report/info.h"
 #include "compare/report/interrupt.h"

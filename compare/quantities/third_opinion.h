@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,12 +28,6 @@ class ThirdOpinion {
   /// Accelerations, reactions, total wrenches, forces on joint speeds and of couplings in a closed state, as
   /// Solver::evaluate gives them. Throws SolverError where the other program fails in that state.
   virtual Evaluation evaluate(const State& state) = 0;
-};
-
-/// A model has something that the program of the third opinion does not know; the text names it.
-class NotExpressible : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// Digits that a component must share with the third opinion, unless the model needs fewer at the same state.

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "compare/quantities/third_opinion.h"
+#include "compare/quantities/not_expressible.h"
 #include "compare/report/table.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/oracle/machines.h"
