@@ -186,9 +186,7 @@ class Acceptance {
 
   void log_changes(const Result& old, const Result& accepted) {
     for (const Change& change : changes_between(old, accepted, asked_.suite.judging, "")) {
-      log_ += fmt::format("    {}{}{}: {} -> {}{}\n", change.component, change.component.empty() ? "" : ", ",
-                          change.measure, change.was, change.is,
-                          change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+      log_ += fmt::format("    {}\n", change_words(change));
     }
   }
 

@@ -76,14 +76,6 @@ std::string words_of_lost(const fs::path& folder, int task, const std::optional<
   return words;
 }
 
-Result not_run(const Case& one, const std::string& words) {
-  Result result;
-  result.id = one.id;
-  result.work = name_of(one.work);
-  result.words = words;
-  return result;
-}
-
 /// Whether the night knows how the case ended: that was found before, or by another task.
 bool has_result(History& history, long night, const std::string& id) {
   const auto found = history.find(night, id);
@@ -125,7 +117,7 @@ Left what_tasks_left(const fs::path& folder, const ClusterPlan& plan, const std:
     const bool is_finished = record && record->is_finished;
     ++(is_finished ? left.stopped_tasks : left.lost_tasks);
     const std::string words = !is_finished           ? words_of_lost(folder, task, record, states)
-                              : plan.command.minutes ? "the time of the night was up"
+                              : plan.command.minutes ? kTimeIsUp
                                                      : "interrupted, and its task went on";
     for (const std::string& name : plan.tasks[k]) {
       if (!left.results.contains(name)) left.lost.emplace(name, words);

@@ -12,9 +12,6 @@
 /// `concord nightly`, `accept`, `history`, `report` of a history, and `diff`.
 namespace concord::compare::nightly {
 
-/// Beside those of every command: a baseline is missing, or belongs to another model or other settings.
-inline constexpr int kNoBaseline = 4;
-
 struct NightlyCommand {
   std::filesystem::path suite;
   int jobs = 0;                        // worker processes; 0: one for each processor

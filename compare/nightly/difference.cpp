@@ -87,8 +87,8 @@ class Side {
 };
 
 CaseLine new_case(const Result& now) {
-  std::vector<Change> changes{{ChangeKind::fresh, now.id, "", "case", "-", to_string(now.ending), "A", 1.0, 0}};
-  if (!now.is_green()) changes.push_back({ChangeKind::red, now.id, "", "ending", "-", red_words(now), "", 1.0, 0});
+  std::vector<Change> changes{{ChangeKind::fresh, now.id, "", "case", "-", to_string(now.ending), "A"}};
+  if (!now.is_green()) changes.push_back({ChangeKind::red, now.id, "", "ending", "-", red_words(now)});
   return case_line_of(now, std::move(changes));
 }
 
@@ -105,7 +105,7 @@ NightReport difference(const NightFile& a, const NightFile& b, const Judging& ju
     const bool only_now = then == a.results.end() || (now != b.results.end() && now->id < then->id);
     if (only_then) {
       if (after.note_missing(then->id)) {
-        report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A", 1.0, 0});
+        report.others.push_back({ChangeKind::gone, then->id, "", "case", to_string(then->ending), "-", "A"});
       }
       ++then;
     } else if (only_now) {

@@ -38,7 +38,7 @@ void add_gone(const Suite& suite, const Baselines& baselines, NightReport& repor
   for (const Case& one : suite.cases) there.insert(one.id);
   for (const auto& [id, baseline] : baselines) {
     if (there.contains(id)) continue;
-    report.others.push_back({ChangeKind::gone, id, "", "case", "in the suite", "not in the suite", "baseline", 1.0, 0});
+    report.others.push_back({ChangeKind::gone, id, "", "case", "in the suite", "not in the suite", "baseline"});
   }
 }
 

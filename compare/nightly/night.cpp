@@ -7,10 +7,10 @@
 #include <chrono>
 #include <ctime>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <thread>
 
+#include "compare/nightly/record.h"
 #include "compare/nightly/trial.h"
 #include "compare/report/files.h"
 #include "compare/report/interrupt.h"
@@ -118,17 +118,13 @@ void put_longest_first(const std::map<std::string, double>& wall_times, std::vec
   std::stable_sort(cases.begin(), cases.end(), [&](const Case* a, const Case* b) { return expected(a) > expected(b); });
 }
 
-namespace {
-
-Result not_run(const Case& one) {
+Result not_run(const Case& one, const std::string& why) {
   Result result;
   result.id = one.id;
   result.work = name_of(one.work);
-  result.words = "the time of the night was up";
+  result.words = why;
   return result;
 }
-
-}  // namespace
 
 bool run_cases(std::vector<const Case*> cases, const NightOptions& options, const StoreResult& store,
                const std::map<std::string, double>& wall_times, const SolverMakers& makers, const Console& console) {
@@ -170,11 +166,11 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, cons
   const workers::Task task = [&](const std::string& input) {
     const Case& one = *cases[std::stoul(input)];
     const auto folder = scratch.path() / std::to_string(getpid());
-    return to_json(try_case(one, folder, makers)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return dumped(try_case(one, folder, makers));
   };
   workers::Pool(task, jobs, {}).run_apart(next, watch);
   progress.wipe();
-  for (std::size_t k = given; k < cases.size(); ++k) store(not_run(*cases[k]));
+  for (std::size_t k = given; k < cases.size(); ++k) store(not_run(*cases[k], kTimeIsUp));
   return is_complete && given == cases.size();
 }
 

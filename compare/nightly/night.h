@@ -26,6 +26,11 @@ std::string utc_now();
 /// Keeps the result of a case.
 using StoreResult = std::function<void(const Result&)>;
 
+inline constexpr const char* kTimeIsUp = "the time of the night was up";
+
+/// The result of a case that was not run, and why it was not.
+Result not_run(const Case& one, const std::string& why);
+
 /// By the wall time that they took, by name. New cases, of which nothing is known, come first. Then no processor waits
 /// long for another one at the end.
 void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases);

@@ -7,17 +7,15 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "compare/nightly/judgement.h"
+#include "compare/nightly/record.h"
 #include "compare/page/fill.h"
 
 namespace concord::compare::nightly {
 
 namespace {
-
-using NightJson = nlohmann::ordered_json;
 
 // What keeps a page below 3 MB: a night of a case takes some 60 bytes, a step or a change some 250.
 constexpr std::size_t kMostPoints = 18000;
@@ -28,7 +26,7 @@ constexpr std::size_t kMostWords = 500000;  // bytes
 constexpr std::size_t kMostWordsOfACase = 4000;
 constexpr int kFewestNights = 2;
 
-NightJson digits_json(const std::optional<double>& digits) {
+Json digits_json(const std::optional<double>& digits) {
   if (!digits || !std::isfinite(*digits)) return nullptr;
   return std::round(*digits * 100.0) / 100.0;
 }
@@ -48,30 +46,28 @@ bool has_cost(const Result& result) {
   return std::any_of(result.cost.begin(), result.cost.end(), [](const Cost& cost) { return cost.evaluations > 0; });
 }
 
-NightJson night_json(const Night& night) {
-  return {{"id", night.id},
-          {"started", night.started},
-          {"version", night.origin.version},
-          {"commit", night.origin.commit},
-          {"compiler", night.origin.compiler},
-          {"machine", night.origin.machine}};
+Json night_json(const Night& night) {
+  Json said{{"id", night.id}, {"started", night.started}};
+  said.update(Json(night.origin));
+  return said;
 }
 
 /// The case over the nights; null where a night did not have it.
 class TrendJson {
  public:
   explicit TrendJson(std::size_t nights) {
-    const NightJson none = NightJson(std::vector<NightJson>(nights));
+    const Json none = Json(std::vector<Json>(nights));
     for (const char* key : {"ending", "same_state", "resolvable", "same_run", "refined", "wall_s"}) trend_[key] = none;
-    for (const char* key : {"evaluations", "steps"}) trend_[key] = NightJson::array({none, none});
+    for (const char* key : {"evaluations", "steps"}) trend_[key] = Json::array({none, none});
   }
 
   void put(std::size_t at, const Result& result) {
     trend_["ending"][at] = to_string(result.ending);
-    trend_["same_state"][at] = digits_json(worst_of(result, &Component::same_state));
+    const auto [same_state, same_run, refined] = worst_digits(result);
+    trend_["same_state"][at] = digits_json(same_state);
     trend_["resolvable"][at] = digits_json(resolvable_at_worst(result));
-    trend_["same_run"][at] = digits_json(worst_of(result, &Component::same_run));
-    trend_["refined"][at] = digits_json(worst_of(result, &Component::refined));
+    trend_["same_run"][at] = digits_json(same_run);
+    trend_["refined"][at] = digits_json(refined);
     trend_["wall_s"][at] = rounded_seconds(result.wall_s);
     // A case that was lost, or that integrates nothing, has no cost.
     for (std::size_t who = 0; who < 2 && has_cost(result); ++who) {
@@ -80,13 +76,13 @@ class TrendJson {
     }
   }
 
-  NightJson take() { return std::move(trend_); }
+  Json take() { return std::move(trend_); }
 
  private:
-  NightJson trend_;
+  Json trend_;
 };
 
-NightJson step_json(const Change& change, std::size_t before, std::size_t night) {
+Json step_json(const Change& change, std::size_t before, std::size_t night) {
   return {{"what", to_string(change.kind)}, {"before", before},  {"night", night},  {"component", change.component},
           {"measure", change.measure},      {"was", change.was}, {"is", change.is}, {"more", change.more}};
 }
@@ -101,11 +97,10 @@ std::string shortened(const std::string& words, std::size_t most) {
 
 /// How much each may have of a budget so that those who have something share it.
 template <class Size>
-std::size_t share_of(const NightJson& cases, std::size_t budget, std::size_t most, std::size_t least,
-                     const Size& size) {
+std::size_t share_of(const Json& cases, std::size_t budget, std::size_t most, std::size_t least, const Size& size) {
   std::size_t all = 0;
   std::size_t owners = 0;
-  for (const NightJson& one : cases) {
+  for (const Json& one : cases) {
     const std::size_t has = std::min(most, size(one));
     all += has;
     owners += has > 0 ? 1 : 0;
@@ -113,10 +108,10 @@ std::size_t share_of(const NightJson& cases, std::size_t budget, std::size_t mos
   return all <= budget ? most : std::max(least, budget / owners);
 }
 
-void keep_late_steps(NightJson& cases) {
-  const auto count = [](const NightJson& one) { return one.at("steps").size(); };
+void keep_late_steps(Json& cases) {
+  const auto count = [](const Json& one) { return one.at("steps").size(); };
   const std::size_t most = share_of(cases, kMostSteps, kMostStepsOfACase, 1, count);
-  for (NightJson& one : cases) {
+  for (Json& one : cases) {
     if (count(one) <= most) continue;
     const std::size_t left_out = count(one) - most;
     one["steps"].erase(one["steps"].begin(), one["steps"].begin() + static_cast<std::ptrdiff_t>(left_out));
@@ -124,13 +119,13 @@ void keep_late_steps(NightJson& cases) {
   }
 }
 
-void keep_first_words(NightJson& cases) {
-  const auto words = [](const NightJson& one) -> const std::string& {
+void keep_first_words(Json& cases) {
+  const auto words = [](const Json& one) -> const std::string& {
     return one.at("words").get_ref<const std::string&>();
   };
-  const auto length = [&](const NightJson& one) { return words(one).size(); };
+  const auto length = [&](const Json& one) { return words(one).size(); };
   const std::size_t most = share_of(cases, kMostWords, kMostWordsOfACase, 160, length);
-  for (NightJson& one : cases) one["words"] = shortened(words(one), most);
+  for (Json& one : cases) one["words"] = shortened(words(one), most);
 }
 
 class PageData {
@@ -142,14 +137,14 @@ class PageData {
     choose_nights();
   }
 
-  NightJson json() {
-    NightJson cases = NightJson::array();
+  Json json() {
+    Json cases = Json::array();
     for (const CaseLine& line : page_.report.cases) cases.push_back(case_json(line));
     keep_late_steps(cases);
     keep_first_words(cases);
-    NightJson turns = NightJson::object();
-    NightJson changes = changes_json(turns);
-    NightJson nights = NightJson::array();
+    Json turns = Json::object();
+    Json changes = changes_json(turns);
+    Json nights = Json::array();
     for (const Night& night : nights_) nights.push_back(night_json(night));
     const int code = page_.report.code;
     return {{"made", page::made_words()},
@@ -194,8 +189,8 @@ class PageData {
     return all;
   }
 
-  NightJson changes_json(NightJson& turns) {
-    NightJson list = NightJson::array();
+  Json changes_json(Json& turns) {
+    Json list = Json::array();
     std::map<std::string, int> counts;
     for (const Change* change : all_changes(page_.report)) {
       ++counts[to_string(change->kind)];
@@ -225,10 +220,10 @@ class PageData {
     return is_first ? "first time" : "as before";
   }
 
-  NightJson case_json(const CaseLine& line) {
+  Json case_json(const CaseLine& line) {
     const auto entries = entries_of(line.id);
     TrendJson trend(nights_.size());
-    NightJson steps = NightJson::array();
+    Json steps = Json::array();
     for (std::size_t k = 0; k < entries.size(); ++k) {
       trend.put(entries[k].first, entries[k].second);
       if (k == 0) continue;

@@ -20,7 +20,6 @@ constexpr std::array<std::string_view, 9> kChangeKinds{"red",   "worse",     "go
 const double kLuck = std::log10(20.0);
 /// Digits of runs beyond this are luck, too: steps are summed up.
 constexpr double kMostRunDigits = 13.0;
-constexpr int kMissingBaseline = 4;
 
 /// Collects the changes of one case: of each kind and measure the largest, and how many others there are.
 class ChangeList {
@@ -84,8 +83,8 @@ class CaseComparison {
   std::vector<Change> run() {
     if (then_.ending != now_.ending) {
       const bool is_better = now_.is_green();
-      changes_.add({is_better ? ChangeKind::better : ChangeKind::worse, "", "", "ending", to_string(then_.ending),
-                    to_string(now_.ending), against_, 1.0, 0});
+      add(is_better ? ChangeKind::better : ChangeKind::worse, "", "ending", to_string(then_.ending),
+          to_string(now_.ending));
     }
     // A case that was lost has nothing else to be compared.
     if (has_numbers(then_) && has_numbers(now_)) {
@@ -97,12 +96,16 @@ class CaseComparison {
   }
 
  private:
+  void add(ChangeKind kind, const std::string& component, const std::string& measure, const std::string& was,
+           const std::string& is, double size = 1.0) {
+    changes_.add({kind, "", component, measure, was, is, against_, size});
+  }
+
   /// What was judged once and is not now was not agreed on.
   void compare_coverage() {
     if (now_.judged >= then_.judged) return;
-    changes_.add({ChangeKind::worse, "", "", "judged", fmt::format("{} of {}", then_.judged, then_.total),
-                  fmt::format("{} of {}", now_.judged, now_.total), against_,
-                  static_cast<double>(then_.judged - now_.judged), 0});
+    add(ChangeKind::worse, "", "judged", fmt::format("{} of {}", then_.judged, then_.total),
+        fmt::format("{} of {}", now_.judged, now_.total), static_cast<double>(then_.judged - now_.judged));
   }
 
   static bool has_numbers(const Result& result) {
@@ -124,8 +127,8 @@ class CaseComparison {
     };
     const double up = rise(was, is);
     if (up <= allowance_.cost && rise(is, was) <= allowance_.cost) return;
-    changes_.add({up > 0.0 ? ChangeKind::worse : ChangeKind::better, "", "", measure, fmt::format("{}", was),
-                  fmt::format("{} ({})", is, format_percent(up, 0)), against_, std::abs(up), 0});
+    add(up > 0.0 ? ChangeKind::worse : ChangeKind::better, "", measure, fmt::format("{}", was),
+        fmt::format("{} ({})", is, format_percent(up, 0)), std::abs(up));
   }
 
   void compare_components() {
@@ -135,10 +138,10 @@ class CaseComparison {
       const bool only_then = now == now_.components.end() || (then != then_.components.end() && then->name < now->name);
       const bool only_now = then == then_.components.end() || (now != now_.components.end() && now->name < then->name);
       if (only_then) {
-        changes_.add({ChangeKind::gone, "", then->name, "component", "judged", "not judged", against_, 1.0, 0});
+        add(ChangeKind::gone, then->name, "component", "judged", "not judged");
         ++then;
       } else if (only_now) {
-        changes_.add({ChangeKind::fresh, "", now->name, "component", "not judged", "judged", against_, 1.0, 0});
+        add(ChangeKind::fresh, now->name, "component", "not judged", "judged");
         ++now;
       } else {
         compare_component(*then++, *now++);
@@ -158,12 +161,11 @@ class CaseComparison {
 
   void compare_digits(const std::string& measure, const std::string& component, const std::optional<double>& then,
                       const std::optional<double>& now, const std::string& was, const std::string& is) {
-    if (then && !now) changes_.add({ChangeKind::worse, "", component, measure, was, is, against_, *then, 0});
+    if (then && !now) add(ChangeKind::worse, component, measure, was, is, *then);
     if (!then || !now) return;
     const double fall = *then - *now;
     if (std::abs(fall) <= allowance_.margin) return;
-    changes_.add({fall > 0.0 ? ChangeKind::worse : ChangeKind::better, "", component, measure, was, is, against_,
-                  std::abs(fall), 0});
+    add(fall > 0.0 ? ChangeKind::worse : ChangeKind::better, component, measure, was, is, std::abs(fall));
   }
 
   void compare_peaks(const Component& then, const Component& now) {
@@ -171,8 +173,8 @@ class CaseComparison {
     const double scale = std::max({then.scale, now.scale, 0.0});
     const double change = std::abs(*now.peak - *then.peak);
     if (change <= allowance_.peak * scale) return;
-    changes_.add({ChangeKind::worse, "", now.name, "peak", fmt::format("{:.6g}", *then.peak),
-                  fmt::format("{:.6g}", *now.peak), against_, scale > 0.0 ? change / scale : 1.0, 0});
+    add(ChangeKind::worse, now.name, "peak", fmt::format("{:.6g}", *then.peak), fmt::format("{:.6g}", *now.peak),
+        scale > 0.0 ? change / scale : 1.0);
   }
 
   const Result& then_;
@@ -241,36 +243,25 @@ std::string words_of_no_excuse(const KnownRed& known, const std::string& today) 
 /// What a case's own ending says: nothing if it is green; `better` if it is green but was expected to be red; otherwise
 /// `red`, or known red if the suite excuses it. A case is excused only if it ends as the baseline, if there is one.
 std::optional<Change> own_change(const Case& one, const Result& now, const Result* baseline, const std::string& today) {
+  const auto change = [&](ChangeKind kind, const std::string& was, const std::string& is, const char* against) {
+    return Change{kind, one.id, "", "ending", was, is, against};
+  };
+  if (now.is_green()) {
+    if (!one.known_red) return std::nullopt;
+    const std::string was = "known red: " + one.known_red->reason;
+    return change(ChangeKind::better, was, "agree: take its known_red away", "suite");
+  }
   const std::string words = red_words(now);
-  if (now.is_green() && one.known_red) {
-    return Change{ChangeKind::better,
-                  one.id,
-                  "",
-                  "ending",
-                  "known red: " + one.known_red->reason,
-                  "agree: take its known_red away",
-                  "suite",
-                  1.0,
-                  0};
+  if (!counts_as_known_red(one, now, today)) {
+    const std::string was = one.known_red ? words_of_no_excuse(*one.known_red, today) : "";
+    return change(ChangeKind::red, was, words, "");
   }
-  if (now.is_green()) return std::nullopt;
-  if (counts_as_known_red(one, now, today)) {
-    if (baseline != nullptr && !baseline->is_green() && baseline->ending != now.ending) {
-      const std::string was = fmt::format("known red, accepted as '{}'", to_string(baseline->ending));
-      return Change{ChangeKind::red, one.id, "", "ending", was, words, "baseline", 1.0, 0};
-    }
-    return Change{ChangeKind::known,
-                  one.id,
-                  "",
-                  "ending",
-                  fmt::format("{} (until {})", one.known_red->reason, one.known_red->until),
-                  words,
-                  "suite",
-                  1.0,
-                  0};
+  if (baseline != nullptr && !baseline->is_green() && baseline->ending != now.ending) {
+    const std::string was = fmt::format("known red, accepted as '{}'", to_string(baseline->ending));
+    return change(ChangeKind::red, was, words, "baseline");
   }
-  const std::string was = one.known_red ? words_of_no_excuse(*one.known_red, today) : "";
-  return Change{ChangeKind::red, one.id, "", "ending", was, words, "", 1.0, 0};
+  const std::string was = fmt::format("{} (until {})", one.known_red->reason, one.known_red->until);
+  return change(ChangeKind::known, was, words, "suite");
 }
 
 std::string counts_words(const Result& result) {
@@ -290,15 +281,9 @@ std::optional<Change> flaky_change(const Case& one, const Result& now, const std
   for (const Entry& entry : earlier) {
     const bool is_same_program = entry.night.origin == origin && !origin.commit.ends_with("-dirty");
     if (!is_same_program || entry.result.definition != now.definition || has_same_counts(entry.result, now)) continue;
-    return Change{ChangeKind::flaky,
-                  one.id,
-                  "",
-                  "same program",
-                  counts_words(entry.result),
-                  counts_words(now),
-                  fmt::format("night {}", entry.night.id),
-                  1.0,
-                  0};
+    const std::string against = fmt::format("night {}", entry.night.id);
+    return Change{ChangeKind::flaky, one.id, "", "same program", counts_words(entry.result),
+                  counts_words(now), against};
   }
   return std::nullopt;
 }
@@ -355,7 +340,7 @@ std::vector<Change> judge_case(const Case& one, const Result& now, const Result*
   if (judging.against_baseline && baseline == nullptr) {
     const bool is_accepted = now.is_green() || counts_as_known_red(one, now, today);
     const char* advice = is_accepted ? "run concord accept" : "accept it when it is green";
-    changes.push_back({ChangeKind::missing, one.id, "", "baseline", "-", advice, "baseline", 1.0, 0});
+    changes.push_back({ChangeKind::missing, one.id, "", "baseline", "-", advice, "baseline"});
   } else if (judging.against_baseline) {
     take(changes_between(*baseline, now, judging, "baseline"));
   }
@@ -382,7 +367,7 @@ int exit_code(const Change& change, Ending ending) {
       return kDiffer;
     case ChangeKind::missing:
     case ChangeKind::changed:
-      return kMissingBaseline;
+      return kNoBaseline;
     default:
       return kAgree;
   }

@@ -10,6 +10,9 @@
 /// What became worse, better, new, gone.
 namespace concord::compare::nightly {
 
+/// Code beside those of every command: a baseline is missing, or belongs to another model or other settings.
+inline constexpr int kNoBaseline = 4;
+
 enum class ChangeKind {
   red,      // differs, has no verdict or was lost, for no reason that is known
   worse,    // than what is accepted, or than the nights before
@@ -38,9 +41,9 @@ struct Change {
   std::string measure;    // "same state", "peak", "evaluations of relative", "ending"
   std::string was;
   std::string is;
-  std::string against;  // "baseline", "median of 7 nights", "A"
-  double size = 0.0;    // how far beyond what is allowed, in its own measure
-  int more = 0;         // components of the case that changed in the same way, but less
+  std::string against = {};  // "baseline", "median of 7 nights", "A"
+  double size = 1.0;         // how far beyond what is allowed, in its own measure
+  int more = 0;              // components of the case that changed in the same way, but less
 };
 
 /// All changes from `then` to `now`, of each measure the largest. Digits of the same state count no more than double

@@ -3,55 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "compare/nightly/record.h"
 #include "compare/report/console.h"
 
 namespace concord::compare::nightly {
 
-namespace {
+CONCORD_RECORD(Component, name, same_state, resolvable, same_run, refined, need, peak, scale)
+CONCORD_RECORD(Cost, integrator, steps, evaluations)
 
-using Json = nlohmann::ordered_json;
+namespace {
 
 constexpr std::array<std::string_view, 8> kEndings{"agree",   "differ", "no verdict",    "bad input",
                                                    "crashed", "hung",   "out of memory", "not run"};
-
-Json number(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
-}
-
-std::optional<double> number_at(const Json& document, const char* key) {
-  const Json& value = document.at(key);
-  return value.is_null() ? std::nullopt : std::optional(value.get<double>());
-}
-
-Json component_json(const Component& one) {
-  return {{"name", one.name},
-          {"same_state", number(one.same_state)},
-          {"resolvable", number(one.resolvable)},
-          {"same_run", number(one.same_run)},
-          {"refined", number(one.refined)},
-          {"need", one.need},
-          {"peak", number(one.peak)},
-          {"scale", one.scale}};
-}
-
-Component component_from(const Json& document) {
-  Component one;
-  one.name = document.at("name");
-  one.same_state = number_at(document, "same_state");
-  one.resolvable = number_at(document, "resolvable");
-  one.same_run = number_at(document, "same_run");
-  one.refined = number_at(document, "refined");
-  one.need = document.at("need");
-  one.peak = number_at(document, "peak");
-  one.scale = document.at("scale").is_null() ? 0.0 : document.at("scale").get<double>();
-  return one;
-}
 
 }  // namespace
 
@@ -94,30 +61,26 @@ std::optional<double> worst_of(const Result& result, std::optional<double> Compo
   return worst;
 }
 
-Json to_json(const Result& result) {
-  Json components = Json::array();
-  for (const Component& one : result.components) components.push_back(component_json(one));
-  Json solvers;
-  for (std::size_t who = 0; who < 2; ++who) {
-    const Cost& cost = result.cost[who];
-    solvers[who == 0 ? "cartesian" : "relative"] = {
-        {"integrator", cost.integrator}, {"steps", cost.steps}, {"evaluations", cost.evaluations}};
-  }
-  return {{"case", result.id},
-          {"work", result.work},
-          {"definition", result.definition},
-          {"ending", to_string(result.ending)},
-          {"words", result.words},
-          {"judged", result.judged},
-          {"total", result.total},
-          {"solvers", std::move(solvers)},
-          {"wall_s", result.wall_s},
-          {"processor_s", result.processor_s},
-          {"components", std::move(components)}};
+std::array<std::optional<double>, 3> worst_digits(const Result& result) {
+  return {worst_of(result, &Component::same_state), worst_of(result, &Component::same_run),
+          worst_of(result, &Component::refined)};
 }
 
-Result result_from_json(const Json& document) {
-  Result result;
+void to_json(Json& document, const Result& result) {
+  document = {{"case", result.id},
+              {"work", result.work},
+              {"definition", result.definition},
+              {"ending", to_string(result.ending)},
+              {"words", result.words},
+              {"judged", result.judged},
+              {"total", result.total},
+              {"solvers", {{"cartesian", result.cost[0]}, {"relative", result.cost[1]}}},
+              {"wall_s", result.wall_s},
+              {"processor_s", result.processor_s},
+              {"components", result.components}};
+}
+
+void from_json(const Json& document, Result& result) {
   result.id = document.at("case");
   result.work = document.at("work");
   result.definition = document.value("definition", "");
@@ -125,15 +88,14 @@ Result result_from_json(const Json& document) {
   result.words = document.at("words");
   result.judged = document.at("judged");
   result.total = document.at("total");
-  for (std::size_t who = 0; who < 2; ++who) {
-    const Json& cost = document.at("solvers").at(who == 0 ? "cartesian" : "relative");
-    result.cost[who] = {cost.at("integrator"), cost.at("steps"), cost.at("evaluations")};
-  }
+  result.cost = {document.at("solvers").at("cartesian"), document.at("solvers").at("relative")};
   result.wall_s = document.at("wall_s");
   result.processor_s = document.at("processor_s");
-  for (const Json& one : document.at("components")) result.components.push_back(component_from(one));
+  for (Json one : document.at("components")) {
+    if (one.at("scale").is_null()) one["scale"] = 0.0;  // it was no number
+    result.components.push_back(one);
+  }
   put_in_order(result.components);
-  return result;
 }
 
 namespace {
@@ -153,7 +115,7 @@ Result result_of(const std::string& id, const std::string& work, const workers::
   Result result;
   const bool is_interrupted = report.signal == SIGINT || report.signal == SIGTERM || report.signal == SIGHUP;
   if (report.end == workers::End::answered) {
-    result = result_from_json(Json::parse(report.answer));
+    result = Json::parse(report.answer).get<Result>();
   } else if (is_interrupted) {
     result.words = fmt::format("interrupted by signal {}", report.signal);
   } else {

@@ -64,18 +64,20 @@ struct Result {
 /// Sorts the components, and numbers those whose name another one has.
 void put_in_order(std::vector<Component>& components);
 
-/// Worst digits of a rung, nothing if it judged nothing.
+/// Worst digits of a rung, nothing if it judged nothing; and those of same state, same run and refined.
 std::optional<double> worst_of(const Result& result, std::optional<double> Component::*rung);
+std::array<std::optional<double>, 3> worst_digits(const Result& result);
 
 /// Code of the program for a case of this ending.
 int exit_code(Ending ending);
 
-nlohmann::ordered_json to_json(const Result& result);
-/// Throws nlohmann::json::exception or std::runtime_error if it is no such document.
-Result result_from_json(const nlohmann::ordered_json& document);
+/// For the library: `document = result`, `document.get<Result>()`, which throws nlohmann::json::exception or
+/// std::runtime_error if it is no such document.
+void to_json(nlohmann::ordered_json& document, const Result& result);
+void from_json(const nlohmann::ordered_json& document, Result& result);
 
-/// Of a worker's report: what a task answered is the text of to_json(). A worker that somebody ended by SIGINT or
-/// SIGTERM did not crash: the case was not run.
+/// Of a worker's report: what a task answered is the text of its result as JSON. A worker that somebody ended by SIGINT
+/// or SIGTERM did not crash: the case was not run.
 Result result_of(const std::string& id, const std::string& work, const workers::Report& report);
 
 }  // namespace concord::compare::nightly

@@ -7,11 +7,11 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "common/reading/text_file.h"
 #include "compare/audit/digits.h"
+#include "compare/nightly/record.h"
 #include "compare/report/files.h"
 #include "compare/report/junit.h"
 #include "compare/report/text_table.h"
@@ -19,8 +19,6 @@
 namespace concord::compare::nightly {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
 
@@ -61,39 +59,42 @@ std::string notes_of(const NightReport& report) {
   return text;
 }
 
-/// ": 18 agree, 1 differ, 1 crashed"; nothing where no case was run.
-std::string endings_of(const NightReport& report) {
-  std::map<Ending, int> counts;
-  for (const CaseLine& line : report.cases) ++counts[line.ending];
-  std::string text;
-  for (const auto& [ending, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", count, to_string(ending));
-  }
-  return text;
-}
-
-std::string turns_of(const NightReport& report) {
-  std::map<ChangeKind, int> counts;
-  for (const Change* change : all_changes(report)) ++counts[change->kind];
+/// "18 agree, 1 differ, 1 crashed": how often there is each of some kinds, `words` says how a kind is told of so many.
+template <class Kind, class Words>
+std::string counted(const std::vector<Kind>& kinds, const Words& words) {
+  std::map<Kind, int> counts;
+  for (const Kind kind : kinds) ++counts[kind];
   std::string text;
   for (const auto& [kind, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? "; " : ", ", count, to_string(kind));
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, words(kind, count));
   }
   return text;
 }
 
-std::string change_words(const Change& change) {
-  return fmt::format("{}: {}{}{}: {} -> {}{}", to_string(change.kind), change.component,
-                     change.component.empty() ? "" : ", ", change.measure, change.was.empty() ? "-" : change.was,
-                     change.is, change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+std::vector<Ending> endings_of(const NightReport& report) {
+  std::vector<Ending> endings;
+  for (const CaseLine& line : report.cases) endings.push_back(line.ending);
+  return endings;
+}
+
+/// "; 1 red, 2 worse"; empty where nothing changed.
+std::string turns_of(const NightReport& report) {
+  std::vector<ChangeKind> kinds;
+  for (const Change* change : all_changes(report)) kinds.push_back(change->kind);
+  const std::string turns = counted(kinds, [](ChangeKind kind, int) { return to_string(kind); });
+  return turns.empty() ? "" : "; " + turns;
+}
+
+std::string change_line(const Change& change) {
+  return fmt::format("{}: {}", to_string(change.kind), change_words(change));
 }
 
 std::string junit_case(const std::string& suite, const std::string& name, int code, bool is_known,
                        const std::vector<Change>& changes) {
   std::string words;
-  for (const Change& change : changes) words += change_words(change) + '\n';
+  for (const Change& change : changes) words += change_line(change) + '\n';
   std::string text = fmt::format("    <testcase classname=\"{}\" name=\"{}\">", escape_xml(suite), escape_xml(name));
-  const std::string message = changes.empty() ? "" : change_words(changes.front());
+  const std::string message = changes.empty() ? "" : change_line(changes.front());
   if (code != 0) {
     const char* kind = code == 1 ? "failure" : "error";
     text += fmt::format("\n      <{0} message=\"{1}\">{2}</{0}>\n    ", kind, escape_xml(message), escape_xml(words));
@@ -108,34 +109,17 @@ bool is_known_red(const CaseLine& line) {
                      [](const Change& change) { return change.kind == ChangeKind::known; });
 }
 
-Json origin_json(const Origin& origin) {
-  return {{"version", origin.version},
-          {"commit", origin.commit},
-          {"compiler", origin.compiler},
-          {"machine", origin.machine}};
-}
-
 Json head_json(const NightReport& report) {
   Json changes = Json::array();
   for (const Change* change : all_changes(report)) changes.push_back(change_json(*change));
   std::string headline = format_headline(report);
   headline.pop_back();  // the end of its line
-  return {{"format", kNightFormat},
-          {"kind", report.kind},
-          {"title", report.title},
-          {"started", report.started},
-          {"origin", origin_json(report.origin)},
-          {"verdict", headline},
-          {"exit_code", report.code},
-          {"trouble", report.trouble},
-          {"only", report.only},
-          {"is_finished", report.is_finished},
+  return {{"format", kNightFormat},       {"kind", report.kind},
+          {"title", report.title},        {"started", report.started},
+          {"origin", report.origin},      {"verdict", headline},
+          {"exit_code", report.code},     {"trouble", report.trouble},
+          {"only", report.only},          {"is_finished", report.is_finished},
           {"changes", std::move(changes)}};
-}
-
-/// Text of a file from outside need not be UTF-8.
-std::string dumped(const Json& document, int indent) {
-  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -156,6 +140,12 @@ std::vector<const Change*> all_changes(const NightReport& report) {
   return all;
 }
 
+std::string change_words(const Change& change) {
+  return fmt::format("{}{}{}: {} -> {}{}", change.component, change.component.empty() ? "" : ", ", change.measure,
+                     change.was.empty() ? "-" : change.was, change.is,
+                     change.more > 0 ? fmt::format(" and {} more", change.more) : "");
+}
+
 Json change_json(const Change& change) {
   return {{"what", to_string(change.kind)}, {"case", change.id},  {"component", change.component},
           {"measure", change.measure},      {"was", change.was},  {"is", change.is},
@@ -167,10 +157,8 @@ std::string pair_cell(const std::array<long, 2>& pair) {
 }
 
 CaseLine case_line_of(const Result& result, std::vector<Change> changes) {
-  CaseLine line{result.id, result.work, result.ending, result.judged,     result.total, {}, {},
+  CaseLine line{result.id, result.work, result.ending, result.judged,     result.total, worst_digits(result), {},
                 {},        0,           true,          std::move(changes)};
-  line.worst = {worst_of(result, &Component::same_state), worst_of(result, &Component::same_run),
-                worst_of(result, &Component::refined)};
   for (std::size_t who = 0; who < 2; ++who) {
     line.evaluations[who] = result.cost[who].evaluations;
     line.steps[who] = result.cost[who].steps;
@@ -190,24 +178,31 @@ int code_of(const NightReport& report) {
 
 namespace {
 
-/// Whether all that keeps a report of code 4 from being green is that baselines are of other models or settings.
-bool is_changed_alone(const NightReport& report) {
-  const std::vector<const Change*> changes = all_changes(report);
-  return std::none_of(changes.begin(), changes.end(),
-                      [](const Change* change) { return change->kind == ChangeKind::missing; });
+/// What a report is in one word, and as the predicate of a sentence.
+std::pair<const char*, const char*> state_words(const NightReport& report) {
+  if (report.code == 0) return {"green", "is green"};
+  if (report.code == kNoBaseline) {
+    const std::vector<const Change*> changes = all_changes(report);
+    const bool is_missing = std::any_of(changes.begin(), changes.end(),
+                                        [](const Change* change) { return change->kind == ChangeKind::missing; });
+    if (is_missing) return {"no baseline", "lacks baselines"};
+    return {"changed", "has changed models"};
+  }
+  if (!report.is_finished) return {"unfinished", "is not finished"};
+  return {"red", "is red"};
+}
+
+std::string number_of_cases(const NightReport& report) {
+  return plural(static_cast<int>(report.cases.size()), "case", "cases");
 }
 
 }  // namespace
 
 std::string format_headline(const NightReport& report) {
-  const char* colour = report.code == 0      ? "green"
-                       : report.code == 4    ? (is_changed_alone(report) ? "changed" : "no baseline")
-                       : !report.is_finished ? "unfinished"
-                                             : "red";
+  const std::string endings = counted(endings_of(report), [](Ending ending, int) { return to_string(ending); });
   const std::string chosen = report.only.empty() ? "" : fmt::format(", only '{}'", as_cell(report.only));
-  return fmt::format("{} {}{}: {}{}{}\n", colour, as_cell(report.title), chosen,
-                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings_of(report),
-                     turns_of(report));
+  return fmt::format("{} {}{}: {}{}{}{}\n", state_words(report).first, as_cell(report.title), chosen,
+                     number_of_cases(report), endings.empty() ? "" : ": ", endings, turns_of(report));
 }
 
 std::string format_sentence(const NightReport& report) {
@@ -219,22 +214,16 @@ std::string format_sentence(const NightReport& report) {
                                                                        {"hung", "hung"},
                                                                        {"ran out of memory", "ran out of memory"},
                                                                        {"was not run", "were not run"}}};
-  std::map<Ending, int> counts;
-  for (const CaseLine& line : report.cases) ++counts[line.ending];
-  std::string endings;
-  for (const auto& [ending, count] : counts) {
-    const auto& [one, several] = kVerbs.at(static_cast<std::size_t>(ending));
-    endings += fmt::format("{}{} {}", endings.empty() ? "" : ", ", count, count == 1 ? one : several);
-  }
-  const char* state = report.code == 0      ? "is green"
-                      : report.code == 4    ? (is_changed_alone(report) ? "has changed models" : "lacks baselines")
-                      : !report.is_finished ? "is not finished"
-                                            : "is red";
+  const char* state = state_words(report).second;
   if (report.cases.empty()) return fmt::format("The night of {} {}: no case was run.", report.title, state);
+  const std::string endings = counted(endings_of(report), [&](Ending ending, int count) {
+    const auto& [one, several] = kVerbs.at(static_cast<std::size_t>(ending));
+    return count == 1 ? one : several;
+  });
   const std::string chosen =
       report.only.empty() ? "" : fmt::format("; only cases called '{}' were asked for", report.only);
-  return fmt::format("The night of {} {}: of {} {}{}{}.", report.title, state,
-                     plural(static_cast<int>(report.cases.size()), "case", "cases"), endings, turns_of(report), chosen);
+  return fmt::format("The night of {} {}: of {} {}{}{}.", report.title, state, number_of_cases(report), endings,
+                     turns_of(report), chosen);
 }
 
 std::string format_report(const NightReport& report) {
@@ -271,7 +260,7 @@ std::string format_night_junit(const NightReport& report) {
   };
   for (const CaseLine& line : report.cases) add(line.id, line.code, is_known_red(line), line.changes);
   for (const Change& change : report.others) add(change.id, exit_code(change, Ending::agree), false, {change});
-  const Change trouble{ChangeKind::red, "", "", "history", "", report.trouble, "", 0.0, 0};
+  const Change trouble{ChangeKind::red, "", "", "history", "", report.trouble};
   if (!report.trouble.empty()) add("history", exit_code(Ending::not_run), false, {trouble});
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"
@@ -291,7 +280,7 @@ void write_night_json(const std::filesystem::path& file, const NightReport& repo
     out << head << ",\n  \"cases\": [";
     bool is_first = true;
     while (const std::optional<Result> result = next()) {
-      out << (is_first ? "\n    " : ",\n    ") << dumped(to_json(*result), -1);
+      out << (is_first ? "\n    " : ",\n    ") << dumped(*result);
       is_first = false;
     }
     out << "\n  ]\n}\n";
@@ -318,13 +307,12 @@ NightFile read_night_json(const std::filesystem::path& file) {
       refuse(fmt::format("version {} of these results is not known: this program reads version {}",
                          document.at("format").dump(), kNightFormat));
     }
-    const Json& origin = document.at("origin");
-    found.origin = {origin.at("version"), origin.at("commit"), origin.at("compiler"), origin.at("machine")};
+    found.origin = document.at("origin");
     found.title = document.at("title");
     found.only = document.value("only", "");
     found.is_finished = document.value("is_finished", true);
     for (const Json& one : document.at("cases")) {
-      Result result = result_from_json(one);
+      Result result = one;
       // A case that the night did not come to is none of its results.
       if (result.ending == Ending::not_run) {
         found.is_finished = false;

@@ -56,6 +56,8 @@ std::string format_sentence(const NightReport& report);
 /// All changes, the gravest first.
 std::vector<const Change*> all_changes(const NightReport& report);
 nlohmann::ordered_json change_json(const Change& change);
+/// "joint D on slider, F_x, same run: 9.1 -> 7.0 and 2 more".
+std::string change_words(const Change& change);
 
 /// "812 / 1011", Cartesian and relative, in one cell; "-" of what integrates nothing.
 std::string pair_cell(const std::array<long, 2>& pair);

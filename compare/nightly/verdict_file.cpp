@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,37 +11,31 @@
 
 #include "common/error.h"
 #include "common/reading/text_file.h"
+#include "compare/nightly/record.h"
 #include "compare/report/report_json.h"
 
 namespace concord::compare::nightly {
 
 namespace {
 
-using VerdictJson = nlohmann::ordered_json;
-
-bool is_verdict(const VerdictJson& document) {
+bool is_verdict(const Json& document) {
   return document.is_object() && document.contains("verdict") && document.contains("joints");
 }
 
 /// One object for each model, under its name.
-bool are_verdicts(const VerdictJson& document) {
+bool are_verdicts(const Json& document) {
   return document.is_object() && !document.empty() && std::all_of(document.begin(), document.end(), is_verdict);
 }
 
-std::optional<double> digits_at(const VerdictJson& row, const char* key) {
-  const VerdictJson& value = row.at(key);
-  return value.is_null() ? std::nullopt : std::optional(value.get<double>());
-}
-
-Component component_of_row(const char* owner, const VerdictJson& row) {
+Component component_of_row(const char* owner, const Json& row) {
   Component one;
   one.name = fmt::format("{} {} on {}, {}", owner, row.at(owner).get<std::string>(), row.at("side").get<std::string>(),
                          row.at("component").get<std::string>());
-  one.same_state = digits_at(row, "same_state_digits");
-  one.resolvable = digits_at(row, "same_state_resolvable_digits");
-  one.same_run = digits_at(row, "same_run_digits");
-  one.refined = digits_at(row, "refined_digits");
-  const VerdictJson& need = row.at("need");
+  row.at("same_state_digits").get_to(one.same_state);
+  row.at("same_state_resolvable_digits").get_to(one.resolvable);
+  row.at("same_run_digits").get_to(one.same_run);
+  row.at("refined_digits").get_to(one.refined);
+  const Json& need = row.at("need");
   one.need = {need.at("same_state"), need.at("same_run"), need.at("refined")};
   one.scale = row.at("scale");
   return one;
@@ -58,7 +51,7 @@ Ending ending_of_verdict(const std::string& verdict) {
                                   : Ending::failed;
 }
 
-Result result_of_verdict(const std::string& name, const VerdictJson& document) {
+Result result_of_verdict(const std::string& name, const Json& document) {
   if (document.at("format") != kVerdictFormat) {
     throw std::runtime_error(fmt::format("version {} of these results is not known: this program reads version {}",
                                          document.at("format").dump(), kVerdictFormat));
@@ -72,17 +65,17 @@ Result result_of_verdict(const std::string& name, const VerdictJson& document) {
   result.total = document.at("total");
   for (const auto& [key, owner] : {std::pair{"joints", "joint"}, std::pair{"elements", "element"}}) {
     if (!document.contains(key)) continue;
-    for (const VerdictJson& row : document.at(key)) {
+    for (const Json& row : document.at(key)) {
       Component one = component_of_row(owner, row);
       if (is_judged(one)) result.components.push_back(std::move(one));
     }
   }
   Component& audit = result.components.emplace_back();
   audit.name = "audit";
-  audit.same_state = digits_at(document.at("audit"), "digits");
+  document.at("audit").at("digits").get_to(audit.same_state);
   constexpr std::array kSolvers{"cartesian", "relative"};
   for (std::size_t who = 0; who < 2; ++who) {
-    const VerdictJson& solver = document.at("solvers").at(kSolvers[who]);
+    const Json& solver = document.at("solvers").at(kSolvers[who]);
     result.cost[who] = {"", solver.at("steps"), solver.at("evaluations")};
     result.wall_s += solver.at("wall_s").get<double>();
   }
@@ -90,7 +83,7 @@ Result result_of_verdict(const std::string& name, const VerdictJson& document) {
   return result;
 }
 
-ResultsFile results_of_verdicts(const VerdictJson& document) {
+ResultsFile results_of_verdicts(const Json& document) {
   const char* unknown = "not known";
   ResultsFile found{{{unknown, unknown, unknown, unknown}, "", {}}, true, is_verdict(document)};
   if (found.is_single) {
@@ -104,9 +97,9 @@ ResultsFile results_of_verdicts(const VerdictJson& document) {
 }
 
 /// Nothing that a comparison wrote: to be read as a night's, which says what is wrong.
-VerdictJson verdicts_in(const std::filesystem::path& file) {
-  VerdictJson document = VerdictJson::parse(read_text_file(file), nullptr, false);
-  return is_verdict(document) || are_verdicts(document) ? document : VerdictJson();
+Json verdicts_in(const std::filesystem::path& file) {
+  Json document = Json::parse(read_text_file(file), nullptr, false);
+  return is_verdict(document) || are_verdicts(document) ? document : Json();
 }
 
 /// One case in both files, though its model may have been renamed between them; files of older versions hold no name.
@@ -130,11 +123,11 @@ void name_after(ResultsFile& single, const ResultsFile& other, const std::string
 }  // namespace
 
 ResultsFile read_results_file(const std::filesystem::path& file) {
-  const VerdictJson verdicts = verdicts_in(file);
+  const Json verdicts = verdicts_in(file);
   if (verdicts.is_null()) return {read_night_json(file), false, false};
   try {
     return results_of_verdicts(verdicts);
-  } catch (const VerdictJson::exception& error) {
+  } catch (const Json::exception& error) {
     throw InputError({file.string(), 0, 0}, fmt::format("cannot be read: {}", without_tag(error.what())));
   } catch (const std::runtime_error& error) {
     throw InputError({file.string(), 0, 0}, error.what());
