@@ -1,9 +1,11 @@
 #include "compare/nightly/case_tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <utility>
 
 namespace concord::compare::nightly {
@@ -20,24 +22,103 @@ std::optional<std::vector<std::string>> read_texts(const TableReader& table, std
   return std::nullopt;
 }
 
-KnownKeys keys_of(const toml::table& table) {
-  KnownKeys keys;
-  for (const auto& [key, value] : table) keys.push_back(key.str());
+std::optional<TableReader> inner_table(const TableReader& outer, std::string_view key, const KnownKeys& known) {
+  const toml::table* found = outer.table(key);
+  if (found == nullptr) return std::nullopt;
+  return TableReader(*found, fmt::format("{}, {}", outer.title(), key), known, outer.reading());
+}
+
+namespace {
+
+using Works = std::vector<Work>;
+
+/// A key and the kinds of work that it means something to.
+struct KeyOfWork {
+  std::string_view key;
+  Works works;
+};
+
+Works together(std::initializer_list<Works> parts) {
+  Works all;
+  for (const Works& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+const std::vector<KeyOfWork>& keys_of_works() {
+  static const Works any{Work::compare, Work::statics, Work::linearize, Work::kinematics,
+                         Work::inverse, Work::joint,   Work::fuzz,      Work::invariance};
+  static const Works wrenches{Work::compare, Work::statics, Work::linearize, Work::kinematics, Work::inverse};
+  static const Works models = together({wrenches, {Work::invariance}});
+  static const Works runs{Work::compare, Work::kinematics};
+  static const std::vector<KeyOfWork> keys{
+      {"name", any},
+      {"work", any},
+      {"seconds", any},
+      {"megabytes", any},
+      {"known_red", any},
+      {"judge", any},
+      {"models", models},
+      {"except", models},
+      {"parameters", models},
+      {"cut", models},
+      {"sweep", models},
+      {"need", wrenches},
+      {"until", together({runs, {Work::invariance}})},
+      {"samples", runs},
+      {"rtol", {Work::compare}},
+      {"states", {Work::compare}},
+      {"cartesian", {Work::compare}},
+      {"relative", {Work::compare}},
+      {"at", {Work::linearize}},
+      {"accelerations", {Work::inverse}},
+      {"joints", {Work::joint}},
+      {"poses", {Work::joint}},
+      {"seed", {Work::fuzz}},
+      {"first", {Work::fuzz}},
+      {"count", {Work::fuzz}},
+      {"shares", {Work::fuzz}},
+      {"style", {Work::fuzz}},
+  };
   return keys;
 }
 
+bool is_for(const Works& works, Work work) { return std::find(works.begin(), works.end(), work) != works.end(); }
+
+std::string words_of_refusal(std::string_view key, Work work, const Works& works) {
+  std::vector<std::string> names;
+  for (const Work one : works) names.push_back('"' + name_of(one) + '"');
+  return fmt::format("'{}' means nothing to the work \"{}\", only to {}", key, name_of(work), fmt::join(names, ", "));
+}
+
+}  // namespace
+
+KnownKeys case_keys() {
+  KnownKeys keys;
+  for (const KeyOfWork& one : keys_of_works()) keys.push_back(one.key);
+  return keys;
+}
+
+void refuse_keys_without_meaning(const TableReader& table, Work work) {
+  for (const auto& [key, works] : keys_of_works()) {
+    if (table.has(key) && !is_for(works, work)) table.complain(key, words_of_refusal(key, work, works));
+  }
+  const toml::table* sweep = table.has("sweep") ? table.node("sweep")->as_table() : nullptr;
+  if (sweep == nullptr || work == Work::compare) return;
+  for (const std::string_view key : {"rtol", "integrators"}) {
+    if (sweep->contains(key)) table.complain("sweep", words_of_refusal(key, work, {Work::compare}));
+  }
+}
+
 std::optional<KnownRed> read_known_red(const TableReader& outer) {
-  const toml::table* found = outer.table("known_red");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table(*found, outer.title() + ", known_red", {"reason", "until"}, outer.reading());
-  if (!table.require({"reason", "until"})) return std::nullopt;
+  const auto table = inner_table(outer, "known_red", {"reason", "until"});
+  if (!table || !table->require({"reason", "until"})) return std::nullopt;
   KnownRed known;
-  known.reason = table.text("reason").value_or("");
-  if (known.reason.empty()) table.complain("reason", "a known red case needs a reason");
-  if (const toml::date* day = table.node("until")->is_date() ? &table.node("until")->as_date()->get() : nullptr) {
-    known.until = fmt::format("{:04}-{:02}-{:02}", day->year, day->month, day->day);
+  known.reason = table->text("reason").value_or("");
+  if (known.reason.empty()) table->complain("reason", "a known red case needs a reason");
+  if (const toml::value<toml::date>* day = table->node("until")->as_date()) {
+    known.until = fmt::format("{:04}-{:02}-{:02}", day->get().year, day->get().month, day->get().day);
   } else {
-    table.complain("until", "'until' must be a date without quotes, such as 2026-12-31");
+    table->complain("until", "'until' must be a date without quotes, such as 2026-12-31");
   }
   return known;
 }
@@ -64,39 +145,35 @@ std::vector<NeedOverride> read_case_needs(const TableReader& outer) {
 
 std::vector<analyses::AskedAcceleration> read_accelerations(const TableReader& outer) {
   std::vector<analyses::AskedAcceleration> asked;
-  const toml::table* found = outer.table("accelerations");
-  if (found == nullptr) return asked;
-  const KnownKeys names = keys_of(*found);
-  const TableReader table(*found, outer.title() + ", accelerations", names, outer.reading());
-  for (const std::string_view name : names) {
+  each_name(outer, "accelerations", [&](const TableReader& table, std::string_view name) {
     const std::size_t dot = name.rfind('.');
     if (dot == std::string_view::npos) {
       table.complain(name, fmt::format("'{}' must be \"joint.coordinate\", such as \"hinge.turn_z\"", name));
     } else if (const auto value = table.number(name)) {
       asked.push_back({std::string(name.substr(0, dot)), std::string(name.substr(dot + 1)), *value, table.where(name)});
     }
-  }
+  });
   return asked;
 }
 
 namespace {
 
 std::optional<StartDraws> read_start(const TableReader& outer) {
-  const toml::table* found = outer.table("start");
-  if (found == nullptr) return std::nullopt;
-  const TableReader table(*found, outer.title() + ", start",
-                          {"seed", "count", "turn", "slide", "turn_speed", "slide_speed"}, outer.reading());
-  if (!table.require({"seed", "count"})) return std::nullopt;
+  const auto table = inner_table(outer, "start", {"seed", "count", "turn", "slide", "turn_speed", "slide_speed"});
+  if (!table || !table->require({"seed", "count"})) return std::nullopt;
   StartDraws draws;
-  draws.first.seed = static_cast<std::uint64_t>(table.count("seed", 0).value_or(0));
-  draws.count = table.count("count", 1, 100000).value_or(1);
-  draws.first.turn = table.number_not_negative("turn").value_or(0.0);
-  draws.first.slide = table.number_not_negative("slide").value_or(0.0);
-  draws.first.turn_speed = table.number_not_negative("turn_speed").value_or(0.0);
-  draws.first.slide_speed = table.number_not_negative("slide_speed").value_or(0.0);
-  if (!table.has("turn") && !table.has("slide") && !table.has("turn_speed") && !table.has("slide_speed")) {
-    table.complain("says nothing: give 'turn', 'slide', 'turn_speed' or 'slide_speed'");
-  }
+  draws.first.seed = static_cast<std::uint64_t>(table->count("seed", 0).value_or(0));
+  draws.count = table->count("count", 1, 100000).value_or(1);
+  bool says_something = false;
+  const auto read_size = [&](const char* key, double& size) {
+    size = table->number_not_negative(key).value_or(0.0);
+    says_something = says_something || table->has(key);
+  };
+  read_size("turn", draws.first.turn);
+  read_size("slide", draws.first.slide);
+  read_size("turn_speed", draws.first.turn_speed);
+  read_size("slide_speed", draws.first.slide_speed);
+  if (!says_something) table->complain("says nothing: give 'turn', 'slide', 'turn_speed' or 'slide_speed'");
   return draws;
 }
 
@@ -114,26 +191,6 @@ std::optional<std::vector<double>> read_swept(const TableReader& table, std::str
     }
   }
   return once;
-}
-
-void read_swept_parameters(const TableReader& outer, Sweep& sweep) {
-  const toml::table* found = outer.table("parameters");
-  if (found == nullptr) return;
-  const KnownKeys names = keys_of(*found);
-  const TableReader table(*found, outer.title() + ", parameters", names, outer.reading());
-  for (const std::string_view name : names) {
-    if (auto values = read_swept(table, name)) sweep.parameters.emplace_back(name, std::move(*values));
-  }
-}
-
-void read_cuts(const TableReader& outer, Sweep& sweep) {
-  const toml::table* found = outer.table("cut");
-  if (found == nullptr) return;
-  const KnownKeys names = keys_of(*found);
-  const TableReader table(*found, outer.title() + ", cut", names, outer.reading());
-  for (const std::string_view name : names) {
-    if (auto joints = read_texts(table, name)) sweep.cuts.emplace_back(name, std::move(*joints));
-  }
 }
 
 void read_integrators(const TableReader& table, Sweep& sweep) {
@@ -157,20 +214,22 @@ void read_integrators(const TableReader& table, Sweep& sweep) {
 
 Sweep read_sweep(const TableReader& outer) {
   Sweep sweep;
-  const toml::table* found = outer.table("sweep");
-  if (found == nullptr) return sweep;
-  const TableReader table(*found, outer.title() + ", sweep", {"parameters", "cut", "integrators", "rtol", "start"},
-                          outer.reading());
-  read_swept_parameters(table, sweep);
-  read_cuts(table, sweep);
-  read_integrators(table, sweep);
-  sweep.rtol = read_swept(table, "rtol").value_or(std::vector<double>());
+  const auto table = inner_table(outer, "sweep", {"parameters", "cut", "integrators", "rtol", "start"});
+  if (!table) return sweep;
+  each_name(*table, "parameters", [&](const TableReader& values, std::string_view name) {
+    if (auto swept = read_swept(values, name)) sweep.parameters.emplace_back(name, std::move(*swept));
+  });
+  each_name(*table, "cut", [&](const TableReader& cuts, std::string_view name) {
+    if (auto joints = read_texts(cuts, name)) sweep.cuts.emplace_back(name, std::move(*joints));
+  });
+  read_integrators(*table, sweep);
+  sweep.rtol = read_swept(*table, "rtol").value_or(std::vector<double>());
   for (const double rtol : sweep.rtol) {
     if (rtol >= kTightestTolerance && rtol <= kLoosestTolerance) continue;
-    table.complain("rtol", fmt::format("tolerances must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
-                                       kLoosestTolerance, rtol));
+    table->complain("rtol", fmt::format("tolerances must lie between {:g} and {:g}, found {:g}", kTightestTolerance,
+                                        kLoosestTolerance, rtol));
   }
-  sweep.start = read_start(table);
+  sweep.start = read_start(*table);
   return sweep;
 }
 

@@ -16,7 +16,6 @@
 #include "common/reading/toml_reader.h"
 #include "compare/joint_check/coupling_check.h"
 #include "compare/nightly/baseline.h"
-#include "compare/nightly/case_keys.h"
 #include "compare/nightly/case_tables.h"
 #include "compare/nightly/variants.h"
 #include "compare/random_machines/generator.h"
@@ -125,10 +124,9 @@ class SuiteReader {
 
   /// That of the cases from `first` on, if they have one.
   void read_own_allowance(const TableReader& table, std::size_t first) {
-    const toml::table* found = table.table("judge");
-    if (found == nullptr) return;
-    const TableReader own(*found, table.title() + ", judge", {"margin", "cost", "peak"}, reading_);
-    const Allowance allowance = read_allowance(own, suite_->judging.allowance);
+    const auto own = inner_table(table, "judge", {"margin", "cost", "peak"});
+    if (!own) return;
+    const Allowance allowance = read_allowance(*own, suite_->judging.allowance);
     for (std::size_t k = first; k < suite_->cases.size(); ++k) {
       suite_->judging.of_case.emplace(suite_->cases[k].id, allowance);
     }
@@ -179,14 +177,10 @@ class SuiteReader {
       table.complain("at", fmt::format("'at' is \"start\" or \"equilibrium\", found \"{}\"", at));
     }
     base.accelerations = read_accelerations(table);
-    if (table.has("cut")) base.cut = read_texts(table, "cut");
-    if (const toml::table* found = table.table("parameters")) {
-      const KnownKeys names = keys_of(*found);
-      const TableReader values(*found, table.title() + ", parameters", names, reading_);
-      for (const std::string_view name : names) {
-        if (const auto value = values.number(name)) base.parameters.emplace_back(name, *value);
-      }
-    }
+    base.cut = read_texts(table, "cut");
+    each_name(table, "parameters", [&](const TableReader& values, std::string_view name) {
+      if (const auto value = values.number(name)) base.parameters.emplace_back(name, *value);
+    });
   }
 
   /// A file that is not there is a case, too, which is refused as it is run: it does not cost the night.
@@ -199,15 +193,13 @@ class SuiteReader {
       if (found.empty()) table.complain("models", fmt::format("there is no file '{}'", pattern));
       models.insert(found.begin(), found.end());
     }
-    if (table.has("except")) {
-      const bool had_any = !models.empty();
-      for (const std::string& pattern : read_texts(table, "except").value_or(std::vector<std::string>())) {
-        const std::vector<fs::path> found = files_of(folder, pattern);
-        if (found.empty()) table.complain("except", fmt::format("there is no file '{}'", pattern));
-        for (const fs::path& one : found) models.erase(one);
-      }
-      if (had_any && models.empty()) table.complain("except", "leaves none of the files that 'models' names");
+    const bool had_any = !models.empty();
+    for (const std::string& pattern : read_texts(table, "except").value_or(std::vector<std::string>())) {
+      const std::vector<fs::path> found = files_of(folder, pattern);
+      if (found.empty()) table.complain("except", fmt::format("there is no file '{}'", pattern));
+      for (const fs::path& one : found) models.erase(one);
     }
+    if (had_any && models.empty()) table.complain("except", "leaves none of the files that 'models' names");
     return {models.begin(), models.end()};
   }
 

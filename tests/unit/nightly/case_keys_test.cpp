@@ -1,4 +1,4 @@
-#include "compare/nightly/case_keys.h"
+#include "compare/nightly/case_tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
