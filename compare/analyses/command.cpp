@@ -39,7 +39,7 @@ AnalysisVerdict judge(const AnalysisCommand& command, const Model& model, const 
     case Analysis::statics:
       return judge_statics(model, makers);
     case Analysis::linearize:
-      return judge_linearization(model, makers, command.at_equilibrium);
+      return judge_linearization(model, makers, command.at == "equilibrium");
     case Analysis::kinematics:
       return judge_kinematics(model, makers, command.options);
     default: {

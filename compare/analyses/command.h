@@ -16,7 +16,7 @@ enum class Analysis { statics, linearize, kinematics, inverse };
 struct AnalysisCommand {
   Analysis analysis = Analysis::statics;
   std::filesystem::path model;
-  bool at_equilibrium = false;             // linearize
+  std::string at = "start";                // or "equilibrium": linearize
   std::vector<std::string> accelerations;  // inverse: "joint.coordinate=value"
   VerifyOptions options;                   // kinematics: until, samples
   bool all_rows = false;

@@ -1,14 +1,10 @@
 #pragma once
 
-#include "compare/fuzz/command.h"
-
-namespace CLI {
-class App;
-}
+#include "compare/report/command_line.h"
 
 namespace concord::compare::fuzz {
 
-/// Adds the subcommand `fuzz` to the program's command line.
-CLI::App* add_fuzz(CLI::App& program, FuzzCommand& command);
+/// Adds the command `fuzz`.
+void add_fuzz(CommandLine& line);
 
 }  // namespace concord::compare::fuzz

@@ -1,44 +1,16 @@
 #pragma once
 
-#include <optional>
+#include <string>
+#include <vector>
 
-#include "compare/nightly/command.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "compare/report/command_line.h"
 
 namespace concord::compare::nightly {
 
-/// The subcommands `nightly`, `accept`, `history` and `diff` on the program's command line.
-class NightlyCommands {
- public:
-  explicit NightlyCommands(CLI::App& program);
+/// Takes the options for sbatch from the end of a command line, all that stands behind `--slurm`.
+std::vector<std::string> take_slurm_words(int& argc, char** argv);
 
-  /// Takes the options for sbatch from the end of a command line, all that stands behind `--slurm`. Returns how many
-  /// words are left.
-  [[nodiscard]] int take_slurm_words(int argc, char** argv);
-
-  /// Does what was asked for and returns the exit code; nothing if none of the four was.
-  [[nodiscard]] std::optional<int> run(const SolverMakers& makers, const Console& console) const;
-
- private:
-  void add_nightly(CLI::App& program);
-  void add_slurm(CLI::App& nightly);
-  void add_accept(CLI::App& program);
-  void add_history(CLI::App& program);
-  void add_diff(CLI::App& program);
-
-  CLI::App* nightly_app_ = nullptr;
-  CLI::Option* slurm_option_ = nullptr;
-  CLI::App* accept_app_ = nullptr;
-  CLI::App* history_app_ = nullptr;
-  CLI::App* diff_app_ = nullptr;
-  NightlyCommand nightly_;
-  AcceptCommand accept_;
-  HistoryCommand history_;
-  DiffCommand diff_;
-};
+/// Adds the commands `nightly`, `accept`, `history` and `diff`; `slurm_words`: what was taken from the line.
+void add_nights(CommandLine& line, const std::vector<std::string>& slurm_words);
 
 }  // namespace concord::compare::nightly

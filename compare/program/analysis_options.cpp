@@ -1,47 +1,43 @@
 #include "compare/program/analysis_options.h"
 
-#include <CLI/CLI.hpp>
-
+#include "compare/analyses/command.h"
 #include "compare/program/run_options.h"
 
 namespace concord::compare {
 
+namespace {
+
 using analyses::Analysis;
+using analyses::AnalysisCommand;
 
-AnalysisCommands::AnalysisCommands(CLI::App& program) {
-  add(program, Analysis::statics, "statics", "Static equilibrium by both solvers");
-  CLI::App* linearize = add(program, Analysis::linearize, "linearize",
-                            "Eigenvalues and modes about the start or the equilibrium, by both solvers");
-  linearize->add_option("--at", linearize_at_, "State to linearize about; default: start")
+/// With what all analyses have in common; the caller adds what is an analysis' own.
+CommandLine::Added<AnalysisCommand> add(CommandLine& line, Analysis analysis, const char* name, const char* about) {
+  const auto added = line.add<AnalysisCommand>(name, about, analyses::analyse_model);
+  added.command.analysis = analysis;
+  added.app.add_option("MODEL", added.command.model, "Model file (TOML)")->required();
+  added.app.add_flag("--all", added.command.all_rows, "Print every component, not only the worst of each side");
+  added.app.add_option("--json", added.command.json, "File for the results as JSON");
+  added.app.add_option("--out", added.command.out, "Folder for results: NetCDF and CSV of each solver");
+  return added;
+}
+
+}  // namespace
+
+void add_analyses(CommandLine& line) {
+  add(line, Analysis::statics, "statics", "Static equilibrium by both solvers");
+  const auto linearize = add(line, Analysis::linearize, "linearize",
+                             "Eigenvalues and modes about the start or the equilibrium, by both solvers");
+  linearize.app.add_option("--at", linearize.command.at, "State to linearize about; default: start")
       ->check(CLI::IsMember({"start", "equilibrium"}));
-  CLI::App* kinematics = add(program, Analysis::kinematics, "kinematics",
-                             "Motion and reactions of a machine whose motion is fully driven, by both solvers");
-  add_run_options(*kinematics, command_.options);
-  CLI::App* inverse = add(program, Analysis::inverse, "inverse",
-                          "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"
-                          "coordinates prescribed accelerations, by both solvers");
-  inverse->add_option("--acceleration", command_.accelerations,
-                      "joint.coordinate=value [m/s2, rad/s2]; default of every kept coordinate: 0");
-}
-
-const analyses::AnalysisCommand* AnalysisCommands::parsed() {
-  for (const auto& [command, analysis] : commands_) {
-    if (!command->parsed()) continue;
-    command_.analysis = analysis;
-    command_.at_equilibrium = linearize_at_ == "equilibrium";
-    return &command_;
-  }
-  return nullptr;
-}
-
-CLI::App* AnalysisCommands::add(CLI::App& program, Analysis analysis, const char* name, const char* about) {
-  CLI::App* command = program.add_subcommand(name, about);
-  command->add_option("MODEL", command_.model, "Model file (TOML)")->required();
-  command->add_flag("--all", command_.all_rows, "Print every component, not only the worst of each side");
-  command->add_option("--json", command_.json, "File for the results as JSON");
-  command->add_option("--out", command_.out, "Folder for results: NetCDF and CSV of each solver");
-  commands_.emplace_back(command, analysis);
-  return command;
+  const auto kinematics = add(line, Analysis::kinematics, "kinematics",
+                              "Motion and reactions of a machine whose motion is fully driven, by both solvers");
+  add_run_options(kinematics.app, kinematics.command.options);
+  const auto inverse =
+      add(line, Analysis::inverse, "inverse",
+          "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"
+          "coordinates prescribed accelerations, by both solvers");
+  inverse.app.add_option("--acceleration", inverse.command.accelerations,
+                         "joint.coordinate=value [m/s2, rad/s2]; default of every kept coordinate: 0");
 }
 
 }  // namespace concord::compare

@@ -306,19 +306,18 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     const Model given = read_model(command.model);
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
-    Solver& solver = machine.solver(command.is_cartesian ? Who::cartesian : Who::relative);
+    Solver& solver = machine.solver(command.solver == "cartesian" ? Who::cartesian : Who::relative);
     check_results(command.out, result_file_names(model, {solver.name()}), {command.model});
     RunOptions run = run_options(model, command.options);
-    run.integrator = chosen_integrator(model, solver, command.options.integrators[command.is_cartesian ? 0 : 1]);
+    run.integrator = chosen_integrator(model, solver, command.integrator);
     Trajectory trajectory;
     MadeBy made_by;
     {
       ProgressLine line(console);
-      const bool may_switch = command.options.integrators[command.is_cartesian ? 0 : 1].empty();
       const auto show = [&](double t) {
         line.show(fmt::format("{}: {} {} %", model.name, solver.name(), percent(t / run.until)));
       };
-      trajectory = integrate_or_switch(solver, run, may_switch, show, made_by);
+      trajectory = integrate_or_switch(solver, run, command.integrator.empty(), show, made_by);
       run.integrator = made_by.integrator;
     }
     console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,

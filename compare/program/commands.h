@@ -33,7 +33,8 @@ struct CompareCommand {
 
 struct RunCommand {
   std::filesystem::path model;
-  bool is_cartesian = true;
+  std::string solver = "cartesian";  // or "relative"
+  std::string integrator = {};       // empty: the first one
   VerifyOptions options;
   std::filesystem::path out;
 };

@@ -9,6 +9,7 @@
 #include "compare/invariance/command.h"
 #include "compare/invariance/moves.h"
 #include "compare/joint_check/command.h"
+#include "compare/nightly/command.h"
 #include "compare/nightly/options.h"
 #include "compare/page/command.h"
 #include "compare/program/analysis_options.h"
@@ -38,196 +39,129 @@ constexpr const char* kEpilogue =
 Interrupted by SIGINT, SIGTERM or SIGHUP: 128 + the signal's number.
 Units are SI and radians. Model files: data/README.md; how a verdict is reached: compare/README.md.)";
 
-struct CommandLine {
-  compare::CompareCommand compare;
-  compare::RunCommand run;
-  std::string solver;
-  std::string integrator;
-  std::filesystem::path info_model;
-  std::string oracle;
-  compare::joint_check::JointCommand joint;
-  compare::invariance::InvarianceCommand invariance;
-  compare::fuzz::FuzzCommand fuzz;
-  std::filesystem::path report_of;  // a folder of results, or a history
-  compare::nightly::NightReportCommand night_report;
-};
-
-CLI::App* add_compare(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand("compare", "Solve each model twice and judge every joint reaction");
-  command->add_option("MODEL", line.compare.models, "Model files (TOML)")->required();
-  compare::add_run_options(*command, line.compare.options);
-  command->add_option("--cartesian-integrator", line.compare.options.integrators[0],
-                      "Integrator of the Cartesian solver; `concord info` lists them");
-  command->add_option("--relative-integrator", line.compare.options.integrators[1],
-                      "Integrator of the relative solver; `concord info` lists them");
-  command
-      ->add_option("--seed", line.compare.options.seed,
-                   "Seed of the random states that both solvers are asked about; default: 19971025")
-      ->check(compare::why_no_whole_number);
-  command->add_flag("--all", line.compare.all_rows, "Print every component, not only the worst of each joint and side");
-  command->add_flag("--orders", line.compare.options.orders,
-                    "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
-  command->add_option("--out", line.compare.out,
-                      "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");
-  command->add_option("--json", line.compare.json, "File for the verdict as JSON");
-  command->add_option("--junit", line.compare.junit,
-                      "File for the verdict as JUnit XML, a test case for each judged row");
-  command->add_option("--report", line.compare.report,
-                      "File for the verdict as an HTML page: table, curves and the machine in motion");
-  command->add_option("--reference", line.compare.reference,
-                      "CSV file of reference values from another source, with their stated error (compare/README)");
-  command
-      ->add_option("--oracle", line.oracle,
-                   "Another program as a third opinion at the same state: simbody (compare/oracle/README)")
-      ->check(CLI::IsMember({"simbody"}));
-  return command;
+int compare_models(compare::CompareCommand& command, const compare::SolverMakers& makers,
+                   const compare::Console& console) {
+  if (!command.third_name.empty()) {
+#ifdef CONCORD_HAS_SIMBODY
+    command.make_third = compare::oracle::make_simbody;
+#else
+    console.err
+        << "error: --oracle simbody: this program was built without Simbody; install the package libsimbody-dev, "
+           "configure the build folder with cmake -DCONCORD_SIMBODY=ON and build; compare/run does so by itself\n";
+    return compare::kBadInput;
+#endif
+  }
+  return compare::compare_models(command, makers, console);
 }
 
-CLI::App* add_run(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand("run", "Integrate a model with one solver and print the peak reactions");
-  command->add_option("MODEL", line.run.model, "Model file (TOML)")->required();
-  command->add_option("--solver", line.solver, "Which solver")
+void add_compare(compare::CommandLine& line) {
+  const auto [app, command] = line.add<compare::CompareCommand>(
+      "compare", "Solve each model twice and judge every joint reaction", compare_models);
+  app.add_option("MODEL", command.models, "Model files (TOML)")->required();
+  compare::add_run_options(app, command.options);
+  app.add_option("--cartesian-integrator", command.options.integrators[0],
+                 "Integrator of the Cartesian solver; `concord info` lists them");
+  app.add_option("--relative-integrator", command.options.integrators[1],
+                 "Integrator of the relative solver; `concord info` lists them");
+  app.add_option("--seed", command.options.seed,
+                 "Seed of the random states that both solvers are asked about; default: 19971025")
+      ->check(compare::why_no_whole_number);
+  app.add_flag("--all", command.all_rows, "Print every component, not only the worst of each joint and side");
+  app.add_flag("--orders", command.options.orders,
+               "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
+  app.add_option("--out", command.out, "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");
+  app.add_option("--json", command.json, "File for the verdict as JSON");
+  app.add_option("--junit", command.junit, "File for the verdict as JUnit XML, a test case for each judged row");
+  app.add_option("--report", command.report,
+                 "File for the verdict as an HTML page: table, curves and the machine in motion");
+  app.add_option("--reference", command.reference,
+                 "CSV file of reference values from another source, with their stated error (compare/README)");
+  app.add_option("--oracle", command.third_name,
+                 "Another program as a third opinion at the same state: simbody (compare/oracle/README)")
+      ->check(CLI::IsMember({"simbody"}));
+}
+
+void add_run(compare::CommandLine& line) {
+  const auto [app, command] = line.add<compare::RunCommand>(
+      "run", "Integrate a model with one solver and print the peak reactions", compare::run_model);
+  app.add_option("MODEL", command.model, "Model file (TOML)")->required();
+  app.add_option("--solver", command.solver, "Which solver")
       ->required()
       ->check(CLI::IsMember({"cartesian", "relative"}));
-  command->add_option("--integrator", line.integrator, "Which of the solver's integrators; `concord info` lists them");
-  compare::add_run_options(*command, line.run.options);
-  command->add_option("--out", line.run.out, "Folder for results: NetCDF and CSV");
-  return command;
+  app.add_option("--integrator", command.integrator, "Which of the solver's integrators; `concord info` lists them");
+  compare::add_run_options(app, command.options);
+  app.add_option("--out", command.out, "Folder for results: NetCDF and CSV");
 }
 
-CLI::App* add_info(CLI::App& program, CommandLine& line) {
-  CLI::App* command =
-      program.add_subcommand("info", "Bodies, joints, degrees of freedom, loops, cut joints, rank, uniqueness");
-  command->add_option("MODEL", line.info_model, "Model file (TOML)")->required();
-  return command;
+void add_info(compare::CommandLine& line) {
+  const auto [app, model] = line.add<std::filesystem::path>(
+      "info", "Bodies, joints, degrees of freedom, loops, cut joints, rank, uniqueness", compare::show_info);
+  app.add_option("MODEL", model, "Model file (TOML)")->required();
 }
 
-CLI::App* add_joint(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand(
-      "joint", "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of rigs");
-  command->add_option("NAME", line.joint.names, "Joint types of the catalogue");
-  command->add_flag("--all", line.joint.all, "Every type of the catalogue");
-  command->add_option("--seed", line.joint.seed, "Seed of the poses; default: 19971025")
-      ->check(compare::why_no_whole_number);
-  command->add_option("--poses", line.joint.poses, "How many poses; default: 20")
-      ->check(compare::whole_number_from(1, 10000));
-  command->add_option("--pose", line.joint.pose, "Only this pose of the seed, counted from 0")
+void add_joint(compare::CommandLine& line) {
+  const auto [app, command] = line.add<compare::joint_check::JointCommand>(
+      "joint", "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of rigs",
+      compare::joint_check::check_joints);
+  app.add_option("NAME", command.names, "Joint types of the catalogue");
+  app.add_flag("--all", command.all, "Every type of the catalogue");
+  app.add_option("--seed", command.seed, "Seed of the poses; default: 19971025")->check(compare::why_no_whole_number);
+  app.add_option("--poses", command.poses, "How many poses; default: 20")->check(compare::whole_number_from(1, 10000));
+  app.add_option("--pose", command.pose, "Only this pose of the seed, counted from 0")
       ->check(compare::whole_number_from(0, 1000000));
-  command->add_option("--out", line.joint.out, "Folder for the sheets, as text and as JSON");
-  return command;
+  app.add_option("--out", command.out, "Folder for the sheets, as text and as JSON");
 }
 
-CLI::App* add_invariance(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand(
-      "invariance", "Hold each solver against itself: the same machine described in equivalent ways");
-  command->add_option("MODEL", line.invariance.models, "Model files (TOML)")->required();
-  command->add_option("--move", line.invariance.options.moves, "Only this move; may be given several times")
+void add_invariance(compare::CommandLine& line) {
+  const auto [app, command] = line.add<compare::invariance::InvarianceCommand>(
+      "invariance", "Hold each solver against itself: the same machine described in equivalent ways",
+      compare::invariance::try_invariance);
+  app.add_option("MODEL", command.models, "Model files (TOML)")->required();
+  app.add_option("--move", command.options.moves, "Only this move; may be given several times")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(compare::invariance::move_names()));
-  command->add_option("--seed", line.invariance.options.seed, "Seed of the moves and of the states; default: 19971025")
+  app.add_option("--seed", command.options.seed, "Seed of the moves and of the states; default: 19971025")
       ->check(compare::why_no_whole_number);
-  command->add_option("--json", line.invariance.json, "File for the results as JSON");
-  return command;
+  app.add_option("--json", command.json, "File for the results as JSON");
 }
 
-CLI::App* add_report(CLI::App& program, CommandLine& line) {
-  CLI::App* command = program.add_subcommand("report", "Write a folder of results, or a night, as one HTML page");
-  command
-      ->add_option("FOLDER|HISTORY", line.report_of,
-                   "Folder that `concord compare --out` wrote, or the SQLite file of `concord nightly --history`")
+/// A page of results: of a folder, or of a history, which everything else is.
+struct ReportCommand {
+  compare::nightly::NightReportCommand of_history;  // its history may be a folder
+  std::string misplaced;                            // the first option that was given and belongs to a history alone
+};
+
+int write_report(const ReportCommand& command, const compare::Console& console) {
+  const std::filesystem::path& what = command.of_history.history;
+  if (!std::filesystem::is_directory(what)) return compare::nightly::write_night_report(command.of_history, console);
+  if (command.misplaced.empty()) return compare::page::write_report({what, command.of_history.out}, console);
+  console.err << fmt::format("{}: error: is a folder of results; {} belongs to a history\n", what.string(),
+                             command.misplaced);
+  return compare::kBadInput;
+}
+
+void add_report(compare::CommandLine& line) {
+  const auto [app, command] =
+      line.add<ReportCommand>("report", "Write a folder of results, or a night, as one HTML page", write_report);
+  compare::nightly::NightReportCommand& night = command.of_history;
+  app.add_option("FOLDER|HISTORY", night.history,
+                 "Folder that `concord compare --out` wrote, or the SQLite file of `concord nightly --history`")
       ->required();
-  command->add_option("-o,--output", line.night_report.out, "File for the page")->required();
+  app.add_option("-o,--output", night.out, "File for the page")->required();
   const char* of_history = "Of a history";
-  command
-      ->add_option("--night", line.night_report.night, "Number of the night, last, last-1, or a commit; default: last")
+  app.add_option("--night", night.night, "Number of the night, last, last-1, or a commit; default: last")
       ->group(of_history);
-  command
-      ->add_option("--suite", line.night_report.suite, "Suite by which it is judged; default: where it lay that night")
+  app.add_option("--suite", night.suite, "Suite by which it is judged; default: where it lay that night")
       ->group(of_history);
-  command->add_option("--last", line.night_report.last, "So many nights in the trends; default: 100")
+  app.add_option("--last", night.last, "So many nights in the trends; default: 100")
       ->check(compare::whole_number_from(1, 100000))
       ->group(of_history);
-  return command;
-}
-
-/// A folder is one of results, everything else a history.
-int write_report(const CLI::App& app, CommandLine& line, const compare::Console& console) {
-  if (!std::filesystem::is_directory(line.report_of)) {
-    line.night_report.history = line.report_of;
-    return compare::nightly::write_night_report(line.night_report, console);
-  }
-  for (const char* option : {"--night", "--suite", "--last"}) {
-    if (app.count(option) == 0) continue;
-    console.err << fmt::format("{}: error: is a folder of results; {} belongs to a history\n", line.report_of.string(),
-                               option);
-    return compare::kBadInput;
-  }
-  return compare::page::write_report({line.report_of, line.night_report.out}, console);
-}
-
-/// Puts the third opinion into the command; false if the program was built without it.
-bool find_oracle(CommandLine& line) {
-  line.compare.third_name = line.oracle;
-#ifdef CONCORD_HAS_SIMBODY
-  line.compare.make_third = compare::oracle::make_simbody;
-  return true;
-#else
-  std::cerr << "error: --oracle simbody: this program was built without Simbody; install the package libsimbody-dev, "
-               "configure the build folder with cmake -DCONCORD_SIMBODY=ON and build; compare/run does so by itself\n";
-  return false;
-#endif
-}
-
-/// All commands of the program, in the order in which --help lists them.
-class Commands {
- public:
-  Commands(CLI::App& program, CommandLine& line)
-      : line_(line),
-        compare_(add_compare(program, line)),
-        run_(add_run(program, line)),
-        info_(add_info(program, line)),
-        analyses_(program),
-        joint_(add_joint(program, line)),
-        invariance_(add_invariance(program, line)),
-        fuzz_(compare::fuzz::add_fuzz(program, line.fuzz)),
-        nights_(program),
-        report_(add_report(program, line)) {}
-
-  /// Takes words that are not the program's own from the end of the line; returns how many are left.
-  int take_slurm_words(int argc, char** argv) { return nights_.take_slurm_words(argc, argv); }
-
-  /// Does what was asked for and returns the exit code.
-  int run(const compare::SolverMakers& makers, const compare::Console& console) {
-    if (compare_->parsed()) {
-      if (!line_.oracle.empty() && !find_oracle(line_)) return compare::kBadInput;
-      return compare::compare_models(line_.compare, makers, console);
+  app.callback([&app = app, &command = command] {
+    for (const char* option : {"--last", "--suite", "--night"}) {
+      if (app.count(option) > 0) command.misplaced = option;
     }
-    if (run_->parsed()) {
-      line_.run.is_cartesian = line_.solver == "cartesian";
-      line_.run.options.integrators[line_.run.is_cartesian ? 0 : 1] = line_.integrator;
-      return compare::run_model(line_.run, makers, console);
-    }
-    if (info_->parsed()) return compare::show_info(line_.info_model, makers, console);
-    if (const auto* analysis = analyses_.parsed()) return compare::analyses::analyse_model(*analysis, makers, console);
-    if (joint_->parsed()) return compare::joint_check::check_joints(line_.joint, console);
-    if (invariance_->parsed()) return compare::invariance::try_invariance(line_.invariance, makers, console);
-    if (fuzz_->parsed()) return compare::fuzz::fuzz_machines(line_.fuzz, makers, console);
-    if (report_->parsed()) return write_report(*report_, line_, console);
-    return nights_.run(makers, console).value_or(compare::kBadInput);
-  }
-
- private:
-  CommandLine& line_;
-  const CLI::App* compare_;
-  const CLI::App* run_;
-  const CLI::App* info_;
-  compare::AnalysisCommands analyses_;
-  const CLI::App* joint_;
-  const CLI::App* invariance_;
-  const CLI::App* fuzz_;
-  compare::nightly::NightlyCommands nights_;
-  const CLI::App* report_;
-};
+  });
+}
 
 /// Reads the command line and does what it says.
 int run_program(int argc, char** argv) {
@@ -235,18 +169,28 @@ int run_program(int argc, char** argv) {
   program.footer(compare::first_examples() + '\n' + kEpilogue);
   program.set_version_flag("--version", compare::version_words());
   program.require_subcommand(1);
-  CommandLine line;
-  Commands commands(program, line);
+  const std::vector<std::string> slurm_words = compare::nightly::take_slurm_words(argc, argv);
+  compare::CommandLine line(program);
+  // In the order in which --help lists them.
+  add_compare(line);
+  add_run(line);
+  add_info(line);
+  compare::add_analyses(line);
+  add_joint(line);
+  add_invariance(line);
+  compare::fuzz::add_fuzz(line);
+  compare::nightly::add_nights(line, slurm_words);
+  add_report(line);
   compare::add_examples(program);
   try {
     compare::require_known_command(program, argc, argv);
-    program.parse(commands.take_slurm_words(argc, argv), argv);
+    program.parse(argc, argv);
     compare::require_values(program);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? compare::kAgree : compare::kBadInput;
   }
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
-  return commands.run(makers, {std::cout, std::cerr, compare::can_show_progress()});
+  return line.run(makers, {std::cout, std::cerr, compare::can_show_progress()});
 }
 
 }  // namespace

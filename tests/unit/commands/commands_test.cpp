@@ -142,7 +142,7 @@ TEST_F(CommandsTest, ProgressIsShownOnlyWhenAskedForAndWipedAtTheEnd) {
 TEST_F(CommandsTest, RunWritesOneSolversResults) {
   RunCommand command;
   command.model = file("pendulum.toml");
-  command.is_cartesian = false;
+  command.solver = "relative";
   command.out = folder_ / "results";
   EXPECT_EQ(run_model(command, makers_, {out_, err_}), kAgree);
   EXPECT_THAT(out_.str(), HasSubstr("pendulum: relative by rk4, 0.2 s, 201 samples, rtol 1e-11"));
