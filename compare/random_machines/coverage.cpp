@@ -64,12 +64,6 @@ void Coverage::add(const Machine& machine) {
   for (const ElementPlan& element : machine.elements) ++counts_["elements"][element.table];
 }
 
-void Coverage::add(const Coverage& other) {
-  for (const auto& [table, names] : other.counts_) {
-    for (const auto& [name, count] : names) counts_[table][name] += count;
-  }
-}
-
 long Coverage::count(const std::string& table, const std::string& name) const {
   const auto found = counts_.find(table);
   if (found == counts_.end()) return 0;

@@ -11,7 +11,6 @@ namespace concord::compare::fuzz {
 class Coverage {
  public:
   void add(const Machine& machine);
-  void add(const Coverage& other);
 
   /// How many parts of a table ("tree", "cut", "reversed", "driven", "coupled", "sprung", "pairs", "bodies",
   /// "elements") and name there were.

@@ -1,19 +1,20 @@
 #include "compare/random_machines/outcome.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numeric>
-#include <sstream>
 #include <vector>
 
 namespace concord::compare::fuzz {
 
 namespace {
+
+using Json = nlohmann::json;
 
 struct RefusalKind {
   std::string_view kind;
@@ -64,8 +65,6 @@ std::string differ_kind(const Finding& finding) {
   }
   return without_particulars(up_to(finding.what, ":"));
 }
-
-constexpr std::array<std::string_view, 5> kSorts{"agree", "refusal", "differ", "stop", "lost"};
 
 ResolutionRatios ratios_in(const Verdict& verdict) {
   ResolutionRatios ratios;
@@ -173,43 +172,27 @@ double ResolutionRatios::edge_of(double share) const {
   return std::numeric_limits<double>::infinity();
 }
 
-namespace {
-
-std::string format_ratios(const ResolutionRatios& ratios) {
-  return fmt::format("{:.3g} {}", ratios.largest, fmt::join(ratios.counts, " "));
-}
-
-ResolutionRatios parse_ratios(const std::string& line) {
-  ResolutionRatios ratios;
-  std::istringstream numbers(line);
-  numbers >> ratios.largest;
-  for (long& count : ratios.counts) numbers >> count;
-  return ratios;
-}
-
-}  // namespace
-
 Outcome outcome_of(const workers::Report& report) {
   if (report.end == workers::End::threw) return outcome_of_error(report.answer);
   if (report.end != workers::End::answered) {
     const std::string signal = report.signal != 0 ? fmt::format(" by signal {}", report.signal) : "";
     return {Sort::lost, fmt::format("{}{}", to_string(report.end), signal), report.last_words};
   }
-  const std::size_t first = report.answer.find('\n');
-  const std::size_t second = report.answer.find('\n', first + 1);
-  Outcome outcome;
-  const auto sort = std::find(kSorts.begin(), kSorts.end(), report.answer.substr(0, first));
-  outcome.sort = static_cast<Sort>(sort - kSorts.begin());
-  const std::size_t third = report.answer.find('\n', second + 1);
-  outcome.kind = report.answer.substr(first + 1, second - first - 1);
-  outcome.ratios = parse_ratios(report.answer.substr(second + 1, third - second - 1));
-  outcome.text = report.answer.substr(third + 1);
-  return outcome;
+  const Json answer = Json::parse(report.answer);
+  const Json& largest = answer.at("largest");
+  return {answer.at("sort"),
+          answer.at("kind"),
+          answer.at("text"),
+          {answer.at("counts"), largest.is_null() ? std::numeric_limits<double>::infinity() : largest.get<double>()}};
 }
 
 std::string format_outcome(const Outcome& outcome) {
-  return fmt::format("{}\n{}\n{}\n{}", kSorts[static_cast<std::size_t>(outcome.sort)], outcome.kind,
-                     format_ratios(outcome.ratios), outcome.text);
+  const Json answer{{"sort", outcome.sort},
+                    {"kind", outcome.kind},
+                    {"text", outcome.text},
+                    {"counts", outcome.ratios.counts},
+                    {"largest", outcome.ratios.largest}};
+  return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 bool refuses_too_many(long regular, long refused) {

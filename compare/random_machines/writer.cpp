@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "common/joints/named_coordinates.h"
 #include "compare/random_machines/laws.h"
 
@@ -146,30 +148,11 @@ class Writer {
 
 ModelText write_machine(const Machine& machine) { return Writer(machine).write(); }
 
-std::string pack(const ModelText& text) {
-  std::string packed = fmt::format("{}\n{}", text.model.size(), text.model);
-  for (const auto& [name, content] : text.beside) {
-    packed += fmt::format("{}\n{}{}\n{}", name.size(), name, content.size(), content);
-  }
-  return packed;
-}
+std::string pack(const ModelText& text) { return nlohmann::json::array({text.model, text.beside}).dump(); }
 
 ModelText unpack(const std::string& packed) {
-  std::size_t at = 0;
-  const auto take = [&] {
-    const std::size_t end = packed.find('\n', at);
-    const std::size_t length = std::stoul(packed.substr(at, end - at));
-    std::string part = packed.substr(end + 1, length);
-    at = end + 1 + length;
-    return part;
-  };
-  ModelText text;
-  text.model = take();
-  while (at < packed.size()) {
-    std::string name = take();
-    text.beside.emplace_back(std::move(name), take());
-  }
-  return text;
+  const nlohmann::json parts = nlohmann::json::parse(packed);
+  return {parts.at(0), parts.at(1)};
 }
 
 }  // namespace concord::compare::fuzz

@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 #include <vector>
@@ -12,18 +13,8 @@
 namespace concord::compare::workers {
 
 std::string to_string(End end) {
-  switch (end) {
-    case End::answered:
-      return "answered";
-    case End::threw:
-      return "threw";
-    case End::crashed:
-      return "crashed";
-    case End::hung:
-      return "hung";
-    default:
-      return "out of memory";
-  }
+  constexpr std::array kNames{"answered", "threw", "crashed", "hung", "out of memory"};
+  return kNames.at(static_cast<std::size_t>(end));
 }
 
 class Pool::Crew {
@@ -125,13 +116,5 @@ Pool::~Pool() = default;
 void Pool::run(const Source& next, const Sink& done) { crew_->run(next, done); }
 
 void Pool::run_apart(const AssignmentSource& next, const Watch& watch) { crew_->run_apart(next, watch); }
-
-Report Pool::run_one(const std::string& input) {
-  Report only;
-  bool given = false;
-  run([&]() { return std::exchange(given, true) ? std::nullopt : std::optional(input); },
-      [&](std::size_t, const Report& report) { only = report; });
-  return only;
-}
 
 }  // namespace concord::compare::workers

@@ -78,9 +78,6 @@ class Pool {
   /// process can be had. Throws std::system_error if none can be made.
   void run_apart(const AssignmentSource& next, const Watch& watch);
 
-  /// Does one task.
-  Report run_one(const std::string& input);
-
  private:
   class Crew;
   std::unique_ptr<Crew> crew_;

@@ -152,9 +152,9 @@ TEST(Workers, LongInputsAndAnswersArriveWhole) {
   const Task echo = [](const std::string& input) { return input + input; };
   std::string text;
   for (int k = 0; k < 300000; ++k) text += static_cast<char>('a' + k % 26);
-  Pool pool(echo, 1, {.seconds = 20.0, .megabytes = 200.0});
-  EXPECT_EQ(pool.run_one(text).answer, text + text);
-  EXPECT_EQ(pool.run_one("").answer, "");
+  const std::vector<Report> reports = do_all({text, ""}, 1, echo, {.seconds = 20.0, .megabytes = 200.0});
+  EXPECT_EQ(reports[0].answer, text + text);
+  EXPECT_EQ(reports[1].answer, "");
 }
 
 TEST(WorkersApart, EachTaskHasAProcessAndLimitsOfItsOwnAndTellsWhenItEnds) {
