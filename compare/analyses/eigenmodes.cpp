@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/decompositions.h"
-#include "compare/analyses/slow_modes.h"
 #include "compare/quantities/agreement.h"
 #include "compare/states/draws.h"
 

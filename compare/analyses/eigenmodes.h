@@ -60,4 +60,9 @@ void split_unresolved_pairs(std::vector<Mode>& modes);
 /// Writes the velocities of a mode with these coordinates into it, in SI units and in units of the machine.
 void set_shape(const Chart& chart, const Eigen::VectorXcd& coordinates, Mode& mode);
 
+/// Brings modes that are hardly faster than what differences tell from zero, and that the search for eigenvalues has
+/// left open, to where they solve their equations. One that clearly does not solve them, or does so where another one
+/// does, is not resolved: that is written into it.
+void refine_slow_modes(const Chart& chart, const MotionMatrices& matrices, FoundModes& found);
+
 }  // namespace concord::compare::analyses

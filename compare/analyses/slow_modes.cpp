@@ -1,11 +1,10 @@
-#include "compare/analyses/slow_modes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
 
 #include "common/decompositions.h"
+#include "compare/analyses/eigenmodes.h"
 
 namespace concord::compare::analyses {
 

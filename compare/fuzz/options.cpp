@@ -1,8 +1,6 @@
 #include "compare/fuzz/options.h"
 
 #include "compare/fuzz/command.h"
-#include "compare/report/option_limits.h"
-#include "compare/report/whole_number.h"
 
 namespace concord::compare::fuzz {
 

@@ -2,6 +2,9 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "compare/invariance/change.h"
 
@@ -19,13 +22,20 @@ class MovedSolver final : public Solver {
   [[nodiscard]] std::string_view name() const override { return solver_->name(); }
   [[nodiscard]] std::vector<std::string> integrators() const override { return {}; }
   State assemble() override { return change_.back(solver_->assemble()); }
-  std::optional<State> close(const State& guess) override;
-  Evaluation evaluate(const State& state) override;
+  std::optional<State> close(const State& guess) override {
+    std::optional<State> closed = solver_->close(change_.state(guess));
+    return closed ? std::optional(change_.back(std::move(*closed))) : std::nullopt;
+  }
+  Evaluation evaluate(const State& state) override {
+    return change_.evaluation(state, solver_->evaluate(change_.state(state)));
+  }
   RankReport rank(const State& state) override { return change_.report(solver_->rank(change_.state(state))); }
   /// Throws std::logic_error: velocities of the second description are none of the first.
-  MatX tangent(const State& state) override;
+  MatX tangent(const State& /*state*/) override { throw std::logic_error("a moved solver has no tangent"); }
   /// Throws std::logic_error.
-  Trajectory integrate(const RunOptions& options, const Progress& progress) override;
+  Trajectory integrate(const RunOptions& /*options*/, const Progress& /*progress*/) override {
+    throw std::logic_error("a moved solver does not run");
+  }
   [[nodiscard]] std::vector<std::string> cut_joints() const override { return solver_->cut_joints(); }
 
  private:

@@ -23,7 +23,6 @@
 #include "compare/nightly/suite.h"
 #include "compare/nightly/tables.h"
 #include "compare/report/console.h"
-#include "compare/report/file_hash.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
 #include "compare/slurm/slurm.h"

@@ -3,8 +3,6 @@
 #include <string_view>
 
 #include "compare/nightly/command.h"
-#include "compare/report/option_limits.h"
-#include "compare/report/whole_number.h"
 
 namespace concord::compare::nightly {
 

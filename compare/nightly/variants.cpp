@@ -5,7 +5,7 @@
 #include <set>
 
 #include "common/reading/model_file.h"
-#include "compare/report/file_hash.h"
+#include "compare/report/files.h"
 
 namespace concord::compare::nightly {
 

@@ -17,9 +17,8 @@
 #include "compare/program/examples.h"
 #include "compare/program/frame.h"
 #include "compare/program/run_options.h"
-#include "compare/report/option_limits.h"
+#include "compare/report/command_line.h"
 #include "compare/report/origin.h"
-#include "compare/report/whole_number.h"
 #ifdef CONCORD_HAS_SIMBODY
 #include "compare/oracle/simbody_oracle.h"
 #endif

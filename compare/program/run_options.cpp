@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <string>
 
 #include "common/reading/magnitude.h"
-#include "compare/report/option_limits.h"
+#include "compare/report/command_line.h"
 
 namespace concord::compare {
 

@@ -1,15 +1,25 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <type_traits>
 
 #include "compare/report/console.h"
+#include "compare/report/whole_number.h"
 #include "compare/verdict/solver_makers.h"
 
 namespace concord::compare {
+
+/// For an option that takes whole numbers; its help names the limits.
+inline CLI::Validator whole_number_from(std::int64_t least, std::int64_t most) {
+  return {[=](std::string& text) { return why_no_count(text, least, most); }, fmt::format("{} to {}", least, most)};
+}
 
 /// The commands of the program, each with what it does once the whole line has been read.
 class CommandLine {

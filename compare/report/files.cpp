@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -207,6 +208,20 @@ void write_file(const fs::path& path, std::string_view text) {
     if (!file) throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
   }
   unfinished_file.finish();
+}
+
+std::uint64_t hash_of_file(const fs::path& file) {
+  std::error_code unknown;
+  if (!fs::is_regular_file(file, unknown)) return 0;
+  std::ifstream stream(file, std::ios::binary);
+  std::uint64_t hash = 14695981039346656037U;
+  std::array<char, 65536> chunk{};
+  while (stream.read(chunk.data(), chunk.size()) || stream.gcount() > 0) {
+    for (std::streamsize k = 0; k < stream.gcount(); ++k) {
+      hash = (hash ^ static_cast<unsigned char>(chunk.at(static_cast<std::size_t>(k)))) * 1099511628211U;
+    }
+  }
+  return hash;
 }
 
 void abandon_unfinished_files() {

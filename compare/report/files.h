@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -21,6 +22,9 @@ void check_target_folder(const std::filesystem::path& folder);
 /// Writes all of `text` or nothing. Creates the folder. Throws InputError if the path cannot be written,
 /// std::runtime_error if the disk is full.
 void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// FNV-1a of what a file holds: says whether it is still the same. 0 of what is no regular file.
+std::uint64_t hash_of_file(const std::filesystem::path& file);
 
 /// Where temporary files go: TMPDIR, TMP, TEMP or TEMPDIR, else /tmp. Throws InputError if it is no folder.
 std::filesystem::path scratch_place();

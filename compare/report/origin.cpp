@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "compare/report/file_hash.h"
+#include "compare/report/files.h"
 #include "concord_commit.h"
 
 namespace concord::compare {
