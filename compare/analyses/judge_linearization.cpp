@@ -81,10 +81,6 @@ class ModeJudge {
   static constexpr double kHalfADigit = 0.5;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-  static std::string digits_text(const NumberRow& row) {
-    return fmt::format("{} of {}", format_digits(row.digits), format_digits(*row.resolvable));
-  }
-
   static double abs_of(const Mode& mode) { return std::abs(mode.eigenvalue); }
 
   /// Not where each solver's number is among those that the other one finds by asking for more or less, or that
@@ -173,7 +169,8 @@ class ModeJudge {
     shape.digits = matching_digits(shape_difference(mode, other), 1.0);
     shape.resolvable = matching_digits(least_of_shape, 1.0);
     const bool has_shape = !mode.is_free && least_of_shape < kAnyMixture;
-    add_line(mode, digits_text(row), has_shape ? digits_text(shape) : "-", "");
+    add_line(mode, digits_cell(row.digits, row.resolvable),
+             has_shape ? digits_cell(shape.digits, shape.resolvable) : "-", "");
     result_.numbers.push_back(row);
     if (!mode.is_free) result_.numbers.push_back(real_part(std::move(row), line, mode, other, least));
     if (has_shape) result_.numbers.push_back(std::move(shape));

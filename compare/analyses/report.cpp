@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
 #include "compare/quantities/observe.h"
+#include "compare/report/explanations.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/carried.h"
@@ -52,8 +52,7 @@ std::vector<const QuantityRow*> chosen_rows(const Verdict& verdict, bool all_row
 }
 
 std::string digits_cell(const QuantityRow& row, Rung rung) {
-  const auto digits = digits_of(row, rung);
-  return digits && row.unique ? format_digits(*digits) : "-";
+  return row.unique ? compare::digits_cell(digits_of(row, rung)) : "-";
 }
 
 std::string row_table(const Model& model, const AnalysisVerdict& result, bool all_rows) {
@@ -92,11 +91,6 @@ std::string last_line(const AnalysisVerdict& result) {
       resolved > 0 ? fmt::format("{} of {} below their need, within what is resolved", resolved, result.numbers.size())
                    : "");
   return text + '\n';
-}
-
-Json digits(const std::optional<double>& value) {
-  if (!value) return nullptr;
-  return std::floor(*value * 100.0) / 100.0;
 }
 
 /// What each solver found of a quantity, a number for each time; null where one has found nothing.
@@ -145,8 +139,8 @@ Json row_json(const Model& model, const QuantityRow& row) {
           {"component", describe_component(row.quantity)},
           {"scale", row.scale},
           {"unique", row.unique},
-          {"same_state_digits", row.unique ? digits(row.same_state) : Json(nullptr)},
-          {"own_digits", row.unique ? digits(row.same_run) : Json(nullptr)},
+          {"same_state_digits", row.unique ? digits_json(row.same_state) : Json(nullptr)},
+          {"own_digits", row.unique ? digits_json(row.same_run) : Json(nullptr)},
           {"need", {{"same_state", row.need.same_state}, {"own", row.need.same_run}}},
           {"verdict", row.judgement == Judgement::not_judged ? "not_judged" : to_string(row.judgement)}};
 }
@@ -219,9 +213,9 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                 {"verdict", to_string(verdict.outcome)},
                 {"judged", count.judged},
                 {"total", count.total},
-                {"same_state", {{"digits", digits(verdict.same_state.digits)}}},
-                {"own", {{"digits", digits(verdict.same_run.digits)}}},
-                {"audit", {{"digits", digits(verdict.audit.digits)}}}};
+                {"same_state", {{"digits", digits_json(verdict.same_state.digits)}}},
+                {"own", {{"digits", digits_json(verdict.same_run.digits)}}},
+                {"audit", {{"digits", digits_json(verdict.audit.digits)}}}};
   document["t"] = times_json(verdict);
   document["wrenches"] = Json::array();
   const QuantityLayout layout(model);
@@ -241,8 +235,8 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                                    {"unit", row.unit},
                                    {"cartesian", row.values[0]},
                                    {"relative", row.values[1]},
-                                   {"digits", digits(row.digits)},
-                                   {"resolvable_digits", digits(row.resolvable)},
+                                   {"digits", digits_json(row.digits)},
+                                   {"resolvable_digits", digits_json(row.resolvable)},
                                    {"need", row.need},
                                    {"verdict", row.agrees() ? "agree" : "differ"}});
   }
@@ -252,7 +246,7 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                                   {"unit", row.unit},
                                   {"cartesian", row.tau[0]},
                                   {"relative", row.tau[1]},
-                                  {"digits", digits(row.digits)}});
+                                  {"digits", digits_json(row.digits)}});
   }
   for (std::size_t who = 0; who < 2; ++who) {
     if (!result.linearizations[who]) continue;

@@ -89,7 +89,6 @@ int try_invariance(const InvarianceCommand& command, const SolverMakers& makers,
   const int prepared = guarded(console, [&] {
     check_output(command.json, command.models);
     if (!command.json.empty()) std::filesystem::remove(command.json);
-    return static_cast<int>(kAgree);
   });
   if (prepared != kAgree) return prepared;
   std::vector<int> codes;
@@ -104,10 +103,7 @@ int try_invariance(const InvarianceCommand& command, const SolverMakers& makers,
   }
   if (command.models.size() > 1) console.out << '\n' << format_batteries(command.models, tried);
   if (!command.json.empty()) {
-    codes.push_back(guarded(console, [&] {
-      write_batteries(command.json, tried);
-      return static_cast<int>(kAgree);
-    }));
+    codes.push_back(guarded(console, [&] { write_batteries(command.json, tried); }));
   }
   return *std::max_element(codes.begin(), codes.end());
 }

@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
+#include "compare/report/explanations.h"
 #include "compare/report/text_table.h"
 
 namespace concord::compare::invariance {
@@ -54,22 +54,17 @@ std::string difference_text(const Model& model, const MoveSummary& move, const M
       measured.values[1], unit_of(model, nearest.quantity), format_digits(measured.unexplained_digits), kNeed);
 }
 
-Object digits_or_null(const std::optional<double>& digits) {
-  if (!digits) return nullptr;
-  return std::floor(*digits * 100.0) / 100.0;
-}
-
 Object row_object(const Model& model, const MoveRow& row) {
   Object found{{"solver", solver_name(row)}, {"applies", row.applies}};
   if (!row.applies) return found;
   found["verdict"] = to_string(row.outcome);
   found["judged"] = row.judged;
   found["total"] = row.total;
-  found["start_digits"] = digits_or_null(row.start.digits);
+  found["start_digits"] = digits_json(row.start.digits);
   if (row.nearest) {
     const Nearest& nearest = *row.nearest;
-    found["digits"] = digits_or_null(nearest.measured.digits);
-    found["resolvable_digits"] = digits_or_null(nearest.resolvable());
+    found["digits"] = digits_json(nearest.measured.digits);
+    found["resolvable_digits"] = digits_json(nearest.resolvable());
     found["judged_by_resolution"] = nearest.measured.digits < kNeed && nearest.measured.unexplained_digits >= kNeed;
     found["nearest"] = {{"of", describe_owner(model, nearest.quantity)},
                         {"component", describe_component(nearest.quantity)},
@@ -124,9 +119,7 @@ std::string last_line(const Battery& battery) {
 }  // namespace
 
 std::string format_nearest(const Nearest& nearest) {
-  const std::string digits = format_digits(nearest.measured.digits);
-  const std::optional<double> resolvable = nearest.resolvable();
-  return resolvable ? fmt::format("{} of {}", digits, format_digits(*resolvable)) : digits;
+  return digits_cell(nearest.measured.digits, nearest.resolvable());
 }
 
 const MoveRow* nearest_row(const Battery& battery) {

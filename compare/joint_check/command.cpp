@@ -114,15 +114,7 @@ int check_and_tell(const JointCommand& command, const Console& console) {
 }  // namespace
 
 int check_joints(const JointCommand& command, const Console& console) {
-  try {
-    return check_and_tell(command, console);
-  } catch (const InputError& error) {
-    console.err << error.what() << '\n';
-    return kBadInput;
-  } catch (const std::exception& error) {
-    console.err << "could not finish: " << error.what() << '\n';
-    return kCouldNotFinish;
-  }
+  return guarded(console, [&] { return check_and_tell(command, console); });
 }
 
 }  // namespace concord::compare::joint_check

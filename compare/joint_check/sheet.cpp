@@ -4,12 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "compare/joint_check/statement_properties.h"
 #include "compare/joint_check/word_properties.h"
+#include "compare/report/explanations.h"
 #include "compare/report/text_table.h"
 
 namespace concord::compare::joint_check {
@@ -112,7 +112,7 @@ Json json_of(const Property& property) {
   Json json;
   json["name"] = property.name;
   json["looked"] = property.looked;
-  json["digits"] = property.looked && property.need ? Json(std::floor(property.digits * 100.0) / 100.0) : Json();
+  json["digits"] = digits_json(property.looked && property.need ? std::optional(property.digits) : std::nullopt);
   json["need"] = property.need ? Json(*property.need) : Json();
   json["holds"] = property.holds();
   json["pose"] = property.looked && property.pose >= 0 ? Json(property.pose) : Json();

@@ -9,7 +9,6 @@
 #include "common/error.h"
 #include "common/reading/spelling.h"
 #include "common/reading/text_file.h"
-#include "compare/audit/digits.h"
 #include "compare/nightly/baseline.h"
 #include "compare/nightly/command.h"
 #include "compare/nightly/history.h"
@@ -20,6 +19,7 @@
 #include "compare/nightly/trend.h"
 #include "compare/report/console.h"
 #include "compare/report/files.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::nightly {
 
@@ -40,14 +40,10 @@ struct Asked {
 };
 
 std::string summary_of(const Result& result) {
-  const auto digits = [&](std::optional<double> Component::*rung) {
-    const auto worst = worst_of(result, rung);
-    return worst ? format_digits(*worst) : "-";
-  };
+  const auto [same_state, same_run, refined] = worst_digits(result);
   return fmt::format("{}, digits {} / {} / {}, evaluations {} / {}, steps {} / {}", to_string(result.ending),
-                     digits(&Component::same_state), digits(&Component::same_run), digits(&Component::refined),
-                     result.cost[0].evaluations, result.cost[1].evaluations, result.cost[0].steps,
-                     result.cost[1].steps);
+                     digits_cell(same_state), digits_cell(same_run), digits_cell(refined), result.cost[0].evaluations,
+                     result.cost[1].evaluations, result.cost[0].steps, result.cost[1].steps);
 }
 
 /// Makes results baselines.
@@ -259,7 +255,6 @@ int show_history(const HistoryCommand& command, const Console& console) {
       console.out << fmt::format("note: nights of the suite '{}'; a case of this name is in those of {} too: --suite\n",
                                  suite, fmt::join(suites.begin() + 1, suites.end(), ", "));
     }
-    return static_cast<int>(kAgree);
   });
 }
 

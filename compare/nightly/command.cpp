@@ -352,10 +352,7 @@ int merge_night(const fs::path& folder, const SolverMakers& makers, const Consol
     return with_night(plan->command, makers, console, [&](NightlyRun& night) { return night.merge(folder, *plan); });
   });
   if (plan && !read_end(folder)) {
-    guarded(console, [&] {
-      write_end(folder, {code, "", false});
-      return 0;
-    });
+    guarded(console, [&] { write_end(folder, {code, "", false}); });
   }
   return code;
 }

@@ -118,7 +118,6 @@ int write_night_report(const NightReportCommand& command, const Console& console
     }
     write_file(command.out, format_night_page(page, history));
     console.out << fmt::format("{}: night {}: {}", command.out.string(), night.id, format_headline(report));
-    return static_cast<int>(kAgree);
   });
 }
 

@@ -9,6 +9,7 @@
 
 #include "compare/audit/digits.h"
 #include "compare/report/console.h"
+#include "compare/report/text_table.h"
 
 namespace concord::compare::nightly {
 
@@ -49,8 +50,6 @@ class ChangeList {
   std::map<std::pair<ChangeKind, std::string>, Change> changes_;
 };
 
-std::string words_for(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
-
 std::optional<double> same_state_that_counts(const Component& one) {
   if (!one.same_state || !one.resolvable) return one.same_state;
   return std::min(*one.same_state, *one.resolvable - kLuck);
@@ -58,11 +57,6 @@ std::optional<double> same_state_that_counts(const Component& one) {
 
 std::optional<double> run_that_counts(const std::optional<double>& digits) {
   return digits ? std::optional(std::min(*digits, kMostRunDigits)) : digits;
-}
-
-std::string same_state_words(const Component& one) {
-  return one.resolvable ? fmt::format("{} of {}", words_for(one.same_state), words_for(one.resolvable))
-                        : words_for(one.same_state);
 }
 
 /// What is not known is taken for the same.
@@ -151,11 +145,11 @@ class CaseComparison {
 
   void compare_component(const Component& then, const Component& now) {
     compare_digits("same state", now.name, same_state_that_counts(then), same_state_that_counts(now),
-                   same_state_words(then), same_state_words(now));
+                   digits_cell(then.same_state, then.resolvable), digits_cell(now.same_state, now.resolvable));
     compare_digits("same run", now.name, run_that_counts(then.same_run), run_that_counts(now.same_run),
-                   words_for(then.same_run), words_for(now.same_run));
+                   digits_cell(then.same_run), digits_cell(now.same_run));
     compare_digits("refined", now.name, run_that_counts(then.refined), run_that_counts(now.refined),
-                   words_for(then.refined), words_for(now.refined));
+                   digits_cell(then.refined), digits_cell(now.refined));
     compare_peaks(then, now);
   }
 

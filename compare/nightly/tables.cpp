@@ -20,8 +20,6 @@ namespace concord::compare::nightly {
 
 namespace {
 
-std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
-
 std::string format_cases(const NightReport& report) {
   const bool is_night = report.kind == "concord night";
   std::vector<std::vector<std::string>> lines{

@@ -56,8 +56,6 @@ std::optional<double> rung_of(const Result& result, const std::string& component
   return one == nullptr ? std::nullopt : one->*rung;
 }
 
-std::string digits_words(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
-
 /// One measure over all nights.
 struct Measure {
   std::string name;
@@ -93,9 +91,9 @@ std::string table_of(const std::vector<Entry>& nights, const std::string& compon
     const Result& one = entry.result;
     lines.push_back({fmt::format("{}", entry.night.id), entry.night.started, entry.night.origin.commit,
                      entry.night.origin.compiler, to_string(one.ending),
-                     digits_words(rung_of(one, component, &Component::same_state)),
-                     digits_words(rung_of(one, component, &Component::same_run)),
-                     digits_words(rung_of(one, component, &Component::refined)),
+                     digits_cell(rung_of(one, component, &Component::same_state)),
+                     digits_cell(rung_of(one, component, &Component::same_run)),
+                     digits_cell(rung_of(one, component, &Component::refined)),
                      pair_cell({one.cost[0].evaluations, one.cost[1].evaluations}),
                      pair_cell({one.cost[0].steps, one.cost[1].steps}), fmt::format("{:.2f}", one.wall_s)});
   }

@@ -32,7 +32,6 @@ int write_report(const ReportCommand& command, const Console& console) {
     write_file(command.out, format_page(results));
     console.out << fmt::format("{}: {} {}\n", command.out.string(), results.size(),
                                results.size() == 1 ? "machine" : "machines");
-    return static_cast<int>(kAgree);
   });
 }
 

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <ostream>
 #include <set>
 #include <sstream>
 
 #include "common/reading/model_file.h"
-#include "compare/audit/digits.h"
 #include "compare/equilibrium/started_machine.h"
 #include "compare/page/page.h"
 #include "compare/quantities/not_expressible.h"
@@ -158,20 +158,10 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
   return one;
 }
 
-std::string meaning(int code) {
-  switch (code) {
-    case kAgree:
-      return "agree";
-    case kDiffer:
-      return "differ";
-    case kBadInput:
-      return "bad input";
-    default:
-      return "could not finish";
-  }
+const char* meaning(int code) {
+  constexpr std::array kMeanings{"agree", "differ", "bad input", "could not finish"};
+  return kMeanings.at(static_cast<std::size_t>(code));
 }
-
-std::string summary_digits(const RungSummary& rung) { return rung.digits ? format_digits(*rung.digits) : "-"; }
 
 /// One line for each model, whatever became of it.
 std::string format_summary(const std::vector<std::filesystem::path>& files, const std::vector<int>& codes,
@@ -186,8 +176,8 @@ std::string format_summary(const std::vector<std::filesystem::path>& files, cons
     const Verdict& verdict = cases[k]->verdict;
     const ComponentCount count = count_components(verdict);
     lines.push_back({verdict.name, fmt::format("{} of {}", count.judged, count.total),
-                     summary_digits(verdict.same_state), summary_digits(verdict.same_run),
-                     summary_digits(verdict.refined), summary_digits(verdict.audit), meaning(codes[k])});
+                     digits_cell(verdict.same_state.digits), digits_cell(verdict.same_run.digits),
+                     digits_cell(verdict.refined.digits), digits_cell(verdict.audit.digits), meaning(codes[k])});
   }
   return format_table(lines, {false, true, true, true, true, true, false});
 }
@@ -260,10 +250,7 @@ void tell(const std::vector<std::string>& notes, const Console& console) {
 
 int compare_models(const CompareCommand& command, const SolverMakers& makers, const Console& console) {
   const InputFiles inputs = inputs_of(command);
-  const int prepared = guarded(console, [&] {
-    prepare_outputs(command, inputs);
-    return static_cast<int>(kAgree);
-  });
+  const int prepared = guarded(console, [&] { prepare_outputs(command, inputs); });
   if (prepared != kAgree) return prepared;
   std::vector<int> codes;
   std::vector<std::optional<Case>> cases(command.models.size());
@@ -280,22 +267,13 @@ int compare_models(const CompareCommand& command, const SolverMakers& makers, co
   if (command.models.size() > 1) console.out << '\n' << format_summary(command.models, codes, cases);
   const auto reported = reported_cases(command.models, codes, cases, troubles, names);
   if (!command.json.empty()) {
-    codes.push_back(guarded(console, [&] {
-      write_json(command.json, reported);
-      return static_cast<int>(kAgree);
-    }));
+    codes.push_back(guarded(console, [&] { write_json(command.json, reported); }));
   }
   if (!command.report.empty()) {
-    codes.push_back(guarded(console, [&] {
-      write_file(command.report, page::format_page(reported));
-      return static_cast<int>(kAgree);
-    }));
+    codes.push_back(guarded(console, [&] { write_file(command.report, page::format_page(reported)); }));
   }
   if (!command.junit.empty()) {
-    codes.push_back(guarded(console, [&] {
-      write_file(command.junit, format_junit(reported));
-      return static_cast<int>(kAgree);
-    }));
+    codes.push_back(guarded(console, [&] { write_file(command.junit, format_junit(reported)); }));
   }
   return *std::max_element(codes.begin(), codes.end());
 }
@@ -349,7 +327,6 @@ int show_info(const std::filesystem::path& file, const SolverMakers& makers, con
     }
     console.out << format_info(machine.model(), views);
     tell(machine.notes(), console);
-    return static_cast<int>(kAgree);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <exception>
 #include <ostream>
 #include <string_view>
+#include <type_traits>
 
 #include "common/error.h"
 
@@ -28,11 +29,16 @@ inline bool can_show_progress() {
   return isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
 }
 
-/// Runs `work` and turns what it throws into a message and an exit code.
+/// Runs `work` and turns what it throws into a message and an exit code; work that returns none is fine.
 template <class Work>
 int guarded(const Console& console, const Work& work) {
   try {
-    return work();
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      return kAgree;
+    } else {
+      return work();
+    }
   } catch (const InputError& error) {
     console.err << error.what() << '\n';
     return kBadInput;

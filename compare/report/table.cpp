@@ -19,8 +19,6 @@ namespace concord::compare {
 
 namespace {
 
-std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
-
 Rung tightest_rung(const QuantityRow& row) {
   return *std::min_element(kRungs.begin(), kRungs.end(),
                            [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
@@ -46,12 +44,9 @@ std::string worst_time(const QuantityRow& row) {
   return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
 }
 
-/// Digits that agree, and of how many that double precision resolves: "13.4 of 15.1".
 std::string same_state_cell(const QuantityRow& row) {
   if (!is_judged(row) || !row.same_state) return "-";
-  const std::optional<double>& resolvable = detail_of(row, Rung::same_state).resolvable;
-  return resolvable ? fmt::format("{} of {}", format_digits(*row.same_state), format_digits(*resolvable))
-                    : format_digits(*row.same_state);
+  return digits_cell(row.same_state, detail_of(row, Rung::same_state).resolvable);
 }
 
 /// In how many of the states a row is not unique, in words; empty if in none.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "compare/audit/digits.h"
+
 namespace concord::compare {
 
 std::string as_cell(const std::string& text) {
@@ -36,6 +38,12 @@ std::string format_table(const std::vector<std::vector<std::string>>& texts, con
     text += "|\n";
   }
   return text;
+}
+
+std::string digits_cell(const std::optional<double>& digits) { return digits ? format_digits(*digits) : "-"; }
+
+std::string digits_cell(const std::optional<double>& digits, const std::optional<double>& resolvable) {
+  return digits_cell(digits) + (resolvable ? " of " + format_digits(*resolvable) : "");
 }
 
 std::string plural(int count, const char* one, const char* many) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@ std::string format_table(const std::vector<std::vector<std::string>>& texts, con
 
 /// A text as a cell of such a table, in one line.
 std::string as_cell(const std::string& text);
+
+/// "13.4"; "-" where there are none.
+std::string digits_cell(const std::optional<double>& digits);
+/// "13.4 of 15.1": digits that agree, and of how many that double precision resolves, where that is known.
+std::string digits_cell(const std::optional<double>& digits, const std::optional<double>& resolvable);
 
 /// "1 loop", "2 loops".
 std::string plural(int count, const char* one, const char* many);
