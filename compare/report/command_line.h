@@ -12,7 +12,7 @@
 
 #include "compare/report/console.h"
 #include "compare/report/whole_number.h"
-#include "compare/verdict/solver_makers.h"
+#include "compare/states/branch.h"
 
 namespace concord::compare {
 
