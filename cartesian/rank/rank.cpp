@@ -1,13 +1,12 @@
 #include "cartesian/rank/rank.h"
 
-#include <Eigen/SPQRSupport>
-#include <SuiteSparseQR.hpp>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "cartesian/rank/row_selection.h"
+#include "cartesian/rank/sparse_qr.h"
 #include "common/decompositions.h"
 #include "common/error.h"
 
@@ -135,24 +134,10 @@ VecX solve_shortest(const SparseMatrix& matrix, const VecX& right_side, std::opt
   if (may_be_dense && most_rank && *most_rank < matrix.rows()) {
     return solve_truncated(MatX(matrix), right_side, *most_rank);
   }
-  constexpr int kPlaceOfRank = 4;  // in SuiteSparseQR's statistics
-  cholmod_common common;
-  cholmod_l_start(&common);
-  SparseMatrix copy = matrix;
-  copy.makeCompressed();
-  cholmod_sparse view = Eigen::viewAsCholmod(copy);
-  VecX b = right_side;
-  cholmod_dense b_view = Eigen::viewAsCholmod(b);
-  cholmod_dense* solution = SuiteSparseQR_min2norm<double>(SPQR_ORDERING_DEFAULT, kDependent, &view, &b_view, &common);
-  VecX x = VecX::Constant(matrix.cols(), std::numeric_limits<double>::quiet_NaN());
-  if (solution != nullptr) {
-    x = Eigen::Map<const VecX>(static_cast<const double*>(solution->x), matrix.cols());
-    cholmod_l_free_dense(&solution, &common);
-  }
-  const bool has_full_rank = common.SPQR_istat[kPlaceOfRank] == matrix.rows();
-  cholmod_l_finish(&common);
-  // Of a matrix that lacks rank SuiteSparseQR gives a solution, but not the shortest.
-  return has_full_rank || !may_be_dense ? x : solve_truncated(MatX(matrix), right_side, matrix.rows());
+  ShortestSolution solution = sparse_shortest(matrix.transpose(), right_side, kDependent);
+  const bool has_full_rank = solution.rank == matrix.rows();
+  return has_full_rank || !may_be_dense ? std::move(solution.x)
+                                        : solve_truncated(MatX(matrix), right_side, matrix.rows());
 }
 
 }  // namespace concord::cartesian

@@ -1,17 +1,13 @@
 #include "cartesian/rank/row_selection.h"
 
-#include <Eigen/SPQRSupport>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
 #include "common/decompositions.h"
 
 namespace concord::cartesian {
-
-static_assert(std::is_same_v<SparseIndex, SuiteSparse_long>);
 
 namespace {
 
@@ -95,19 +91,14 @@ SmallestSingularValue smallest_of(const SparseMatrix& square) {
       square.cols(), [&](VecX& x) { triangle.solveInPlace(x); }, [&](VecX& x) { transposed_triangle.solveInPlace(x); });
 }
 
-/// SuiteSparseQR leaves over a row whose part independent of its predecessors is below the tolerance.
 RowSelection select_sparse(const SparseMatrix& transposed, double tolerance) {
-  Eigen::SPQR<SparseMatrix> qr;
-  qr.setPivotThreshold(tolerance);
-  qr.compute(transposed);
+  SparseQr qr = sparse_qr(transposed, tolerance);
   RowSelection selection;
-  selection.live = static_cast<Eigen::Index>(qr.rank());
-  const auto indices = qr.colsPermutation().indices();
-  selection.order.assign(indices.begin(), indices.end());
-  const SparseMatrix R = qr.matrixR();
-  const SparseMatrix live_square = R.topLeftCorner(selection.live, selection.live);
+  selection.live = qr.rank;
+  selection.order = std::move(qr.order);
+  const SparseMatrix live_square = qr.R.topLeftCorner(selection.live, selection.live);
   const auto triangle = live_square.triangularView<Eigen::Upper>();
-  selection.dependence = triangle.solve(MatX(R.topRightCorner(selection.live, transposed.cols() - selection.live)));
+  selection.dependence = triangle.solve(MatX(qr.R.topRightCorner(selection.live, transposed.cols() - selection.live)));
   selection.smallest_live = smallest_of(live_square).value;
   return selection;
 }
@@ -160,18 +151,15 @@ void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool
                           RowSelection& selection) {
   const Eigen::Index live_before = selection.live;
   while (selection.live > 0) {
-    Eigen::SPQR<SparseMatrix> qr;
-    qr.setPivotThreshold(0.0);
-    qr.compute(columns_of(transposed, selection.order, 0, selection.live));
-    if (qr.rank() < selection.live) break;
-    const SmallestSingularValue smallest = smallest_of(qr.matrixR().topLeftCorner(selection.live, selection.live));
+    const SparseQr qr = sparse_qr(columns_of(transposed, selection.order, 0, selection.live), 0.0);
+    if (qr.rank < selection.live) break;
+    const SmallestSingularValue smallest = smallest_of(qr.R.topLeftCorner(selection.live, selection.live));
     selection.smallest_live = smallest.value;
     if (smallest.value > tolerance) break;
-    const auto permuted = qr.colsPermutation().indices();
     Eigen::Index most = 0;
     double weight = -1.0;
     for (Eigen::Index k = 0; k < selection.live; ++k) {
-      const auto place = static_cast<Eigen::Index>(permuted(k));
+      const Eigen::Index place = qr.order[k];
       const bool is_first = goes_first != nullptr && (*goes_first)[selection.order[place]];
       const double own = std::abs(smallest.vector(k)) * (is_first ? tolerance : 1.0);
       if (own > weight) std::tie(most, weight) = std::pair(place, own);
@@ -184,15 +172,9 @@ void leave_over_dependent(const SparseMatrix& transposed, const std::vector<bool
 }
 
 void express_left_over(const SparseMatrix& transposed, RowSelection& selection) {
-  Eigen::SPQR<SparseMatrix> qr;
-  qr.setPivotThreshold(0.0);
-  qr.compute(columns_of(transposed, selection.order, 0, selection.live));
   const Eigen::Index left_over = transposed.cols() - selection.live;
-  const MatX rows = columns_of(transposed, selection.order, selection.live, left_over);
-  selection.dependence.resize(selection.live, left_over);
-  for (Eigen::Index k = 0; k < left_over; ++k) {  // Eigen's solves for one vector at a time
-    selection.dependence.col(k) = qr.solve(rows.col(k));
-  }
+  selection.dependence = sparse_least_squares(columns_of(transposed, selection.order, 0, selection.live),
+                                              MatX(columns_of(transposed, selection.order, selection.live, left_over)));
 }
 
 }  // namespace concord::cartesian

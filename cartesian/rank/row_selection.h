@@ -1,19 +1,13 @@
 #pragma once
 
-#include <Eigen/Sparse>
-#include <cstdint>
 #include <vector>
 
-#include "common/types.h"
+#include "cartesian/rank/sparse_qr.h"
 
 /// Which rows of a matrix are independent, by a rank-revealing QR factorization of its transpose.
 namespace concord::cartesian {
 
-/// Indices as SuiteSparse has them.
-using SparseIndex = std::int64_t;
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, SparseIndex>;
-
-/// Of more rows SuiteSparseQR makes the factorization, as long as it leaves none over.
+/// Of more rows a sparse QR makes the factorization, as long as it leaves none over.
 inline constexpr Eigen::Index kDenseRows = 60;
 /// Of more rows it makes any.
 inline constexpr Eigen::Index kMostDenseRows = 500;

@@ -1,7 +1,11 @@
-# SuiteSparse 5 ships no CMake configuration. Defines SuiteSparse::klu, SuiteSparse::cholmod and SuiteSparse::spqr.
+# SuiteSparse 5 ships no CMake configuration. Defines SuiteSparse::klu and, with the component spqr, SuiteSparse::spqr.
 find_path(SuiteSparse_INCLUDE_DIR klu.h PATH_SUFFIXES suitesparse)
 set(SuiteSparse_LIBRARIES)
-foreach(part klu btf amd colamd cholmod spqr suitesparseconfig)
+set(SuiteSparse_parts klu btf amd colamd suitesparseconfig)
+if("spqr" IN_LIST SuiteSparse_FIND_COMPONENTS)
+  list(APPEND SuiteSparse_parts spqr cholmod)
+endif()
+foreach(part IN LISTS SuiteSparse_parts)
   find_library(SuiteSparse_${part}_LIBRARY ${part})
   list(APPEND SuiteSparse_required SuiteSparse_${part}_LIBRARY)
 endforeach()
@@ -22,6 +26,7 @@ endfunction()
 
 if(SuiteSparse_FOUND)
   suitesparse_target(klu btf amd colamd suitesparseconfig)
-  suitesparse_target(cholmod amd colamd suitesparseconfig)
-  suitesparse_target(spqr cholmod amd colamd suitesparseconfig)
+  if("spqr" IN_LIST SuiteSparse_FIND_COMPONENTS)
+    suitesparse_target(spqr cholmod amd colamd suitesparseconfig)
+  endif()
 endif()

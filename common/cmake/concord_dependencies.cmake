@@ -1,7 +1,11 @@
 # What the libraries are built on, and what a project that finds the installed package needs there, too.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS ida arkode nvecserial sunmatrixdense sunmatrixsparse sunlinsoldense)
-find_package(SuiteSparse REQUIRED)
+if(CONCORD_GPL)
+  find_package(SuiteSparse REQUIRED COMPONENTS spqr)
+else()
+  find_package(SuiteSparse REQUIRED)
+endif()
 find_library(LAPACK_LIBRARY lapack REQUIRED)  # which SuiteSparse needs, too
 find_package(tomlplusplus REQUIRED)
 find_package(muparser REQUIRED)

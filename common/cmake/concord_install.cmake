@@ -17,7 +17,8 @@ set_target_properties(concord_options PROPERTIES EXPORT_NAME options)
 install(TARGETS ${libraries} EXPORT concord ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT concord NAMESPACE concord:: DESTINATION ${package} FILE concord-targets.cmake)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/concord-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/concord-config.cmake ${CMAKE_CURRENT_LIST_DIR}/concord_dependencies.cmake
+configure_file(${CMAKE_CURRENT_LIST_DIR}/concord-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/concord-config.cmake @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/concord-config.cmake ${CMAKE_CURRENT_LIST_DIR}/concord_dependencies.cmake
               ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake ${CMAKE_CURRENT_BINARY_DIR}/concord-config-version.cmake
         DESTINATION ${package})
 

@@ -4,7 +4,7 @@
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <fmt/format.h>
 
-#include <Eigen/CholmodSupport>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -36,8 +36,8 @@ MatX rigid_shapes(const Line& line, const SparseMatrix& M) {
   return shapes;
 }
 
-/// (K - sigma M)^-1 by CHOLMOD, followed by the projection that takes rigid shapes away: the operator of Spectra's
-/// shift-and-invert mode.
+/// (K - sigma M)^-1 by a sparse Cholesky factorization, followed by the projection that takes rigid shapes away: the
+/// operator of Spectra's shift-and-invert mode.
 class ShiftedInverse {
  public:
   using Scalar = double;
@@ -51,7 +51,7 @@ class ShiftedInverse {
   void set_shift(double sigma) {
     factorization_.compute(K_ - sigma * M_);
     if (factorization_.info() != Eigen::Success) {
-      throw std::runtime_error("beam: CHOLMOD cannot factorize the shifted stiffness of a family of modes");
+      throw std::runtime_error("beam: the shifted stiffness of a family of modes cannot be factorized");
     }
   }
 
@@ -70,7 +70,7 @@ class ShiftedInverse {
   SparseMatrix M_;
   MatX rigid_;
   MatX M_rigid_;
-  Eigen::CholmodSimplicialLLT<SparseMatrix> factorization_;
+  Eigen::SimplicialLLT<SparseMatrix> factorization_;
 };
 
 /// The `wanted` lowest elastic modes of a large problem, columns in order of frequency.
