@@ -5,7 +5,7 @@
 
 #include "common/types.h"
 
-/// What leaves a solver: motions and wrenches, nothing else.
+/// What leaves a solver: motions, wrenches, and which of these are unique.
 namespace concord {
 
 /// Motion of one body: origin r [m], Euler parameters p (scalar first), velocity v of the origin and angular velocity
@@ -124,6 +124,38 @@ struct SolverStatistics {
 struct Trajectory {
   std::vector<Sample> samples;
   SolverStatistics statistics;
+};
+
+/// What of a joint's wrenches a solver finds unique.
+struct JointUniqueness {
+  /// Per side and component (F_x ... T_z in that side's joint frame): of the reaction, and of the total wrench.
+  std::array<std::array<bool, 6>, 2> unique;
+  std::array<std::array<bool, 6>, 2> unique_total;
+  /// Forces of drivers and couplings by speed of the joint.
+  std::array<bool, 6> unique_tau;
+
+  JointUniqueness() {
+    for (auto& side : unique) side.fill(true);
+    for (auto& side : unique_total) side.fill(true);
+    unique_tau.fill(true);
+  }
+};
+
+/// Rank of the constraints at a state, found by one solver alone.
+struct RankReport {
+  int constraints = 0;  // rows, drivers included, Euler parameter norms not
+  int rank = 0;
+  int degrees_of_freedom = 0;  // rigid ones and modal ones
+  bool undecided = false;      // a singular value between 1e-12 and 1e-8 of the largest: of the rank, beside `decided`
+  double smallest_kept = 0.0;  // relative to the largest singular value
+  double largest_dropped = 0.0;
+  std::vector<JointUniqueness> joints;
+  /// Whether each flag of `joints` stays what it is when the thresholds that decide it are multiplied or divided by the
+  /// square root of 1000; false: the flag is undecided. Empty: all stay.
+  std::vector<JointUniqueness> decided;
+  /// The same two of the force of each coupling. Empty: all unique, and all stay.
+  std::vector<bool> unique_coupling;
+  std::vector<bool> decided_coupling;
 };
 
 }  // namespace concord

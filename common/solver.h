@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -9,58 +8,12 @@
 
 #include "common/model.h"
 #include "common/results.h"
+#include "common/run_options.h"
 
 namespace concord {
 
-struct RunOptions {
-  double until = 1.0;   // s
-  double rtol = 1e-11;  // relative tolerance of the integrator; absolute ones follow from it and the machine's scales
-  int samples = 300;    // equal intervals of the output grid; samples + 1 rows, t = 0 and t = until among them
-  std::string integrator;  // empty: the solver's default for this model
-  /// A closed state at t = 0 to start from instead of the model's start.
-  std::optional<State> start = std::nullopt;
-  /// How many evaluations the whole run may take, whatever the integrator makes of them: a run that takes more ends as
-  /// EvaluationsSpent.
-  std::optional<long> most_evaluations = std::nullopt;
-  /// Whether it ends so already where, after a tenth of these, it would take more than twice as many at its pace. A run
-  /// whose start is harder than the rest may then end that would have been given enough.
-  bool foresees_end = false;
-};
-
 /// Called now and then with the time reached [s].
 using Progress = std::function<void(double t)>;
-
-/// What of a joint's wrenches a solver finds unique.
-struct JointUniqueness {
-  /// Per side and component (F_x ... T_z in that side's joint frame): of the reaction, and of the total wrench.
-  std::array<std::array<bool, 6>, 2> unique;
-  std::array<std::array<bool, 6>, 2> unique_total;
-  /// Forces of drivers and couplings by speed of the joint.
-  std::array<bool, 6> unique_tau;
-
-  JointUniqueness() {
-    for (auto& side : unique) side.fill(true);
-    for (auto& side : unique_total) side.fill(true);
-    unique_tau.fill(true);
-  }
-};
-
-/// Rank of the constraints at a state, found by one solver alone.
-struct RankReport {
-  int constraints = 0;  // rows, drivers included, Euler parameter norms not
-  int rank = 0;
-  int degrees_of_freedom = 0;  // rigid ones and modal ones
-  bool undecided = false;      // a singular value between 1e-12 and 1e-8 of the largest: of the rank, beside `decided`
-  double smallest_kept = 0.0;  // relative to the largest singular value
-  double largest_dropped = 0.0;
-  std::vector<JointUniqueness> joints;
-  /// Whether each flag of `joints` stays what it is when the thresholds that decide it are multiplied or divided by the
-  /// square root of 1000; false: the flag is undecided. Empty: all stay.
-  std::vector<JointUniqueness> decided;
-  /// The same two of the force of each coupling. Empty: all unique, and all stay.
-  std::vector<bool> unique_coupling;
-  std::vector<bool> decided_coupling;
-};
 
 /// One formulation of multibody dynamics, bound to one model. Not thread-safe: one solver per thread.
 class Solver {

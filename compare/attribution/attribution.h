@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/model.h"
+#include "compare/attribution/cause.h"
 #include "compare/attribution/ranks.h"
 #include "compare/attribution/terms.h"
 #include "compare/audit/balance.h"
@@ -33,18 +34,6 @@ struct Evidence {
   std::vector<AskedState> constraints = {};
 };
 
-struct Attribution {
-  /// 0 cartesian, 1 relative, 2: both, so that what they share is wrong (a law, a joint's page, modal data).
-  int solver = 0;
-  Term term = Term::unknown;
-  /// "body hub", "joint rod", "force element strut", "coupling mesh"
-  std::string where;
-  /// What speaks for it, in a sentence.
-  std::string because;
-  /// Where the guess could be tried: by how many digits the difference closed with the blamed place put right.
-  std::optional<double> closed_digits = {};
-};
-
 /// All guesses, the best one first, each solver, term and place once; nothing if neither solver breaks a rule more than
 /// the other one does.
 std::vector<Attribution> find_causes(const Evidence& evidence);
@@ -60,8 +49,5 @@ std::optional<Attribution> find_cause_of_stop(const Model& model, const std::vec
 /// first.
 std::vector<int> bodies_out_of_balance(const Evidence& evidence, int solver);
 std::vector<int> elements_against_law(const Evidence& evidence, int solver);
-
-/// "cartesian, at body hub, in the term "inertia": breaks the audit's rule "free body" by F_y (3.2 digits); ..."
-std::string describe(const Attribution& blame);
 
 }  // namespace concord::compare

@@ -6,40 +6,12 @@
 #include <vector>
 
 #include "common/model.h"
+#include "compare/attribution/cause.h"
 #include "compare/audit/balance.h"
 
 /// Which term of a body's equations of motion is wrong? What the body's forces leave over in many states is held
 /// against each family of terms: the one whose terms, with constant factors, add up to it is to blame.
 namespace concord::compare {
-
-/// What a fault sits in.
-enum class Term {
-  // of the dynamics of a body
-  inertia,
-  gyroscopic,  // and Coriolis
-  modal_coupling,
-  elastic,
-  damping,
-  applied,   // force elements, joint springs, gravity
-  reaction,  // a joint's wrench in a body's balance
-  // of kinematics
-  jacobian,
-  bias,
-  driver,
-  rank,  // which constraints are independent, and so what is unique
-  // of what is reported
-  side,
-  point,
-  frame,
-  subtraction,
-  // of the start, and of what is told to both solvers
-  start,
-  statement,
-  unknown
-};
-
-/// "inertia", "gyroscopic and Coriolis", "Jacobian", ...
-const char* name_of(Term term);
 
 /// One state with what each solver says there.
 struct EvaluatedState {

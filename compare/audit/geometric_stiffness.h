@@ -4,8 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "common/model.h"
-#include "common/results.h"
+#include "common/types.h"
+
+namespace concord {
+struct ModalData;
+struct Model;
+struct Trajectory;
+}  // namespace concord
 
 /// What the models of flexible bodies leave out: axial forces stiffen a beam against bending, or soften it.
 namespace concord::compare {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compare/quantities/agreement.h"
+#include "compare/quantities/align.h"
 #include "compare/states/branch.h"
 #include "compare/verdict/verdict.h"
 

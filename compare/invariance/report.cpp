@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/align.h"
 #include "compare/report/explanations.h"
 #include "compare/report/text_table.h"
 

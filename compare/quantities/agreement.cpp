@@ -8,6 +8,7 @@
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/machine_size.h"
+#include "compare/quantities/align.h"
 
 namespace concord::compare {
 

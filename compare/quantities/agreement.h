@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "compare/quantities/align.h"
-#include "compare/quantities/observe.h"
+#include "common/types.h"
 
 /// How far two solvers agree on each quantity over one rung.
 namespace concord::compare {
+
+class QuantityLayout;
+struct Series;
 
 /// A scale is never smaller than this part of the machine's largest of its kind.
 inline constexpr double kScaleFloor = 1e-6;

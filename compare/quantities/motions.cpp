@@ -10,6 +10,7 @@
 #include "compare/audit/free_body.h"
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
+#include "compare/quantities/observe.h"
 
 namespace concord::compare {
 

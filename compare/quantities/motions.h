@@ -3,11 +3,17 @@
 #include <array>
 #include <string>
 
-#include "common/results.h"
-#include "compare/quantities/observe.h"
+#include "common/types.h"
+
+namespace concord {
+struct Model;
+struct Trajectory;
+}  // namespace concord
 
 /// How far two runs' motions agree.
 namespace concord::compare {
+
+class QuantityLayout;
 
 /// The tightest integration holds a motion to 1e-13 of its size (kTightestRepeat): so many units of round-off of a
 /// state does its end differ by.

@@ -3,11 +3,14 @@
 #include <array>
 #include <string>
 
-#include "common/model.h"
-#include "compare/quantities/observe.h"
+namespace concord {
+struct Model;
+}  // namespace concord
 
 /// How many digits are enough.
 namespace concord::compare {
+
+struct Quantity;
 
 /// The rungs at which digits are judged, in their order.
 enum class Rung { same_state, same_run, refined };

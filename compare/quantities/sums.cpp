@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/align.h"
 
 namespace concord::compare {
 

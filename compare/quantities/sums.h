@@ -4,9 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "common/results.h"
 #include "compare/quantities/agreement.h"
 
 namespace concord::compare {
+
+struct SharedState;
 
 /// A pair of bodies joined by more than one joint: the joints' total wrench on the child of the first one, at its
 /// point, in global axes, at t = 0.

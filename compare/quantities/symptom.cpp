@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/decompositions.h"
+#include "compare/quantities/align.h"
 #include "compare/quantities/motions.h"
 
 namespace concord::compare {

@@ -2,10 +2,11 @@
 
 #include <string>
 
-#include "compare/quantities/agreement.h"
-
 /// What a disagreement looks like, so that the reader knows where to search first.
 namespace concord::compare {
+
+class QuantityLayout;
+struct Series;
 
 /// One line on a failing row of a series (a reaction, total wrench, driver force, acceleration or sum), such as
 /// "same size, opposite sign in all 300 samples: check side, point and frame before the dynamics". A pattern is named

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/quantities/align.h"
 #include "compare/quantities/needs.h"
 
 namespace concord::compare {

@@ -7,15 +7,19 @@
 #include <string_view>
 #include <vector>
 
-#include "common/model.h"
-#include "common/results.h"
 #include "compare/audit/digits.h"
 #include "compare/quantities/agreement.h"
-#include "compare/quantities/align.h"
-#include "compare/quantities/observe.h"
+#include "compare/quantities/quantity.h"
+
+namespace concord {
+struct Evaluation;
+struct State;
+}  // namespace concord
 
 /// Somebody else's program, asked what it finds in the states that both solvers were given.
 namespace concord::compare {
+
+struct SharedState;
 
 /// Another program's mechanics, bound to one model. The laws of forces are not its own: it is told what they exert.
 class ThirdOpinion {

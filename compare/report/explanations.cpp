@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/quantities/observe.h"
 #include "compare/verdict/third_words.h"
 
 namespace concord::compare {

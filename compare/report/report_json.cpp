@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compare/audit/geometric_stiffness.h"
+#include "compare/quantities/align.h"
 #include "compare/report/explanations.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/overloaded.h"
+#include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
 #include "compare/report/table.h"
 #include "compare/verdict/carried.h"

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "compare/quantities/observe.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/third_words.h"
 

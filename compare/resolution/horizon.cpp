@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "compare/audit/places.h"
 #include "compare/quantities/motions.h"
 #include "compare/states/chart.h"
 #include "compare/states/draws.h"

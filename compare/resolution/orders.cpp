@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/audit/places.h"
 #include "compare/resolution/run_pairs.h"
 
 namespace concord::compare {

@@ -7,7 +7,6 @@
 
 #include "common/results.h"
 #include "compare/quantities/agreement.h"
-#include "compare/quantities/observe.h"
 
 /// Observed order of each solver's integration: how what it leaves falls with the relative tolerance. It explains, and
 /// is never judged.

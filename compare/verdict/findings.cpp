@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/align.h"
 #include "compare/quantities/symptom.h"
 
 namespace concord::compare {

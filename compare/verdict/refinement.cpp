@@ -5,6 +5,7 @@
 
 #include "compare/audit/carried_components.h"
 #include "compare/audit/digits.h"
+#include "compare/quantities/observe.h"
 
 namespace concord::compare {
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "compare/audit/digits.h"
+#include "compare/quantities/observe.h"
 
 namespace concord::compare {
 

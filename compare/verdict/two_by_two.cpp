@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "common/error.h"
+#include "common/solver.h"
+#include "compare/quantities/observe.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {

@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "common/solver.h"
-#include "compare/attribution/attribution.h"
+#include "common/results.h"
+#include "common/run_options.h"
+#include "compare/attribution/cause.h"
 #include "compare/audit/audit_ledger.h"
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/quantities/agreement.h"
-#include "compare/quantities/align.h"
-#include "compare/quantities/curve_metrics.h"
 #include "compare/quantities/motions.h"
 #include "compare/quantities/needs.h"
-#include "compare/quantities/observe.h"
+#include "compare/quantities/quantity.h"
 #include "compare/quantities/sums.h"
 #include "compare/quantities/third_opinion.h"
 #include "compare/resolution/orders.h"
 #include "compare/states/draws.h"
+#include "compare/verdict/two_by_two.h"
 
 /// All that the comparator found about one model.
 namespace concord::compare {
@@ -112,18 +112,6 @@ struct ReferenceRow {
   std::optional<Quantity> quantity = {};
   std::vector<double> times = {};   // s
   std::vector<double> values = {};  // in the component's unit
-};
-
-/// A difference told apart: each solver's equations evaluated on each solver's motion, for the component that differs
-/// most [the component's unit]. Index: whose motion, or whose equations.
-struct TwoByTwo {
-  std::string of;
-  std::string unit;
-  int samples = 0;
-  std::array<double, 2> formulation{};  // between both equations on one motion
-  std::array<double, 2> integration{};  // by one solver's equations between both motions
-  /// Each solver's equations on its own motion, cartesian's as the measure.
-  CurveMetrics curves;
 };
 
 struct Verdict {

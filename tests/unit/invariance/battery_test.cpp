@@ -10,6 +10,7 @@
 
 #include "compare/invariance/command.h"
 #include "compare/invariance/report.h"
+#include "compare/quantities/align.h"
 #include "machines.h"
 
 namespace concord::compare::invariance {

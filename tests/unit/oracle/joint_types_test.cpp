@@ -5,6 +5,7 @@
 
 #include "common/joints/catalogue.h"
 #include "compare/oracle/recipes.h"
+#include "compare/quantities/observe.h"
 #include "tests/unit/oracle/machines.h"
 
 namespace concord::compare::oracle {

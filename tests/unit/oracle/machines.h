@@ -6,6 +6,7 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/oracle/simbody_oracle.h"
+#include "compare/quantities/align.h"
 #include "compare/quantities/third_opinion.h"
 #include "relative/solver.h"
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compare/quantities/align.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
