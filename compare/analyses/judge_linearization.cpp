@@ -11,7 +11,6 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/audit/machine_size.h"
 #include "compare/audit/places.h"
-#include "compare/equilibrium/other_rests.h"
 #include "compare/quantities/agreement.h"
 #include "compare/quantities/align.h"
 #include "compare/quantities/motions.h"
@@ -302,7 +301,7 @@ Rests rests(const Model& model, const Solvers& solvers, AnalysisVerdict& result)
     require_arrived(found[index(who)], solvers[index(who)]->name(), result);
   }
   if (compare_motions(model, {&states[0], &states[1]}).digits < own_need(model)) {
-    refuse_undetermined_rest(model, solvers, found);
+    refuse_undetermined_rest(model, solvers, rests);
   }
   return rests;
 }

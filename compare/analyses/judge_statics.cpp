@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/error.h"
 #include "compare/analyses/judge_steps.h"
 #include "compare/audit/digits.h"
 #include "compare/audit/joint_motion.h"
 #include "compare/equilibrium/joint_changes.h"
-#include "compare/equilibrium/other_rests.h"
 #include "compare/quantities/agreement.h"
 #include "compare/quantities/align.h"
 #include "compare/quantities/motions.h"
@@ -148,18 +146,6 @@ void compare_stiffness(const std::array<Equilibrium, 2>& found, AnalysisVerdict&
   result.numbers.push_back(number("unstable directions", "", found[0].unstable, found[1].unstable, 1.0, kMostDigits));
 }
 
-/// Forces that vanish towards the edge of what pushes leave its place open by more than solvers may differ by.
-void refuse_edge(const std::array<Equilibrium, 2>& found) {
-  for (const Equilibrium& one : found) {
-    if (!one.is_at_edge) continue;
-    throw SolverError(fmt::format(
-        "statics: the machine rests at the edge of what pushes, as where a stop begins to press, and nothing resists "
-        "{} from there on: where that is, forces that vanish leave open; start it within its play, or give it a "
-        "spring",
-        one.free.empty() ? std::string("the motion") : one.free.front().name));
-  }
-}
-
 }  // namespace
 
 AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
@@ -179,11 +165,10 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   result.text += '\n' + wrench_text(held, found[0].evaluation, result.wrenches);
   const auto agrees = [](const NumberRow& row) { return row.agrees(); };
   if (!std::all_of(result.numbers.begin(), result.numbers.end(), agrees)) {
-    refuse_undetermined_rest(held, solvers, found);
+    refuse_undetermined_rest(held, solvers, rests);
   }
   require_unique(result);
   conclude(result);
-  if (result.wrenches.outcome == Outcome::differ) refuse_edge(found);
   return result;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -29,6 +28,8 @@ namespace concord::compare {
 namespace {
 
 constexpr int kMostIterations = 300;
+constexpr double kLongestStep = 0.3;   // of the machine's length, rad
+constexpr double kLengthening = 10.0;  // of pseudo time steps
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
 constexpr double kSmallStep = 1e-9;        // Newton's method may end
 constexpr double kRoundOffStep = 1e-14;    // and does end
@@ -38,15 +39,14 @@ constexpr double kLongestTime = 1e4;
 /// Pseudo-transient continuation of one machine to its equilibrium.
 class PseudoTransientContinuation {
  public:
-  PseudoTransientContinuation(const Model& model, Solver& solver, const Search& search)
+  PseudoTransientContinuation(const Model& model, Solver& solver, const State& start)
       : model_(model),
         solver_(solver),
         floating_(model),
-        search_(search),
-        start_(solver.assemble()),
-        state_(displaced(start_)),
+        start_(start),
+        state_(start_),
         evaluation_(solver.evaluate(state_)),
-        length_(model, search.longest_step),
+        length_(model, kLongestStep),
         steps_back_(model, start_) {}
 
   Equilibrium run() {
@@ -54,8 +54,8 @@ class PseudoTransientContinuation {
     for (; iteration <= kMostIterations + iterations_more(); ++iteration) {
       if (advance(iteration)) return conclude(iteration);
     }
-    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates{}", name(),
-                                  iteration - 1, describe_motion(model_, state_, last_force_), jump_on_the_way()));
+    throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
+                                  iteration - 1, describe_motion(model_, state_, last_force_)));
   }
 
  private:
@@ -65,15 +65,6 @@ class PseudoTransientContinuation {
   [[nodiscard]] int iterations_more() const {
     return std::min(length_.uncounted(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
            steps_back_.iterations();
-  }
-
-  [[nodiscard]] State displaced(const State& start) {
-    if (search_.displacement == 0.0) return start;
-    Chart chart(model_, solver_, start);
-    Draws draws(search_.seed);
-    VecX delta(chart.n());
-    for (double& one : delta) one = search_.displacement * draws.next();
-    return chart.place_at(delta).value_or(start);
   }
 
   /// One step; true if the state is at rest already.
@@ -101,18 +92,17 @@ class PseudoTransientContinuation {
     const bool is_met = unmet.norm() <= negligible || is_unresolved(unmet);
     if (is_met && is_done(newton.norm(), f.norm() <= negligible)) {
       if (put_floating_parts_back() || step_back(chart, split.free_directions())) return false;
-      if (iteration > 1) kink_ = kink_here(chart, stiffness.J);
       return true;
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
     const double nearly_longest = kNearlyAll * longest_time();
-    const bool settles = unmet.norm() <= kNearlyMet * f.norm() && search_.lengthening * time_ >= nearly_longest;
+    const bool settles = unmet.norm() <= kNearlyMet * f.norm() && kLengthening * time_ >= nearly_longest;
     const bool arrives = is_met && (time_ >= nearly_longest || length_.crawls(f.norm()));
     const bool by_newton = !falls && (settles || arrives);
     if (!by_newton) lengthen(f, growth, falls);
     length_.count_step(falls && is_cautious_);
-    refuse_if_pushed(chart, stiffness.J, unmet, negligible);
+    refuse_if_pushed(chart, unmet, negligible);
     last_step_ = newton.norm();
     const VecX step =
         by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions());
@@ -168,7 +158,7 @@ class PseudoTransientContinuation {
 
   /// A step with rough derivatives, where these can be had.
   bool flow_roughly(Chart& chart, const VecX& f, double reference) {
-    const auto J = rough_stiffness(chart, f, at_rest(chart), reference, search_.rough_differences);
+    const auto J = rough_stiffness(chart, f, at_rest(chart), reference);
     last_basis_.resize(0, 0);
     if (!J) return false;
     const Growth growth({*J, MatX::Zero(J->rows(), J->cols())}, kNoGrowth * reference);
@@ -243,7 +233,7 @@ class PseudoTransientContinuation {
   /// Pseudo time steps grow, tenfold as a rule. Cautious ones stay short enough not to jump to a place from which the
   /// machine falls.
   void lengthen(const VecX& f, const Growth& growth, bool falls) {
-    time_ = time_ == 0.0 ? length_.longest() / (3.0 * f.norm()) : search_.lengthening * time_;
+    time_ = time_ == 0.0 ? length_.longest() / (3.0 * f.norm()) : kLengthening * time_;
     time_ = std::min(time_, longest_time());
     if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
   }
@@ -256,37 +246,19 @@ class PseudoTransientContinuation {
     return solve_square(system, f);
   }
 
-  [[nodiscard]] std::string kink_here(const Chart& chart, const MatX& J) const {
-    return kink_at_origin(chart, at_rest(chart), J, scale_);
-  }
-
   /// A force along a direction without stiffness, which long steps have not carried to where it vanishes.
-  void refuse_if_pushed(const Chart& chart, const MatX& J, const VecX& unmet, double negligible) {
+  void refuse_if_pushed(const Chart& chart, const VecX& unmet, double negligible) {
     if (time_ < longest_time() || unmet.norm() <= negligible || is_unresolved(unmet)) {
       pushed_ = 0;
       return;
     }
     if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(chart, unmet);
     if (++pushed_ < most_pushes_) return;
-    if (const std::string kink = kink_here(chart, J); !kink.empty()) {
-      throw SolverError(fmt::format("{}: {}", name(), rests_at_kink(kink)));
-    }
     const VecX pushed = chart.velocities(unmet);
     throw SolverError(fmt::format(
         "{}: nothing resists {}: it is pushed and meets no stiffness, or too soft a one to rest near, or one "
         "that vanishes with the push, as where a stop begins to press; hold it, or give it a spring",
         name(), describe_motion(model_, state_, pushed)));
-  }
-
-  /// A machine that is pushed to an edge from both sides rests on it, where no step arrives.
-  [[nodiscard]] std::string jump_on_the_way() const {
-    for (const auto& [from, step] : last_moves_) {
-      const Chart chart(model_, solver_, from);
-      if (const auto jump = find_jump(at_rest(chart), step, scale_)) {
-        return "; " + rests_on_jump(describe_motion(model_, from, chart.velocities(*jump)));
-      }
-    }
-    return "";
   }
 
   void move(Chart& chart, VecX step) {
@@ -295,10 +267,7 @@ class PseudoTransientContinuation {
     constexpr int kTries = 20;
     std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      const State from = state_;
       if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
-      last_moves_.emplace_back(from, step);
-      if (last_moves_.size() > kLastMoves) last_moves_.pop_front();
       reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
       return;
     }
@@ -326,8 +295,8 @@ class PseudoTransientContinuation {
   }
 
   Equilibrium conclude(int iterations) {
-    return {std::move(state_), std::move(evaluation_),   iterations, last_step_, std::move(free_), unstable_directions_,
-            std::move(kink_),  steps_back_.is_at_edge(), step_left_};
+    return {std::move(state_), std::move(evaluation_), iterations, last_step_,
+            std::move(free_),  unstable_directions_,   step_left_};
   }
 
   static constexpr int kPushes = 25;
@@ -338,7 +307,6 @@ class PseudoTransientContinuation {
   static constexpr int kLongSteps = 30;
   static constexpr int kMostShortSteps = 20;
   static constexpr int kMostByShafts = 400000;  // over the number of rates: some ten seconds
-  static constexpr std::size_t kLastMoves = 10;
   static constexpr double kMoreReach = 1.3;
   static constexpr double kNearRest = 1e-6;  // of the length, rad
   static constexpr double kSameDirections = 1e-12;
@@ -348,7 +316,6 @@ class PseudoTransientContinuation {
   const Model& model_;
   Solver& solver_;
   FloatingParts floating_;
-  Search search_;
   State start_;
   State state_;
   Evaluation evaluation_;
@@ -364,7 +331,6 @@ class PseudoTransientContinuation {
   double time_ = 0.0;
   double last_step_ = 0.0;
   double step_left_ = 0.0;
-  std::deque<std::pair<State, VecX>> last_moves_;
   StepLength length_;
   /// Longer steps would hardly end in a closed state.
   double reach_ = std::numeric_limits<double>::infinity();
@@ -376,14 +342,9 @@ class PseudoTransientContinuation {
   StepsBack steps_back_;
   bool is_put_back_ = false;
   int unstable_directions_ = 0;
-  std::string kink_;
 };
 
 }  // namespace
-
-Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search) {
-  return PseudoTransientContinuation(model, solver, search).run();
-}
 
 Model held_at_start(const Model& model) {
   Model held = model;
@@ -395,6 +356,12 @@ Model held_at_start(const Model& model) {
   return held;
 }
 
-Equilibrium find_equilibrium(const Model& model, Solver& solver) { return search_equilibrium(model, solver, {}); }
+Equilibrium find_equilibrium(const Model& model, Solver& solver) {
+  return find_equilibrium(model, solver, solver.assemble());
+}
+
+Equilibrium find_equilibrium(const Model& model, Solver& solver, const State& start) {
+  return PseudoTransientContinuation(model, solver, start).run();
+}
 
 }  // namespace concord::compare

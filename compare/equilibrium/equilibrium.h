@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "common/solver.h"
@@ -24,11 +22,6 @@ struct Equilibrium {
   std::vector<FreeDirection> free;
   /// In so many directions the machine would leave the equilibrium.
   int unstable = 0;
-  /// A motion along which a force has a kink there, as that of a tire that just leaves its road: equilibria begin there
-  /// that reach on into the air, and which of them is found hangs by round-off. Empty where the machine started there.
-  std::string kink;
-  /// It lies where places of rest end on the way to the start, as where a stop begins to press.
-  bool is_at_edge = false;
   /// Size of Newton's next step, which was not made any more.
   double step_left = 0.0;
 };
@@ -41,17 +34,7 @@ struct Equilibrium {
 /// direction alone. `model` must be held_at_start() and `solver` made for it. Throws
 /// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
-
-/// How a search goes: no rest that the statement determines hangs by it.
-struct Search {
-  double longest_step = 0.3;  // of the machine's length, rad
-  double lengthening = 10.0;  // of pseudo time steps
-  /// How far from the model's start it begins at most, along every coordinate of the chart there; drawn from `seed`.
-  double displacement = 0.0;
-  std::uint64_t seed = 0;
-  Sense rough_differences = Sense::forward;
-};
-/// One such search.
-Equilibrium search_equilibrium(const Model& model, Solver& solver, const Search& search);
+/// The same from a closed state at rest.
+Equilibrium find_equilibrium(const Model& model, Solver& solver, const State& start);
 
 }  // namespace concord::compare

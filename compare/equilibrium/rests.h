@@ -26,4 +26,8 @@ struct Rests {
 };
 Rests find_rests(const Model& model, const Solvers& solvers);
 
+/// Where two solvers found different rests: throws SolverError if each takes the other one's for a rest, too. Then the
+/// machine has several, as where constraints hold for velocities alone, and the way to them, or round-off, chooses.
+void refuse_undetermined_rest(const Model& model, const Solvers& solvers, const Rests& rests);
+
 }  // namespace concord::compare

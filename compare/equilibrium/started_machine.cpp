@@ -4,7 +4,6 @@
 
 #include "common/error.h"
 #include "compare/audit/digits.h"
-#include "compare/equilibrium/other_rests.h"
 #include "compare/equilibrium/rests.h"
 #include "compare/quantities/motions.h"
 
@@ -15,10 +14,11 @@ Model as_it_starts(const Model& model, const SolverMakers& makers, std::string& 
   Model held = held_at_start(model);
   std::string branch;
   const Solvers solvers = make_solvers_on_one_branch(held, makers, branch);
-  const auto [found, states] = find_rests(held, solvers);
+  const Rests rests = find_rests(held, solvers);
+  const auto& [found, states] = rests;
   const MotionAgreement agreement = compare_motions(held, {&states[0], &states[1]});
   if (agreement.digits < own_need(model)) {
-    refuse_undetermined_rest(held, solvers, found);
+    refuse_undetermined_rest(held, solvers, rests);
     throw SolverError(
         fmt::format("the run starts from the equilibrium, but {} differs: {} digits, need {:g}; see "
                     "`concord statics`",

@@ -144,13 +144,12 @@ Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const Accel
 }
 
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
-                                    double reference, Sense sense) {
-  const double step = sense == Sense::forward ? kRoughStep : -kRoughStep;
+                                    double reference) {
   MatX J(chart.n(), chart.n());
   for (int k = 0; k < chart.n(); ++k) {
-    const auto beside = accelerations(step * VecX::Unit(chart.n(), k));
+    const auto beside = accelerations(kRoughStep * VecX::Unit(chart.n(), k));
     if (!beside) return std::nullopt;
-    J.col(k) = (*beside - f) / step;
+    J.col(k) = (*beside - f) / kRoughStep;
     if (!(J.col(k).norm() * kRoughStep <= kTimesReference * reference)) return std::nullopt;
   }
   return J;
@@ -183,45 +182,6 @@ std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerati
     largest = coarse;
   }
   return worst < 0 ? "" : chart.describe(VecX::Unit(chart.n(), worst));
-}
-
-std::string rests_at_kink(const std::string& motion) {
-  return fmt::format(
-      "the machine comes to rest where a force has a kink, as that of a tire that just leaves its road: {} meets one "
-      "stiffness in one sense and another, or none, in the other, and nothing presses it there, so that its place "
-      "hangs by round-off; start beside it, or hold it",
-      motion);
-}
-
-std::optional<VecX> find_jump(const AccelerationsAt& accelerations, const VecX& step, const AccelerationScale& scale) {
-  constexpr double kJump = 1e-3;  // of what forces cause
-  constexpr int kHalvings = 35;   // what is smooth has become a small part of that
-  double from = 0.0;
-  double to = 1.0;
-  std::optional<VecX> before = accelerations(from * step);
-  std::optional<VecX> behind = accelerations(to * step);
-  for (int k = 0; k < kHalvings; ++k) {
-    const double middle = 0.5 * (from + to);
-    const std::optional<VecX> there = accelerations(middle * step);
-    if (!before || !behind || !there) return std::nullopt;
-    if ((*there - *before).norm() > (*behind - *there).norm()) {
-      to = middle;
-      behind = there;
-    } else {
-      from = middle;
-      before = there;
-    }
-  }
-  VecX jump = *behind - *before;
-  if (jump.norm() <= kJump * scale.reference) return std::nullopt;
-  return jump;
-}
-
-std::string rests_on_jump(const std::string& motion) {
-  return fmt::format(
-      "the search crosses a place where a force jumps, as that of a wheel at an edge of its road: it pushes {} one way "
-      "before it and another way behind it, and the machine may rest on that very edge, where no force is defined",
-      motion);
 }
 
 StiffnessSplit::StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale,

@@ -29,28 +29,17 @@ struct Stiffness {
 Stiffness stiffness_matrix(const Chart& chart, const Solver& solver, const AccelerationsAt& accelerations,
                            const AccelerationScale& scale);
 
-/// The same by one difference for each axis, to one side or to the other, from the accelerations f of the origin: good
-/// to about four digits, without errors. Nothing where the stiffness is so large that round-off would be more than
-/// that, or where closed states are missing.
-enum class Sense { forward, backward };
+/// The same by one difference for each axis from the accelerations f of the origin: good to about four digits, without
+/// errors. Nothing where the stiffness is so large that round-off would be more than that, or where closed states are
+/// missing.
 std::optional<MatX> rough_stiffness(const Chart& chart, const VecX& f, const AccelerationsAt& accelerations,
-                                    double reference, Sense sense);
+                                    double reference);
 
 /// A force with a kink in the chart's origin itself, such as that of a tire that just touches its road, has no
 /// derivative there: differences to both sides take the mean of two. The motion that meets it most, in words; empty
 /// without one.
 std::string kink_at_origin(const Chart& chart, const AccelerationsAt& accelerations, const MatX& J,
                            const AccelerationScale& scale);
-
-/// What to say of an equilibrium with a kink along such a motion, where it cannot be told.
-std::string rests_at_kink(const std::string& motion);
-
-/// A force that jumps on the way from the chart's origin to a step: by how much accelerations do, where they do so
-/// most. Nothing where they change smoothly.
-std::optional<VecX> find_jump(const AccelerationsAt& accelerations, const VecX& step, const AccelerationScale& scale);
-
-/// What to say of a search for an equilibrium that crosses such a jump, which pushes a motion.
-std::string rests_on_jump(const std::string& motion);
 
 /// Stiffness seen by motions in which modes follow statically, and the chart's directions without any.
 class StiffnessSplit {

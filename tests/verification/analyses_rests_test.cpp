@@ -10,17 +10,22 @@
 #include "compare/analyses/judge.h"
 #include "compare/analyses/report.h"
 #include "compare/equilibrium/equilibrium.h"
-#include "compare/equilibrium/other_rests.h"
+#include "compare/equilibrium/rests.h"
 #include "judged_machines.h"
 
 /// Rests that statics once did not find, or that it found though the statement does not determine them.
 namespace concord::verification {
 namespace {
 
+using compare::Equilibrium;
 using compare::find_equilibrium;
+using compare::find_rests;
 using compare::held_at_start;
+using compare::one_sample;
 using compare::Outcome;
-using compare::refuse_other_rest;
+using compare::refuse_undetermined_rest;
+using compare::Rests;
+using compare::Solvers;
 using compare::analyses::AnalysisVerdict;
 using compare::analyses::format_analysis;
 using compare::analyses::judge_linearization;
@@ -522,7 +527,8 @@ TEST_CASE("An overconstrained linkage comes to rest, though nothing of its react
 
 /// What its edge permits does not span the places that it can reach: where it rests depends on how it goes there.
 TEST_CASE("Where a skate comes to rest is not determined", "[analyses][quick]") {
-  const Model model = parse(R"toml(format = 1
+  const auto skate = [](double turn) {
+    return held_at_start(parse(fmt::format(R"toml(format = 1
 gravity = [1.3, 0.4, -9.81]
 [[body]]
 name = "skate"
@@ -534,22 +540,28 @@ name = "edge"
 type = "knife_edge"
 parent = "ground"
 child = "skate"
-start.slide_x = { keep = 0.1, keep_speed = 0 }
-start.slide_y = { keep = 0 }
-start.turn_z = { keep = 0.6, keep_speed = 0 }
+start.slide_x = {{ keep = 0.1, keep_speed = 0 }}
+start.slide_y = {{ keep = 0 }}
+start.turn_z = {{ keep = {}, keep_speed = 0 }}
 [[line_spring]]
 name = "tether"
-parent = { body = "ground", point = [-0.8, 0.7, 0.1] }
-child = { body = "skate", point = [0.15, 0, 0.1] }
+parent = {{ body = "ground", point = [-0.8, 0.7, 0.1] }}
+child = {{ body = "skate", point = [0.15, 0, 0.1] }}
 stiffness = 130
 free = 0.4
-)toml");
-  const Model held = held_at_start(model);
-  for (const auto& solver : both_solvers(held)) {
-    const auto found = find_equilibrium(held, *solver);
-    CHECK_THROWS_WITH(refuse_other_rest(held, *solver, found),
-                      Catch::Contains("the equilibrium is not determined: edge restricts velocities alone"));
-  }
+)toml",
+                                           turn)));
+  };
+  const Model held = skate(0.6);
+  const Solvers solvers{cartesian::make_solver(held), relative::make_solver(held)};
+  const Rests rests = find_rests(held, solvers);
+  CHECK_NOTHROW(refuse_undetermined_rest(held, solvers, rests));
+  const Model turned = skate(0.61);
+  const Equilibrium other = find_equilibrium(held, *solvers[1], both_solvers(turned)[1]->assemble());
+  CHECK_THROWS_WITH(
+      refuse_undetermined_rest(held, solvers,
+                               {{rests.found[0], other}, {rests.states[0], one_sample(other.state, other.evaluation)}}),
+      Catch::Contains("the equilibrium is not determined"));
 }
 
 TEST_CASE("Modes about an equilibrium are those of a machine at rest, whatever holds it there", "[analyses][quick]") {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/decompositions.h"
@@ -8,6 +9,7 @@
 #include "compare/analyses/kinematics.h"
 #include "compare/analyses/report.h"
 #include "compare/equilibrium/equilibrium.h"
+#include "compare/equilibrium/rests.h"
 #include "compare/states/chart.h"
 #include "tests/unit/fake_pendulum.h"
 
@@ -130,6 +132,26 @@ TEST_F(AnalysesTest, StaticsSeesASolverThatPushesMore) {
   const AnalysisVerdict result = judge_statics(sprung, unlike);
   EXPECT_EQ(result.wrenches.outcome, Outcome::differ);
   EXPECT_THAT(format_analysis(sprung, result, false), HasSubstr("FAIL sprung: "));
+}
+
+TEST_F(AnalysesTest, RestsThatTheOtherSolverTakesForRestsTooAreNotDetermined) {
+  model_.gravity = 9.81 * model_.joints[0].sides[0].C.col(2);  // along the hinge: it rests anywhere
+  const Model held = held_at_start(model_);
+  Model turned = held;
+  turned.joints[0].start[0].q(0) = 0.9;
+  const Solvers solvers{std::make_unique<FakePendulum>(held, "cartesian"),
+                        std::make_unique<FakePendulum>(held, "relative")};
+  Rests rests = find_rests(held, solvers);
+  EXPECT_NO_THROW(refuse_undetermined_rest(held, solvers, rests));
+  rests.found[1] = find_equilibrium(held, *solvers[1], FakePendulum(turned, "relative").assemble());
+  rests.states[1] = one_sample(rests.found[1].state, rests.found[1].evaluation);
+  try {
+    refuse_undetermined_rest(held, solvers, rests);
+    FAIL();
+  } catch (const SolverError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("statics: the equilibrium is not determined: the solvers come to different "
+                                        "rests, and each takes the other one's for a rest, too; where they part: "));
+  }
 }
 
 TEST_F(AnalysesTest, KinematicsRefusesFreedomByItsNumber) {
