@@ -126,17 +126,6 @@ std::vector<VecX> responses_to_forces(const Model& model, const Chart& chart) {
 
 }  // namespace
 
-/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
-/// the machine's length.
-double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
-  const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
-  double mass = 0.0;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) mass += mass_of(model.bodies[i]);
-  double largest = model.gravity.norm();
-  if (mass > 0.0) largest = std::max(largest, *std::max_element(forces.begin() + 1, forces.end()) / mass);
-  return largest / model.length_scale();
-}
-
 double reference_acceleration(const Model& model, const State& state, const Evaluation& evaluation) {
   const std::vector<double> forces = forces_on_bodies(model, state, evaluation);
   double largest = model.gravity.norm();

@@ -38,8 +38,4 @@ struct AccelerationScale {
 AccelerationScale acceleration_scale(const Model& model, const Chart& chart, const State& state,
                                      const Evaluation& evaluation);
 
-/// What forces cause if the whole machine's mass resists [1/s2]: the largest of gravity and of forces on one body, over
-/// the machine's length.
-double slow_acceleration(const Model& model, const State& state, const Evaluation& evaluation);
-
 }  // namespace concord::compare

@@ -15,7 +15,7 @@
 #include "compare/equilibrium/floating_parts.h"
 #include "compare/equilibrium/free_directions.h"
 #include "compare/equilibrium/growth.h"
-#include "compare/equilibrium/step_length.h"
+#include "compare/equilibrium/step_limit.h"
 #include "compare/equilibrium/steps_back.h"
 #include "compare/equilibrium/stiffness.h"
 #include "compare/states/chart.h"
@@ -27,9 +27,8 @@ namespace concord::compare {
 
 namespace {
 
-constexpr int kMostIterations = 300;
-constexpr double kLongestStep = 0.3;   // of the machine's length, rad
-constexpr double kLengthening = 10.0;  // of pseudo time steps
+constexpr int kMostIterations = 1000;
+constexpr double kLengthening = 10.0;      // of pseudo time steps
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
 constexpr double kSmallStep = 1e-9;        // Newton's method may end
 constexpr double kRoundOffStep = 1e-14;    // and does end
@@ -46,12 +45,12 @@ class PseudoTransientContinuation {
         start_(start),
         state_(start_),
         evaluation_(solver.evaluate(state_)),
-        length_(model, kLongestStep),
+        limit_(model),
         steps_back_(model, start_) {}
 
   Equilibrium run() {
     int iteration = 1;
-    for (; iteration <= kMostIterations + iterations_more(); ++iteration) {
+    for (; iteration <= kMostIterations; ++iteration) {
       if (advance(iteration)) return conclude(iteration);
     }
     throw SolverError(fmt::format("{}: no equilibrium in {} steps: at the last one {} still accelerates", name(),
@@ -60,12 +59,6 @@ class PseudoTransientContinuation {
 
  private:
   [[nodiscard]] std::string name() const { return fmt::format("{}: statics", solver_.name()); }
-
-  /// Those that the longest step made short on a long way, and those that steps back need, each with its corrections.
-  [[nodiscard]] int iterations_more() const {
-    return std::min(length_.uncounted(), kMostByShafts / std::max(1, static_cast<int>(last_force_.size()))) +
-           steps_back_.iterations();
-  }
 
   /// One step; true if the state is at rest already.
   bool advance(int iteration) {
@@ -96,17 +89,14 @@ class PseudoTransientContinuation {
     }
     const VecX pull = growth.without_negligible(f, kNegligibleForce * std::max(reference, f.norm()));
     const bool falls = growth.count() > 0 && pull == f;
-    const double nearly_longest = kNearlyAll * longest_time();
-    const bool settles = unmet.norm() <= kNearlyMet * f.norm() && kLengthening * time_ >= nearly_longest;
-    const bool arrives = is_met && (time_ >= nearly_longest || length_.crawls(f.norm()));
-    const bool by_newton = !falls && (settles || arrives);
+    const bool is_nearly_met = is_met || unmet.norm() <= kNearlyMet * f.norm();
+    const bool by_newton = !falls && is_nearly_met && kLengthening * time_ >= kNearlyAll * longest_time();
     if (!by_newton) lengthen(f, growth, falls);
-    length_.count_step(falls && is_cautious_);
     refuse_if_pushed(chart, unmet, negligible);
     last_step_ = newton.norm();
     const VecX step =
         by_newton ? newton : not_free_alone(flow_step(stiffness.J, growth, pull, falls), split.free_directions());
-    move(chart, steps_back_.relaxed(chart, step));
+    move(chart, step);
     return false;
   }
 
@@ -122,7 +112,7 @@ class PseudoTransientContinuation {
   /// where accelerations f have become so much smaller that what their turning feigned counts now, or where directions
   /// without stiffness say which rest is nearest to the start.
   [[nodiscard]] Stiffness stiffness_here(const Chart& chart, double f) {
-    moved_since_stiffness_ += length_.last_move();
+    moved_since_stiffness_ += limit_.last_move();
     const bool feigns_more = force_at_stiffness_ > std::max(10.0 * f, kRoundOffStep * scale_.reference);
     const double reach = free_.empty() ? kNearRest : kSameDirections;
     if (!is_cautious_ && !feigns_more && moved_since_stiffness_ < reach && last_basis_.cols() == chart.n()) {
@@ -141,9 +131,9 @@ class PseudoTransientContinuation {
   /// What a step does along directions without stiffness grows with the time that it stands for, and must not leave
   /// nothing of it for the others when it is shortened.
   [[nodiscard]] VecX not_free_alone(VecX step, const MatX& directions) const {
+    constexpr double kMost = 4.0;  // times the limit: as much as is cut and goes on
     const VecX along = directions * (directions.transpose() * step);
-    const double most =
-        std::max(1.1 * length_.longest_slide(), (step - along).norm());  // as much as shorten() cuts, and doubles
+    const double most = std::max(kMost * limit_.limit(), (step - along).norm());
     if (along.norm() > most) step -= along * (1.0 - most / along.norm());
     return step;
   }
@@ -153,7 +143,7 @@ class PseudoTransientContinuation {
   [[nodiscard]] bool is_on_the_way() {
     if (is_cautious_ || !free_.empty()) return false;
     if (time_ < longest_time()) return true;
-    return length_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
+    return limit_.last_move() >= kNearRest && ++long_steps_ < kLongSteps;
   }
 
   /// A step with rough derivatives, where these can be had.
@@ -183,8 +173,8 @@ class PseudoTransientContinuation {
 
   /// False where there is no step back to make.
   bool step_back(Chart& chart, const MatX& directions) {
-    length_.forget_leaps();
-    StepsBack::Next next = steps_back_.next(chart, directions, {state_, evaluation_}, length_.longest());
+    limit_.begin_anew();
+    StepsBack::Next next = steps_back_.next(chart, directions, {state_, evaluation_}, limit_.limit());
     if (const auto* step = std::get_if<VecX>(&next)) {
       last_step_ = 0.0;
       move(chart, *step);
@@ -222,18 +212,12 @@ class PseudoTransientContinuation {
     return is_at_rest || ++short_steps_ > kMostShortSteps;
   }
 
-  /// In the long run a light part, which its mount pulls about, must not shorten the time in which heavy ones settle.
-  [[nodiscard]] double longest_time() {
-    if (is_cautious_) return kLongestTime / scale_.reference;
-    const double slow = slow_acceleration(model_, state_, evaluation_);
-    if (!first_slow_) first_slow_ = slow;
-    return kLongestTime / std::max(slow, kOfFirstReference * *first_slow_);
-  }
+  [[nodiscard]] double longest_time() const { return kLongestTime / scale_.reference; }
 
   /// Pseudo time steps grow, tenfold as a rule. Cautious ones stay short enough not to jump to a place from which the
   /// machine falls.
   void lengthen(const VecX& f, const Growth& growth, bool falls) {
-    time_ = time_ == 0.0 ? length_.longest() / (3.0 * f.norm()) : kLengthening * time_;
+    time_ = time_ == 0.0 ? limit_.limit() / (3.0 * f.norm()) : kLengthening * time_;
     time_ = std::min(time_, longest_time());
     if (is_cautious_ && falls) time_ = std::min(time_, 0.5 / growth.steepest());
   }
@@ -252,8 +236,7 @@ class PseudoTransientContinuation {
       pushed_ = 0;
       return;
     }
-    if (pushed_ == 0) most_pushes_ = kPushes + length_.steps_to_stops(chart, unmet);
-    if (++pushed_ < most_pushes_) return;
+    if (limit_.goes_on() || ++pushed_ < kPushes) return;
     const VecX pushed = chart.velocities(unmet);
     throw SolverError(fmt::format(
         "{}: nothing resists {}: it is pushed and meets no stiffness, or too soft a one to rest near, or one "
@@ -262,13 +245,14 @@ class PseudoTransientContinuation {
   }
 
   void move(Chart& chart, VecX step) {
-    length_.shorten(chart, is_cautious_, step);
-    if (!is_cautious_ && step.norm() > reach_) step *= reach_ / step.norm();
+    limit_.shorten(chart, step);
     constexpr int kTries = 20;
     std::string refusal_there;
     for (int attempt = 0; attempt < kTries; ++attempt, step *= 0.5) {
-      if (!arrive(chart.with_modes_at(step), refusal_there)) continue;
-      reach_ = attempt == 0 ? kMoreReach * reach_ : kMoreReach * step.norm();
+      if (!arrive(chart.with_modes_at(step), refusal_there)) {
+        limit_.halve();
+        continue;
+      }
       return;
     }
     if (!refusal_there.empty()) {
@@ -306,8 +290,6 @@ class PseudoTransientContinuation {
   static constexpr int kFewSteps = 4;          // for which caution is not worth its derivatives
   static constexpr int kLongSteps = 30;
   static constexpr int kMostShortSteps = 20;
-  static constexpr int kMostByShafts = 400000;  // over the number of rates: some ten seconds
-  static constexpr double kMoreReach = 1.3;
   static constexpr double kNearRest = 1e-6;  // of the length, rad
   static constexpr double kSameDirections = 1e-12;
   static constexpr double kOfFirstReference = 1e-3;
@@ -327,17 +309,13 @@ class PseudoTransientContinuation {
   MatX last_basis_;                  // of the chart in which it is, or none
   std::optional<double> first_reference_;
   AccelerationScale scale_;  // at the state
-  std::optional<double> first_slow_;
   double time_ = 0.0;
   double last_step_ = 0.0;
   double step_left_ = 0.0;
-  StepLength length_;
-  /// Longer steps would hardly end in a closed state.
-  double reach_ = std::numeric_limits<double>::infinity();
+  StepLimit limit_;
   bool is_cautious_ = true;
   int long_steps_ = 0;
   int pushed_ = 0;
-  int most_pushes_ = kPushes;
   int short_steps_ = 0;
   StepsBack steps_back_;
   bool is_put_back_ = false;

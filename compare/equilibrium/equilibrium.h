@@ -27,12 +27,12 @@ struct Equilibrium {
 };
 
 /// Finds the equilibrium to which the machine settles from the start, by pseudo-transient continuation: implicit Euler
-/// steps along its accelerations, ever longer, then Newton's method on the accelerations. Along motions that grow the
-/// long steps go down as far as the curvature says, so that they neither jump nor crawl. No joint moves by more than
-/// 0.3 rad, or of the machine's length, in a step. Stiff modes and soft rigid motions do not disturb each other: the
-/// modes are eliminated first. Where stiffness is missing (see StiffnessSplit), the step of least norm leaves the
-/// direction alone. `model` must be held_at_start() and `solver` made for it. Throws
-/// SolverError if nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
+/// steps along its accelerations, each ten times as long, then Newton's method on the accelerations. Along motions that
+/// grow the long steps go down as far as the curvature says, so that they neither jump nor crawl; how far a step goes
+/// is StepLimit's. Stiff modes and soft rigid motions do not disturb each other: the modes are eliminated first. Where
+/// stiffness is missing (see StiffnessSplit), the step of least norm leaves the direction alone, and StepsBack leads to
+/// the rest nearest to the start. `model` must be held_at_start() and `solver` made for it. Throws SolverError if
+/// nothing resists a force along such a direction, or if no equilibrium is found, saying where and why.
 Equilibrium find_equilibrium(const Model& model, Solver& solver);
 /// The same from a closed state at rest.
 Equilibrium find_equilibrium(const Model& model, Solver& solver, const State& start);

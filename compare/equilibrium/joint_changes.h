@@ -10,18 +10,14 @@
 /// What joints do between two states, and along a direction of motion.
 namespace concord::compare {
 
-/// The largest changes of coordinates in a step: of a joint's angles [rad], those of fast shafts by the ratio of their
-/// gears, those of threads, and of what turns as fast on their bodies, by the lead; of its slides [of the machine's
-/// length] and of modes [modal_sizes()].
+/// The largest changes of coordinates in a step: of a joint's angles [rad]; of its slides [of the machine's length] and
+/// of modes [modal_sizes()].
 struct JointStep {
   double turn = 0.0;
   double rest = 0.0;
-  double fastest_turn = 0.0;  // gears not counted
-  double into_stops = 0.0;    // in units of the way to half the width of a stop, or by that further into it
+  double into_stops = 0.0;  // in units of the way to half the width of a stop, or by that further into it
 
   [[nodiscard]] double largest() const { return std::max(turn, rest); }
-  /// What gears make of the largest change, at most 1.
-  [[nodiscard]] double part_of_gears() const { return fastest_turn > largest() ? largest() / fastest_turn : 1.0; }
 };
 JointStep joint_step(const Model& model, const Chart& chart, const VecX& step);
 

@@ -10,10 +10,8 @@ namespace concord::compare {
 
 namespace {
 
-constexpr int kMostNear = 100;
-constexpr int kMostFar = 300;
+constexpr int kMostSteps = 300;
 constexpr int kMostReturns = 15;
-constexpr int kMostToRelax = 12;  // iterations
 constexpr double kRoundOffStep = 1e-14;
 constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
@@ -24,14 +22,6 @@ constexpr double kSeenStep = 1e-6;    // its half square is no round-off of the 
 constexpr double kLeastSpeed = 1e-7;  // of the fastest joint's
 
 }  // namespace
-
-int StepsBack::iterations() const {
-  constexpr int kPerFarStep = 8;
-  constexpr int kMostForFarSteps = 900;  // as many as 300 hopeless ones had when each had three
-  constexpr int kPerReturn = 25;
-  constexpr int kMostAstray = 300;
-  return std::min(kPerFarStep * far_, kMostForFarSteps) + kPerReturn * returns_ + std::min(astray_, kMostAstray);
-}
 
 bool StepsBack::has_failed(const State& here, const VecX& moved) const {
   if (!made_) return false;
@@ -57,19 +47,8 @@ MatX StepsBack::joint_rates(const Chart& chart, const MatX& directions) const {
   return rates;
 }
 
-VecX StepsBack::relaxed(const Chart& chart, const VecX& step) {
-  constexpr int kRelaxations = 8;
-  if (way_.cols() == 0) return step;
-  if (++relaxations_ > kMostToRelax) ++astray_;
-  if (relaxations_ > kRelaxations) return step;
-  const MatX directions = orthonormal_columns(chart.basis().transpose() * way_);
-  return step - directions * (directions.transpose() * step);
-}
-
-StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest& here, double longest) {
-  const bool took_long = way_.cols() > 0 && std::exchange(relaxations_, 0) > kMostToRelax;
-  way_.resize(0, 0);
-  if (directions.cols() == 0 || near_ == kMostNear || (returns_ == kMostReturns && !made_)) return {};
+StepsBack::Next StepsBack::next(const Chart& chart, const MatX& directions, const Rest& here, double longest) {
+  if (directions.cols() == 0 || steps_ == kMostSteps || (returns_ == kMostReturns && !made_)) return {};
   const VecX moved = joint_displacements(model_, start_, here.state);
   if (has_failed(here.state, moved)) {
     share_ *= kShorterStep;
@@ -79,21 +58,16 @@ StepsBack::Next StepsBack::next(Chart& chart, const MatX& directions, const Rest
     made_.reset();
     return nearest;
   }
-  if (took_long) shorter_ *= 0.5;
   if (made_ && ++successes_ % kNoEdge == 0) share_ = std::min(1.0, share_ / kShorterStep);
   const MatX rates = joint_rates(chart, directions);
   const MatX weighed = weighed_by_nearness(model_, moved, rates);
   const VecX along = share_ * smallest_least_squares(weighed, moved, kRoundOffStep);
-  VecX step = -directions * along;
+  const VecX step = -directions * along;
   const double size = step.norm();
-  longest *= shorter_;
-  if (shorter_ < 1.0 && size > longest) step *= longest / size;
   if (size <= kRoundOffStep || (size <= kSmallStep && (share_ < 1.0 || size >= kNoNearer * last_size_))) return {};
   last_size_ = size;
   made_ = Made{here, moved, -std::min(1.0, longest / size) * (rates * along)};
-  way_ = chart.basis() * directions;
-  const bool is_far = size > longest && far_ < kMostFar;  // over many turns
-  ++(is_far ? far_ : near_);
+  ++steps_;
   return step;
 }
 
