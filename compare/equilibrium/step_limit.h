@@ -1,7 +1,7 @@
 #pragma once
 
 #include "common/model.h"
-#include "compare/verdict/chart.h"
+#include "compare/states/chart.h"
 
 namespace concord::compare {
 
