@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <ostream>
 
@@ -11,6 +10,7 @@
 #include "compare/report/console.h"
 #include "compare/report/files.h"
 #include "compare/report/result_folder.h"
+#include "compare/report/whole_number.h"
 #include "compare/states/near_frames.h"
 
 namespace concord::compare::analyses {
@@ -21,14 +21,10 @@ namespace {
 AskedAcceleration read_asked(const std::string& text) {
   const std::size_t equals = text.rfind('=');
   const std::size_t dot = equals == std::string::npos ? std::string::npos : text.rfind('.', equals);
-  double value = 0.0;
   if (dot != std::string::npos) {
     // The last dot before '=' ends the joint's name.
-    const char* end = text.data() + text.size();
-    const auto [read, trouble] = std::from_chars(text.data() + equals + 1, end, value);
-    if (trouble == std::errc() && read == end && std::isfinite(value)) {
-      return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), value};
-    }
+    const auto value = whole_text_as<double>(text.substr(equals + 1));
+    if (value && std::isfinite(*value)) return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), *value};
   }
   throw InputError({"--acceleration", 0, 0},
                    fmt::format("'{}': expected joint.coordinate=number, such as hinge.turn_z=2.5 [rad/s2]", text));

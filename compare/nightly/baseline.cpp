@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <set>
 
 #include "common/error.h"
 #include "common/reading/text_file.h"
+#include "compare/report/whole_number.h"
 
 namespace concord::compare::nightly {
 
@@ -139,11 +139,9 @@ class BaselineParser {
 
   template <class Number>
   Number number(const std::string& field) const {
-    Number found{};
-    const char* end = field.data() + field.size();
-    const auto [read, trouble] = std::from_chars(field.data(), end, found);
-    if (trouble != std::errc() || read != end) refuse(fmt::format("expected a number, found '{}'", field));
-    return found;
+    const auto found = whole_text_as<Number>(field);
+    if (!found) refuse(fmt::format("expected a number, found '{}'", field));
+    return *found;
   }
   [[nodiscard]] long count(const std::string& field) const {
     const auto found = number<long>(field);

@@ -15,6 +15,7 @@
 #include "common/error.h"
 #include "compare/nightly/night.h"
 #include "compare/nightly/suite.h"
+#include "compare/report/whole_number.h"
 #include "compare/slurm/slurm.h"
 
 namespace concord::compare::nightly {
@@ -26,15 +27,15 @@ namespace fs = std::filesystem;
 constexpr std::string_view kClusterProcess = "slurm ";
 constexpr std::string_view kClusterMachine = "Slurm cluster ";
 
-long task_number() {
+int task_number() {
   const char* text = std::getenv("SLURM_ARRAY_TASK_ID");
-  const std::string number = text == nullptr ? "" : text;
-  if (number.empty() || number.size() > 9 || number.find_first_not_of("0123456789") != std::string::npos) {
+  const auto number = whole_text_as<int>(text == nullptr ? "" : text);
+  if (!number || *number < 0) {
     throw InputError({"--slurm-task", 0, 0},
                      "is what a task of a job array is started with: SLURM_ARRAY_TASK_ID is "
                      "no number");
   }
-  return std::stol(number);
+  return *number;
 }
 
 /// Processors that Slurm gave the task on this node.
@@ -151,17 +152,17 @@ int run_cluster_task(const NightlyCommand& command, const SolverMakers& makers, 
     throw InputError({"concord", 0, 0}, fmt::format("was built anew since the night was submitted: by {}, now {}",
                                                     plan.program, build_words()));
   }
-  const long task = task_number();
+  const int task = task_number();
   if (static_cast<std::size_t>(task) >= plan.tasks.size()) {
     throw InputError({folder.string(), 0, 0},
                      fmt::format("has {} tasks, and none of number {}", plan.tasks.size(), task));
   }
   std::set<std::string> to_run(plan.tasks[task].begin(), plan.tasks[task].end());
-  TaskRecord record = read_task(folder, static_cast<int>(task)).value_or(TaskRecord());
+  TaskRecord record = read_task(folder, task).value_or(TaskRecord());
   for (const Result& done : record.results) to_run.erase(done.id);
   const char* node = std::getenv("SLURMD_NODENAME");
   record.node = node == nullptr ? "" : node;
-  write_task(folder, static_cast<int>(task), record);
+  write_task(folder, task, record);
   fs::current_path(plan.where);
   const Suite suite = read_suite(plan.command.suite);
   std::vector<const Case*> cases;
@@ -173,11 +174,11 @@ int run_cluster_task(const NightlyCommand& command, const SolverMakers& makers, 
   const auto store = [&](const Result& result) {
     if (result.ending == Ending::not_run) return;  // the merge says why
     record.results.push_back(result);
-    write_task(folder, static_cast<int>(task), record);
+    write_task(folder, task, record);
   };
   run_cases(cases, options, store, {}, makers, console);
   record.is_finished = true;
-  write_task(folder, static_cast<int>(task), record);
+  write_task(folder, task, record);
   return kAgree;
 }
 

@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "compare/nightly/cluster.h"
 #include "compare/nightly/process.h"
+#include "compare/report/whole_number.h"
 
 namespace concord::compare::nightly {
 
@@ -67,10 +68,9 @@ const Night& night_called(const std::string& name, const std::vector<Night>& nig
   constexpr std::size_t kLeastOfCommit = 4;
   if (nights.empty()) throw InputError({name, 0, 0}, "the history holds no night");
   if (name.starts_with("last")) {
-    const std::string back = name.size() > 5 && name[4] == '-' ? name.substr(5) : name.size() == 4 ? "0" : "";
-    const bool is_number =
-        !back.empty() && back.size() < 9 && back.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number && std::stoul(back) < nights.size()) return nights[nights.size() - 1 - std::stoul(back)];
+    const std::string back = name.starts_with("last-") ? name.substr(5) : name == "last" ? "0" : "";
+    const auto number = whole_text_as<std::size_t>(back);
+    if (number && *number < nights.size()) return nights[nights.size() - 1 - *number];
   }
   for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
     if (fmt::format("{}", night->id) == name) return *night;

@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "compare/report/files.h"
+#include "compare/report/whole_number.h"
 #include "compare/slurm/words.h"
 
 namespace concord::compare::slurm {
@@ -55,10 +56,8 @@ std::string setting(const std::string& text, const std::string& name) {
 std::optional<long> number_in(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    const std::string number = line.substr(0, line.find(';'));
-    const bool is_number =
-        !number.empty() && number.size() < 18 && number.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number) return std::stol(number);
+    const auto number = whole_text_as<long>(line.substr(0, line.find(';')));
+    if (number && *number >= 0) return number;
   }
   return std::nullopt;
 }
@@ -88,12 +87,9 @@ Cluster find_cluster() {
                      "where jobs are submitted");
   }
   const Said said = run("scontrol show config");
-  Cluster cluster{setting(said.text, "ClusterName"), 0};
-  const std::string most = setting(said.text, "MaxArraySize");
-  if (said.code == 0 && most.find_first_not_of("0123456789") == std::string::npos && !most.empty() && most.size() < 9) {
-    cluster.most_tasks = std::stoi(most);
-  }
   if (said.code != 0) throw SlurmError(fmt::format("Slurm does not answer: {}", said.text));
+  const Cluster cluster{setting(said.text, "ClusterName"),
+                        whole_text_as<int>(setting(said.text, "MaxArraySize")).value_or(0)};
   if (cluster.most_tasks < 1) throw InputError({"--slurm", 0, 0}, "this Slurm allows no job arrays: MaxArraySize is 0");
   return cluster;
 }
