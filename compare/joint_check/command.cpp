@@ -30,14 +30,11 @@ std::vector<Subject> subjects_of(const JointCommand& command) {
     subjects.push_back(nullptr);
     return subjects;
   }
-  std::vector<std::string> known;
-  for (const JointType* type : joints::catalogue()) known.push_back(type->name);
-  known.emplace_back(kCouplings);
   for (const std::string& name : command.names) {
     subjects.push_back(joints::find(name));
     if (subjects.back() != nullptr || name == kCouplings) continue;
     throw InputError({"command line", 0, 0},
-                     fmt::format("no joint type '{}': {}", name, suggestion(name, known, "joint types")));
+                     fmt::format("no joint type '{}': {}", name, suggestion(name, subject_names(), "joint types")));
   }
   if (subjects.empty()) throw InputError({"command line", 0, 0}, "name a joint type, or say --all");
   return subjects;

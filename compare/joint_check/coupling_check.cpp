@@ -265,6 +265,13 @@ class CouplingCheck {
 
 }  // namespace
 
+std::vector<std::string> subject_names() {
+  std::vector<std::string> names;
+  for (const JointType* type : joints::catalogue()) names.push_back(type->name);
+  names.emplace_back(kCouplings);
+  return names;
+}
+
 Sheet check_couplings(const SheetOptions& options) {
   Sheet sheet;
   sheet.joint = kCouplings;

@@ -9,7 +9,6 @@
 #include <map>
 #include <set>
 
-#include "common/joints/catalogue.h"
 #include "common/reading/spelling.h"
 #include "common/reading/text_file.h"
 #include "common/reading/toml_document.h"
@@ -225,9 +224,7 @@ class SuiteReader {
   }
 
   void add_joints(const TableReader& table, Case base) {
-    std::vector<std::string> known;
-    for (const joints::JointType* type : joints::catalogue()) known.push_back(type->name);
-    known.emplace_back(joint_check::kCouplings);
+    const std::vector<std::string> known = joint_check::subject_names();
     base.poses = table.count("poses", 1, 10000).value_or(base.poses);
     std::vector<std::string> names = known;
     if (table.has("joints")) names = read_texts(table, "joints").value_or(std::vector<std::string>());
