@@ -1,8 +1,8 @@
-#include "compare/analyses/block_triangular_form.h"
-
 #include <algorithm>
 #include <map>
 #include <utility>
+
+#include "compare/analyses/branch.h"
 
 namespace concord::compare::analyses {
 

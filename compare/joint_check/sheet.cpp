@@ -7,8 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "compare/joint_check/statement_properties.h"
-#include "compare/joint_check/word_properties.h"
+#include "compare/joint_check/type_properties.h"
 #include "compare/report/explanations.h"
 #include "compare/report/text_table.h"
 

@@ -1,12 +1,10 @@
-#include "compare/joint_check/statement_properties.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <stdexcept>
 
 #include "compare/audit/referee.h"
-#include "compare/joint_check/poses.h"
+#include "compare/joint_check/type_properties.h"
 #include "relative/bodies/mobilizer.h"
 
 namespace concord::compare::joint_check {

@@ -1,5 +1,3 @@
-#include "compare/joint_check/word_properties.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -11,6 +9,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/joint_check/derivative_properties.h"
 #include "compare/joint_check/evaluated_pose.h"
+#include "compare/joint_check/type_properties.h"
 #include "relative/closure/nonholonomic_constraint.h"
 
 namespace concord::compare::joint_check {

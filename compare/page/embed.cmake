@@ -70,7 +70,7 @@ function(write_page page)
   file(APPEND ${SOURCE}.new "  return parts;\n}\n\n")
 endfunction()
 
-file(WRITE ${SOURCE}.new "#include \"compare/page/page_parts.h\"\n\n#include <utility>\n\n"
+file(WRITE ${SOURCE}.new "#include \"compare/page/fill.h\"\n\n#include <utility>\n\n"
                          "namespace concord::compare::page {\n\n")
 write_page(machine)
 write_page(night)

@@ -3,9 +3,18 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "compare/page/page_parts.h"
-
+/// The files of `web/`, as the build embeds them, and the pages that are made of them.
 namespace concord::compare::page {
+
+struct PageParts {
+  std::string html;  // with places @TITLE@, @STYLE@, @DATA@ and @SCRIPT@; the content policy names the digests
+  std::string style;
+  std::string script;
+};
+
+/// The page of machines that were compared, and that of a night.
+PageParts machine_parts();
+PageParts night_parts();
 
 /// The page of these parts: its title, and the data that its script reads. Text that is not UTF-8 is replaced.
 std::string fill_page(const PageParts& parts, const std::string& title, const nlohmann::ordered_json& data);

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/page/fill.h"
+#include "compare/report/files.h"
 #include "compare/report/result_document.h"
+#include "compare/report/result_folder.h"
 
 namespace concord::compare::page {
 
@@ -50,6 +52,17 @@ std::string format(PageJson machines) {
   return fill_page(machine_parts(), title, {{"made", made_words()}, {"machines", std::move(machines)}});
 }
 
+/// Results are not to be lost to a page of theirs.
+void require_no_input(const std::filesystem::path& out, const std::filesystem::path& folder) {
+  std::error_code unknown;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unknown)) {
+    const bool is_result = entry.path().string().ends_with(".result.json") || entry.path().extension() == ".nc";
+    if (is_result && is_same_file(out, entry.path())) {
+      throw InputError({out.string(), 0, 0}, "cannot be written: it is an input of the page");
+    }
+  }
+}
+
 }  // namespace
 
 std::string format_page(const std::vector<ReportedCase>& cases) {
@@ -65,6 +78,17 @@ std::string format_page(const std::vector<MachineResult>& results) {
   PageJson machines = PageJson::array();
   for (const MachineResult& result : results) machines.push_back(machine_data(result, bytes_for_each(results.size())));
   return format(std::move(machines));
+}
+
+int write_report(const ReportCommand& command, const Console& console) {
+  return guarded(console, [&] {
+    check_target(command.out);
+    require_no_input(command.out, command.folder);
+    const std::vector<MachineResult> results = read_results(command.folder);
+    write_file(command.out, format_page(results));
+    console.out << fmt::format("{}: {} {}\n", command.out.string(), results.size(),
+                               results.size() == 1 ? "machine" : "machines");
+  });
 }
 
 }  // namespace concord::compare::page

@@ -5,14 +5,14 @@
 #include <iostream>
 
 #include "cartesian/solver.h"
-#include "compare/fuzz/options.h"
+#include "compare/analyses/command.h"
+#include "compare/fuzz/command.h"
 #include "compare/invariance/command.h"
 #include "compare/invariance/moves.h"
 #include "compare/joint_check/command.h"
 #include "compare/nightly/command.h"
 #include "compare/nightly/options.h"
-#include "compare/page/command.h"
-#include "compare/program/analysis_options.h"
+#include "compare/page/page.h"
 #include "compare/program/commands.h"
 #include "compare/program/examples.h"
 #include "compare/program/frame.h"
@@ -98,6 +98,39 @@ void add_info(compare::CommandLine& line) {
   app.add_option("MODEL", model, "Model file (TOML)")->required();
 }
 
+using compare::analyses::Analysis;
+using compare::analyses::AnalysisCommand;
+
+/// With what all analyses have in common; the caller adds what is an analysis' own.
+compare::CommandLine::Added<AnalysisCommand> add_analysis(compare::CommandLine& line, Analysis analysis,
+                                                          const char* name, const char* about) {
+  const auto added = line.add<AnalysisCommand>(name, about, compare::analyses::analyse_model);
+  added.command.analysis = analysis;
+  added.app.add_option("MODEL", added.command.model, "Model file (TOML)")->required();
+  added.app.add_flag("--all", added.command.all_rows, "Print every component, not only the worst of each side");
+  added.app.add_option("--json", added.command.json, "File for the results as JSON");
+  added.app.add_option("--out", added.command.out, "Folder for results: NetCDF and CSV of each solver");
+  return added;
+}
+
+void add_analyses(compare::CommandLine& line) {
+  add_analysis(line, Analysis::statics, "statics", "Static equilibrium by both solvers");
+  const auto linearize = add_analysis(line, Analysis::linearize, "linearize",
+                                      "Eigenvalues and modes about the start or the equilibrium, by both solvers");
+  linearize.app.add_option("--at", linearize.command.at, "State to linearize about; default: start")
+      ->check(CLI::IsMember({"start", "equilibrium"}));
+  const auto kinematics =
+      add_analysis(line, Analysis::kinematics, "kinematics",
+                   "Motion and reactions of a machine whose motion is fully driven, by both solvers");
+  compare::add_run_options(kinematics.app, kinematics.command.options);
+  const auto inverse =
+      add_analysis(line, Analysis::inverse, "inverse",
+                   "Total coordinate forces (springs and motors of the coordinate included) that give the kept\n"
+                   "coordinates prescribed accelerations, by both solvers");
+  inverse.app.add_option("--acceleration", inverse.command.accelerations,
+                         "joint.coordinate=value [m/s2, rad/s2]; default of every kept coordinate: 0");
+}
+
 void add_joint(compare::CommandLine& line) {
   const auto [app, command] = line.add<compare::joint_check::JointCommand>(
       "joint", "Prove or refute joint types: what they forbid, permit and read, by both solvers, in all kinds of rigs",
@@ -174,7 +207,7 @@ int run_program(int argc, char** argv) {
   add_compare(line);
   add_run(line);
   add_info(line);
-  compare::add_analyses(line);
+  add_analyses(line);
   add_joint(line);
   add_invariance(line);
   compare::fuzz::add_fuzz(line);

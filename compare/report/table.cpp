@@ -8,9 +8,8 @@
 #include <tuple>
 
 #include "compare/audit/digits.h"
-#include "compare/report/table_head.h"
+#include "compare/report/table_parts.h"
 #include "compare/report/text_table.h"
-#include "compare/report/third_table.h"
 #include "compare/states/states.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"

@@ -1,10 +1,9 @@
-#include "compare/analyses/block_triangular_form.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "common/reading/model_file.h"
+#include "compare/analyses/branch.h"
 
 namespace concord::compare::analyses {
 namespace {

@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "common/error.h"
-#include "compare/page/command.h"
 #include "compare/report/files.h"
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"

@@ -7,7 +7,7 @@
 
 #include "compare/report/report_json.h"
 #include "compare/report/table.h"
-#include "compare/report/third_table.h"
+#include "compare/report/table_parts.h"
 #include "compare/verdict/third_words.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
