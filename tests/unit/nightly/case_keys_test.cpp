@@ -1,10 +1,9 @@
-#include "compare/nightly/case_tables.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/reading/toml_document.h"
+#include "compare/nightly/case_tables.h"
 
 namespace concord::compare::nightly {
 namespace {
