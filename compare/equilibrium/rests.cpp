@@ -1,10 +1,12 @@
 #include "compare/equilibrium/rests.h"
 
+#include <fmt/format.h>
+
+#include <optional>
+
 #include "common/error.h"
 #include "compare/quantities/align.h"
 #include "compare/quantities/motions.h"
-#include <fmt/format.h>
-#include <optional>
 
 namespace concord::compare {
 
