@@ -1,6 +1,6 @@
 # `cmake --install FOLDER` installs the program, the models, the manual, and the libraries as a package:
 # find_package(concord) gives another project concord::cartesian and concord::relative, the joint vocabulary
-# (concord::common), the comparator (concord::verdict, its tables and files: concord::report, the invariance battery:
+# (concord::common), the comparator (concord::verdict, its tables and files: concord::report, the invariance checks:
 # concord::invariance) and the joint check (concord::joint_check).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -25,7 +25,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/concord-config.cmake ${CMAKE_CURRENT_L
 # The public interface, and what its headers include; all other headers stay inside.
 set(public_headers cartesian/solver.h relative/solver.h common/reading/model_file.h common/joints/by_function.h
                    common/joints/catalogue.h compare/verdict/verify.h compare/report/table.h compare/report/result_files.h
-                   compare/invariance/battery.h compare/joint_check/sheet.h)
+                   compare/invariance/invariance_checks.h compare/joint_check/sheet.h)
 set(installed "")
 while(public_headers)
   list(POP_FRONT public_headers header)

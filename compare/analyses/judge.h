@@ -54,7 +54,7 @@ struct AppliedForceRow {
 /// What an analysis found, and how far the solvers agree on it.
 struct AnalysisVerdict {
   std::string analysis;  // "statics", ...
-  /// Wrenches, rank, audit, findings and failures; its rung "same run" is what each solver found for itself, and there
+  /// Wrenches, rank, audit, findings and failures; its check "same run" is what each solver found for itself, and there
   /// is no refined one.
   Verdict wrenches;
   /// The machine whose wrenches these are, where it is not the one that was asked about: inverse dynamics drives it.

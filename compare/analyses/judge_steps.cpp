@@ -147,7 +147,7 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
   const QuantityLayout layout(model);
   const std::array<Solver*, 2> both{solvers[0].get(), solvers[1].get()};
   const std::array<const Trajectory*, 2> trajectories{&found[0], &found[1]};
-  Judge judge(layout, {Rung::same_state, Rung::same_run}, verdict);
+  Judge judge(layout, {Check::same_state, Check::same_run}, verdict);
   judge.describe(both);
   for (const Who who : kBothSolvers) {
     verdict.solvers[index(who)].rank = both[index(who)]->rank(found[index(who)].samples.front().state);
@@ -168,8 +168,8 @@ void judge_wrenches(const Model& model, const Solvers& solvers, const std::array
     const Sample& rest = found[0].samples.front();
     hold_vanishing_against_machine(layout, {rest.state, {rest.evaluation, rest.evaluation}}, measured);
   }
-  record(layout, measured, Rung::same_run, verdict);
-  judge.find_differences_on(series, measured, Rung::same_run);
+  record(layout, measured, Check::same_run, verdict);
+  judge.find_differences_on(series, measured, Check::same_run);
   verdict.motion = compare_motions(model, trajectories);
   verdict.unique = own.mask;
 

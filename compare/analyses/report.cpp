@@ -32,7 +32,7 @@ bool is_same_side(const QuantityRow& a, const QuantityRow& b) {
 
 double margin(const QuantityRow& row) {
   if (!row.unique) return kMostDigits;
-  return std::min(margin(row, Rung::same_state), margin(row, Rung::same_run));
+  return std::min(margin(row, Check::same_state), margin(row, Check::same_run));
 }
 
 /// Reactions and element wrenches: all, or of each side the one with the least margin.
@@ -51,8 +51,8 @@ std::vector<const QuantityRow*> chosen_rows(const Verdict& verdict, bool all_row
   return chosen;
 }
 
-std::string digits_cell(const QuantityRow& row, Rung rung) {
-  return row.unique ? compare::digits_cell(digits_of(row, rung)) : "-";
+std::string digits_cell(const QuantityRow& row, Check check) {
+  return row.unique ? compare::digits_cell(digits_of(row, check)) : "-";
 }
 
 std::string row_table(const Model& model, const AnalysisVerdict& result, bool all_rows) {
@@ -62,7 +62,7 @@ std::string row_table(const Model& model, const AnalysisVerdict& result, bool al
     lines.push_back({describe_owner(model, row->quantity), describe_component(row->quantity),
                      fmt::format("{:.4g}{} {}", row->scale, row->source == ScaleSource::floor ? " (floor)" : "",
                                  unit_of(model, row->quantity)),
-                     digits_cell(*row, Rung::same_state), digits_cell(*row, Rung::same_run),
+                     digits_cell(*row, Check::same_state), digits_cell(*row, Check::same_run),
                      fmt::format("{:g} / {:g}", row->need.same_state, row->need.same_run), judgement_text(*row)});
   }
   return lines.size() > 1 ? format_table(lines, {false, false, true, true, true, false, false}) + '\n' : "";
@@ -78,8 +78,8 @@ std::string last_line(const AnalysisVerdict& result) {
     if (digits) text += fmt::format(", {} {}", name, format_digits(*digits));
     if (digits && !less.empty()) text += fmt::format(" ({})", less);
   };
-  add("same state", verdict.same_state.digits, passed_with_less(verdict, Rung::same_state));
-  add("each its own", verdict.same_run.digits, passed_with_less(verdict, Rung::same_run));
+  add("same state", verdict.same_state.digits, passed_with_less(verdict, Check::same_state));
+  add("each its own", verdict.same_run.digits, passed_with_less(verdict, Check::same_run));
   add("audit", verdict.audit.digits, "");
   std::optional<double> numbers;
   int resolved = 0;

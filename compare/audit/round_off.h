@@ -14,7 +14,7 @@ namespace concord::compare {
 
 /// States that no solver can tell from this one: every place, orientation and velocity moved by a few units of
 /// round-off of what it is computed from. What a law makes of them is what is known of its force: that of a stiff
-/// spring hangs by the last digits of its length.
+/// spring is attached by the last digits of its length.
 std::array<State, 2> within_roundoff(const State& state, double length);
 
 /// States moved by sixteen times as much, two of them to sides opposite to those of the others: where a law jumps so

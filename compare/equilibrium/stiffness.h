@@ -48,7 +48,7 @@ class StiffnessSplit {
   /// chart's origin, whose turning with the bodies feigns stiffness [1/s2]. There is no stiffness in a direction that
   /// does not exceed what differences resolve in it: the errors measured in it and in softer ones, the round-off of the
   /// entries of J from which it comes, and round-off of `scale`, over a step for what springs add up; `strictness`
-  /// times what is otherwise enough, where one asks whether the decision hangs by it.
+  /// times what is otherwise enough, where one asks whether the decision is attached by it.
   StiffnessSplit(const Chart& chart, const Stiffness& stiffness, const AccelerationScale& scale, const VecX& f,
                  double strictness = 1.0);
 

@@ -24,7 +24,7 @@ namespace {
 
 struct Tried {
   Model model;
-  Battery battery;
+  InvarianceChecks checks;
 };
 
 /// `names` holds the models tried so far.
@@ -40,11 +40,11 @@ Tried try_one(const std::filesystem::path& file, const InvarianceCommand& comman
   std::string note;
   const NearFrames near(one.model);
   one.model = as_it_starts(near.model(), makers, note);
-  one.battery = run_battery(one.model, makers, command.options);
+  one.checks = check_invariance(one.model, makers, command.options);
   for (const std::string& one_note : {near.note(), note}) {
-    if (!one_note.empty()) one.battery.notes.push_back(one_note);
+    if (!one_note.empty()) one.checks.notes.push_back(one_note);
   }
-  console.out << format_battery(one.model, one.battery) << std::flush;
+  console.out << format_checks(one.model, one.checks) << std::flush;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   console.err << fmt::format("{}: wall time {:.2f} s\n", one.model.name, taken.count());
   note_finished(one.model.name);
@@ -52,35 +52,35 @@ Tried try_one(const std::filesystem::path& file, const InvarianceCommand& comman
 }
 
 /// One line for each model, whatever became of it.
-std::string format_batteries(const std::vector<std::filesystem::path>& files,
-                             const std::vector<std::optional<Tried>>& tried) {
+std::string format_all_checks(const std::vector<std::filesystem::path>& files,
+                              const std::vector<std::optional<Tried>>& tried) {
   std::vector<std::vector<std::string>> lines{{"model", "moves", "nearest", "in move", "solver", "verdict"}};
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (!tried[k]) {
       lines.push_back({files[k].stem().string(), "-", "-", "-", "-", "no result"});
       continue;
     }
-    const Battery& battery = tried[k]->battery;
-    const auto applied = std::count_if(battery.moves.begin(), battery.moves.end(),
+    const InvarianceChecks& checks = tried[k]->checks;
+    const auto applied = std::count_if(checks.moves.begin(), checks.moves.end(),
                                        [](const MoveSummary& move) { return move.why_not.empty(); });
-    const std::string moves = fmt::format("{} of {}", applied, battery.moves.size());
-    const MoveRow* row = nearest_row(battery);
+    const std::string moves = fmt::format("{} of {}", applied, checks.moves.size());
+    const MoveRow* row = nearest_row(checks);
     if (row == nullptr) {
-      lines.push_back({battery.name, moves, "-", "-", "-", to_string(battery.outcome)});
+      lines.push_back({checks.name, moves, "-", "-", "-", to_string(checks.outcome)});
       continue;
     }
-    lines.push_back({battery.name, moves, format_nearest(*row->nearest), battery.moves[row->move].name,
-                     kSolverNames[static_cast<std::size_t>(index(row->who))], to_string(battery.outcome)});
+    lines.push_back({checks.name, moves, format_nearest(*row->nearest), checks.moves[row->move].name,
+                     kSolverNames[static_cast<std::size_t>(index(row->who))], to_string(checks.outcome)});
   }
   return format_table(lines, {false, true, true, false, false, false});
 }
 
-void write_batteries(const std::filesystem::path& file, const std::vector<std::optional<Tried>>& tried) {
-  std::vector<std::pair<const Model*, const Battery*>> found;
+void write_all_checks(const std::filesystem::path& file, const std::vector<std::optional<Tried>>& tried) {
+  std::vector<std::pair<const Model*, const InvarianceChecks*>> found;
   for (const auto& one : tried) {
-    if (one) found.emplace_back(&one->model, &one->battery);
+    if (one) found.emplace_back(&one->model, &one->checks);
   }
-  if (!found.empty()) write_file(file, format_battery_json(found, tried.size() > 1));
+  if (!found.empty()) write_file(file, format_checks_json(found, tried.size() > 1));
 }
 
 }  // namespace
@@ -98,12 +98,12 @@ int try_invariance(const InvarianceCommand& command, const SolverMakers& makers,
     if (k > 0) console.out << '\n';
     codes.push_back(guarded(console, [&] {
       tried[k] = try_one(command.models[k], command, makers, console, names);
-      return exit_code(tried[k]->battery.outcome);
+      return exit_code(tried[k]->checks.outcome);
     }));
   }
-  if (command.models.size() > 1) console.out << '\n' << format_batteries(command.models, tried);
+  if (command.models.size() > 1) console.out << '\n' << format_all_checks(command.models, tried);
   if (!command.json.empty()) {
-    codes.push_back(guarded(console, [&] { write_batteries(command.json, tried); }));
+    codes.push_back(guarded(console, [&] { write_all_checks(command.json, tried); }));
   }
   return *std::max_element(codes.begin(), codes.end());
 }

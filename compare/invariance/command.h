@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "compare/invariance/battery.h"
+#include "compare/invariance/invariance_checks.h"
 #include "compare/report/console.h"
 
 /// `concord invariance`.
@@ -11,7 +11,7 @@ namespace concord::compare::invariance {
 
 struct InvarianceCommand {
   std::vector<std::filesystem::path> models;
-  BatteryOptions options;
+  InvarianceOptions options;
   std::filesystem::path json;  // empty: write no JSON
 };
 

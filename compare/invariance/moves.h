@@ -5,7 +5,7 @@
 
 #include "compare/invariance/change.h"
 
-/// The moves of the battery: ways to describe a machine anew.
+/// The moves of the checks: ways to describe a machine anew.
 namespace concord::compare::invariance {
 
 /// One description that a move makes.

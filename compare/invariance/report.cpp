@@ -17,7 +17,7 @@ namespace {
 
 using Object = nlohmann::ordered_json;
 
-constexpr int kFormatOfBattery = 1;
+constexpr int kFormatOfChecks = 1;
 
 std::string solver_name(const MoveRow& row) { return kSolverNames[static_cast<std::size_t>(index(row.who))]; }
 
@@ -78,12 +78,12 @@ Object row_object(const Model& model, const MoveRow& row) {
   return found;
 }
 
-Object battery_object(const Model& model, const Battery& battery) {
+Object object_of(const Model& model, const InvarianceChecks& checks) {
   Object moves = Object::array();
-  for (std::size_t k = 0; k < battery.moves.size(); ++k) {
-    const MoveSummary& move = battery.moves[k];
+  for (std::size_t k = 0; k < checks.moves.size(); ++k) {
+    const MoveSummary& move = checks.moves[k];
     Object rows = Object::array();
-    for (const MoveRow& row : battery.rows) {
+    for (const MoveRow& row : checks.rows) {
       if (row.move == k) rows.push_back(row_object(model, row));
     }
     moves.push_back({{"move", move.name},
@@ -94,24 +94,24 @@ Object battery_object(const Model& model, const Battery& battery) {
                      {"left_as_it_is", move.left},
                      {"solvers", std::move(rows)}});
   }
-  return {{"format", kFormatOfBattery},
+  return {{"format", kFormatOfChecks},
           {"kind", "concord invariance"},
-          {"model", battery.name},
-          {"verdict", to_string(battery.outcome)},
+          {"model", checks.name},
+          {"verdict", to_string(checks.outcome)},
           {"need", kNeed},
-          {"states", {{"run", battery.run_states}, {"random", battery.random_states}}},
+          {"states", {{"run", checks.run_states}, {"random", checks.random_states}}},
           {"moves", std::move(moves)},
-          {"notes", battery.notes},
-          {"findings", findings_of(model, battery)}};
+          {"notes", checks.notes},
+          {"findings", findings_of(model, checks)}};
 }
 
-std::string last_line(const Battery& battery) {
-  const auto applied = std::count_if(battery.moves.begin(), battery.moves.end(),
+std::string last_line(const InvarianceChecks& checks) {
+  const auto applied = std::count_if(checks.moves.begin(), checks.moves.end(),
                                      [](const MoveSummary& move) { return move.why_not.empty(); });
-  std::string text = fmt::format("{} {}: {} of {} moves apply", to_string(battery.outcome), battery.name, applied,
-                                 battery.moves.size());
-  if (const MoveRow* row = nearest_row(battery)) {
-    text += fmt::format("; nearest {} ({}, {})", format_nearest(*row->nearest), battery.moves[row->move].name,
+  std::string text =
+      fmt::format("{} {}: {} of {} moves apply", to_string(checks.outcome), checks.name, applied, checks.moves.size());
+  if (const MoveRow* row = nearest_row(checks)) {
+    text += fmt::format("; nearest {} ({}, {})", format_nearest(*row->nearest), checks.moves[row->move].name,
                         solver_name(*row));
   }
   return text + '\n';
@@ -123,19 +123,19 @@ std::string format_nearest(const Nearest& nearest) {
   return digits_cell(nearest.measured.digits, nearest.resolvable());
 }
 
-const MoveRow* nearest_row(const Battery& battery) {
+const MoveRow* nearest_row(const InvarianceChecks& checks) {
   const MoveRow* found = nullptr;
-  for (const MoveRow& row : battery.rows) {
+  for (const MoveRow& row : checks.rows) {
     if (!row.nearest) continue;
     if (found == nullptr || is_nearer(row.nearest->measured, found->nearest->measured)) found = &row;
   }
   return found;
 }
 
-std::vector<std::string> findings_of(const Model& model, const Battery& battery) {
-  std::vector<std::string> findings = battery.failures;
-  for (const MoveRow& row : battery.rows) {
-    const MoveSummary& move = battery.moves[row.move];
+std::vector<std::string> findings_of(const Model& model, const InvarianceChecks& checks) {
+  std::vector<std::string> findings = checks.failures;
+  for (const MoveRow& row : checks.rows) {
+    const MoveSummary& move = checks.moves[row.move];
     for (const std::string& words : row.words) {
       findings.push_back(fmt::format("{}, {}: {}", move.name, solver_name(row), words));
     }
@@ -150,30 +150,30 @@ std::vector<std::string> findings_of(const Model& model, const Battery& battery)
   return findings;
 }
 
-std::string format_battery(const Model& model, const Battery& battery) {
+std::string format_checks(const Model& model, const InvarianceChecks& checks) {
   std::string text = fmt::format(
       "{}: each solver against itself, at {} states of a run and {} near them; need: {:g} digits, or all that double "
       "precision resolves\n\n",
-      battery.name, battery.run_states, battery.random_states, kNeed);
+      checks.name, checks.run_states, checks.random_states, kNeed);
   std::vector<std::vector<std::string>> lines{{"move", "solver", "nearest", "component", "digits", "start", "verdict"}};
-  for (const MoveRow& row : battery.rows) lines.push_back(cells(model, battery.moves[row.move], row));
+  for (const MoveRow& row : checks.rows) lines.push_back(cells(model, checks.moves[row.move], row));
   if (lines.size() > 1) text += format_table(lines, {false, false, false, false, true, true, false}) + '\n';
-  for (const MoveSummary& move : battery.moves) {
+  for (const MoveSummary& move : checks.moves) {
     if (!move.why_not.empty() || move.left.empty()) continue;
     text += fmt::format("{} leaves as they are: {}\n", move.name, fmt::join(move.left, "; "));
   }
-  for (const std::string& note : battery.notes) text += fmt::format("note: {}\n", note);
-  for (const std::string& finding : findings_of(model, battery)) {
-    text += fmt::format("{} {}: {}\n", battery.outcome == Outcome::failed ? "STOP" : "FAIL", battery.name, finding);
+  for (const std::string& note : checks.notes) text += fmt::format("note: {}\n", note);
+  for (const std::string& finding : findings_of(model, checks)) {
+    text += fmt::format("{} {}: {}\n", checks.outcome == Outcome::failed ? "STOP" : "FAIL", checks.name, finding);
   }
-  return text + last_line(battery);
+  return text + last_line(checks);
 }
 
-std::string format_battery_json(const std::vector<std::pair<const Model*, const Battery*>>& batteries,
-                                bool several_asked) {
-  if (!several_asked) return battery_object(*batteries.front().first, *batteries.front().second).dump(2) + '\n';
+std::string format_checks_json(const std::vector<std::pair<const Model*, const InvarianceChecks*>>& all_checks,
+                               bool several_asked) {
+  if (!several_asked) return object_of(*all_checks.front().first, *all_checks.front().second).dump(2) + '\n';
   Object all = Object::object();
-  for (const auto& [model, battery] : batteries) all[battery->name] = battery_object(*model, *battery);
+  for (const auto& [model, checks] : all_checks) all[checks->name] = object_of(*model, *checks);
   return all.dump(2) + '\n';
 }
 

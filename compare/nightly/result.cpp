@@ -52,10 +52,10 @@ void put_in_order(std::vector<Component>& components) {
   std::sort(components.begin(), components.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
 }
 
-std::optional<double> worst_of(const Result& result, std::optional<double> Component::*rung) {
+std::optional<double> worst_of(const Result& result, std::optional<double> Component::*check) {
   std::optional<double> worst;
   for (const Component& one : result.components) {
-    const std::optional<double>& digits = one.*rung;
+    const std::optional<double>& digits = one.*check;
     if (digits && (!worst || *digits < *worst)) worst = digits;
   }
   return worst;

@@ -27,7 +27,7 @@ enum class Ending {
 std::string to_string(Ending ending);
 Ending ending_of(const std::string& text);
 
-/// One number on which two solvers agree to some digits. Digits are missing where a rung did not judge it.
+/// One number on which two solvers agree to some digits. Digits are missing where a check did not judge it.
 struct Component {
   std::string name;  // "joint D on slider, F_x"
   std::optional<double> same_state;
@@ -64,8 +64,8 @@ struct Result {
 /// Sorts the components, and numbers those whose name another one has.
 void put_in_order(std::vector<Component>& components);
 
-/// Worst digits of a rung, nothing if it judged nothing; and those of same state, same run and refined.
-std::optional<double> worst_of(const Result& result, std::optional<double> Component::*rung);
+/// Worst digits of a check, nothing if it judged nothing; and those of same state, same run and refined.
+std::optional<double> worst_of(const Result& result, std::optional<double> Component::*check);
 std::array<std::optional<double>, 3> worst_digits(const Result& result);
 
 /// Code of the program for a case of this ending.

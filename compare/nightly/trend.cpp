@@ -49,11 +49,11 @@ const Component* component_named(const Result& result, const std::string& name) 
   return found == result.components.end() ? nullptr : &*found;
 }
 
-std::optional<double> rung_of(const Result& result, const std::string& component,
-                              std::optional<double> Component::*rung) {
-  if (component.empty()) return worst_of(result, rung);
+std::optional<double> check_of(const Result& result, const std::string& component,
+                               std::optional<double> Component::*check) {
+  if (component.empty()) return worst_of(result, check);
   const Component* one = component_named(result, component);
-  return one == nullptr ? std::nullopt : one->*rung;
+  return one == nullptr ? std::nullopt : one->*check;
 }
 
 /// One measure over all nights.
@@ -64,13 +64,13 @@ struct Measure {
 
 std::vector<Measure> measures_of(const std::vector<Entry>& nights, const std::string& component) {
   std::vector<Measure> all{{"same state", {}}, {"same run", {}}, {"refined", {}}};
-  constexpr std::array kRungMembers{&Component::same_state, &Component::same_run, &Component::refined};
-  for (std::size_t k = 0; k < kRungMembers.size(); ++k) {
-    for (const Entry& entry : nights) all[k].values.push_back(rung_of(entry.result, component, kRungMembers[k]));
+  constexpr std::array kCheckMembers{&Component::same_state, &Component::same_run, &Component::refined};
+  for (std::size_t k = 0; k < kCheckMembers.size(); ++k) {
+    for (const Entry& entry : nights) all[k].values.push_back(check_of(entry.result, component, kCheckMembers[k]));
   }
   if (!component.empty()) {
     Measure& peak = all.emplace_back(Measure{"peak", {}});
-    for (const Entry& entry : nights) peak.values.push_back(rung_of(entry.result, component, &Component::peak));
+    for (const Entry& entry : nights) peak.values.push_back(check_of(entry.result, component, &Component::peak));
   }
   for (std::size_t who = 0; who < 2; ++who) {
     Measure& cost = all.emplace_back(Measure{who == 0 ? "evaluations of cartesian" : "evaluations of relative", {}});
@@ -91,9 +91,9 @@ std::string table_of(const std::vector<Entry>& nights, const std::string& compon
     const Result& one = entry.result;
     lines.push_back({fmt::format("{}", entry.night.id), entry.night.started, entry.night.origin.commit,
                      entry.night.origin.compiler, to_string(one.ending),
-                     digits_cell(rung_of(one, component, &Component::same_state)),
-                     digits_cell(rung_of(one, component, &Component::same_run)),
-                     digits_cell(rung_of(one, component, &Component::refined)),
+                     digits_cell(check_of(one, component, &Component::same_state)),
+                     digits_cell(check_of(one, component, &Component::same_run)),
+                     digits_cell(check_of(one, component, &Component::refined)),
                      pair_cell({one.cost[0].evaluations, one.cost[1].evaluations}),
                      pair_cell({one.cost[0].steps, one.cost[1].steps}), fmt::format("{:.2f}", one.wall_s)});
   }

@@ -108,7 +108,7 @@ Component component_of(const Model& model, const QuantityRow& row, const VecX& p
   Component one;
   one.name = fmt::format("{}, {}", describe_owner(model, row.quantity), describe_component(row.quantity));
   one.same_state = row.same_state;
-  one.resolvable = detail_of(row, Rung::same_state).resolvable;
+  one.resolvable = detail_of(row, Check::same_state).resolvable;
   one.same_run = row.same_run;
   one.refined = row.refined;
   one.need = {row.need.same_state, row.need.same_run, row.need.refined};
@@ -145,7 +145,7 @@ void add_components(const Model& model, const Verdict& verdict, std::vector<Comp
       Component& all = worst.try_emplace(row.quantity.kind, component_of(model, row, {}, layout)).first->second;
       all.name = name_of_kind(row.quantity.kind);
       take_worse(all.same_state, row.same_state);
-      take_worse(all.resolvable, detail_of(row, Rung::same_state).resolvable);
+      take_worse(all.resolvable, detail_of(row, Check::same_state).resolvable);
       take_worse(all.same_run, row.same_run);
       take_worse(all.refined, row.refined);
     }
@@ -218,10 +218,10 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   VerifyOptions options = one.options;
   options.makers = &makers;
   std::string last;
-  options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
-    if (rung == last) return;
-    last = rung;
-    tell_stage(rung);
+  options.progress = [&](std::string_view check, const std::array<double, 2>&) {
+    if (check == last) return;
+    last = check;
+    tell_stage(check);
   };
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
   verdict.trajectories = machine.back(std::move(verdict.trajectories));
@@ -294,21 +294,21 @@ void invariance_case(const Case& one, const SolverMakers& makers, Result& result
   std::string note;
   const Model model = as_it_starts(NearFrames(model_of(one)).model(), makers, note);
   tell_stage("moves");
-  invariance::BatteryOptions options;
+  invariance::InvarianceOptions options;
   options.until = one.options.until;
-  const invariance::Battery battery = invariance::run_battery(model, makers, options);
-  result.ending = ending_of_outcome(battery.outcome);
-  for (const std::string& finding : invariance::findings_of(model, battery)) {
+  const invariance::InvarianceChecks checks = invariance::check_invariance(model, makers, options);
+  result.ending = ending_of_outcome(checks.outcome);
+  for (const std::string& finding : invariance::findings_of(model, checks)) {
     result.words += (result.words.empty() ? "" : "\n") + finding;
   }
-  for (const invariance::MoveRow& row : battery.rows) {
+  for (const invariance::MoveRow& row : checks.rows) {
     if (!row.applies) continue;
     result.judged += row.judged;
     result.total += row.total;
     if (!row.nearest) continue;
     Component& component = result.components.emplace_back();
     component.name =
-        fmt::format("{}, {}", battery.moves[row.move].name, kSolverNames[static_cast<std::size_t>(index(row.who))]);
+        fmt::format("{}, {}", checks.moves[row.move].name, kSolverNames[static_cast<std::size_t>(index(row.who))]);
     component.same_state = row.nearest->measured.digits;
     component.resolvable = row.nearest->resolvable();
     component.need[0] = invariance::kNeed;

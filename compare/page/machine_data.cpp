@@ -205,22 +205,22 @@ class RunData {
   std::vector<std::size_t> frames_;
 };
 
-/// The rung on which the digits have the least margin above what is asked, of the rows that are judged; `below`: only
+/// The check on which the digits have the least margin above what is asked, of the rows that are judged; `below`: only
 /// if it misses that.
 std::string nearest_to_need(const DataJson& document, bool below) {
   constexpr std::array<const char*, 3> kNames{"at the same state", "in the same run", "refined"};
   double least = below ? 0.0 : 1e300;
   std::string text;
   for (const DataJson& row : document.at("rows")) {
-    for (std::size_t rung = 0; rung < kNames.size(); ++rung) {
-      const DataJson& digits = row.at("digits").at(rung);
+    for (std::size_t check = 0; check < kNames.size(); ++check) {
+      const DataJson& digits = row.at("digits").at(check);
       if (!digits.is_number()) continue;
-      const auto need = row.at("need").at(rung).get<double>();
+      const auto need = row.at("need").at(check).get<double>();
       if (digits.get<double>() - need >= least) continue;
       least = digits.get<double>() - need;
       const bool by_resolution = !below && least < 0.0 && row.at("by_resolution").get<bool>();
-      text = fmt::format("{} digits {} where {:g} are asked{}", format_digits(digits.get<double>()), kNames[rung], need,
-                         by_resolution ? ", which is all that double precision resolves there" : "");
+      text = fmt::format("{} digits {} where {:g} are asked{}", format_digits(digits.get<double>()), kNames[check],
+                         need, by_resolution ? ", which is all that double precision resolves there" : "");
     }
   }
   return text;

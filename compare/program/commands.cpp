@@ -127,8 +127,8 @@ void solve_both(const CompareCommand& command, const InputFiles& inputs, const S
   options.makers = &makers;
   {
     ProgressLine line(console);
-    options.progress = [&](std::string_view rung, const std::array<double, 2>& done) {
-      line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, rung, percent(done[0]),
+    options.progress = [&](std::string_view check, const std::array<double, 2>& done) {
+      line.show(fmt::format("{}: {}, cartesian {} %, relative {} %", one.model.name, check, percent(done[0]),
                             percent(done[1])));
     };
     one.verdict = verify(machine.model(), cartesian, relative, options);

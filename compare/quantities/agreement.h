@@ -7,7 +7,7 @@
 
 #include "common/types.h"
 
-/// How far two solvers agree on each quantity over one rung.
+/// How far two solvers agree on each quantity over one check.
 namespace concord::compare {
 
 class QuantityLayout;

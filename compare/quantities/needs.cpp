@@ -9,22 +9,22 @@
 
 namespace concord::compare {
 
-const char* name_of(Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
+const char* name_of(Check check) {
+  switch (check) {
+    case Check::same_state:
       return "same state";
-    case Rung::same_run:
+    case Check::same_run:
       return "same run";
     default:
       return "refined";
   }
 }
 
-double need_of(const Needs& needs, Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
+double need_of(const Needs& needs, Check check) {
+  switch (check) {
+    case Check::same_state:
       return needs.same_state;
-    case Rung::same_run:
+    case Check::same_run:
       return needs.same_run;
     default:
       return needs.refined;
@@ -75,18 +75,18 @@ bool applies(const Model& model, const NeedOverride& change, const Quantity& qua
   }
 }
 
-struct NeededRung {
+struct NeededCheck {
   const char* name;
   std::optional<double> NeedOverride::*asked;
   double Needs::*need;
 };
-constexpr std::array kNeededRungs{NeededRung{"same_state", &NeedOverride::same_state, &Needs::same_state},
-                                  NeededRung{"same_run", &NeedOverride::same_run, &Needs::same_run},
-                                  NeededRung{"refined", &NeedOverride::refined, &Needs::refined}};
+constexpr std::array kNeededChecks{NeededCheck{"same_state", &NeedOverride::same_state, &Needs::same_state},
+                                   NeededCheck{"same_run", &NeedOverride::same_run, &Needs::same_run},
+                                   NeededCheck{"refined", &NeedOverride::refined, &Needs::refined}};
 
 bool lowers(const NeedOverride& change, const Needs& standard) {
-  return std::any_of(kNeededRungs.begin(), kNeededRungs.end(), [&](const NeededRung& rung) {
-    return (change.*rung.asked).value_or(standard.*rung.need) < standard.*rung.need;
+  return std::any_of(kNeededChecks.begin(), kNeededChecks.end(), [&](const NeededCheck& check) {
+    return (change.*check.asked).value_or(standard.*check.need) < standard.*check.need;
   });
 }
 
@@ -125,7 +125,8 @@ Needs needs_of(const Model& model, const Quantity& quantity) {
   Needs needs = standard;
   for (const NeedOverride& change : model.needs) {
     if (!applies(model, change, quantity)) continue;
-    for (const NeededRung& rung : kNeededRungs) needs.*rung.need = (change.*rung.asked).value_or(needs.*rung.need);
+    for (const NeededCheck& check : kNeededChecks)
+      needs.*check.need = (change.*check.asked).value_or(needs.*check.need);
     if (lowers(change, standard)) needs.because = change.because;
   }
   needs.same_state_lowered = needs.same_state < standard.same_state;
@@ -137,14 +138,14 @@ void check_needs(const Model& model) {
   std::vector<Diagnostic> complaints;
   for (const NeedOverride& change : model.needs) {
     check_names(model, change, complaints);
-    for (const NeededRung& rung : kNeededRungs) {
-      const double need = standard.*rung.need;
-      const double asked = (change.*rung.asked).value_or(need);
+    for (const NeededCheck& check : kNeededChecks) {
+      const double need = standard.*check.need;
+      const double asked = (change.*check.asked).value_or(need);
       if (asked >= need || !change.because.empty()) continue;
       complaints.push_back(
           {change.where, fmt::format("need: {} = {} is below the {} digits that the comparator asks of this model; "
                                      "say why with because = \"...\"",
-                                     rung.name, asked, need)});
+                                     check.name, asked, need)});
     }
   }
   if (!complaints.empty()) throw InputError(std::move(complaints));

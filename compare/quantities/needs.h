@@ -12,14 +12,14 @@ namespace concord::compare {
 
 struct Quantity;
 
-/// The rungs at which digits are judged, in their order.
-enum class Rung { same_state, same_run, refined };
-inline constexpr std::array kRungs{Rung::same_state, Rung::same_run, Rung::refined};
+/// The checks at which digits are judged, in their order.
+enum class Check { same_state, same_run, refined };
+inline constexpr std::array kChecks{Check::same_state, Check::same_run, Check::refined};
 
 /// "same state", "same run", "refined".
-const char* name_of(Rung rung);
+const char* name_of(Check check);
 
-/// Digits that a quantity must reach on each rung.
+/// Digits that a quantity must reach on each check.
 struct Needs {
   double same_state = 0.0;
   double same_run = 0.0;
@@ -35,12 +35,12 @@ inline constexpr double kRigidSameRun = 7.0;
 inline constexpr double kFlexibleSameState = 10.0;
 inline constexpr double kFlexibleSameRun = 6.0;
 inline constexpr double kRefined = 8.5;
-/// The refined rung is also met if the digits rise by this much when the tolerance falls 100 times.
+/// The refined check is also met if the digits rise by this much when the tolerance falls 100 times.
 inline constexpr double kRefinedRise = 1.5;
 /// The energy balance of a run may err by this many times its relative tolerance.
 inline constexpr double kEnergyPerTolerance = 1e3;
 
-double need_of(const Needs& needs, Rung rung);
+double need_of(const Needs& needs, Check check);
 
 /// What the comparator asks of a model that says nothing.
 Needs default_needs(const Model& model);

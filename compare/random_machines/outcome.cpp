@@ -59,9 +59,9 @@ std::string differ_kind(const Finding& finding) {
     return fmt::format("{} loses energy", up_to(finding.what, " "));
   }
   if (finding.what.find("does not accept") != std::string::npos) return "closures";
-  const std::string_view rung = up_to(finding.symptom, ":");
+  const std::string_view check = up_to(finding.symptom, ":");
   for (const std::string_view known : {"same state", "same run", "refined", "audit"}) {
-    if (rung == known) return without_particulars(finding.symptom).substr(0, kMostOfKind);
+    if (check == known) return without_particulars(finding.symptom).substr(0, kMostOfKind);
   }
   return without_particulars(up_to(finding.what, ":"));
 }
@@ -70,7 +70,7 @@ ResolutionRatios ratios_in(const Verdict& verdict) {
   ResolutionRatios ratios;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      const RungDetail& detail = row.detail[0];
+      const CheckDetail& detail = row.detail[0];
       if (row.same_state && detail.resolvable && detail.samples > 0) ratios.add(detail.ratio);
     }
   }
@@ -135,11 +135,11 @@ Outcome outcome_of(const Verdict& verdict) {
   for (const std::string& failure : verdict.failures) failures.push_back(outcome_of_error(failure));
   Outcome worst;
   for (const Outcome& one : failures) {
-    // Where one solver says on a rung what is with the machine, the other's stop there needs no other reason; nor does
+    // Where one solver says on a check what is with the machine, the other's stop there needs no other reason; nor does
     // a run that stops where a state of it is a singular pose.
     const auto explains = [&one](const Outcome& other) {
       if (other.sort != Sort::refusal) return false;
-      const std::string_view where = up_to(other.text, ":");  // a rung, or a solver that was asked in a state
+      const std::string_view where = up_to(other.text, ":");  // a check, or a solver that was asked in a state
       const bool is_state = where == "cartesian" || where == "relative";
       return where == up_to(one.text, ":") || (is_state && other.kind == "singular pose");
     };

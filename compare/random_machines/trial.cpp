@@ -14,8 +14,8 @@ namespace {
 /// Fewer than for a model of a user: many machines with few states find more than one machine with many.
 constexpr int kStates = 16;
 
-void tell_rung(std::string_view rung) {
-  std::fprintf(stderr, "rung: %.*s\n", static_cast<int>(rung.size()), rung.data());
+void tell_check(std::string_view check) {
+  std::fprintf(stderr, "check: %.*s\n", static_cast<int>(check.size()), check.data());
 }
 
 /// Messages name the model's file, whose folder belongs to one run.
@@ -40,11 +40,11 @@ std::optional<Model> read_text(const ModelText& text, const std::filesystem::pat
 Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, const SolverMakers& makers,
                     bool refines) {
   Outcome outcome;
-  tell_rung("reading");
+  tell_check("reading");
   std::optional<Model> model = read_text(text, folder, outcome);
   if (!model) return outcome;
   try {
-    tell_rung("start");
+    tell_check("start");
     std::string note;
     const auto [cartesian, relative] = make_solvers_on_one_branch(*model, makers, note);
     VerifyOptions options;
@@ -53,10 +53,10 @@ Outcome try_machine(const ModelText& text, const std::filesystem::path& folder, 
     options.refines = refines;
     options.explains = false;  // a machine that is made small differs hundreds of times
     std::string last;
-    options.progress = [&](std::string_view rung, const std::array<double, 2>&) {
-      if (rung == last) return;
-      last = rung;
-      tell_rung(rung);
+    options.progress = [&](std::string_view check, const std::array<double, 2>&) {
+      if (check == last) return;
+      last = check;
+      tell_check(check);
     };
     return outcome_of(verify(*model, *cartesian, *relative, options));
   } catch (const InputError& error) {

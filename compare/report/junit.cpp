@@ -65,13 +65,13 @@ TestCase of_row(const Model& model, const QuantityRow& row) {
                 TestCase::Result::passed, ""};
   if (row.judgement == Judgement::agree) return test;
   test.result = row.judgement == Judgement::differ ? TestCase::Result::failed : TestCase::Result::error;
-  for (const Rung rung : kRungs) {
-    if (!judges(rung, row.quantity.kind) || meets_need(row, rung)) continue;
-    const auto digits = digits_of(row, rung);
-    test.message += fmt::format("{}{}: {} digits (need {:g})", test.message.empty() ? "" : ", ", name_of(rung),
-                                digits ? format_digits(*digits) : "no", need_of(row, rung));
-    if (digits && *digits >= need_of(row, rung) && is_beyond_round_off(row, rung)) {
-      test.message += fmt::format(", {:.2g} times what double precision resolves", detail_of(row, rung).ratio);
+  for (const Check check : kChecks) {
+    if (!judges(check, row.quantity.kind) || meets_need(row, check)) continue;
+    const auto digits = digits_of(row, check);
+    test.message += fmt::format("{}{}: {} digits (need {:g})", test.message.empty() ? "" : ", ", name_of(check),
+                                digits ? format_digits(*digits) : "no", need_of(row, check));
+    if (digits && *digits >= need_of(row, check) && is_beyond_round_off(row, check)) {
+      test.message += fmt::format(", {:.2g} times what double precision resolves", detail_of(row, check).ratio);
     }
   }
   return test;

@@ -17,14 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json rung(const RungSummary& summary) {
+Json check(const CheckSummary& summary) {
   Json found{{"digits", digits_json(summary.digits)}};
   if (summary.horizon) found["horizon_s"] = *summary.horizon;
   return found;
 }
 
-Json rung(const Verdict& verdict, Rung of) {
-  Json found = rung(summary_of(verdict, of));
+Json check(const Verdict& verdict, Check of) {
+  Json found = check(summary_of(verdict, of));
   if (std::string less = passed_with_less(verdict, of); !less.empty()) found["passed_with_less"] = std::move(less);
   return found;
 }
@@ -33,7 +33,7 @@ Json rung(const Verdict& verdict, Rung of) {
 Json wrench_row(const char* owner, const std::string& name, const QuantityRow& row) {
   const bool is_shown = is_judged(row);
   const auto judged = [&](const std::optional<double>& value) { return is_shown ? digits_json(value) : Json(nullptr); };
-  const RungDetail& detail = detail_of(row, Rung::same_state);
+  const CheckDetail& detail = detail_of(row, Check::same_state);
   Json need{{"same_state", row.need.same_state}, {"same_run", row.need.same_run}, {"refined", row.need.refined}};
   return {
       {owner, name},
@@ -47,7 +47,7 @@ Json wrench_row(const char* owner, const std::string& name, const QuantityRow& r
       {"same_state_resolvable_digits", judged(detail.resolvable)},
       {"same_state_resolutions", detail.ratio},
       {"same_run_digits", judged(row.same_run)},
-      {"same_run_scale", row.same_run ? Json(detail_of(row, Rung::same_run).scale) : Json(nullptr)},
+      {"same_run_scale", row.same_run ? Json(detail_of(row, Check::same_run).scale) : Json(nullptr)},
       {"refined_digits", judged(row.refined)},
       {"need", std::move(need)},
       {"judged_by_resolution", is_judged_by_resolution(row)},
@@ -115,10 +115,10 @@ Json document(const Model& model, const Verdict& verdict) {
             {"verdict", to_string(verdict.outcome)},
             {"judged", reactions.judged},
             {"total", reactions.total},
-            {"same_state", rung(verdict, Rung::same_state)},
-            {"same_run", rung(verdict, Rung::same_run)},
-            {"refined", rung(verdict, Rung::refined)},
-            {"audit", rung(verdict.audit)},
+            {"same_state", check(verdict, Check::same_state)},
+            {"same_run", check(verdict, Check::same_run)},
+            {"refined", check(verdict, Check::refined)},
+            {"audit", check(verdict.audit)},
             {"joints", std::move(joints)},
             {"solvers", std::move(solvers)}};
   if (std::string instead = judged_instead(verdict); !instead.empty()) said["judged_instead"] = std::move(instead);

@@ -13,7 +13,7 @@ namespace concord::compare {
 inline constexpr int kVerdictFormat = 1;
 
 /// The verdict on one model as JSON text, indented, ending with a line feed. Keys: compare/report/README. Digits have
-/// two decimals, rounded down, and are null where a rung did not run or did not judge; everything but `wall_s` is the
+/// two decimals, rounded down, and are null where a check did not run or did not judge; everything but `wall_s` is the
 /// same from run to run.
 std::string format_json(const Model& model, const Verdict& verdict);
 

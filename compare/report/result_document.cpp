@@ -117,13 +117,13 @@ ResultJson result_row(const Model& model, const QuantityRow& row) {
   ResultJson needs = ResultJson::array();
   ResultJson scales = ResultJson::array();
   const bool is_shown = is_judged(row);
-  for (const Rung rung : kRungs) {
-    digits.push_back(is_shown ? or_null(digits_of(row, rung)) : ResultJson());
-    resolvable.push_back(is_shown ? or_null(detail_of(row, rung).resolvable) : ResultJson());
-    needs.push_back(need_of(row, rung));
-    scales.push_back(digits_of(row, rung) ? ResultJson(detail_of(row, rung).scale) : ResultJson());
+  for (const Check check : kChecks) {
+    digits.push_back(is_shown ? or_null(digits_of(row, check)) : ResultJson());
+    resolvable.push_back(is_shown ? or_null(detail_of(row, check).resolvable) : ResultJson());
+    needs.push_back(need_of(row, check));
+    scales.push_back(digits_of(row, check) ? ResultJson(detail_of(row, check).scale) : ResultJson());
   }
-  const RungDetail& detail = detail_of(row, Rung::same_state);
+  const CheckDetail& detail = detail_of(row, Check::same_state);
   return {
       {"kind", row.quantity.kind == Kind::element ? "element" : "joint"},
       {"owner", row.quantity.owner},
@@ -188,30 +188,30 @@ ResultJson result_solver(const SolverSummary& solver) {
           {"energy_error", or_null(solver.energy_error)}};
 }
 
-ResultJson result_rung(const char* name, const RungSummary& rung) {
+ResultJson result_check(const char* name, const CheckSummary& check) {
   return {{"name", name},
-          {"digits", or_null(rung.digits)},
-          {"states", rung.samples},
-          {"passed", rung.passed},
-          {"horizon_s", or_null(rung.horizon)}};
+          {"digits", or_null(check.digits)},
+          {"states", check.samples},
+          {"passed", check.passed},
+          {"horizon_s", or_null(check.horizon)}};
 }
 
-ResultJson result_rung(const Verdict& verdict, Rung rung) {
-  ResultJson said = result_rung(name_of(rung), summary_of(verdict, rung));
-  said["passed_with_less"] = passed_with_less(verdict, rung);
+ResultJson result_check(const Verdict& verdict, Check check) {
+  ResultJson said = result_check(name_of(check), summary_of(verdict, check));
+  said["passed_with_less"] = passed_with_less(verdict, check);
   return said;
 }
 
-ResultJson result_rungs(const Verdict& verdict) {
-  ResultJson rungs = ResultJson::array();
-  rungs.push_back({{"name", "rank"}, {"digits", nullptr}, {"passed", verdict.rank_agrees}});
-  for (const Rung rung : kRungs) rungs.push_back(result_rung(verdict, rung));
-  rungs.push_back(result_rung("audit", verdict.audit));
-  rungs.push_back({{"name", "energy"}, {"digits", nullptr}, {"passed", keeps_energy(verdict)}});
+ResultJson result_checks(const Verdict& verdict) {
+  ResultJson checks = ResultJson::array();
+  checks.push_back({{"name", "rank"}, {"digits", nullptr}, {"passed", verdict.rank_agrees}});
+  for (const Check check : kChecks) checks.push_back(result_check(verdict, check));
+  checks.push_back(result_check("audit", verdict.audit));
+  checks.push_back({{"name", "energy"}, {"digits", nullptr}, {"passed", keeps_energy(verdict)}});
   if (!verdict.references.empty()) {
-    rungs.push_back({{"name", "reference"}, {"digits", nullptr}, {"passed", agrees_with_reference(verdict)}});
+    checks.push_back({{"name", "reference"}, {"digits", nullptr}, {"passed", agrees_with_reference(verdict)}});
   }
-  return rungs;
+  return checks;
 }
 
 }  // namespace
@@ -238,7 +238,7 @@ std::string format_result(const Model& model, const Verdict& verdict) {
       {"loops", verdict.loops},
       {"modes", verdict.modes},
       {"run", {{"until", verdict.run.until}, {"rtol", verdict.run.rtol}, {"energy_allowed", verdict.energy_allowed}}},
-      {"rungs", result_rungs(verdict)},
+      {"rungs", result_checks(verdict)},
       {"solvers", std::move(solvers)},
       {"findings", std::move(findings)},
       {"notes", verdict.notes},

@@ -18,13 +18,13 @@ namespace concord::compare {
 
 namespace {
 
-Rung tightest_rung(const QuantityRow& row) {
-  return *std::min_element(kRungs.begin(), kRungs.end(),
-                           [&](Rung one, Rung other) { return margin(row, one) < margin(row, other); });
+Check tightest_check(const QuantityRow& row) {
+  return *std::min_element(kChecks.begin(), kChecks.end(),
+                           [&](Check one, Check other) { return margin(row, one) < margin(row, other); });
 }
 
-/// How far a row stands above its needs; the least of all rungs.
-double margin(const QuantityRow& row) { return margin(row, tightest_rung(row)); }
+/// How far a row stands above its needs; the least of all checks.
+double margin(const QuantityRow& row) { return margin(row, tightest_check(row)); }
 
 /// Name of the joint or force element of a wrench, and of the body on which it acts.
 std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
@@ -36,20 +36,20 @@ std::pair<std::string, std::string> owner_names(const Model& model, const Quanti
   return {joint.name, model.bodies[joint.on(quantity.side).body].name};
 }
 
-/// When the rung with the least margin differs most.
+/// When the check with the least margin differs most.
 std::string worst_time(const QuantityRow& row) {
-  const Rung rung = tightest_rung(row);
-  if (!row.unique || !digits_of(row, rung)) return "-";
-  return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(rung)], name_of(rung));
+  const Check check = tightest_check(row);
+  if (!row.unique || !digits_of(row, check)) return "-";
+  return fmt::format("{:.4g} s, {}", row.worst_t[static_cast<std::size_t>(check)], name_of(check));
 }
 
 std::string same_state_cell(const QuantityRow& row) {
   if (!is_judged(row) || !row.same_state) return "-";
-  return digits_cell(row.same_state, detail_of(row, Rung::same_state).resolvable);
+  return digits_cell(row.same_state, detail_of(row, Check::same_state).resolvable);
 }
 
 /// In how many of the states a row is not unique, in words; empty if in none.
-std::string share_not_unique(const RungDetail& detail) {
+std::string share_not_unique(const CheckDetail& detail) {
   const int all = detail.samples + detail.too_coarse + detail.not_unique;
   if (detail.not_unique == 0) return "";
   return fmt::format("not unique in {} of {} states", detail.not_unique, all);
@@ -58,16 +58,16 @@ std::string share_not_unique(const RungDetail& detail) {
 }  // namespace
 
 std::string judgement_text(const QuantityRow& row) {
-  const RungDetail& detail = detail_of(row, Rung::same_state);
+  const CheckDetail& detail = detail_of(row, Check::same_state);
   if (!row.unique) return "not unique, not judged";
   if (!is_judged(row)) return "not judged: double precision resolves too little";
   std::string said = to_string(row.judgement);
-  for (const Rung rung : kRungs) {
-    if (row.judgement == Judgement::not_judged && detail_of(row, rung).unconverged) {
-      return fmt::format("not judged: not converged ({})", name_of(rung));
+  for (const Check check : kChecks) {
+    if (row.judgement == Judgement::not_judged && detail_of(row, check).unconverged) {
+      return fmt::format("not judged: not converged ({})", name_of(check));
     }
-    if (row.judgement != Judgement::agree || !is_judged_by_resolution(row, rung)) continue;
-    said += fmt::format(", judged by resolution ({})", name_of(rung));
+    if (row.judgement != Judgement::agree || !is_judged_by_resolution(row, check)) continue;
+    said += fmt::format(", judged by resolution ({})", name_of(check));
     break;
   }
   if (detail.unresolved) said += ", unresolved";
@@ -151,7 +151,7 @@ std::string element_table(const Model& model, const Verdict& verdict, bool all_r
 }
 
 /// Worst digits of each kind of the other quantities.
-std::string also_compared(const Verdict& verdict, Rung rung) {
+std::string also_compared(const Verdict& verdict, Check check) {
   constexpr std::array kKinds{
       std::pair{Kind::total, "total wrenches"},      std::pair{Kind::reaction_global, "global axes"},
       std::pair{Kind::driver, "driver forces"},      std::pair{Kind::coupling, "couplings"},
@@ -161,7 +161,7 @@ std::string also_compared(const Verdict& verdict, Rung rung) {
   for (const auto& [kind, name] : kKinds) {
     std::optional<double> worst;
     for (const QuantityRow& row : verdict.others) {
-      const auto digits = digits_of(row, rung);
+      const auto digits = digits_of(row, check);
       if (row.quantity.kind == kind && row.unique && digits) worst = std::min(worst.value_or(kMostDigits), *digits);
     }
     if (worst) text += fmt::format("{} {} {}", text.empty() ? "" : ",", name, format_digits(*worst));
@@ -176,7 +176,7 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
     for (const QuantityRow& row : *rows) {
       const bool is_named =
           rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
-      const RungDetail& detail = detail_of(row, Rung::same_state);
+      const CheckDetail& detail = detail_of(row, Check::same_state);
       if (!row.unique || !is_named || detail.not_unique == 0) continue;
       components[fmt::format("{}, {}", describe_owner(model, row.quantity), share_not_unique(detail))] +=
           " " + describe_component(row.quantity);
@@ -232,9 +232,9 @@ namespace {
 
 std::string motion_text(const Verdict& verdict) {
   std::string text;
-  const auto add = [&](const char* rung, const std::optional<MotionAgreement>& motion) {
+  const auto add = [&](const char* check, const std::optional<MotionAgreement>& motion) {
     if (!motion) return;
-    text += fmt::format("{} {} {}", text.empty() ? "motions, digits:" : ",", rung, format_digits(motion->digits));
+    text += fmt::format("{} {} {}", text.empty() ? "motions, digits:" : ",", check, format_digits(motion->digits));
     if (!motion->worst.empty()) text += fmt::format(" ({}, t = {:.4g} s)", motion->worst, motion->t);
   };
   add("same run", verdict.motion);
@@ -242,14 +242,14 @@ std::string motion_text(const Verdict& verdict) {
   return text.empty() ? text : text + '\n';
 }
 
-std::string rung_text(const char* name, const RungSummary& rung) {
-  return rung.digits ? fmt::format("{} {}", name, format_digits(*rung.digits)) : std::string(name);
+std::string check_text(const char* name, const CheckSummary& check) {
+  return check.digits ? fmt::format("{} {}", name, format_digits(*check.digits)) : std::string(name);
 }
 
 /// With how rows pass it that do not reach their need.
-std::string rung_text(const Verdict& verdict, Rung rung) {
-  const std::string less = passed_with_less(verdict, rung);
-  return rung_text(name_of(rung), summary_of(verdict, rung)) + (less.empty() ? "" : fmt::format(" ({})", less));
+std::string check_text(const Verdict& verdict, Check check) {
+  const std::string less = passed_with_less(verdict, check);
+  return check_text(name_of(check), summary_of(verdict, check)) + (less.empty() ? "" : fmt::format(" ({})", less));
 }
 
 std::string audit_text(const Verdict& verdict) {
@@ -282,7 +282,7 @@ std::string reference_table(const Verdict& verdict) {
 
 int count_too_coarse(const Verdict& verdict) {
   return static_cast<int>(std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) {
-    return detail_of(row, Rung::same_state).too_coarse > 0 && !is_judged(row) && row.unique;
+    return detail_of(row, Check::same_state).too_coarse > 0 && !is_judged(row) && row.unique;
   }));
 }
 
@@ -291,8 +291,8 @@ std::string last_line(const Verdict& verdict) {
   std::vector<std::string> missed;
   const auto sort = [&](bool is_passed, std::string text) { (is_passed ? passed : missed).push_back(std::move(text)); };
   sort(verdict.rank_agrees, "rank");
-  for (const Rung rung : kRungs) sort(summary_of(verdict, rung).passed, rung_text(verdict, rung));
-  sort(verdict.audit.passed, rung_text("audit", verdict.audit));
+  for (const Check check : kChecks) sort(summary_of(verdict, check).passed, check_text(verdict, check));
+  sort(verdict.audit.passed, check_text("audit", verdict.audit));
   sort(keeps_energy(verdict), "energy");
   if (!verdict.references.empty()) sort(agrees_with_reference(verdict), "reference");
   const ComponentCount count = count_components(verdict);
@@ -339,9 +339,9 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   std::string text = table_head(verdict) + '\n';
   text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
-  for (const Rung rung : kRungs) {
-    const std::string others = also_compared(verdict, rung);
-    if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(rung), others);
+  for (const Check check : kChecks) {
+    const std::string others = also_compared(verdict, check);
+    if (!others.empty()) text += fmt::format("also compared, digits at {}:{}\n", name_of(check), others);
   }
   text += motion_text(verdict) + audit_text(verdict);
   if (verdict.same_state.samples > 0) {

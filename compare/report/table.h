@@ -8,7 +8,7 @@
 namespace concord::compare {
 
 /// The verdict on one model as text: head, tables of reactions and of force elements, what else was compared,
-/// differences and failures, and a last line with the rungs that were passed and those that were not. Compact: of each
+/// differences and failures, and a last line with the checks that were passed and those that were not. Compact: of each
 /// joint or element and side the component that comes nearest to its need (or fails it most); `all_rows`: every
 /// component. Says nothing that changes from run to run.
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows);

@@ -123,19 +123,19 @@ std::optional<Horizon> Sensitivity::horizon(double rtol, double need) const {
   return find_horizon(*growths_, allowed_growth(rtol, need));
 }
 
-std::string disagreement_on(const Horizon& horizon, Rung rung) {
+std::string disagreement_on(const Horizon& horizon, Check check) {
   return fmt::format(
       "{}: nearby motions part too far to be compared from t = {:.4g} s on by the cartesian solver alone, from {:.4g} "
       "s by the relative: the solvers do not agree on the horizon",
-      name_of(rung), horizon.times[0], horizon.times[1]);
+      name_of(check), horizon.times[0], horizon.times[1]);
 }
 
-std::string note_on(const Horizon& horizon, Rung rung, const RunOptions& run, double need) {
+std::string note_on(const Horizon& horizon, Check check, const RunOptions& run, double need) {
   return fmt::format(
       "{}: judged up to t = {:.4g} s of {:g} s: by then motions from nearby starts have parted by a factor of {:.0e} "
       "(by the cartesian solver alone at {:.4g} s, the relative {:.4g} s), and beyond no integration at rtol {:g} "
       "keeps {:g} digits; states are judged over the whole run",
-      name_of(rung), std::min(horizon.times[0], horizon.times[1]), run.until, horizon.growth, horizon.times[0],
+      name_of(check), std::min(horizon.times[0], horizon.times[1]), run.until, horizon.growth, horizon.times[0],
       horizon.times[1], run.rtol, need);
 }
 

@@ -69,7 +69,7 @@ class Sensitivity {
 };
 
 /// A failure where the solvers disagree on a horizon, and a note where they agree; `run` was judged up to there.
-std::string disagreement_on(const Horizon& horizon, Rung rung);
-std::string note_on(const Horizon& horizon, Rung rung, const RunOptions& run, double need);
+std::string disagreement_on(const Horizon& horizon, Check check);
+std::string note_on(const Horizon& horizon, Check check, const RunOptions& run, double need);
 
 }  // namespace concord::compare

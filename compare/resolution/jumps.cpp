@@ -124,12 +124,12 @@ std::vector<double> widen_at_jumps(const QuantityLayout& layout, const std::arra
   return times;
 }
 
-std::string note_on_jumps(const std::vector<double>& times, Rung rung) {
+std::string note_on_jumps(const std::vector<double>& times, Check check) {
   return fmt::format(
       "{}: a force jumps at t = {:.6g} s, where a sample is, and each solver stands on a side of its own: what jumps "
       "is "
       "not judged there",
-      name_of(rung), fmt::join(times, ", "));
+      name_of(check), fmt::join(times, ", "));
 }
 
 }  // namespace concord::compare

@@ -25,6 +25,6 @@ std::vector<double> widen_at_jumps(const QuantityLayout& layout, const std::arra
                                    const std::function<Sample(std::size_t)>& sample_of, double need, MatX& resolution);
 
 /// A note on them, if there are any.
-std::string note_on_jumps(const std::vector<double>& times, Rung rung);
+std::string note_on_jumps(const std::vector<double>& times, Check check);
 
 }  // namespace concord::compare

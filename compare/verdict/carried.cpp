@@ -18,7 +18,7 @@ bool is_on_speed(const QuantityRow& row) {
   return row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
 }
 
-/// The rows that give a rung its digits: components, or forces on speeds where no component is judged.
+/// The rows that give a check its digits: components, or forces on speeds where no component is judged.
 std::vector<const QuantityRow*> rows_that_carry(const Verdict& verdict) {
   std::vector<const QuantityRow*> components;
   std::vector<const QuantityRow*> on_speeds;
@@ -32,7 +32,7 @@ std::vector<const QuantityRow*> rows_that_carry(const Verdict& verdict) {
   return components.empty() ? on_speeds : components;
 }
 
-/// Rows that pass one rung in one way.
+/// Rows that pass one check in one way.
 struct Fewer {
   const char* how;
   int rows = 0;
@@ -44,7 +44,7 @@ struct Fewer {
   }
 };
 
-/// The ways to pass a rung with fewer digits than are needed.
+/// The ways to pass a check with fewer digits than are needed.
 struct Ways {
   Fewer round_off{"within round-off"};
   Fewer rise{"risen by 1.5 digits"};
@@ -52,12 +52,12 @@ struct Ways {
   int without = 0;
 
   /// `standard`: what the comparator asks of a model that says nothing.
-  void add(const QuantityRow& row, Rung rung, double standard) {
-    const auto digits = digits_of(row, rung);
-    const double need = need_of(row, rung);
+  void add(const QuantityRow& row, Check check, double standard) {
+    const auto digits = digits_of(row, check);
+    const double need = need_of(row, check);
     if (!digits) {
       ++without;
-    } else if (is_judged_by_resolution(row, rung) && detail_of(row, rung).unexplained >= need) {
+    } else if (is_judged_by_resolution(row, check) && detail_of(row, check).unexplained >= need) {
       round_off.add(need);
     } else if (*digits < need) {
       rise.add(need);
@@ -87,14 +87,14 @@ int number_of(const Items& items, const Condition& condition) {
 
 }  // namespace
 
-std::string passed_with_less(const Verdict& verdict, Rung rung) {
-  const RungSummary& summary = summary_of(verdict, rung);
+std::string passed_with_less(const Verdict& verdict, Check check) {
+  const CheckSummary& summary = summary_of(verdict, check);
   if (!summary.passed) return "";
   const std::vector<const QuantityRow*> rows = rows_that_carry(verdict);
   std::vector<std::string> said;
   Ways ways;
-  for (const QuantityRow* row : rows) ways.add(*row, rung, need_of(verdict.need, rung));
-  if (rows.empty() && rung == Rung::same_state) {
+  for (const QuantityRow* row : rows) ways.add(*row, check, need_of(verdict.need, check));
+  if (rows.empty() && check == Check::same_state) {
     for (const PairSum& sum : verdict.pair_sums) ways.add(sum, verdict.need.same_state);
     said = ways.words(verdict.pair_sums.size());
   } else {

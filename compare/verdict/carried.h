@@ -9,10 +9,10 @@
 /// words: for its last line and for reports.
 namespace concord::compare {
 
-/// How judged rows pass a rung with fewer digits than the comparator asks for, or without any, each way with the number
-/// of its rows: "2 of 36 below 7 digits, within round-off"; and up to which time it is judged, if not to the end. Empty
-/// where all rows that give the rung its digits reach their needs, and where the rung was not passed.
-std::string passed_with_less(const Verdict& verdict, Rung rung);
+/// How judged rows pass a check with fewer digits than the comparator asks for, or without any, each way with the
+/// number of its rows: "2 of 36 below 7 digits, within round-off"; and up to which time it is judged, if not to the
+/// end. Empty where all rows that give the check its digits reach their needs, and where the check was not passed.
+std::string passed_with_less(const Verdict& verdict, Check check);
 
 /// What is judged where no component of a joint or force element is: "no single component is unique; judged instead:
 /// 4 totals of joints that share what they carry". Empty where some component is judged, and where there is no verdict.

@@ -18,16 +18,16 @@ constexpr double kOfOneDraw = 10.0;
 /// Where one solver's run moves by so many times more than the other's, it is not the motion that is sensitive.
 constexpr double kOneAlone = 1e4;
 
-/// Rows that are judged on a rung and miss their need, those with the fewest digits first.
-std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Rung rung) {
+/// Rows that are judged on a check and miss their need, those with the fewest digits first.
+std::vector<QuantityRow*> rows_that_miss(Verdict& verdict, Check check) {
   std::vector<QuantityRow*> missing;
   for (auto* rows : {&verdict.rows, &verdict.others}) {
     for (QuantityRow& row : *rows) {
-      if (row.unique && digits_of(row, rung) && !meets_need(row, rung)) missing.push_back(&row);
+      if (row.unique && digits_of(row, check) && !meets_need(row, check)) missing.push_back(&row);
     }
   }
-  std::stable_sort(missing.begin(), missing.end(), [rung](const QuantityRow* a, const QuantityRow* b) {
-    return detail_of(*a, rung).unexplained < detail_of(*b, rung).unexplained;
+  std::stable_sort(missing.begin(), missing.end(), [check](const QuantityRow* a, const QuantityRow* b) {
+    return detail_of(*a, check).unexplained < detail_of(*b, check).unexplained;
   });
   return missing;
 }
@@ -42,30 +42,30 @@ std::array<double, 2> own_changes(const RunPair& looser, const RunPair& tighter,
 }
 
 std::string tell(std::string_view what, double digits, const std::array<double, 2>& own, const RunPair& looser,
-                 const RunPair& tighter, Rung rung) {
+                 const RunPair& tighter, Check check) {
   return fmt::format(
       "{}: the runs do not converge as far as the verdict needs: {}: the solvers agree to {} digits at rtol {:g}, and "
       "from rtol {:g} on the cartesian run itself holds {} digits, the relative {}; the difference between the solvers "
       "is of that size: end the run earlier (--until), or lower the need with a reason",
-      name_of(rung), what, format_digits(digits), tighter.run.rtol, looser.run.rtol, format_digits(own[0]),
+      name_of(check), what, format_digits(digits), tighter.run.rtol, looser.run.rtol, format_digits(own[0]),
       format_digits(own[1]));
 }
 
 }  // namespace
 
-bool reaches_needs(const Verdict& verdict, Rung rung, const RunPair& pair, double motion_need) {
+bool reaches_needs(const Verdict& verdict, Check check, const RunPair& pair, double motion_need) {
   if (pair.motion.digits < motion_need) return false;
-  const auto misses = [rung](const QuantityRow& row) {
-    return row.unique && digits_of(row, rung) && !meets_need(row, rung);
+  const auto misses = [check](const QuantityRow& row) {
+    return row.unique && digits_of(row, check) && !meets_need(row, check);
   };
   return std::none_of(verdict.rows.begin(), verdict.rows.end(), misses) &&
          std::none_of(verdict.others.begin(), verdict.others.end(), misses);
 }
 
 std::optional<std::string> find_unconverged(const QuantityLayout& layout, const RunPair& looser, const RunPair& tighter,
-                                            Rung rung, double motion_need, std::optional<std::size_t> standing,
+                                            Check check, double motion_need, std::optional<std::size_t> standing,
                                             Verdict& verdict) {
-  const std::vector<QuantityRow*> missing = rows_that_miss(verdict, rung);
+  const std::vector<QuantityRow*> missing = rows_that_miss(verdict, check);
   // The same state agrees, so that it is the motions that part: in all rows together, each relative to its scale.
   double apart = 0.0;
   std::array<double, 2> moved{};
@@ -89,9 +89,9 @@ std::optional<std::string> find_unconverged(const QuantityLayout& layout, const 
   if (of_motions[1 - farther] - of_motions[farther] > std::log10(kOneAlone) && !may_move_alone(farther)) {
     return std::nullopt;
   }
-  for (QuantityRow* row : missing) row->detail[static_cast<std::size_t>(rung)].unconverged = true;
+  for (QuantityRow* row : missing) row->detail[static_cast<std::size_t>(check)].unconverged = true;
   if (missing.empty()) {
-    return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, rung);
+    return tell(tighter.motion.worst, tighter.motion.digits, of_motions, looser, tighter, check);
   }
   const Quantity& quantity = missing.front()->quantity;
   const int place = layout.row_of(quantity);
@@ -100,7 +100,7 @@ std::optional<std::string> find_unconverged(const QuantityLayout& layout, const 
   for (double& one : digits) one = matching_digits(one, measured.scale);
   return tell(fmt::format("{}, {}, t = {:.4g} s", describe_owner(layout.model(), quantity),
                           describe_component(quantity), measured.t),
-              measured.unexplained_digits, digits, looser, tighter, rung);
+              measured.unexplained_digits, digits, looser, tighter, check);
 }
 
 }  // namespace concord::compare

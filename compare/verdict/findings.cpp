@@ -38,25 +38,25 @@ bool is_same_owner(const Quantity& a, const Quantity& b) {
 
 /// What is reported first: on the same state a force element, whose wrench follows from the state alone while
 /// everything else follows from it; then reactions; then what follows from them.
-int order_of(const Quantity& quantity, Rung rung) {
-  if (rung == Rung::same_state && quantity.kind == Kind::element) return 0;
+int order_of(const Quantity& quantity, Check check) {
+  if (check == Check::same_state && quantity.kind == Kind::element) return 0;
   return quantity.kind == Kind::reaction ? 1 : 2;
 }
 
-/// Every failing row of a rung, causes first, then the largest shortfall first.
-std::vector<Shortfall> shortfalls(const Verdict& verdict, Rung rung) {
+/// Every failing row of a check, causes first, then the largest shortfall first.
+std::vector<Shortfall> shortfalls(const Verdict& verdict, Check check) {
   std::vector<Shortfall> found;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      const auto digits = digits_of(row, rung);
-      if (row.unique && digits && !meets_need(row, rung)) {
-        found.push_back({&row, need_of(row, rung) - detail_of(row, rung).unexplained});
+      const auto digits = digits_of(row, check);
+      if (row.unique && digits && !meets_need(row, check)) {
+        found.push_back({&row, need_of(row, check) - detail_of(row, check).unexplained});
       }
     }
   }
-  std::stable_sort(found.begin(), found.end(), [rung](const Shortfall& a, const Shortfall& b) {
-    return std::pair(order_of(a.row->quantity, rung), -a.missing) <
-           std::pair(order_of(b.row->quantity, rung), -b.missing);
+  std::stable_sort(found.begin(), found.end(), [check](const Shortfall& a, const Shortfall& b) {
+    return std::pair(order_of(a.row->quantity, check), -a.missing) <
+           std::pair(order_of(b.row->quantity, check), -b.missing);
   });
   return found;
 }
@@ -77,10 +77,10 @@ std::string describe(const Model& model, const Quantity& quantity, const Measure
 }
 
 std::vector<Finding> find_differences(const QuantityLayout& layout, const Series& series,
-                                      const std::vector<Measured>& measured, const Verdict& verdict, Rung rung,
+                                      const std::vector<Measured>& measured, const Verdict& verdict, Check check,
                                       std::vector<Quantity>& known) {
   std::vector<Finding> findings;
-  for (const Shortfall& shortfall : shortfalls(verdict, rung)) {
+  for (const Shortfall& shortfall : shortfalls(verdict, check)) {
     const Quantity& quantity = shortfall.row->quantity;
     if (std::any_of(known.begin(), known.end(), [&](const Quantity& one) { return is_same_owner(one, quantity); })) {
       continue;
@@ -88,13 +88,13 @@ std::vector<Finding> find_differences(const QuantityLayout& layout, const Series
     if (quantity.kind == Kind::body_sum && !findings.empty()) continue;  // follows from the joints named already
     known.push_back(quantity);
     const int row = layout.row_of(quantity);
-    const bool is_integration = rung != Rung::same_state && meets_need(*shortfall.row, Rung::same_state);
+    const bool is_integration = check != Check::same_state && meets_need(*shortfall.row, Check::same_state);
     const std::string beyond =
-        shortfall.missing <= 0.0 && is_beyond_round_off(*shortfall.row, rung)
+        shortfall.missing <= 0.0 && is_beyond_round_off(*shortfall.row, check)
             ? fmt::format(", up to {:.2g} times what double precision resolves there", measured[row].ratio)
             : "";
-    findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, rung)) + beyond,
-                        fmt::format("{}: {}{}", name_of(rung), diagnose(layout, series, row),
+    findings.push_back({describe(layout.model(), quantity, measured[row], need_of(*shortfall.row, check)) + beyond,
+                        fmt::format("{}: {}{}", name_of(check), diagnose(layout, series, row),
                                     is_integration ? "; the same state agrees: the motions part" : "")});
   }
   return findings;

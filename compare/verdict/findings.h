@@ -16,7 +16,7 @@ std::string describe(const Model& model, const Quantity& quantity, const Measure
 /// sorted by the digits that are missing, most first. Sums on bodies are reported only if nothing else fails.
 /// Quantities in `known` failed in an earlier check and are left out; those that fail here are added to it.
 std::vector<Finding> find_differences(const QuantityLayout& layout, const Series& series,
-                                      const std::vector<Measured>& measured, const Verdict& verdict, Rung rung,
+                                      const std::vector<Measured>& measured, const Verdict& verdict, Check check,
                                       std::vector<Quantity>& known);
 
 }  // namespace concord::compare

@@ -11,8 +11,8 @@
 
 namespace concord::compare {
 
-Judge::Judge(const QuantityLayout& layout, std::vector<Rung> rungs, Verdict& verdict)
-    : layout_(layout), rungs_(std::move(rungs)), verdict_(verdict) {}
+Judge::Judge(const QuantityLayout& layout, std::vector<Check> checks, Verdict& verdict)
+    : layout_(layout), checks_(std::move(checks)), verdict_(verdict) {}
 
 void Judge::describe(const std::array<Solver*, 2>& solvers) {
   const Model& model = layout_.model();
@@ -25,14 +25,14 @@ void Judge::describe(const std::array<Solver*, 2>& solvers) {
   for (std::size_t who = 0; who < solvers.size(); ++who) verdict_.solvers[who].name = solvers[who]->name();
 }
 
-std::vector<Measured> Judge::measure_rung(const Series& series, const Budget& budget, Rung rung) {
+std::vector<Measured> Judge::measure_check(const Series& series, const Budget& budget, Check check) {
   std::vector<Measured> measured = measure(layout_, series, budget);
-  record(layout_, measured, rung, verdict_);
+  record(layout_, measured, check, verdict_);
   return measured;
 }
 
-void Judge::find_differences_on(const Series& series, const std::vector<Measured>& measured, Rung rung) {
-  std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, rung, known_);
+void Judge::find_differences_on(const Series& series, const std::vector<Measured>& measured, Check check) {
+  std::vector<Finding> found = find_differences(layout_, series, measured, verdict_, check, known_);
   std::move(found.begin(), found.end(), std::back_inserter(verdict_.findings));
 }
 
@@ -92,7 +92,7 @@ void Judge::judge_reported(Who who, const ReportedCoordinate& found) {
 }
 
 void Judge::judge_rows() {
-  judge(verdict_, rungs_);
+  judge(verdict_, checks_);
   verdict_.audit.passed = std::all_of(
       verdict_.solvers.begin(), verdict_.solvers.end(),
       [](const SolverSummary& solver) { return solver.audit_digits && *solver.audit_digits >= solver.audit_need; });
@@ -119,14 +119,14 @@ void conclude(Verdict& verdict) {
   }
 }
 
-void require_passed_rungs(Verdict& verdict) {
+void require_passed_checks(Verdict& verdict) {
   if (verdict.outcome != Outcome::agree) return;
-  const auto require = [&](bool is_passed, const char* rung) {
+  const auto require = [&](bool is_passed, const char* check) {
     if (is_passed) return;
     verdict.failures.push_back(fmt::format(
-        "{} is not passed, and nothing was found to differ there: a fault of the comparator, not of the model", rung));
+        "{} is not passed, and nothing was found to differ there: a fault of the comparator, not of the model", check));
   };
-  const auto passes = [](const RungSummary& rung) { return rung.passed || !rung.digits; };
+  const auto passes = [](const CheckSummary& check) { return check.passed || !check.digits; };
   require(verdict.rank_agrees, "rank");
   require(passes(verdict.same_state), "same state");
   require(passes(verdict.same_run), "same run");

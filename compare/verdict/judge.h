@@ -15,21 +15,21 @@
 /// and what is needed.
 namespace concord::compare {
 
-/// Fills in one verdict, rung by rung; who judges a rung, or looks at its rows, finds those of the rungs before.
+/// Fills in one verdict, check by check; who judges a check, or looks at its rows, finds those of the checks before.
 class Judge {
  public:
-  /// `rungs`: those that the verdict needs, in their order. Layout and verdict must outlive the judge.
-  Judge(const QuantityLayout& layout, std::vector<Rung> rungs, Verdict& verdict);
+  /// `checks`: those that the verdict needs, in their order. Layout and verdict must outlive the judge.
+  Judge(const QuantityLayout& layout, std::vector<Check> checks, Verdict& verdict);
 
   /// Name and size of the machine, names of the solvers, and the needs.
   void describe(const std::array<Solver*, 2>& solvers);
 
-  /// Every row's scale and digits, resolvable digits too, on a rung: from the values of both solvers, where `budget`
-  /// says that they are unique and how far double precision resolves them. Replaces what the rung said before.
-  std::vector<Measured> measure_rung(const Series& series, const Budget& budget, Rung rung);
+  /// Every row's scale and digits, resolvable digits too, on a check: from the values of both solvers, where `budget`
+  /// says that they are unique and how far double precision resolves them. Replaces what the check said before.
+  std::vector<Measured> measure_check(const Series& series, const Budget& budget, Check check);
 
-  /// Adds a finding for each joint, force element or body that misses a need on a rung, and on none before.
-  void find_differences_on(const Series& series, const std::vector<Measured>& measured, Rung rung);
+  /// Adds a finding for each joint, force element or body that misses a need on a check, and on none before.
+  void find_differences_on(const Series& series, const std::vector<Measured>& measured, Check check);
 
   /// Adds a finding for each difference between both solvers' ranks and uniqueness, and a failure for states that were
   /// dropped because of them. The findings move into the verdict.
@@ -47,12 +47,12 @@ class Judge {
   /// The joint coordinates and speeds that one solver reports of its run: a finding if its bodies have others.
   void judge_reported(Who who, const ReportedCoordinate& found);
 
-  /// Judges every row by its rungs, sums up rungs and audit.
+  /// Judges every row by its checks, sums up checks and audit.
   void judge_rows();
 
  private:
   const QuantityLayout& layout_;
-  std::vector<Rung> rungs_;
+  std::vector<Check> checks_;
   Verdict& verdict_;
   std::vector<Quantity> known_;  // named by a finding already
 };
@@ -64,8 +64,8 @@ void judge_pair_sums(const QuantityLayout& layout, const WeighedStates& weighed,
 /// The outcome: failed if there is a failure, else differ if there is a finding, else agree.
 void conclude(Verdict& verdict);
 
-/// Of a comparison that agrees: a rung that is not passed though nothing was found to differ there is a fault of the
-/// comparator, and there is no verdict. A rung on which nothing was judged counts as passed.
-void require_passed_rungs(Verdict& verdict);
+/// Of a comparison that agrees: a check that is not passed though nothing was found to differ there is a fault of the
+/// comparator, and there is no verdict. A check on which nothing was judged counts as passed.
+void require_passed_checks(Verdict& verdict);
 
 }  // namespace concord::compare

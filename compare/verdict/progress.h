@@ -9,25 +9,25 @@
 
 namespace concord::compare {
 
-/// What a verification is doing: the rung, and the part of it that each solver has done, 0 to 1.
-using TellProgress = std::function<void(std::string_view rung, const std::array<double, 2>& done)>;
+/// What a verification is doing: the check, and the part of it that each solver has done, 0 to 1.
+using TellProgress = std::function<void(std::string_view check, const std::array<double, 2>& done)>;
 
 /// Tells it from several threads, never at the same time.
-class RungProgress {
+class CheckProgress {
  public:
   /// `tell`: may be empty; must outlive this.
-  explicit RungProgress(const TellProgress& tell) : tell_(tell) {}
+  explicit CheckProgress(const TellProgress& tell) : tell_(tell) {}
 
-  void begin(std::string_view rung) {
+  void begin(std::string_view check) {
     done_ = {};
-    if (tell_) tell_(rung, done_);
+    if (tell_) tell_(check, done_);
   }
 
-  void advance(std::string_view rung, Who who, double done) {
+  void advance(std::string_view check, Who who, double done) {
     if (!tell_) return;
     const std::lock_guard lock(guard_);
     done_[index(who)] = done;
-    tell_(rung, done_);
+    tell_(check, done_);
   }
 
  private:

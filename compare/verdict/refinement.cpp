@@ -13,29 +13,29 @@ double refined_tolerance(double rtol) { return std::min(rtol, std::max(rtol / kT
 
 namespace {
 
-constexpr std::optional<double> QuantityRow::*digits_at(Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
+constexpr std::optional<double> QuantityRow::*digits_at(Check check) {
+  switch (check) {
+    case Check::same_state:
       return &QuantityRow::same_state;
-    case Rung::same_run:
+    case Check::same_run:
       return &QuantityRow::same_run;
     default:
       return &QuantityRow::refined;
   }
 }
 
-constexpr RungSummary Verdict::*summary_at(Rung rung) {
-  switch (rung) {
-    case Rung::same_state:
+constexpr CheckSummary Verdict::*summary_at(Check check) {
+  switch (check) {
+    case Check::same_state:
       return &Verdict::same_state;
-    case Rung::same_run:
+    case Check::same_run:
       return &Verdict::same_run;
     default:
       return &Verdict::refined;
   }
 }
 
-/// The kinds whose worst digits stand for a rung.
+/// The kinds whose worst digits stand for a check.
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
 /// Those, and forces on joint speeds: all that there is to judge where no joint constrains anything.
@@ -43,44 +43,47 @@ bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || 
 
 }  // namespace
 
-std::optional<double> digits_of(const QuantityRow& row, Rung rung) { return row.*digits_at(rung); }
+std::optional<double> digits_of(const QuantityRow& row, Check check) { return row.*digits_at(check); }
 
-double need_of(const QuantityRow& row, Rung rung) { return need_of(row.need, rung); }
+double need_of(const QuantityRow& row, Check check) { return need_of(row.need, check); }
 
-const RungSummary& summary_of(const Verdict& verdict, Rung rung) { return verdict.*summary_at(rung); }
+const CheckSummary& summary_of(const Verdict& verdict, Check check) { return verdict.*summary_at(check); }
 
-bool is_beyond_round_off(const QuantityRow& row, Rung rung) {
-  return rung == Rung::same_state && !row.need.same_state_lowered && detail_of(row, rung).ratio > kBeyondRoundOff;
+bool is_beyond_round_off(const QuantityRow& row, Check check) {
+  return check == Check::same_state && !row.need.same_state_lowered && detail_of(row, check).ratio > kBeyondRoundOff;
 }
 
-bool meets_need(const QuantityRow& row, Rung rung) {
-  const std::optional<double> digits = digits_of(row, rung);
-  if (!digits || is_beyond_round_off(row, rung)) return false;
-  if (detail_of(row, rung).unexplained >= need_of(row, rung)) return true;
-  return rung == Rung::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
+bool meets_need(const QuantityRow& row, Check check) {
+  const std::optional<double> digits = digits_of(row, check);
+  if (!digits || is_beyond_round_off(row, check)) return false;
+  if (detail_of(row, check).unexplained >= need_of(row, check)) return true;
+  return check == Check::refined && row.same_run && *digits >= *row.same_run + kRefinedRise;
 }
 
-double margin(const QuantityRow& row, Rung rung) {
-  const std::optional<double> digits = digits_of(row, rung);
+double margin(const QuantityRow& row, Check check) {
+  const std::optional<double> digits = digits_of(row, check);
   if (!digits) return kMostDigits;
-  const double above = detail_of(row, rung).unexplained - need_of(row, rung);
-  if (is_beyond_round_off(row, rung)) return std::min(above, std::log10(kBeyondRoundOff / detail_of(row, rung).ratio));
-  const bool may_rise = rung == Rung::refined && row.same_run.has_value();
+  const double above = detail_of(row, check).unexplained - need_of(row, check);
+  if (is_beyond_round_off(row, check))
+    return std::min(above, std::log10(kBeyondRoundOff / detail_of(row, check).ratio));
+  const bool may_rise = check == Check::refined && row.same_run.has_value();
   return may_rise ? std::max(above, *digits - (*row.same_run + kRefinedRise)) : above;
 }
 
-const RungDetail& detail_of(const QuantityRow& row, Rung rung) { return row.detail[static_cast<std::size_t>(rung)]; }
+const CheckDetail& detail_of(const QuantityRow& row, Check check) {
+  return row.detail[static_cast<std::size_t>(check)];
+}
 
-bool is_judged_by_resolution(const QuantityRow& row, Rung rung) {
-  const std::optional<double> digits = digits_of(row, rung);
-  return digits && *digits < need_of(row, rung) && detail_of(row, rung).unexplained > *digits;
+bool is_judged_by_resolution(const QuantityRow& row, Check check) {
+  const std::optional<double> digits = digits_of(row, check);
+  return digits && *digits < need_of(row, check) && detail_of(row, check).unexplained > *digits;
 }
 
 bool is_judged_by_resolution(const QuantityRow& row) {
-  return std::any_of(kRungs.begin(), kRungs.end(), [&](Rung rung) { return is_judged_by_resolution(row, rung); });
+  return std::any_of(kChecks.begin(), kChecks.end(), [&](Check check) { return is_judged_by_resolution(row, check); });
 }
 
-bool judges(Rung rung, Kind kind) { return rung == Rung::same_state || kind != Kind::acceleration; }
+bool judges(Check check, Kind kind) { return check == Check::same_state || kind != Kind::acceleration; }
 
 void make_rows(const QuantityLayout& layout, Verdict& verdict) {
   const Model& model = layout.model();
@@ -100,14 +103,14 @@ void make_rows(const QuantityLayout& layout, Verdict& verdict) {
 
 namespace {
 
-/// Whether the rung ran for the row, and double precision or redundancy kept it from being judged there.
-bool is_left_out(const QuantityRow& row, Rung rung) {
-  const RungDetail& detail = detail_of(row, rung);
+/// Whether the check ran for the row, and double precision or redundancy kept it from being judged there.
+bool is_left_out(const QuantityRow& row, Check check) {
+  const CheckDetail& detail = detail_of(row, check);
   return detail.samples == 0 && detail.not_unique + detail.too_coarse > 0;
 }
 
-RungDetail detail_from(const Measured& found) {
-  RungDetail detail;
+CheckDetail detail_from(const Measured& found) {
+  CheckDetail detail;
   detail.scale = found.scale;
   detail.unexplained = found.unexplained_digits;
   if (found.resolution > 0.0) detail.resolvable = matching_digits(found.resolution, found.scale);
@@ -121,7 +124,7 @@ RungDetail detail_from(const Measured& found) {
 
 }  // namespace
 
-void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict) {
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Check check, Verdict& verdict) {
   const auto& quantities = layout.quantities();
   std::size_t place = 0;
   const auto fill = [&](QuantityRow& row) {
@@ -131,23 +134,23 @@ void record(const QuantityLayout& layout, const std::vector<Measured>& measured,
       row.scale = found.scale;
       row.source = found.source;
     }
-    // The first rung that runs says where a row is unique.
-    if (rung == Rung::same_state) row.unique = found.samples + found.too_coarse > 0;
-    RungSummary& summary = verdict.*summary_at(rung);
+    // The first check that runs says where a row is unique.
+    if (check == Check::same_state) row.unique = found.samples + found.too_coarse > 0;
+    CheckSummary& summary = verdict.*summary_at(check);
     summary.carries = summary.carries || (row.unique && found.scale > 0.0 && is_force(row.quantity.kind));
-    if (!judges(rung, row.quantity.kind)) return;
-    (row.*digits_at(rung)).reset();
-    row.detail[static_cast<std::size_t>(rung)] = detail_from(found);
+    if (!judges(check, row.quantity.kind)) return;
+    (row.*digits_at(check)).reset();
+    row.detail[static_cast<std::size_t>(check)] = detail_from(found);
     if (found.samples == 0) return;
-    row.*digits_at(rung) = found.digits;
-    row.worst_t[static_cast<std::size_t>(rung)] = found.t;
+    row.*digits_at(check) = found.digits;
+    row.worst_t[static_cast<std::size_t>(check)] = found.t;
   };
   for (QuantityRow& row : verdict.rows) fill(row);
   place = 0;
   for (QuantityRow& row : verdict.others) fill(row);
 }
 
-bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Rung::same_state); }
+bool is_judged(const QuantityRow& row) { return row.unique && !is_left_out(row, Check::same_state); }
 
 bool has_judged_sums(const Verdict& verdict) {
   return std::any_of(verdict.pair_sums.begin(), verdict.pair_sums.end(),
@@ -179,7 +182,7 @@ namespace {
 
 /// What joints between the same bodies carry together is judged as well; its digits are shown where they are too few,
 /// or where no row has any.
-void take_sums(const Verdict& verdict, RungSummary& summary) {
+void take_sums(const Verdict& verdict, CheckSummary& summary) {
   const bool has_rows = summary.digits.has_value();
   for (const PairSum& sum : verdict.pair_sums) {
     if (sum.samples == 0) continue;
@@ -189,15 +192,15 @@ void take_sums(const Verdict& verdict, RungSummary& summary) {
   }
 }
 
-void sum_up(Rung rung, Verdict& verdict) {
-  RungSummary& summary = verdict.*summary_at(rung);
+void sum_up(Check check, Verdict& verdict) {
+  CheckSummary& summary = verdict.*summary_at(check);
   summary.passed = has_judged(verdict);
   std::optional<double> on_speeds;
   std::optional<double> of_sums;
   const auto take = [&](const QuantityRow& row) {
-    if (!row.unique || !judges(rung, row.quantity.kind) || is_left_out(row, rung)) return;
-    summary.passed = summary.passed && meets_need(row, rung);
-    const auto digits = digits_of(row, rung);
+    if (!row.unique || !judges(check, row.quantity.kind) || is_left_out(row, check)) return;
+    summary.passed = summary.passed && meets_need(row, check);
+    const auto digits = digits_of(row, check);
     if (digits && row.quantity.kind == Kind::body_sum) of_sums = std::min(of_sums.value_or(kMostDigits), *digits);
     if (!digits || !is_force(row.quantity.kind)) return;
     std::optional<double>& worst = gives_digits(row.quantity.kind) ? summary.digits : on_speeds;
@@ -206,21 +209,21 @@ void sum_up(Rung rung, Verdict& verdict) {
   for (const QuantityRow& row : verdict.rows) take(row);
   for (const QuantityRow& row : verdict.others) take(row);
   if (!summary.digits) summary.digits = on_speeds;
-  if (rung == Rung::same_state) take_sums(verdict, summary);
-  // A rung on which nothing was judged has not been passed.
+  if (check == Check::same_state) take_sums(verdict, summary);
+  // A check on which nothing was judged has not been passed.
   summary.passed = summary.passed && (summary.digits || (has_judged_sums(verdict) && of_sums));
 }
 
 }  // namespace
 
-void judge(Verdict& verdict, std::span<const Rung> rungs) {
-  const auto judge_row = [rungs](QuantityRow& row) {
+void judge(Verdict& verdict, std::span<const Check> checks) {
+  const auto judge_row = [checks](QuantityRow& row) {
     if (!is_judged(row)) return;
     row.judgement = Judgement::agree;
-    for (const Rung rung : rungs) {
-      if (!judges(rung, row.quantity.kind) || is_left_out(row, rung) || meets_need(row, rung)) continue;
-      if (digits_of(row, rung) && !detail_of(row, rung).unconverged) row.judgement = Judgement::differ;
-      // A rung that did not run, or did not converge, decides about no solver.
+    for (const Check check : checks) {
+      if (!judges(check, row.quantity.kind) || is_left_out(row, check) || meets_need(row, check)) continue;
+      if (digits_of(row, check) && !detail_of(row, check).unconverged) row.judgement = Judgement::differ;
+      // A check that did not run, or did not converge, decides about no solver.
       if (row.judgement == Judgement::agree) row.judgement = Judgement::not_judged;
     }
   };
@@ -229,7 +232,7 @@ void judge(Verdict& verdict, std::span<const Rung> rungs) {
   verdict.total = static_cast<int>(verdict.rows.size());
   verdict.judged = static_cast<int>(
       std::count_if(verdict.rows.begin(), verdict.rows.end(), [](const QuantityRow& row) { return is_judged(row); }));
-  for (const Rung rung : rungs) sum_up(rung, verdict);
+  for (const Check check : checks) sum_up(check, verdict);
 }
 
 }  // namespace concord::compare

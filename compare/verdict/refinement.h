@@ -6,45 +6,45 @@
 #include "compare/quantities/agreement.h"
 #include "compare/verdict/verdict.h"
 
-/// From measured digits to judgements, rung by rung.
+/// From measured digits to judgements, check by check.
 namespace concord::compare {
 
-/// Tolerances are divided by this on the refined rung, but not below kTightestTolerance.
+/// Tolerances are divided by this on the refined check, but not below kTightestTolerance.
 inline constexpr double kTighter = 100.0;
 
 /// Relative tolerance of the refined run.
 double refined_tolerance(double rtol);
 
-std::optional<double> digits_of(const QuantityRow& row, Rung rung);
-double need_of(const QuantityRow& row, Rung rung);
-const RungSummary& summary_of(const Verdict& verdict, Rung rung);
-const RungDetail& detail_of(const QuantityRow& row, Rung rung);
+std::optional<double> digits_of(const QuantityRow& row, Check check);
+double need_of(const QuantityRow& row, Check check);
+const CheckSummary& summary_of(const Verdict& verdict, Check check);
+const CheckDetail& detail_of(const QuantityRow& row, Check check);
 
 /// Whether a row misses its need by what double precision cannot resolve there: round-off is no difference.
-bool is_judged_by_resolution(const QuantityRow& row, Rung rung);
+bool is_judged_by_resolution(const QuantityRow& row, Check check);
 /// On any of them.
 bool is_judged_by_resolution(const QuantityRow& row);
 
 /// Whether a row differs in some state by so many resolutions that it is no round-off, however small the difference is;
 /// never where the model lowered the need, and in the same state only: runs differ by integration errors.
-bool is_beyond_round_off(const QuantityRow& row, Rung rung);
+bool is_beyond_round_off(const QuantityRow& row, Check check);
 
-/// Whether what a row differs by beyond round-off stays within its need on a rung, and is not beyond all round-off;
-/// refined: its need, or kRefinedRise above its same run. False if the rung did not run or did not judge the row.
-bool meets_need(const QuantityRow& row, Rung rung);
+/// Whether what a row differs by beyond round-off stays within its need on a check, and is not beyond all round-off;
+/// refined: its need, or kRefinedRise above its same run. False if the check did not run or did not judge the row.
+bool meets_need(const QuantityRow& row, Check check);
 
-/// How many digits a row stands above its need on a rung; negative where meets_need() is false, however small the
-/// difference is. kMostDigits where the rung says nothing of the row.
-double margin(const QuantityRow& row, Rung rung);
+/// How many digits a row stands above its need on a check; negative where meets_need() is false, however small the
+/// difference is. kMostDigits where the check says nothing of the row.
+double margin(const QuantityRow& row, Check check);
 
-/// Rungs that judge a quantity: all three, but accelerations at the same state only.
-bool judges(Rung rung, Kind kind);
+/// Checks that judge a quantity: all three, but accelerations at the same state only.
+bool judges(Check check, Kind kind);
 
 /// Rows of all quantities: reactions that the joints can carry in `rows`, the rest in `others`.
 void make_rows(const QuantityLayout& layout, Verdict& verdict);
 
-/// Fills the digits of one rung into all rows, and the scale where it is still missing.
-void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Rung rung, Verdict& verdict);
+/// Fills the digits of one check into all rows, and the scale where it is still missing.
+void record(const QuantityLayout& layout, const std::vector<Measured>& measured, Check check, Verdict& verdict);
 
 /// Whether a row is judged at all: it is unique in some state, and double precision resolves enough of it.
 bool is_judged(const QuantityRow& row);
@@ -59,8 +59,8 @@ bool has_judged(const Verdict& verdict);
 /// Whether any of those that is judged carries more than nothing.
 bool carries_something(const Verdict& verdict);
 
-/// Judges every row by the rungs that the verdict needs, in their order, and sums these up: `judged`, `total`, worst
+/// Judges every row by the checks that the verdict needs, in their order, and sums these up: `judged`, `total`, worst
 /// digits over the judged rows, whether they hold.
-void judge(Verdict& verdict, std::span<const Rung> rungs = kRungs);
+void judge(Verdict& verdict, std::span<const Check> checks = kChecks);
 
 }  // namespace concord::compare

@@ -20,8 +20,8 @@ namespace concord::compare {
 
 namespace {
 
-RungSummary& summary_of_runs(Verdict& verdict, Rung rung) {
-  return rung == Rung::same_run ? verdict.same_run : verdict.refined;
+CheckSummary& summary_of_runs(Verdict& verdict, Check check) {
+  return check == Check::same_run ? verdict.same_run : verdict.refined;
 }
 
 /// More evaluations than tolerance alone asks for, from the loosest to the tightest: beyond, steps are made against
@@ -49,8 +49,8 @@ std::array<const Trajectory*, 2> view(const std::array<std::optional<Trajectory>
   return both;
 }
 
-RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed,
-                   Judge& judge, RungProgress& progress, Verdict& verdict)
+RunChecks::RunChecks(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed,
+                     Judge& judge, CheckProgress& progress, Verdict& verdict)
     : layout_(layout),
       solvers_(solvers),
       judge_(judge),
@@ -59,17 +59,17 @@ RunRungs::RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& s
       sensitivity_(layout.model(), solvers, seed),
       orders_(layout) {}
 
-RunPair RunRungs::integrate(const RunOptions& run, Rung rung) {
-  return run_both(run, name_of(rung), verdict_.failures, may_switch_);
+RunPair RunChecks::integrate(const RunOptions& run, Check check) {
+  return run_both(run, name_of(check), verdict_.failures, may_switch_);
 }
 
-const std::string& RunRungs::integrator_of(Who who) const {
+const std::string& RunChecks::integrator_of(Who who) const {
   const std::string& later = goes_on_by_[index(who)];
   return later.empty() ? verdict_.solvers[index(who)].integrator : later;
 }
 
-RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
-                           const std::array<bool, 2>& may_switch) {
+RunPair RunChecks::run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
+                            const std::array<bool, 2>& may_switch) {
   progress_.begin(what);
   std::array<std::future<Trajectory>, 2> running;
   std::array<MadeBy, 2> made_by;
@@ -100,35 +100,35 @@ RunPair RunRungs::run_both(const RunOptions& run, const char* what, std::vector<
 }
 
 /// False if one of the runs is missing.
-bool RunRungs::set_side_by_side(RunPair& pair, Rung rung) {
+bool RunChecks::set_side_by_side(RunPair& pair, Check check) {
   if (!pair.is_complete()) return false;
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
-  measure_pair(pair, weighed_run_, rung);
+  measure_pair(pair, weighed_run_, check);
   orders_.add(pair);
   return true;
 }
 
-void RunRungs::measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung) {
-  pair.measured = judge_.measure_rung(pair.series, weighed.budget(), rung);
+void RunChecks::measure_pair(RunPair& pair, const WeighedRun& weighed, Check check) {
+  pair.measured = judge_.measure_check(pair.series, weighed.budget(), check);
   pair.motion = compare_motions(layout_.model(), view(pair.trajectories),
                                 noise_of_speeds(layout_, weighed.resolution, *pair.trajectories[0]));
-  widen_pair(pair, weighed, rung);
+  widen_pair(pair, weighed, check);
 }
 
 /// Measures again where samples fall on a jump of a force.
-void RunRungs::widen_pair(RunPair& pair, WeighedRun weighed, Rung rung) {
-  const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+void RunChecks::widen_pair(RunPair& pair, WeighedRun weighed, Check check) {
+  const double need = check == Check::same_run ? verdict_.need.same_run : verdict_.need.refined;
   const auto sample_of = [&](std::size_t k) { return pair.trajectories[0]->samples[k]; };
   const auto jumps = widen_at_jumps(layout_, solvers_, pair.series, pair.measured, sample_of, need, weighed.resolution);
   if (jumps.empty()) return;
-  pair.measured = judge_.measure_rung(pair.series, weighed.budget(), rung);
-  verdict_.notes.push_back(note_on_jumps(jumps, rung));
+  pair.measured = judge_.measure_check(pair.series, weighed.budget(), check);
+  verdict_.notes.push_back(note_on_jumps(jumps, check));
 }
 
 /// The horizon up to which runs that miss their needs can be compared, if both solvers see one and agree on it.
-std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
+std::optional<Horizon> RunChecks::seek_horizon(const RunPair& pair, Check check) {
   if (!verdict_.findings.empty()) return std::nullopt;
-  const double need = rung == Rung::same_run ? verdict_.need.same_run : verdict_.need.refined;
+  const double need = check == Check::same_run ? verdict_.need.same_run : verdict_.need.refined;
   // Runs that could not be repeated at a tight tolerance part early, without being sensitive.
   constexpr double kClearlySensitive = 100.0;
   if (!stopped_.empty() && allowed_growth(pair.run.rtol, need) < kClearlySensitive) return std::nullopt;
@@ -139,28 +139,28 @@ std::optional<Horizon> RunRungs::seek_horizon(const RunPair& pair, Rung rung) {
   const std::optional<Horizon> horizon = sensitivity_.horizon(pair.run.rtol, need);
   if (!horizon) return std::nullopt;
   if (!horizon->agree) {
-    verdict_.failures.push_back(disagreement_on(*horizon, rung));
+    verdict_.failures.push_back(disagreement_on(*horizon, check));
     return std::nullopt;
   }
-  verdict_.notes.push_back(note_on(*horizon, rung, pair.run, need));
+  verdict_.notes.push_back(note_on(*horizon, check, pair.run, need));
   return horizon;
 }
 
 /// Runs at a looser tolerance, for what tolerance changes alone; nothing if a solver did not finish, which is a
 /// failure.
-std::optional<RunPair> RunRungs::run_looser(const RunOptions& run, Rung rung) {
-  RunPair pair = integrate(looser_than(run), rung);
+std::optional<RunPair> RunChecks::run_looser(const RunOptions& run, Check check) {
+  RunPair pair = integrate(looser_than(run), check);
   return pair.is_complete() ? std::optional(aligned(std::move(pair))) : std::nullopt;
 }
 
-std::optional<RunPair> RunRungs::try_looser(const RunOptions& run, const char* what) {
+std::optional<RunPair> RunChecks::try_looser(const RunOptions& run, const char* what) {
   std::vector<std::string> stopped;
   RunPair pair = run_both(looser_than(run), what, stopped, {false, false});
   return pair.is_complete() ? std::optional(aligned(std::move(pair))) : std::nullopt;
 }
 
 /// Complete runs side by side, which tell of the observed order, too.
-RunPair RunRungs::aligned(RunPair pair) {
+RunPair RunChecks::aligned(RunPair pair) {
   pair.series = align(layout_, view(pair.trajectories), pair.run.samples + 1);
   orders_.add(pair);
   return pair;
@@ -169,54 +169,54 @@ RunPair RunRungs::aligned(RunPair pair) {
 /// While runs miss the needs although the same state agrees, both solvers run again at a tighter tolerance: the needs
 /// stay. Ends where a solver does not finish, which `stopped_` tells. `looser`: the runs before the last ones, if there
 /// were any. False if a solver did not finish the first ones.
-bool RunRungs::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need) {
+bool RunChecks::repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check, double motion_need) {
   stopped_.clear();
-  if (!set_side_by_side(pair, rung)) return false;
+  if (!set_side_by_side(pair, check)) return false;
   const double first = pair.run.rtol;
   const long most_evaluations = most_evaluations_beside(pair);
-  while (!reaches_needs(verdict_, rung, pair, motion_need) && verdict_.findings.empty() &&
+  while (!reaches_needs(verdict_, check, pair, motion_need) && verdict_.findings.empty() &&
          0.5 * pair.run.rtol > kTightestRepeat) {
     RunOptions tight = pair.run;
     tight.rtol = std::max(pair.run.rtol / kTighter, kTightestRepeat);
     tight.most_evaluations = most_evaluations;
-    RunPair tighter = run_both(tight, name_of(rung), stopped_, may_switch_);
+    RunPair tighter = run_both(tight, name_of(check), stopped_, may_switch_);
     if (!tighter.is_complete()) break;
     tighter.run.most_evaluations.reset();
     looser = std::move(pair);
     pair = std::move(tighter);
-    if (!set_side_by_side(pair, rung)) return false;
+    if (!set_side_by_side(pair, check)) return false;
   }
   if (looser) {
     verdict_.notes.push_back(fmt::format("{}: repeated at rtol {:g}: at {:g} the integration was not accurate enough",
-                                         name_of(rung), pair.run.rtol, first));
+                                         name_of(check), pair.run.rtol, first));
   }
   return true;
 }
 
-/// Judges runs on a rung, or their repetition at tighter tolerances. What is left at the tightest is a difference, or
+/// Judges runs on a check, or their repetition at tighter tolerances. What is left at the tightest is a difference, or
 /// an integration that does not converge. `before`: the runs of before, to see what tolerance changes. The number of
 /// samples that were judged; nothing if a solver did not finish.
-std::optional<int> RunRungs::judge_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
-                                        const WeighedStates& weighed) {
+std::optional<int> RunChecks::judge_runs(RunPair& pair, const RunPair* before, Check check, double motion_need,
+                                         const WeighedStates& weighed) {
   std::optional<RunPair> looser;
-  if (!repeat_tighter(pair, looser, rung, motion_need)) return std::nullopt;
+  if (!repeat_tighter(pair, looser, check, motion_need)) return std::nullopt;
   const int samples = pair.run.samples + 1;
-  if (reaches_needs(verdict_, rung, pair, motion_need)) return samples;
+  if (reaches_needs(verdict_, check, pair, motion_need)) return samples;
   const RunPair* compared = looser ? &*looser : before;
-  const std::optional<Horizon> horizon = seek_horizon(pair, rung);
-  if (!horizon) return judge_misses(pair, compared, rung, motion_need) ? std::optional(samples) : std::nullopt;
+  const std::optional<Horizon> horizon = seek_horizon(pair, check);
+  if (!horizon) return judge_misses(pair, compared, check, motion_need) ? std::optional(samples) : std::nullopt;
   RunPair up_to = first_samples(layout_, pair, horizon->samples);
-  measure_pair(up_to, weigh_run(weighed, horizon->samples), rung);
+  measure_pair(up_to, weigh_run(weighed, horizon->samples), check);
   pair.motion = up_to.motion;
-  summary_of_runs(verdict_, rung).horizon = up_to.series.times.back();
-  if (!reaches_needs(verdict_, rung, up_to, motion_need) && !judge_misses(up_to, compared, rung, motion_need))
+  summary_of_runs(verdict_, check).horizon = up_to.series.times.back();
+  if (!reaches_needs(verdict_, check, up_to, motion_need) && !judge_misses(up_to, compared, check, motion_need))
     return std::nullopt;
   return horizon->samples;
 }
 
 /// Judges runs that miss their needs at the tightest tolerance: as a difference, or as integrations that have not
 /// converged, which `compared`, runs at a looser tolerance, tell apart. False if a solver did not finish those.
-bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need) {
+bool RunChecks::judge_misses(const RunPair& pair, const RunPair* compared, Check check, double motion_need) {
   std::optional<RunPair> looser;
   std::optional<std::size_t> standing;
   if (verdict_.findings.empty()) {
@@ -224,13 +224,13 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
     // where neither run stands.
     const bool is_far = compared != nullptr && compared->run.rtol >= 0.5 * kTighter * pair.run.rtol;
     if (!is_far) {
-      looser = run_looser(pair.run, rung);
+      looser = run_looser(pair.run, check);
       if (!looser) return false;
       compared = &*looser;
     }
     standing = run_that_stands(layout_.model(), *compared, pair);
     if (standing) {
-      looser = run_looser(compared->run, rung);
+      looser = run_looser(compared->run, check);
       if (!looser) return false;
       compared = &*looser;
     }
@@ -239,7 +239,7 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
       looser = first_samples(layout_, *compared, samples);
       compared = &*looser;
     }
-    if (auto why = find_unconverged(layout_, *compared, pair, rung, motion_need, standing, verdict_)) {
+    if (auto why = find_unconverged(layout_, *compared, pair, check, motion_need, standing, verdict_)) {
       if (standing) {
         *why += advice_on_standing(pair, *standing);
         stands_[*standing] = true;
@@ -254,23 +254,23 @@ bool RunRungs::judge_misses(const RunPair& pair, const RunPair* compared, Rung r
     verdict_.failures.insert(verdict_.failures.end(), stopped_.begin(), stopped_.end());
     return false;
   }
-  judge_.find_differences_on(pair.series, pair.measured, rung);
-  judge_motion(pair.motion, rung, motion_need);
+  judge_.find_differences_on(pair.series, pair.measured, check);
+  judge_motion(pair.motion, check, motion_need);
   return true;
 }
 
 /// Motions that part, where no reaction differs.
-void RunRungs::judge_motion(const MotionAgreement& motion, Rung rung, double need) {
+void RunChecks::judge_motion(const MotionAgreement& motion, Check check, double need) {
   if (motion.digits >= need || !verdict_.findings.empty()) return;
   verdict_.findings.push_back(
       {fmt::format("{}, t = {:.4g} s: {} digits (need {:g})", motion.worst, motion.t, format_digits(motion.digits),
                    need),
-       fmt::format("{}: the motions part; look at integration, not at reactions", name_of(rung))});
+       fmt::format("{}: the motions part; look at integration, not at reactions", name_of(check))});
 }
 
-void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
+void RunChecks::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   if (pair.is_complete()) weighed_run_ = weigh_run(weighed, pair.run.samples + 1);
-  const std::optional<int> judged = judge_runs(pair, nullptr, Rung::same_run, verdict_.need.same_run, weighed);
+  const std::optional<int> judged = judge_runs(pair, nullptr, Check::same_run, verdict_.need.same_run, weighed);
   for (const Who who : kBothSolvers) {
     const auto& trajectory = pair.trajectories[index(who)];
     if (!trajectory) continue;
@@ -284,27 +284,27 @@ void RunRungs::judge_same_run(RunPair& pair, const WeighedStates& weighed) {
   tell_if_unresolved();
 }
 
-void RunRungs::refine(const RunPair& of_same_run, const WeighedStates& weighed) {
+void RunChecks::refine(const RunPair& of_same_run, const WeighedStates& weighed) {
   if (!verdict_.same_run.samples) return;
   RunOptions refined = of_same_run.run;
   refined.rtol = refined_tolerance(refined.rtol);
-  RunPair pair = integrate(refined, Rung::refined);
+  RunPair pair = integrate(refined, Check::refined);
   const double motion_need = std::min(verdict_.need.refined, verdict_.motion->digits + kRefinedRise);
-  const std::optional<int> judged = judge_runs(pair, &of_same_run, Rung::refined, motion_need, weighed);
+  const std::optional<int> judged = judge_runs(pair, &of_same_run, Check::refined, motion_need, weighed);
   if (!judged) return;
   verdict_.refined_motion = pair.motion;
   verdict_.refined.samples = *judged;
 }
 
-/// A run of which nothing was judged has not passed its rung, and the reader wants to know why.
-void RunRungs::tell_if_unresolved() {
+/// A run of which nothing was judged has not passed its check, and the reader wants to know why.
+void RunChecks::tell_if_unresolved() {
   const bool has_reactions = !verdict_.rows.empty();
   const std::vector<QuantityRow>& rows = has_reactions ? verdict_.rows : verdict_.others;
   const auto is_unique = [has_reactions](const QuantityRow& row) {
     return row.unique && (has_reactions || row.quantity.kind == Kind::element);
   };
   const auto is_open = [&](const QuantityRow& row) {
-    const RungDetail& detail = detail_of(row, Rung::same_run);
+    const CheckDetail& detail = detail_of(row, Check::same_run);
     return !is_unique(row) || (detail.samples == 0 && detail.too_coarse > 0);
   };
   if (!std::all_of(rows.begin(), rows.end(), is_open) || std::none_of(rows.begin(), rows.end(), is_unique)) return;
@@ -314,7 +314,7 @@ void RunRungs::tell_if_unresolved() {
                   has_reactions ? "reaction" : "force element", kCoarsest));
 }
 
-void RunRungs::study_orders(bool further) {
+void RunChecks::study_orders(bool further) {
   constexpr std::size_t kEnough = 4;
   constexpr double kLoosest = 1e-3;
   while (further && orders_.size() > 0 && orders_.size() < kEnough && orders_.loosest() * kTighter <= kLoosest) {

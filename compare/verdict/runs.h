@@ -14,22 +14,22 @@
 #include "compare/verdict/judge.h"
 #include "compare/verdict/progress.h"
 
-/// The rungs "same run" and "refined": each solver integrates alone.
+/// The checks "same run" and "refined": each solver integrates alone.
 namespace concord::compare {
 
 /// Both trajectories; nullptr where a solver did not finish.
 std::array<const Trajectory*, 2> view(const std::array<std::optional<Trajectory>, 2>& trajectories);
 
-class RunRungs {
+class RunChecks {
  public:
   /// `seed`: of the displaced starts. What is referred to must outlive this.
-  RunRungs(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed, Judge& judge,
-           RungProgress& progress, Verdict& verdict);
+  RunChecks(const QuantityLayout& layout, const std::array<Solver*, 2>& solvers, std::uint64_t seed, Judge& judge,
+            CheckProgress& progress, Verdict& verdict);
 
   /// Both solvers at once, each in its own thread and by the integrator that the verdict names; neither sees the other.
   /// Who does not finish is a failure. Nothing is judged. A solver whose first integrator takes too long in its first
   /// run, and that may switch, goes on by its second from then on; a note says so.
-  RunPair integrate(const RunOptions& run, Rung rung);
+  RunPair integrate(const RunOptions& run, Check check);
   /// Whose integrator was not asked for, by Who.
   void allow_switching(const std::array<bool, 2>& may_switch) { may_switch_ = may_switch; }
 
@@ -58,23 +58,23 @@ class RunRungs {
   RunPair run_both(const RunOptions& run, const char* what, std::vector<std::string>& failures,
                    const std::array<bool, 2>& may_switch);
   [[nodiscard]] const std::string& integrator_of(Who who) const;
-  bool set_side_by_side(RunPair& pair, Rung rung);
-  void measure_pair(RunPair& pair, const WeighedRun& weighed, Rung rung);
-  void widen_pair(RunPair& pair, WeighedRun weighed, Rung rung);
-  std::optional<int> judge_runs(RunPair& pair, const RunPair* before, Rung rung, double motion_need,
+  bool set_side_by_side(RunPair& pair, Check check);
+  void measure_pair(RunPair& pair, const WeighedRun& weighed, Check check);
+  void widen_pair(RunPair& pair, WeighedRun weighed, Check check);
+  std::optional<int> judge_runs(RunPair& pair, const RunPair* before, Check check, double motion_need,
                                 const WeighedStates& weighed);
-  bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Rung rung, double motion_need);
-  std::optional<Horizon> seek_horizon(const RunPair& pair, Rung rung);
-  std::optional<RunPair> run_looser(const RunOptions& run, Rung rung);
+  bool repeat_tighter(RunPair& pair, std::optional<RunPair>& looser, Check check, double motion_need);
+  std::optional<Horizon> seek_horizon(const RunPair& pair, Check check);
+  std::optional<RunPair> run_looser(const RunOptions& run, Check check);
   RunPair aligned(RunPair pair);
   void tell_if_unresolved();
-  bool judge_misses(const RunPair& pair, const RunPair* compared, Rung rung, double motion_need);
-  void judge_motion(const MotionAgreement& motion, Rung rung, double need);
+  bool judge_misses(const RunPair& pair, const RunPair* compared, Check check, double motion_need);
+  void judge_motion(const MotionAgreement& motion, Check check, double need);
 
   const QuantityLayout& layout_;
   std::array<Solver*, 2> solvers_;
   Judge& judge_;
-  RungProgress& progress_;
+  CheckProgress& progress_;
   Verdict& verdict_;
   std::array<bool, 2> may_switch_{};
   std::array<std::string, 2> goes_on_by_;  // after a switch

@@ -26,7 +26,7 @@ std::vector<Measured> SameState::judge_states(SharedStates found, SharedStates p
   for (const SharedStates* part : {&found, &perturbed}) note_refusals(part->refusals);
   verdict_.same_state.samples = static_cast<int>(weighed_.states.size());
   if (weighed_.states.empty()) return {};
-  std::vector<Measured> measured = judge_.measure_rung(weighed_.series, weighed_.budget(), Rung::same_state);
+  std::vector<Measured> measured = judge_.measure_check(weighed_.series, weighed_.budget(), Check::same_state);
   constexpr double kNeedAtJumps = 8.0;  // digits: jumps are large
   const auto sample_of = [&](std::size_t k) {
     return Sample{weighed_.states[k].state, weighed_.states[k].evaluations[0], 0.0};
@@ -34,11 +34,11 @@ std::vector<Measured> SameState::judge_states(SharedStates found, SharedStates p
   const auto jumps =
       widen_at_jumps(layout_, solvers_, weighed_.series, measured, sample_of, kNeedAtJumps, weighed_.resolution.both);
   if (!jumps.empty()) {
-    measured = judge_.measure_rung(weighed_.series, weighed_.budget(), Rung::same_state);
-    verdict_.notes.push_back(note_on_jumps(jumps, Rung::same_state));
+    measured = judge_.measure_check(weighed_.series, weighed_.budget(), Check::same_state);
+    verdict_.notes.push_back(note_on_jumps(jumps, Check::same_state));
   }
   judge_.note_singular_states(weighed_);
-  judge_.find_differences_on(weighed_.series, measured, Rung::same_state);
+  judge_.find_differences_on(weighed_.series, measured, Check::same_state);
   note_resolution();
   return measured;
 }
@@ -99,8 +99,8 @@ void SameState::note_refusals(const std::vector<RefusedState>& refused) {
                    elsewhere.size())});
 }
 
-/// Whether a state's owner finds a lower rank there than in general, or one that hangs by a singular value which may be
-/// round-off.
+/// Whether a state's owner finds a lower rank there than in general, or one that is attached by a singular value which
+/// may be round-off.
 bool SameState::is_at_singular_pose(const OwnedState& state) const {
   try {
     const RankReport report = solvers_[index(state.owner)]->rank(state.state);

@@ -9,7 +9,7 @@
 #include "compare/states/states.h"
 #include "compare/verdict/judge.h"
 
-/// The rung "same state": both solvers are asked in the same states, no integration in between.
+/// The check "same state": both solvers are asked in the same states, no integration in between.
 namespace concord::compare {
 
 class SameState {

@@ -17,14 +17,15 @@ namespace {
 
 constexpr std::size_t kTableSamples = 41;
 
-/// The row that stands farthest below its need on the first rung that differs; reactions before what follows from them.
+/// The row that stands farthest below its need on the first check that differs; reactions before what follows from
+/// them.
 const QuantityRow* row_that_differs(const Verdict& verdict) {
-  for (const Rung rung : kRungs) {
+  for (const Check check : kChecks) {
     for (const auto* rows : {&verdict.rows, &verdict.others}) {
       const QuantityRow* worst = nullptr;
       for (const QuantityRow& row : *rows) {
-        if (!is_judged(row) || !digits_of(row, rung) || meets_need(row, rung)) continue;
-        if (worst == nullptr || margin(row, rung) < margin(*worst, rung)) worst = &row;
+        if (!is_judged(row) || !digits_of(row, check) || meets_need(row, check)) continue;
+        if (worst == nullptr || margin(row, check) < margin(*worst, check)) worst = &row;
       }
       if (worst != nullptr) return worst;
     }

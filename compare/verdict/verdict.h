@@ -34,9 +34,9 @@ std::string to_string(Judgement judgement);
 /// 0 agree, 1 differ, 3 could not finish.
 int exit_code(Outcome outcome);
 
-/// What stands behind the digits of one row on one rung.
-struct RungDetail {
-  /// What its differences are held against there, in its unit: a run may reach less than the states of all rungs.
+/// What stands behind the digits of one row on one check.
+struct CheckDetail {
+  /// What its differences are held against there, in its unit: a run may reach less than the states of all checks.
   double scale = 0.0;
   /// Digits of what exceeds round-off: these are compared with the need.
   double unexplained = 16.0;
@@ -52,14 +52,14 @@ struct RungDetail {
   bool unconverged = false;
 };
 
-/// One quantity through all rungs. Digits are missing where a rung did not run or does not judge it.
+/// One quantity through all checks. Digits are missing where a check did not run or does not judge it.
 struct QuantityRow {
   Quantity quantity;
   double scale = 0.0;
   ScaleSource source = ScaleSource::own_peak;
   /// Whether it is unique in any state that is judged.
   bool unique = true;
-  std::array<RungDetail, 3> detail;  // by rung
+  std::array<CheckDetail, 3> detail;  // by check
   std::optional<double> same_state;
   std::optional<double> same_run;
   std::optional<double> refined;
@@ -68,10 +68,10 @@ struct QuantityRow {
   Judgement judgement = Judgement::not_judged;
 };
 
-/// One rung over all judged components of reactions and of force elements; of forces on joint speeds where there are
+/// One check over all judged components of reactions and of force elements; of forces on joint speeds where there are
 /// none of these. At the same state the joints' sums on pairs of bodies count where they are too few, or alone.
-struct RungSummary {
-  std::optional<double> digits;  // worst, missing if the rung did not run
+struct CheckSummary {
+  std::optional<double> digits;  // worst, missing if the check did not run
   int samples = 0;
   bool carries = false;  // whether any force that is judged is not exactly zero
   bool passed = false;
@@ -130,8 +130,8 @@ struct Verdict {
   std::vector<QuantityRow> rows;  // reaction components that the joints can carry
   std::vector<QuantityRow>
       others;  // forces on speeds, total wrenches, global components, elements, accelerations, sums
-  /// Components of reactions that are unique and resolved in some state, of all: whether or not a rung judged them, see
-  /// count_reactions().
+  /// Components of reactions that are unique and resolved in some state, of all: whether or not a check judged them,
+  /// see count_reactions().
   int judged = 0;
   int total = 0;
 
@@ -139,10 +139,10 @@ struct Verdict {
   /// States at singular poses, and perturbed states that mean different things to the solvers: left out and counted.
   int singular_states = 0;
   int drawn_anew = 0;
-  RungSummary same_state;
-  RungSummary same_run;
-  RungSummary refined;
-  RungSummary audit;
+  CheckSummary same_state;
+  CheckSummary same_run;
+  CheckSummary refined;
+  CheckSummary audit;
   std::optional<MotionAgreement> motion;
   std::optional<MotionAgreement> refined_motion;
   std::vector<PairSum> pair_sums;
@@ -162,7 +162,7 @@ struct Verdict {
   std::vector<std::string> notes;     // what the reader must know, no difference
   std::vector<std::string> failures;  // why there is no verdict
 
-  /// What both solvers find unique in the samples of these trajectories; missing where the rung did not run.
+  /// What both solvers find unique in the samples of these trajectories; missing where the check did not run.
   std::optional<Mask> unique;
   /// Both trajectories of the same run; empty where a solver did not finish.
   std::array<std::optional<Trajectory>, 2> trajectories;

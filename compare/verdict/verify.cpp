@@ -55,7 +55,7 @@ int run_rows(int samples, int states) {
 /// The same for each solver: what is found out about a model's beams is found out once.
 std::array<Auditor, 2> two_of(const Auditor& auditor) { return {auditor, auditor}; }
 
-/// The verification of one model by runs, rung by rung.
+/// The verification of one model by runs, check by check.
 class Verification {
  public:
   Verification(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options)
@@ -64,7 +64,7 @@ class Verification {
         solvers_{&cartesian, &relative},
         options_(options),
         progress_(options.progress),
-        judge_(layout_, {kRungs.begin(), kRungs.end()}, verdict_),
+        judge_(layout_, {kChecks.begin(), kChecks.end()}, verdict_),
         same_state_(layout_, solvers_, options.seed, judge_, verdict_),
         runs_(layout_, solvers_, options.seed, judge_, progress_, verdict_),
         auditors_(two_of(Auditor(model))),
@@ -80,7 +80,7 @@ class Verification {
         attribute_stop();
         return std::move(verdict_);
       }
-      verify_rungs();
+      verify_checks();
     } catch (const IncompleteResult& error) {
       verdict_.failures.emplace_back(error.what());
     } catch (const SolverError& error) {
@@ -92,10 +92,10 @@ class Verification {
   }
 
  private:
-  void verify_rungs() {
+  void verify_checks() {
     check_rank();
     make_rows(layout_, verdict_);
-    RunPair pair = runs_.integrate(verdict_.run, Rung::same_run);
+    RunPair pair = runs_.integrate(verdict_.run, Check::same_run);
     ask_in_same_states(view(pair.trajectories));
     runs_.judge_same_run(pair, same_state_.weighed());
     if (options_.refines) runs_.refine(pair, same_state_.weighed());
@@ -265,7 +265,7 @@ class Verification {
   void attribute() {
     if (verdict_.findings.empty() || !options_.explains) return;
     progress_.begin("attribution");
-    judge_.judge_rows();  // which rungs are passed
+    judge_.judge_rows();  // which checks are passed
     try {
       find_who_is_to_blame();
     } catch (const std::exception& error) {  // the difference stands without its explanation
@@ -315,7 +315,7 @@ class Verification {
     if (verdict_.attribution) verdict_.notes.push_back("to blame: " + describe(*verdict_.attribution));
     const bool one_stops = verdict_.trajectories[0].has_value() != verdict_.trajectories[1].has_value();
     if (verdict_.attribution || !one_stops) return;
-    judge_.judge_rows();  // which rungs are passed
+    judge_.judge_rows();  // which checks are passed
     if (answers_hold(verdict_)) verdict_.notes.push_back(blame_of_stop(verdict_));
   }
 
@@ -337,7 +337,7 @@ class Verification {
       verdict_.notes.emplace_back("no joint constrains anything: judged are the forces on joint speeds");
     }
     compare::conclude(verdict_);
-    require_passed_rungs(verdict_);
+    require_passed_checks(verdict_);
   }
 
   const Model& model_;
@@ -345,10 +345,10 @@ class Verification {
   std::array<Solver*, 2> solvers_;
   const VerifyOptions& options_;
   Verdict verdict_;
-  RungProgress progress_;
+  CheckProgress progress_;
   Judge judge_;
   SameState same_state_;
-  RunRungs runs_;
+  RunChecks runs_;
   std::array<Auditor, 2> auditors_;
   std::array<Redraw, 2> redraws_;
   int asked_samples_ = 0;

@@ -28,7 +28,7 @@ struct VerifyOptions {
   std::optional<int> states;
   /// Seed of the random states, and of the draws within round-off.
   std::uint64_t seed = kSeed;
-  /// Whether the refined rung is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
+  /// Whether the refined check is taken: both runs again at a tighter tolerance, half of a verdict's cost or more.
   bool refines = true;
   /// Whether a difference is told apart: who is to blame, and whether motions or equations differ.
   bool explains = true;
@@ -39,7 +39,7 @@ struct VerifyOptions {
   bool orders = false;
   /// Empty: each solver's own default.
   std::array<std::string, 2> integrators;
-  /// Another program that is asked in the states of the same state rung; null: none. Must outlive the verification.
+  /// Another program that is asked in the states of the same state check; null: none. Must outlive the verification.
   ThirdOpinion* third = nullptr;
   /// Called from several threads, never at the same time. Empty: nobody listens.
   TellProgress progress;
@@ -52,7 +52,7 @@ RunOptions run_options(const Model& model, const VerifyOptions& options);
 /// does not know it.
 std::string chosen_integrator(const Model& model, const Solver& solver, const std::string& asked);
 
-/// Takes every rung (compare/README) and returns all findings. An error of a solver is a failure in the verdict;
+/// Takes every check (compare/README) and returns all findings. An error of a solver is a failure in the verdict;
 /// InputError passes through.
 Verdict verify(const Model& model, Solver& cartesian, Solver& relative, const VerifyOptions& options);
 

@@ -13,7 +13,7 @@ std::vector<Fault> read_catalogue() {
   std::vector<Fault> faults;
   for (const auto& said : nlohmann::json::parse(file)) {
     faults.push_back({static_cast<int>(faults.size()), said.at("name"), said.at("file"), said.at("joint"),
-                      said.at("machine"), said.value("rung", ""), said.value("rule", "")});
+                      said.at("machine"), said.value("check", ""), said.value("rule", "")});
   }
   return faults;
 }

@@ -13,7 +13,7 @@ struct Fault {
   std::string where;    // joint, coupling, force element or body that must be named; "-": a fault of the comparator, or
                         // of the machine
   std::string machine;  // the model that it is planted in
-  std::string rung;     // that was expected to catch it, before it was run; empty for the oldest ones
+  std::string check;    // that was expected to catch it, before it was run; empty for the oldest ones
   std::string rule;     // of the audit, for faults that both solvers take from common
 
   [[nodiscard]] bool is_in(const std::string& folder) const { return file.starts_with(folder + "/"); }

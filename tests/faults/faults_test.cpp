@@ -34,7 +34,7 @@ constexpr const char* kNotCaught = "not caught";
 
 /// What a fault in one solver, or in what both share, comes to.
 struct Detection {
-  std::string rung = kNotCaught;
+  std::string check = kNotCaught;
   std::set<std::string> red;  // who differs, or is named by a refusal or the audit
   std::string blamed = "-";   // whom the first finding names
   std::string audited = "-";  // the solver that the third opinion refutes
@@ -71,9 +71,9 @@ bool names(const std::string& text, const std::string& name) {
   return false;
 }
 
-bool is_told_of(const Verdict& verdict, const std::string& rung) {
+bool is_told_of(const Verdict& verdict, const std::string& check) {
   return std::any_of(verdict.findings.begin(), verdict.findings.end(), [&](const Finding& finding) {
-    return finding.symptom.starts_with(rung) || finding.what.starts_with(rung);
+    return finding.symptom.starts_with(check) || finding.what.starts_with(check);
   });
 }
 
@@ -82,7 +82,7 @@ bool misses_reference(const Verdict& verdict) {
                      [](const ReferenceRow& row) { return row.is_judged && !row.agrees; });
 }
 
-std::string first_rung_below_need(const Verdict& verdict) {
+std::string first_check_below_need(const Verdict& verdict) {
   if (!verdict.failures.empty()) return "refused";
   if (is_told_of(verdict, "rank")) return "rank";
   if (!verdict.same_state.passed || is_told_of(verdict, "same state")) return "same state";
@@ -133,11 +133,11 @@ Detection detect(const std::string& machine) {
   options.states = kStates;
   const auto [model, verdict, misread] = judge_machine(machine, options);
   Detection found;
-  found.rung = misread.empty() ? first_rung_below_need(verdict) : "reading";
+  found.check = misread.empty() ? first_check_below_need(verdict) : "reading";
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
       if (!has_joint_or_element(row.quantity.kind) || !row.unique || !row.same_state) continue;
-      if (!meets_need(row, Rung::same_state)) found.red.insert(owner_of(model, row.quantity));
+      if (!meets_need(row, Check::same_state)) found.red.insert(owner_of(model, row.quantity));
     }
   }
   std::vector<std::string> told = misread.empty() ? verdict.failures : misread;
@@ -158,7 +158,7 @@ Detection detect(const std::string& machine) {
 }
 
 bool distinguishes(const Detection& one, const Detection& other) {
-  return std::tie(one.rung, one.audited) != std::tie(other.rung, other.audited);
+  return std::tie(one.check, one.audited) != std::tie(other.check, other.audited);
 }
 
 void print(const std::vector<std::vector<std::string>>& lines) {
@@ -188,7 +188,7 @@ TEST_CASE("Every machine for planted faults agrees without one") {
   for (const faults::Standard& standard : faults::standard_faults()) machines.insert(standard.machine);
   for (const std::string& machine : machines) {
     INFO(machine);
-    CHECK(detect(machine).rung == kNotCaught);
+    CHECK(detect(machine).check == kNotCaught);
   }
 }
 
@@ -200,13 +200,13 @@ TEST_CASE("Every planted fault is caught, at the joint or force element where it
   for (const Fault& fault : all) {
     const Planting planting(fault.number);
     const Detection found = detect(fault.machine);
-    lines.push_back({fault.name, fault.file, found.rung, fault.where, found.blamed, found.audited, text_of(found.rules),
-                     std::to_string(found.red.size())});
-    std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.rung, found.first_words);
+    lines.push_back({fault.name, fault.file, found.check, fault.where, found.blamed, found.audited,
+                     text_of(found.rules), std::to_string(found.red.size())});
+    std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.check, found.first_words);
     INFO(fault.name);
-    CHECK(found.rung != kNotCaught);
+    CHECK(found.check != kNotCaught);
     if (fault.where != "-") CHECK(found.red.count(fault.where) == 1);
-    if (!fault.rung.empty()) CHECK(found.rung == fault.rung);
+    if (!fault.check.empty()) CHECK(found.check == fault.check);
     if (!fault.rule.empty()) {
       CHECK(found.audited == "both");  // only the third opinion can see what both solvers take from there
       CHECK(found.rules.count(fault.rule) == 1);
@@ -292,7 +292,7 @@ TEST_CASE("Every planted fault of the comparator misjudges a machine") {
     const Planting planting(faults::number_of(catalogue, standard.fault));
     rightly[standard.fault] = detect(standard.machine);
     INFO(standard.fault);
-    REQUIRE(rightly[standard.fault].rung != kNotCaught);
+    REQUIRE(rightly[standard.fault].check != kNotCaught);
   }
   std::vector<std::vector<std::string>> lines{{"fault", "planted in", "shows on", "judged", "rightly"}};
   for (const Fault& fault : faults_of_comparator()) {
@@ -302,7 +302,7 @@ TEST_CASE("Every planted fault of the comparator misjudges a machine") {
       if (!distinguishes(found, right)) return;
       ++shows;
       const auto text = [](const Detection& one) {
-        return one.audited == "-" ? one.rung : fmt::format("{}, audit refutes {}", one.rung, one.audited);
+        return one.audited == "-" ? one.check : fmt::format("{}, audit refutes {}", one.check, one.audited);
       };
       lines.push_back({fault.name, fault.file, on, text(found), text(right)});
     };
@@ -310,11 +310,11 @@ TEST_CASE("Every planted fault of the comparator misjudges a machine") {
       const Planting planting(fault.number);
       const Detection found = detect(fault.machine);
       tell("the sound " + fault.machine, found, {});
-      if (fault.rung == "refused") {  // by an account that concord takes of itself, which blames nobody else
-        CHECK(found.rung == fault.rung);
+      if (fault.check == "refused") {  // by an account that concord takes of itself, which blames nobody else
+        CHECK(found.check == fault.check);
         CHECK(found.first_words.find("concord's own") != std::string::npos);
         if (fault.where != "-") CHECK(found.blamed == fault.where);
-        std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.rung, found.first_words);
+        std::cerr << fmt::format("{}: {}: {}\n", fault.name, found.check, found.first_words);
       }
     }
     for (const faults::Standard& standard : faults::standard_faults()) {

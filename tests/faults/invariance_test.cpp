@@ -9,7 +9,7 @@
 #include "cartesian/solver.h"
 #include "common/error.h"
 #include "common/reading/model_file.h"
-#include "compare/invariance/battery.h"
+#include "compare/invariance/invariance_checks.h"
 #include "compare/invariance/report.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/verify.h"
@@ -32,7 +32,7 @@ struct Sleeper {
   std::set<std::string> moves;
 };
 
-/// Written down before the battery was run.
+/// Written down before the checks was run.
 const std::vector<Sleeper>& sleepers() {
   static const std::vector<Sleeper> all{
       // Every joint of these trees leads from its parent outward.
@@ -54,10 +54,10 @@ Outcome compared(const Model& model) {
   return verify(model, *cartesian, *relative, options).outcome;
 }
 
-std::set<std::string> red_moves(const invariance::Battery& battery, Who who) {
+std::set<std::string> red_moves(const invariance::InvarianceChecks& checks, Who who) {
   std::set<std::string> red;
-  for (const invariance::MoveRow& row : battery.rows) {
-    if (row.applies && row.who == who && row.outcome != Outcome::agree) red.insert(battery.moves[row.move].name);
+  for (const invariance::MoveRow& row : checks.rows) {
+    if (row.applies && row.who == who && row.outcome != Outcome::agree) red.insert(checks.moves[row.move].name);
   }
   return red;
 }
@@ -68,30 +68,30 @@ TEST_CASE("A fault that sleeps in a machine's description shows under the move t
   for (const Sleeper& sleeper : sleepers()) {
     INFO(sleeper.fault << ", " << sleeper.model);
     const Model model = shipped_model(sleeper.model);
-    CHECK(invariance::run_battery(model, makers, {}).outcome == Outcome::agree);
+    CHECK(invariance::check_invariance(model, makers, {}).outcome == Outcome::agree);
     const int number = faults::number_of(faults::read_catalogue(), sleeper.fault);
     REQUIRE(number >= 0);
     const Planting planting(number);
     const Outcome by_comparison = compared(model);
     CHECK(by_comparison == Outcome::agree);
-    const invariance::Battery battery = invariance::run_battery(model, makers, {});
-    INFO(invariance::format_battery(model, battery));
-    const std::set<std::string> red = red_moves(battery, sleeper.who);
+    const invariance::InvarianceChecks checks = invariance::check_invariance(model, makers, {});
+    INFO(invariance::format_checks(model, checks));
+    const std::set<std::string> red = red_moves(checks, sleeper.who);
     CHECK(red == sleeper.moves);
-    CHECK(red_moves(battery, sleeper.who == Who::relative ? Who::cartesian : Who::relative).empty());
+    CHECK(red_moves(checks, sleeper.who == Who::relative ? Who::cartesian : Who::relative).empty());
     lines.push_back({sleeper.fault, sleeper.model, to_string(by_comparison), fmt::format("{}", fmt::join(red, ", "))});
   }
   std::cout << format_table(lines, {false, false, false, false});
 }
 
-/// Moves under which each solver differs on a machine of this folder with a fault; nothing where there is no battery.
+/// Moves under which each solver differs on a machine of this folder with a fault; nothing where there is no checks.
 std::array<std::set<std::string>, 2> red_by_solver(const Fault& fault, const SolverMakers& makers) {
   const Model model = read_model(CONCORD_FAULTS "/" + fault.machine + ".toml");
   const Planting planting(fault.number);
   try {
-    const invariance::Battery battery = invariance::run_battery(model, makers, {});
-    if (!battery.failures.empty()) return {};
-    return {red_moves(battery, Who::cartesian), red_moves(battery, Who::relative)};
+    const invariance::InvarianceChecks checks = invariance::check_invariance(model, makers, {});
+    if (!checks.failures.empty()) return {};
+    return {red_moves(checks, Who::cartesian), red_moves(checks, Who::relative)};
   } catch (const InputError&) {  // a solver that cannot start
     return {};
   }

@@ -167,12 +167,13 @@ std::string ParameterScan::ratios() {
   Verdict verdict;
   make_rows(layout, verdict);
   const std::vector<Measured> measured = measure(layout, weighed.series, weighed.budget());
-  record(layout, measured, Rung::same_state, verdict);
+  record(layout, measured, Check::same_state, verdict);
   double resolvable = kMostDigits;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
       if (row.quantity.kind != Kind::reaction && row.quantity.kind != Kind::element) continue;
-      if (is_judged(row)) resolvable = std::min(resolvable, detail_of(row, Rung::same_state).resolvable.value_or(16.0));
+      if (is_judged(row))
+        resolvable = std::min(resolvable, detail_of(row, Check::same_state).resolvable.value_or(16.0));
     }
   }
   if (ratios.empty()) return model_.name + ": nothing to judge";

@@ -64,7 +64,7 @@ struct Subject {
 bool all_pass(const Verdict& verdict) {
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      if (row.unique && row.same_state && !meets_need(row, Rung::same_state)) return false;
+      if (row.unique && row.same_state && !meets_need(row, Check::same_state)) return false;
     }
   }
   return true;
@@ -81,7 +81,7 @@ std::string audit(const Model& model, const std::vector<SharedState>& states) {
   return kAgree;
 }
 
-/// The first rung that two solvers miss at given states: of rank, same state and audit; or that one refuses.
+/// The first check that two solvers miss at given states: of rank, same state and audit; or that one refuses.
 std::string judge(const Model& model, const Solvers& solvers, const std::vector<OwnedState>& states) {
   try {
     SharedStates shared = share(solvers.both(), states);
@@ -93,7 +93,7 @@ std::string judge(const Model& model, const Solvers& solvers, const std::vector<
     if (!weighed.findings.empty()) return "rank";
     Verdict verdict;
     make_rows(layout, verdict);
-    record(layout, measure(layout, weighed.series, weighed.budget()), Rung::same_state, verdict);
+    record(layout, measure(layout, weighed.series, weighed.budget()), Check::same_state, verdict);
     judge(verdict);
     if (!has_judged(verdict) || !carries_something(verdict)) return "refused";
     if (!all_pass(verdict)) return "same state";
@@ -170,8 +170,8 @@ std::string try_fault(const Subject& subject, const Fault& fault) {
     }
     if (acts && !second_reading::read_again_text(model, subject.text, subject.file).differing.empty()) return "reading";
     // A fault in the rank shows in what is called unique, not in any number.
-    const std::string found = acts || fault.rung == "rank" ? judge(model, solvers, subject.states) : kIdle;
-    return fault.rung == "rank" && found == kAgree ? kIdle : found;
+    const std::string found = acts || fault.check == "rank" ? judge(model, solvers, subject.states) : kIdle;
+    return fault.check == "rank" && found == kAgree ? kIdle : found;
   } catch (const InputError&) {
     return "refused";
   } catch (const SolverError&) {
@@ -253,7 +253,7 @@ class Scan {
       if (fault.is_in("compare")) continue;
       const Rate& rate = rates_[static_cast<std::size_t>(fault.number)];
       std::string by;
-      for (const auto& [rung, count] : rate.by) by += fmt::format("{}{} {}", by.empty() ? "" : ", ", rung, count);
+      for (const auto& [check, count] : rate.by) by += fmt::format("{}{} {}", by.empty() ? "" : ", ", check, count);
       lines.push_back({fault.name, std::to_string(rate.exercised),
                        rate.exercised > 0 ? fmt::format("{:.1f} %", 100.0 * rate.caught / rate.exercised) : "-",
                        by.empty() ? "-" : by, rate.missed.empty() ? "-" : std::to_string(rate.missed.front())});

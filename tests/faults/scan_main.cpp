@@ -21,10 +21,10 @@ bool differs_at_same_state(const Model& model, const std::array<Solver*, 2>& sol
   const WeighedStates weighed = weigh(layout, solvers, std::move(shared.states), kSeed);
   Verdict verdict;
   make_rows(layout, verdict);
-  record(layout, measure(layout, weighed.series, weighed.budget()), Rung::same_state, verdict);
+  record(layout, measure(layout, weighed.series, weighed.budget()), Check::same_state, verdict);
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      if (row.unique && row.same_state && !meets_need(row, Rung::same_state)) return true;
+      if (row.unique && row.same_state && !meets_need(row, Check::same_state)) return true;
     }
   }
   return false;

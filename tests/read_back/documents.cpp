@@ -99,7 +99,7 @@ std::string name_of(const Model& model, const QuantityRow& row) {
 }
 
 Json states_of(const QuantityRow& row) {
-  const compare::RungDetail& detail = row.detail[0];
+  const compare::CheckDetail& detail = row.detail[0];
   return {{"judged", detail.samples}, {"not_unique", detail.not_unique}, {"too_coarse", detail.too_coarse}};
 }
 
@@ -110,11 +110,11 @@ void expect_result_row(const Model& model, const QuantityRow& row, const Json& f
   Json shown = Json::array();
   Json scales = Json::array();
   Json resolvable = Json::array();
-  for (std::size_t rung = 0; rung < 3; ++rung) {
+  for (std::size_t check = 0; check < 3; ++check) {
     const bool is_shown = is_judged(row);
-    shown.push_back(is_shown ? number(digits[rung]) : Json());
-    resolvable.push_back(is_shown ? number(row.detail[rung].resolvable) : Json());
-    scales.push_back(digits[rung] ? Json(row.detail[rung].scale) : Json());
+    shown.push_back(is_shown ? number(digits[check]) : Json());
+    resolvable.push_back(is_shown ? number(row.detail[check].resolvable) : Json());
+    scales.push_back(digits[check] ? Json(row.detail[check].scale) : Json());
   }
   expect("kind", is_element(row) ? "element" : "joint");
   expect("owner", row.quantity.owner);
@@ -227,13 +227,13 @@ std::vector<std::string> unlike_result(const std::filesystem::path& file, const 
     document.expect(found, "audit_digits", number(solver.audit_digits));
     document.expect(found, "energy_error", number(solver.energy_error));
   }
-  const std::array<const compare::RungSummary*, 4> rungs{&verdict.same_state, &verdict.same_run, &verdict.refined,
-                                                         &verdict.audit};
+  const std::array<const compare::CheckSummary*, 4> checks{&verdict.same_state, &verdict.same_run, &verdict.refined,
+                                                           &verdict.audit};
   const std::array<const char*, 4> names{"same state", "same run", "refined", "audit"};
-  for (std::size_t k = 0; k < rungs.size(); ++k) {
+  for (std::size_t k = 0; k < checks.size(); ++k) {
     document.expect(document.entry("rungs", k + 1), "name", names[k]);
-    document.expect(document.entry("rungs", k + 1), "digits", number(rungs[k]->digits));
-    document.expect(document.entry("rungs", k + 1), "passed", rungs[k]->passed);
+    document.expect(document.entry("rungs", k + 1), "digits", number(checks[k]->digits));
+    document.expect(document.entry("rungs", k + 1), "passed", checks[k]->passed);
   }
   const std::vector<const QuantityRow*> rows = rows_of(verdict);
   document.expect_size(document.all, "rows", rows.size());
@@ -247,11 +247,11 @@ std::vector<std::string> unlike_verdict(const std::filesystem::path& file, const
   document.expect(document.all, "format", 1);
   document.expect(document.all, "name", model.name);
   document.expect(document.all, "verdict", word_of(verdict.outcome));
-  const std::array<const compare::RungSummary*, 4> rungs{&verdict.same_state, &verdict.same_run, &verdict.refined,
-                                                         &verdict.audit};
+  const std::array<const compare::CheckSummary*, 4> checks{&verdict.same_state, &verdict.same_run, &verdict.refined,
+                                                           &verdict.audit};
   const std::array<const char*, 4> names{"same_state", "same_run", "refined", "audit"};
-  for (std::size_t k = 0; k < rungs.size(); ++k) {
-    document.expect(document.all.value(names[k], Json()), "digits", two_decimals(rungs[k]->digits), names[k]);
+  for (std::size_t k = 0; k < checks.size(); ++k) {
+    document.expect(document.all.value(names[k], Json()), "digits", two_decimals(checks[k]->digits), names[k]);
   }
   std::array<std::size_t, 2> count{};  // of joints, of elements
   for (const QuantityRow* row : rows_of(verdict)) {

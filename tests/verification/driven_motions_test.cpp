@@ -10,7 +10,7 @@
 #include "compare/analyses/kinematics.h"
 #include "judged_machines.h"
 
-/// Machines that drivers move fully, closed at few output times: branches and turns do not hang by these.
+/// Machines that drivers move fully, closed at few output times: branches and turns do not are attached by these.
 namespace concord::verification {
 namespace {
 

@@ -69,7 +69,7 @@ std::vector<fs::path> shipped_models() {
   return files;
 }
 
-/// Few samples and states: what is read back does not hang by what is found.
+/// Few samples and states: what is read back does not are attached by what is found.
 VerifyOptions short_run(const Model& model) {
   VerifyOptions options;
   options.until = std::min(model.run.until, 0.02);

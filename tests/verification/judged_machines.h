@@ -41,7 +41,7 @@ inline compare::Verdict judged(const Model& model, const compare::VerifyOptions&
   return compare::verify(model, *cartesian_solver, *relative_solver, options);
 }
 
-/// What takes seconds for all machines of a folder: a part of the run, few samples and states, all rungs.
+/// What takes seconds for all machines of a folder: a part of the run, few samples and states, all checks.
 inline compare::VerifyOptions in_short(const Model& model, double part) {
   compare::VerifyOptions options;
   options.until = part * model.run.until;

@@ -71,12 +71,12 @@ compare::Verdict verdict_in(const Scaled& machine, const Model& model, const Uni
 /// Beyond this the worst of some hundred differences is a few units of round-off, and differs from scale to scale.
 constexpr double kRoundOff = 13.0;
 
-/// Digits of the rungs and of the audit; the most where a rung judges nothing.
+/// Digits of the checks and of the audit; the most where a check judges nothing.
 std::array<double, 4> digits_of(const compare::Verdict& verdict) {
   std::array<double, 4> digits{};
   std::size_t k = 0;
-  for (const auto* rung : {&verdict.same_state, &verdict.same_run, &verdict.refined, &verdict.audit}) {
-    digits[k++] = rung->digits.value_or(compare::kMostDigits);
+  for (const auto* check : {&verdict.same_state, &verdict.same_run, &verdict.refined, &verdict.audit}) {
+    digits[k++] = check->digits.value_or(compare::kMostDigits);
   }
   return digits;
 }
@@ -91,16 +91,16 @@ void tell(const Scaled& machine, const Units& units, const compare::Verdict& ver
             << std::flush;
 }
 
-/// Of each rung the digits in the middle of all scales. In one scale alone they are one draw of round-off: a run at
+/// Of each check the digits in the middle of all scales. In one scale alone they are one draw of round-off: a run at
 /// rtol 1e-11 is known to 11.0 digits in one scale and to 12.1 in another, without any order in between.
 std::array<double, 4> typical_digits(const std::vector<compare::Verdict>& verdicts) {
   std::array<double, 4> typical{};
-  for (std::size_t rung = 0; rung < typical.size(); ++rung) {
+  for (std::size_t check = 0; check < typical.size(); ++check) {
     std::vector<double> all;
-    for (const compare::Verdict& verdict : verdicts) all.push_back(std::min(digits_of(verdict)[rung], kRoundOff));
+    for (const compare::Verdict& verdict : verdicts) all.push_back(std::min(digits_of(verdict)[check], kRoundOff));
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
     std::nth_element(all.begin(), middle, all.end());
-    typical[rung] = *middle;
+    typical[check] = *middle;
   }
   return typical;
 }
@@ -122,9 +122,9 @@ void expect_same_verdicts(const Scaled& machine, const Model& model, const compa
     CHECK(again.judged == first.judged);
     CHECK(again.total == first.total);
     const std::array<double, 4> found = digits_of(again);
-    for (std::size_t rung = 0; rung < found.size(); ++rung) {
-      CAPTURE(rung, typical[rung]);
-      CHECK(std::abs(std::min(found[rung], kRoundOff) - typical[rung]) <= 1.0);
+    for (std::size_t check = 0; check < found.size(); ++check) {
+      CAPTURE(check, typical[check]);
+      CHECK(std::abs(std::min(found[check], kRoundOff) - typical[check]) <= 1.0);
     }
   }
 }
@@ -138,7 +138,7 @@ std::string printed_digits(const compare::Verdict& verdict) {
       for (const auto& digits : {row.same_state, row.same_run, row.refined}) {
         text += digits ? " " + compare::format_digits(*digits) : " -";
       }
-      for (const compare::RungDetail& detail : row.detail) {
+      for (const compare::CheckDetail& detail : row.detail) {
         text += detail.resolvable ? " of " + compare::format_digits(*detail.resolvable) : " of ?";
       }
       text += '\n';

@@ -85,7 +85,7 @@ TEST(FuzzCommand, CrashHangAndGluttonyCostOneMachineEach) {
   const Told told = fuzz_with(command, makers);
   EXPECT_EQ(told.code, 3);
   EXPECT_THAT(told.out, HasSubstr("machine 2: crashed by signal 6\n"));
-  EXPECT_THAT(told.out, HasSubstr("rung: start"));
+  EXPECT_THAT(told.out, HasSubstr("check: start"));
   EXPECT_THAT(told.out, HasSubstr("machine 4: hung by signal 9\n"));
   EXPECT_THAT(told.out, HasSubstr("machine 6: out of memory\n"));
   EXPECT_THAT(told.out, HasSubstr("refused: singular pose |        6 |"));

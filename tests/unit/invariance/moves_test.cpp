@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kRoundOff = 1e-12;
 
-// Detects a move that moves nothing: the battery would compare a description with itself.
+// Detects a move that moves nothing: the checks would compare a description with itself.
 TEST(Moves, EachChangesTheDescription) {
   for (const std::string& name : all_kinds()) {
     const Model model = shipped(name);

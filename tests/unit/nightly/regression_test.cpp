@@ -64,7 +64,7 @@ Entry night(long id, const Result& result, const std::string& commit = "before")
 
 TEST(Changes, NothingIsToldOfEqualResults) { EXPECT_THAT(changes_to(sound()), IsEmpty()); }
 
-TEST(Changes, FallOfTwoDigitsIsFoundInEachRung) {
+TEST(Changes, FallOfTwoDigitsIsFoundInEachCheck) {
   Result now = sound();
   now.components[1].same_run = 7.0;
   EXPECT_THAT(changes_to(now), ElementsAre("worse same run"));

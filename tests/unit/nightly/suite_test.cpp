@@ -86,7 +86,7 @@ TEST_F(Suites, GlobsVariantsAndWorksAreToldApartByName) {
               ElementsAre("fuzz/seed=3/first=0", "fuzz/seed=3/first=10"));
 }
 
-// Detects a battery whose rows do not reach the night's memory, and moves that do not apply but have a row.
+// Detects a checks whose rows do not reach the night's memory, and moves that do not apply but have a row.
 TEST_F(Suites, AnInvarianceCaseHasAComponentForEachMoveAndSolver) {
   const Suite suite = read("[[case]]\nwork = \"invariance\"\nmodels = [\"models/one.toml\"]\n");
   ASSERT_EQ(suite.cases.size(), 1U);

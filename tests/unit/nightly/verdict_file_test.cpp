@@ -49,7 +49,7 @@ class VerdictFiles : public ::testing::Test {
 
 }  // namespace
 
-// Detects digits of one rung that pass for those of another, and rows that are lost.
+// Detects digits of one check that pass for those of another, and rows that are lost.
 TEST_F(VerdictFiles, VerdictOfOneModelIsRead) {
   const auto document = nlohmann::json::parse(format_json(model_, verdict_));
   const ResultsFile file = read_results_file(written("one.json", document.dump()));

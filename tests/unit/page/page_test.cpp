@@ -114,10 +114,10 @@ TEST(Page, SaysWhereResolutionJudgesInPlaceOfTheNeed) {
   for (QuantityRow& row : one.verdict.rows) {
     row.need.same_run = 20.0;
     row.judgement = Judgement::agree;
-    row.detail[static_cast<std::size_t>(Rung::same_run)].unexplained = 20.0;
+    row.detail[static_cast<std::size_t>(Check::same_run)].unexplained = 20.0;
   }
   const QuantityRow& row = one.verdict.rows.front();
-  ASSERT_TRUE(is_judged_by_resolution(row, Rung::same_run) && !is_judged_by_resolution(row, Rung::same_state));
+  ASSERT_TRUE(is_judged_by_resolution(row, Check::same_run) && !is_judged_by_resolution(row, Check::same_state));
   const nlohmann::json machine = data_of(format_page({one.reported()})).at("machines").at(0);
   EXPECT_THAT(machine.at("sentence").get<std::string>(),
               HasSubstr("in the same run where 20 are asked, which is all that double precision resolves there"));
@@ -148,12 +148,12 @@ TEST(Page, SaysWhatCarriedTheVerdict) {
               HasSubstr("up to t = 0.25 s of 0.4 s"));
 }
 
-TEST(Page, ChecksWithoutDigitsAreAmongTheRungs) {
+TEST(Page, ChecksWithoutDigitsAreAmongTheChecks) {
   Compared one;
   one.verdict.references.push_back({.of = "joint A on bob", .component = "F_x", .unit = "N", .agrees = false});
-  const nlohmann::json rungs = data_of(format_page({one.reported()})).at("machines").at(0).at("rungs");
-  EXPECT_EQ(rungs.at(5), (nlohmann::json{{"name", "energy"}, {"digits", nullptr}, {"passed", true}}));
-  EXPECT_EQ(rungs.at(6), (nlohmann::json{{"name", "reference"}, {"digits", nullptr}, {"passed", false}}));
+  const nlohmann::json checks = data_of(format_page({one.reported()})).at("machines").at(0).at("rungs");
+  EXPECT_EQ(checks.at(5), (nlohmann::json{{"name", "energy"}, {"digits", nullptr}, {"passed", true}}));
+  EXPECT_EQ(checks.at(6), (nlohmann::json{{"name", "reference"}, {"digits", nullptr}, {"passed", false}}));
 }
 
 TEST(ReportCommand, RefusesWhatHoldsNoResults) {

@@ -38,12 +38,12 @@ TEST(Outcome, AStopThatTheOtherSolverExplainsIsARefusal) {
   verdict.failures = {"same run: cartesian: at t = 0.1 s the wheel locks", "same run: relative: the pose is singular"};
   EXPECT_EQ(outcome_of(verdict).kind, "singular pose");
   verdict.failures[1] = "refined: relative: the pose is singular";
-  EXPECT_EQ(outcome_of(verdict).sort, Sort::stop) << "another rung";
+  EXPECT_EQ(outcome_of(verdict).sort, Sort::stop) << "another check";
   verdict.failures[1] = "relative: at t = 0 s no accelerations close everything: the pose is singular";
   EXPECT_EQ(outcome_of(verdict).kind, "singular pose") << "a state of the run";
 }
 
-TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsRung) {
+TEST(Outcome, DifferenceOutweighsFailuresAndIsNamedAfterItsCheck) {
   Verdict verdict;
   verdict.failures = {"no component was judged"};
   verdict.findings = {{"joint B on rod, F_x, t = 1 s: ...", "same run: factor 2 in all 300 samples"}};
@@ -82,10 +82,10 @@ TEST(Outcome, RatiosAreCountedByEdges) {
 }
 
 TEST(Outcome, LostWorkersAreTold) {
-  const fuzz::Outcome crashed = outcome_of(workers::Report{workers::End::crashed, 11, "", "rung: same run\n"});
+  const fuzz::Outcome crashed = outcome_of(workers::Report{workers::End::crashed, 11, "", "check: same run\n"});
   EXPECT_EQ(crashed.sort, Sort::lost);
   EXPECT_EQ(crashed.kind, "crashed by signal 11");
-  EXPECT_EQ(crashed.text, "rung: same run\n");
+  EXPECT_EQ(crashed.text, "check: same run\n");
   EXPECT_EQ(outcome_of(workers::Report{workers::End::hung, 9, "", ""}).kind, "hung by signal 9");
   EXPECT_EQ(outcome_of(workers::Report{workers::End::threw, 0, "odd", ""}).kind, "stop: odd");
 }

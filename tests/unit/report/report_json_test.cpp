@@ -32,8 +32,8 @@ TEST_F(ReportJsonTest, HasTheseKeys) {
   const Json json = document();
   EXPECT_THAT(keys(json), ElementsAre("format", "name", "verdict", "judged", "total", "same_state", "same_run",
                                       "refined", "audit", "joints", "solvers"));
-  for (const char* rung : {"same_state", "same_run", "refined", "audit"}) {
-    EXPECT_THAT(keys(json[rung]), ElementsAre("digits"));
+  for (const char* check : {"same_state", "same_run", "refined", "audit"}) {
+    EXPECT_THAT(keys(json[check]), ElementsAre("digits"));
   }
   EXPECT_THAT(keys(json["joints"][0]),
               ElementsAre("joint", "side", "component", "scale", "scale_from", "unique", "states", "same_state_digits",

@@ -130,7 +130,7 @@ TEST_F(TableTest, TheLastLineSaysWhatCarriedTheVerdict) {
   Verdict verdict = verify(model_, cartesian_, relative_, {});
   QuantityRow& row = verdict.rows[2];
   row.same_run = 3.6;
-  row.detail[static_cast<std::size_t>(Rung::same_run)].unexplained = 16.0;
+  row.detail[static_cast<std::size_t>(Check::same_run)].unexplained = 16.0;
   verdict.same_run.digits = 3.6;
   const std::string line = "same run 3.6 (1 of 10 below 7 digits, within round-off), refined ";
   EXPECT_THAT(format_verdict(model_, verdict, false), HasSubstr(line));

@@ -199,7 +199,7 @@ TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledW
   EXPECT_EQ(terms(layout.row_of({Kind::driver, 0, Side::child, 0})), 0.0) << "the other disc has loads of its own";
 }
 
-/// A bob of 2 kg hangs from a yoke, which hangs by a ball from a slide.
+/// A bob of 2 kg hangs from a yoke, which is attached by a ball from a slide.
 Model bob_on_a_chain() {
   return parse_model(R"(
     format = 1

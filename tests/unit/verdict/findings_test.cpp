@@ -39,10 +39,10 @@ class FindDifferencesTest : public ::testing::Test {
     series_ = align(layout_, {&run, &run}, 21);
   }
 
-  std::vector<Finding> find(Rung rung) {
+  std::vector<Finding> find(Check check) {
     const std::vector<Measured> measured = measure(layout_, series_);
-    record(layout_, measured, rung, verdict_);
-    return find_differences(layout_, series_, measured, verdict_, rung, known_);
+    record(layout_, measured, check, verdict_);
+    return find_differences(layout_, series_, measured, verdict_, check, known_);
   }
 
   void spoil(const Quantity& quantity, double factor) { series_.values[1].row(layout_.row_of(quantity)) *= factor; }
@@ -58,7 +58,7 @@ TEST_F(FindDifferencesTest, NamesTheWorstOfEachJointAndEachBodyOnce) {
   spoil({Kind::reaction, 0, Side::child, 0}, 1.0 + 1e-6);
   spoil({Kind::reaction, 0, Side::parent, 1}, 2.0);
   spoil({Kind::acceleration, 1, Side::child, 2}, 1.01);
-  const std::vector<Finding> findings = find(Rung::same_state);
+  const std::vector<Finding> findings = find(Check::same_state);
   ASSERT_EQ(findings.size(), 2U);
   EXPECT_EQ(findings[0].what.substr(0, 27), "joint A on ground, F_y, t =");
   EXPECT_EQ(findings[0].symptom, "same state: factor two: relative is twice cartesian in all 21 samples");
@@ -67,11 +67,11 @@ TEST_F(FindDifferencesTest, NamesTheWorstOfEachJointAndEachBodyOnce) {
 
 TEST_F(FindDifferencesTest, WhoFailedBeforeIsNotNamedAgain) {
   spoil({Kind::reaction, 0, Side::child, 0}, 2.0);
-  EXPECT_EQ(find(Rung::same_state).size(), 1U);
-  EXPECT_TRUE(find(Rung::same_run).empty());
+  EXPECT_EQ(find(Check::same_state).size(), 1U);
+  EXPECT_TRUE(find(Check::same_run).empty());
 }
 
-TEST_F(FindDifferencesTest, AgreementFindsNothing) { EXPECT_TRUE(find(Rung::same_state).empty()); }
+TEST_F(FindDifferencesTest, AgreementFindsNothing) { EXPECT_TRUE(find(Check::same_state).empty()); }
 
 }  // namespace
 }  // namespace concord::compare

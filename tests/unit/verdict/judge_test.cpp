@@ -12,14 +12,14 @@ namespace {
 /// What a judge makes of rows that agree to some digits, and of the audit.
 class JudgeTest : public ::testing::Test {
  protected:
-  void record_rows(Rung rung, double digits) {
+  void record_rows(Check check, double digits) {
     std::vector<Measured> measured(layout_.quantities().size());
     for (Measured& one : measured) {
       one.digits = one.unexplained_digits = digits;
       one.scale = 2.0;
       one.samples = 3;
     }
-    record(layout_, measured, rung, verdict_);
+    record(layout_, measured, check, verdict_);
   }
 
   static AuditReport audited_to(double digits) {
@@ -33,14 +33,14 @@ class JudgeTest : public ::testing::Test {
   Model model_ = pendulum_model();
   QuantityLayout layout_{model_};
   Verdict verdict_;
-  Judge of_run_{layout_, {kRungs.begin(), kRungs.end()}, verdict_};
-  Judge of_analysis_{layout_, {Rung::same_state, Rung::same_run}, verdict_};
+  Judge of_run_{layout_, {kChecks.begin(), kChecks.end()}, verdict_};
+  Judge of_analysis_{layout_, {Check::same_state, Check::same_run}, verdict_};
 };
 
-TEST_F(JudgeTest, RowsNeedTheRungsOfTheirVerdictAndNoOther) {
+TEST_F(JudgeTest, RowsNeedTheChecksOfTheirVerdictAndNoOther) {
   make_rows(layout_, verdict_);
-  record_rows(Rung::same_state, 13.0);
-  record_rows(Rung::same_run, 13.0);
+  record_rows(Check::same_state, 13.0);
+  record_rows(Check::same_run, 13.0);
   of_analysis_.judge_rows();
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::agree);
   EXPECT_TRUE(verdict_.same_run.passed);
@@ -49,9 +49,9 @@ TEST_F(JudgeTest, RowsNeedTheRungsOfTheirVerdictAndNoOther) {
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged) << "of a run, refined must say something too";
 }
 
-TEST_F(JudgeTest, ADifferenceOnOneRungIsNotTakenBackByARungThatSaysNothing) {
+TEST_F(JudgeTest, ADifferenceOnOneCheckIsNotTakenBackByACheckThatSaysNothing) {
   make_rows(layout_, verdict_);
-  record_rows(Rung::same_state, 3.0);
+  record_rows(Check::same_state, 3.0);
   of_analysis_.judge_rows();
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
 }
@@ -102,15 +102,15 @@ TEST_F(JudgeTest, ReportedCoordinatesThatAreNotTheBodiesAreAFinding) {
   EXPECT_FALSE(verdict_.audit.passed);
 }
 
-/// Finds a comparator that agrees though one of its rungs is not passed.
-TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsAFailure) {
+/// Finds a comparator that agrees though one of its checks is not passed.
+TEST_F(JudgeTest, ACheckThatIsNotPassedWithoutAFindingIsAFailure) {
   const auto agreeing = [] {
     Verdict verdict;
     verdict.outcome = Outcome::agree;
     verdict.rank_agrees = true;
-    for (RungSummary* rung : {&verdict.same_state, &verdict.same_run, &verdict.refined, &verdict.audit}) {
-      rung->digits = 13.0;
-      rung->passed = true;
+    for (CheckSummary* check : {&verdict.same_state, &verdict.same_run, &verdict.refined, &verdict.audit}) {
+      check->digits = 13.0;
+      check->passed = true;
     }
     for (SolverSummary& solver : verdict.solvers) solver.energy_error = 0.0;
     return verdict;
@@ -118,7 +118,7 @@ TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsAFailure) {
   const auto outcome_with = [&](const std::function<void(Verdict&)>& spoil) {
     Verdict verdict = agreeing();
     spoil(verdict);
-    require_passed_rungs(verdict);
+    require_passed_checks(verdict);
     return verdict.outcome;
   };
   EXPECT_EQ(outcome_with([](Verdict&) {}), Outcome::agree);
@@ -126,7 +126,7 @@ TEST_F(JudgeTest, ARungThatIsNotPassedWithoutAFindingIsAFailure) {
   EXPECT_EQ(outcome_with([](Verdict& v) { v.same_run.passed = false; }), Outcome::failed);
   EXPECT_EQ(outcome_with([](Verdict& v) { v.audit.passed = false; }), Outcome::failed);
   EXPECT_EQ(outcome_with([](Verdict& v) { v.solvers[1].energy_error = 1.0; }), Outcome::failed);
-  EXPECT_EQ(outcome_with([](Verdict& v) { v.refined = RungSummary(); }), Outcome::agree);  // nothing was judged there
+  EXPECT_EQ(outcome_with([](Verdict& v) { v.refined = CheckSummary(); }), Outcome::agree);  // nothing was judged there
 }
 
 }  // namespace

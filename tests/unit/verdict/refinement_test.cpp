@@ -13,14 +13,14 @@ class RefinementTest : public ::testing::Test {
     for (SolverSummary& solver : verdict_.solvers) solver.rank.joints.resize(1);
   }
 
-  void record_all(Rung rung, double digits) {
+  void record_all(Check check, double digits) {
     std::vector<Measured> measured(layout_.quantities().size());
     for (Measured& one : measured) {
       one.digits = one.unexplained_digits = digits;
       one.scale = 2.0;
       one.samples = 3;
     }
-    record(layout_, measured, rung, verdict_);
+    record(layout_, measured, check, verdict_);
   }
 
   Model model_ = pendulum_model();
@@ -34,16 +34,16 @@ TEST_F(RefinementTest, RowsAreWhatTheJointCarries) {
   for (const QuantityRow& row : verdict_.rows) EXPECT_NE(row.quantity.component, 5);
 }
 
-TEST_F(RefinementTest, AllRungsMustBeClimbed) {
+TEST_F(RefinementTest, AllChecksMustBePassed) {
   make_rows(layout_, verdict_);
-  record_all(Rung::same_state, 13.0);
-  record_all(Rung::same_run, 7.5);
-  record_all(Rung::refined, 8.0);
+  record_all(Check::same_state, 13.0);
+  record_all(Check::same_run, 7.5);
+  record_all(Check::refined, 8.0);
   judge(verdict_);
   EXPECT_FALSE(verdict_.refined.passed);
   EXPECT_TRUE(verdict_.same_run.passed);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
-  record_all(Rung::refined, 9.0);
+  record_all(Check::refined, 9.0);
   judge(verdict_);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::agree);
   EXPECT_EQ(verdict_.rows[0].scale, 2.0);
@@ -62,23 +62,23 @@ TEST_F(RefinementTest, RefinedIsMetByTheRiseOrByItsNeed) {
   const auto set = [&](double same_run, double refined) {
     row.same_run = same_run;
     row.refined = refined;
-    row.detail[static_cast<std::size_t>(Rung::refined)].unexplained = refined;
+    row.detail[static_cast<std::size_t>(Check::refined)].unexplained = refined;
   };
   set(3.0, 4.4);
-  EXPECT_FALSE(meets_need(row, Rung::refined));
+  EXPECT_FALSE(meets_need(row, Check::refined));
   set(3.0, 4.5);
-  EXPECT_TRUE(meets_need(row, Rung::refined));
+  EXPECT_TRUE(meets_need(row, Check::refined));
   set(8.4, 8.5);
-  EXPECT_TRUE(meets_need(row, Rung::refined));
+  EXPECT_TRUE(meets_need(row, Check::refined));
 }
 
-TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
+TEST_F(RefinementTest, ACheckThatDidNotRunLeavesTheRowOpen) {
   make_rows(layout_, verdict_);
-  record_all(Rung::same_state, 13.0);
+  record_all(Check::same_state, 13.0);
   judge(verdict_);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::not_judged);
   EXPECT_FALSE(verdict_.same_run.passed);
-  record_all(Rung::same_state, 3.0);
+  record_all(Check::same_state, 3.0);
   judge(verdict_);
   EXPECT_EQ(verdict_.rows[0].judgement, Judgement::differ);
 }
@@ -87,7 +87,7 @@ TEST_F(RefinementTest, ARungThatDidNotRunLeavesTheRowOpen) {
 TEST_F(RefinementTest, ASumThatDiffersFailsTheSameState) {
   make_rows(layout_, verdict_);
   verdict_.need = default_needs(model_);
-  record_all(Rung::same_state, 14.0);
+  record_all(Check::same_state, 14.0);
   PairSum sum;
   sum.samples = 3;
   sum.digits = sum.unexplained_digits = 15.0;
@@ -112,7 +112,7 @@ TEST_F(RefinementTest, WhatIsNotUniqueAnywhereIsNotJudged) {
   Measured& redundant = measured[layout_.row_of(verdict_.rows[1].quantity)];
   redundant.samples = 0;
   redundant.not_unique = 3;
-  record(layout_, measured, Rung::same_state, verdict_);
+  record(layout_, measured, Check::same_state, verdict_);
   judge(verdict_);
   EXPECT_EQ(verdict_.judged, 9);
   EXPECT_FALSE(verdict_.rows[1].unique);
@@ -131,14 +131,14 @@ TEST_F(RefinementTest, RoundOffIsNoDifferenceAndIsTold) {
     one.scale = 2.0;
     one.samples = 3;
   }
-  record(layout_, measured, Rung::same_state, verdict_);
-  EXPECT_TRUE(meets_need(verdict_.rows[0], Rung::same_state));
-  EXPECT_TRUE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
-  EXPECT_DOUBLE_EQ(*detail_of(verdict_.rows[0], Rung::same_state).resolvable, 11.0);
+  record(layout_, measured, Check::same_state, verdict_);
+  EXPECT_TRUE(meets_need(verdict_.rows[0], Check::same_state));
+  EXPECT_TRUE(is_judged_by_resolution(verdict_.rows[0], Check::same_state));
+  EXPECT_DOUBLE_EQ(*detail_of(verdict_.rows[0], Check::same_state).resolvable, 11.0);
   for (Measured& one : measured) one.unexplained_digits = 9.7;
-  record(layout_, measured, Rung::same_state, verdict_);
-  EXPECT_FALSE(meets_need(verdict_.rows[0], Rung::same_state));
-  EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Rung::same_state));
+  record(layout_, measured, Check::same_state, verdict_);
+  EXPECT_FALSE(meets_need(verdict_.rows[0], Check::same_state));
+  EXPECT_FALSE(is_judged_by_resolution(verdict_.rows[0], Check::same_state));
 }
 
 /// A need of 12 digits must not hide a difference that is a thousand resolutions and still tiny; a lowered need may,
@@ -148,23 +148,23 @@ TEST_F(RefinementTest, WhatIsBeyondAllRoundOffDiffersWhateverTheNeed) {
   row.need = default_needs(model_);
   row.same_state = row.same_run = 13.0;
   const auto set_ratio = [&](double ratio) {
-    for (const Rung rung : {Rung::same_state, Rung::same_run}) {
-      RungDetail& detail = row.detail[static_cast<std::size_t>(rung)];
+    for (const Check check : {Check::same_state, Check::same_run}) {
+      CheckDetail& detail = row.detail[static_cast<std::size_t>(check)];
       detail.unexplained = 13.0;
       detail.ratio = ratio;
     }
   };
   set_ratio(0.9 * kBeyondRoundOff);
-  EXPECT_TRUE(meets_need(row, Rung::same_state));
+  EXPECT_TRUE(meets_need(row, Check::same_state));
   set_ratio(1.1 * kBeyondRoundOff);
-  EXPECT_FALSE(meets_need(row, Rung::same_state));
-  EXPECT_TRUE(meets_need(row, Rung::same_run));
-  EXPECT_LT(margin(row, Rung::same_state), 0.0);  // a table that shows the nearest row shows this one
+  EXPECT_FALSE(meets_need(row, Check::same_state));
+  EXPECT_TRUE(meets_need(row, Check::same_run));
+  EXPECT_LT(margin(row, Check::same_state), 0.0);  // a table that shows the nearest row shows this one
   row.need.because = "a soft stop: the same run needs fewer";
-  EXPECT_FALSE(meets_need(row, Rung::same_state));
+  EXPECT_FALSE(meets_need(row, Check::same_state));
   row.need.same_state_lowered = true;
-  EXPECT_TRUE(meets_need(row, Rung::same_state));
-  EXPECT_GT(margin(row, Rung::same_state), 0.0);
+  EXPECT_TRUE(meets_need(row, Check::same_state));
+  EXPECT_GT(margin(row, Check::same_state), 0.0);
 }
 
 TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
@@ -175,7 +175,7 @@ TEST_F(RefinementTest, WhereDoublePrecisionResolvesTooLittleNothingIsJudged) {
     one.too_coarse = 4;
     one.scale = 2.0;
   }
-  record(layout_, measured, Rung::same_state, verdict_);
+  record(layout_, measured, Check::same_state, verdict_);
   judge(verdict_);
   EXPECT_EQ(verdict_.judged, 0);
   EXPECT_TRUE(verdict_.rows[0].unique);
@@ -193,7 +193,7 @@ TEST(Refinement, ForcesOnSpeedsDoNotStandForReactionsThatAreNotResolved) {
     measured[k].digits = measured[k].unexplained_digits = 15.0;
     (layout.quantities()[k].kind == Kind::driver ? measured[k].samples : measured[k].too_coarse) = 4;
   }
-  record(layout, measured, Rung::same_state, verdict);
+  record(layout, measured, Check::same_state, verdict);
   judge(verdict);
   EXPECT_FALSE(has_judged(verdict));
   for (QuantityRow& row : verdict.rows) row.unique = false;  // what nobody can judge may be left out
@@ -202,7 +202,7 @@ TEST(Refinement, ForcesOnSpeedsDoNotStandForReactionsThatAreNotResolved) {
 
 TEST_F(RefinementTest, AccelerationsAreJudgedAtTheSameStateOnly) {
   make_rows(layout_, verdict_);
-  for (const Rung rung : kRungs) record_all(rung, 13.0);
+  for (const Check check : kChecks) record_all(check, 13.0);
   for (const QuantityRow& row : verdict_.others) {
     EXPECT_EQ(row.same_run.has_value(), row.quantity.kind != Kind::acceleration);
   }

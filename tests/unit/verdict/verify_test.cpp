@@ -45,7 +45,7 @@ class VerifyTest : public ::testing::Test {
   FakePendulum relative_{model_, "relative"};
 };
 
-TEST_F(VerifyTest, AgreesAndClimbsEveryRung) {
+TEST_F(VerifyTest, AgreesAndPassesEveryCheck) {
   const Verdict verdict = judge();
   EXPECT_EQ(verdict.outcome, Outcome::agree) << format_verdict(model_, verdict, true);
   EXPECT_EQ(verdict.judged, 10);  // a hinge carries five components on each side
@@ -183,7 +183,7 @@ TEST_F(VerifyTest, DriftsOfBothThatFallTooSlowlyAreRunsThatDoNotConverge) {
 }
 
 /// An integrator that holds its steps no tighter than at the tolerance of the same run leaves the same error on the
-/// refined rung. What tolerance changes is looked for at a looser one: nothing is told apart, and no solver differs.
+/// refined check. What tolerance changes is looked for at a looser one: nothing is told apart, and no solver differs.
 TEST_F(VerifyTest, ARunThatGetsNoTighterIsNoDifference) {
   model_.run.rtol = 1e-9;
   cartesian_.drift = 1.1e3;
@@ -224,7 +224,7 @@ TEST_F(VerifyTest, ADriftOfOneAloneIsADifference) {
   EXPECT_THAT(verdict.notes, Contains(HasSubstr("to blame: the run of relative, not what it answers")));
 }
 
-TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedRung) {
+TEST_F(VerifyTest, ADriftThatStaysFailsTheRefinedCheck) {
   model_.needs.push_back({"", "", "", "", {}, 3.0, {}, "the drift is under test", {}});
   relative_.spoil_run = [](Trajectory& run) {
     for (Sample& sample : run.samples) sample.evaluation.joints[0].reaction[1].in_C.force(0) *= 1.0 + 1e-5;

@@ -18,7 +18,7 @@ namespace concord::compare::invariance {
 /// Digits that a quantity must keep, or all that double precision resolves.
 inline constexpr double kNeed = 10.0;
 
-struct BatteryOptions {
+struct InvarianceOptions {
   std::vector<std::string> moves;  // names; empty: all
   /// End of the run whose states are taken [s]; nothing: what the model says, of a flexible one a tenth of it.
   std::optional<double> until;
@@ -66,7 +66,7 @@ struct MoveSummary {
   int variants = 0;
 };
 
-struct Battery {
+struct InvarianceChecks {
   std::string name;  // of the model
   int run_states = 0;
   int random_states = 0;
@@ -79,6 +79,6 @@ struct Battery {
 
 /// Judges a model as it starts (as_it_starts). Throws InputError for a model that the solvers refuse; errors
 /// of solvers are failures.
-Battery run_battery(Model model, const SolverMakers& makers, const BatteryOptions& options);
+InvarianceChecks check_invariance(Model model, const SolverMakers& makers, const InvarianceOptions& options);
 
 }  // namespace concord::compare::invariance

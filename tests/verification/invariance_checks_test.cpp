@@ -1,3 +1,5 @@
+#include "compare/invariance/invariance_checks.h"
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -8,12 +10,11 @@
 #include "cartesian/solver.h"
 #include "common/reading/model_file.h"
 #include "compare/equilibrium/started_machine.h"
-#include "compare/invariance/battery.h"
 #include "compare/invariance/report.h"
 #include "judged_machines.h"
 #include "relative/solver.h"
 
-/// The battery of `concord invariance` on shipped machines: whatever words a file chooses, each solver says the same of
+/// The checks of `concord invariance` on shipped machines: whatever words a file chooses, each solver says the same of
 /// what is physical. Detects a mistake in one solver that depends on the words: a side, a frame, an order, a unit.
 namespace concord::verification {
 namespace {
@@ -27,13 +28,13 @@ void expect_invariance(const Model& stated) {
   const compare::SolverMakers makers{cartesian::make_solver, relative::make_solver};
   std::string note;
   const Model model = compare::as_it_starts(stated, makers, note);
-  const compare::invariance::Battery battery = compare::invariance::run_battery(model, makers, {});
-  const std::string table = compare::invariance::format_battery(model, battery);
+  const compare::invariance::InvarianceChecks checks = compare::invariance::check_invariance(model, makers, {});
+  const std::string table = compare::invariance::format_checks(model, checks);
   if (std::getenv("CONCORD_PRINT_DIGITS") != nullptr) std::cout << table << std::flush;
   INFO(table);
-  CHECK(battery.outcome == compare::Outcome::agree);
-  CHECK(battery.run_states > 5);
-  CHECK(battery.random_states > 0);
+  CHECK(checks.outcome == compare::Outcome::agree);
+  CHECK(checks.run_states > 5);
+  CHECK(checks.random_states > 0);
 }
 
 TEST_CASE("Each solver says the same of a machine, however it is described", "[invariance]") {

@@ -1,4 +1,4 @@
-#include "compare/invariance/battery.h"
+#include "compare/invariance/invariance_checks.h"
 
 #include <fmt/format.h>
 
@@ -47,28 +47,28 @@ struct Answers {
 };
 
 /// One model: states, what both solvers find in them, and the same under every move.
-class BatteryRun {
+class InvarianceRun {
  public:
-  BatteryRun(Model& model, Solvers solvers, const SolverMakers& makers, const BatteryOptions& options, Battery& battery)
+  InvarianceRun(Model& model, Solvers solvers, const SolverMakers& makers, const InvarianceOptions& options,
+                InvarianceChecks& checks)
       : model_(model),
         layout_(model),
         makers_(makers),
         options_(options),
-        battery_(battery),
+        checks_(checks),
         owned_(std::move(solvers)),
         solvers_{owned_[0].get(), owned_[1].get()} {}
 
   void run() {
-    battery_.name = model_.name;
+    checks_.name = model_.name;
     for (const Who who : kBothSolvers) starts_[index(who)].samples = {{solvers_[index(who)]->assemble(), {}, 0.0}};
     const State& start = starts_[index(Who::relative)].samples.front().state;
     if (!find_states(start)) return;
     for (Move& move : moves_of(model_, start, options_.moves, options_.seed)) {
-      battery_.moves.push_back(
-          {move.name, move.about, move.why_not, move.left, static_cast<int>(move.variants.size())});
+      checks_.moves.push_back({move.name, move.about, move.why_not, move.left, static_cast<int>(move.variants.size())});
       for (const Who who : kBothSolvers) {
-        MoveRow& row = battery_.rows.emplace_back();
-        row.move = battery_.moves.size() - 1;
+        MoveRow& row = checks_.rows.emplace_back();
+        row.move = checks_.moves.size() - 1;
         row.who = who;
         row.applies = move.why_not.empty() && !(move.of_cuts && solvers_[index(who)]->cut_joints().empty());
       }
@@ -76,7 +76,7 @@ class BatteryRun {
       for (std::size_t who = 0; who < 2; ++who) conclude(row_of(kBothSolvers[who]));
     }
     if (loosest_start_ > 0.0) {
-      battery_.notes.push_back(fmt::format(
+      checks_.notes.push_back(fmt::format(
           "the start is not compared where it differs, by up to {:.1e} of its size: near a singular pose closing knows "
           "it no better",
           loosest_start_));
@@ -88,7 +88,7 @@ class BatteryRun {
     return who == Who::cartesian ? makers_.cartesian : makers_.relative;
   }
 
-  MoveRow& row_of(Who who) { return battery_.rows[battery_.rows.size() - 2 + static_cast<std::size_t>(index(who))]; }
+  MoveRow& row_of(Who who) { return checks_.rows[checks_.rows.size() - 2 + static_cast<std::size_t>(index(who))]; }
 
   /// A run by one solver: by the other one where the first does not finish.
   std::optional<Trajectory> integrate() {
@@ -104,7 +104,7 @@ class BatteryRun {
         if (first_words.empty()) first_words = error.what();
       }
     }
-    battery_.failures.push_back(std::move(first_words));
+    checks_.failures.push_back(std::move(first_words));
     return std::nullopt;
   }
 
@@ -115,24 +115,24 @@ class BatteryRun {
     run.front().state = start;
     SharedStates shared = share(solvers_, run);
     SharedStates random = share_random(model_, solvers_, run, options_.seed, options_.random);
-    battery_.run_states = static_cast<int>(shared.states.size());
-    battery_.random_states = static_cast<int>(random.states.size());
+    checks_.run_states = static_cast<int>(shared.states.size());
+    checks_.random_states = static_cast<int>(random.states.size());
     std::move(random.states.begin(), random.states.end(), std::back_inserter(shared.states));
     const auto refused = run.size() + static_cast<std::size_t>(options_.random) - shared.states.size();
     if (refused > 0)
-      battery_.notes.push_back(fmt::format("{} states are left out: one of the solvers refuses them", refused));
+      checks_.notes.push_back(fmt::format("{} states are left out: one of the solvers refuses them", refused));
     if (shared.states.empty()) {
-      battery_.failures.emplace_back("there is no state that both solvers evaluate: see what `concord compare` says");
+      checks_.failures.emplace_back("there is no state that both solvers evaluate: see what `concord compare` says");
       return false;
     }
     base_ = weigh(layout_, solvers_, std::move(shared.states), options_.seed);
     if (base_.states.empty()) {
-      battery_.failures.push_back(base_.dropped);
+      checks_.failures.push_back(base_.dropped);
       return false;
     }
     for (const std::string& reason : base_.singular) {
       if (reason.empty()) continue;
-      battery_.notes.push_back(fmt::format("a singular pose is not judged: {}", reason));
+      checks_.notes.push_back(fmt::format("a singular pose is not judged: {}", reason));
       break;
     }
     scales_ = VecX(static_cast<Eigen::Index>(layout_.quantities().size()));
@@ -188,7 +188,7 @@ class BatteryRun {
   /// machine.
   void leave_out(Who who, const Variant& variant, const UnsuitableCut& error) {
     ++row_of(who).left_out;
-    battery_.notes.push_back(fmt::format("{} is not tried: {}", variant.label, error.what()));
+    checks_.notes.push_back(fmt::format("{} is not tried: {}", variant.label, error.what()));
   }
 
   void refuse(Who who, const Variant& variant, const std::string& what, const std::string& words) {
@@ -326,7 +326,7 @@ class BatteryRun {
   }
 
   void conclude(MoveRow& row) const {
-    if (row.left_out > 0 && row.left_out == battery_.moves[row.move].variants) row.applies = false;
+    if (row.left_out > 0 && row.left_out == checks_.moves[row.move].variants) row.applies = false;
     if (!row.applies || row.outcome == Outcome::differ) return;
     if (!row.nearest) {
       row.outcome = Outcome::failed;
@@ -339,8 +339,8 @@ class BatteryRun {
   Model& model_;
   QuantityLayout layout_;
   const SolverMakers& makers_;
-  const BatteryOptions& options_;
-  Battery& battery_;
+  const InvarianceOptions& options_;
+  InvarianceChecks& checks_;
   Solvers owned_;
   std::array<Solver*, 2> solvers_;
   std::array<Trajectory, 2> starts_;  // one sample each
@@ -352,32 +352,32 @@ class BatteryRun {
 
 }  // namespace
 
-Battery run_battery(Model model, const SolverMakers& makers, const BatteryOptions& options) {
-  Battery battery;
+InvarianceChecks check_invariance(Model model, const SolverMakers& makers, const InvarianceOptions& options) {
+  InvarianceChecks checks;
   std::string note;
   Solvers solvers = make_solvers_on_one_branch(model, makers, note);
-  if (!note.empty()) battery.notes.push_back(note);
-  BatteryRun run(model, std::move(solvers), makers, options, battery);
+  if (!note.empty()) checks.notes.push_back(note);
+  InvarianceRun run(model, std::move(solvers), makers, options, checks);
   try {
     run.run();
   } catch (const SolverError& error) {
-    battery.failures.emplace_back(error.what());
+    checks.failures.emplace_back(error.what());
   } catch (const IncompleteResult& error) {
-    battery.failures.emplace_back(error.what());
+    checks.failures.emplace_back(error.what());
   }
   const auto has = [&](Outcome outcome) {
-    return std::any_of(battery.rows.begin(), battery.rows.end(),
+    return std::any_of(checks.rows.begin(), checks.rows.end(),
                        [&](const MoveRow& row) { return row.applies && row.outcome == outcome; });
   };
   const bool judges =
-      std::any_of(battery.rows.begin(), battery.rows.end(), [](const MoveRow& row) { return row.applies; });
-  if (!judges && battery.failures.empty()) battery.failures.emplace_back("none of the moves applies to the machine");
-  if (!battery.failures.empty() || has(Outcome::failed)) {
-    battery.outcome = Outcome::failed;
+      std::any_of(checks.rows.begin(), checks.rows.end(), [](const MoveRow& row) { return row.applies; });
+  if (!judges && checks.failures.empty()) checks.failures.emplace_back("none of the moves applies to the machine");
+  if (!checks.failures.empty() || has(Outcome::failed)) {
+    checks.outcome = Outcome::failed;
   } else if (has(Outcome::differ)) {
-    battery.outcome = Outcome::differ;
+    checks.outcome = Outcome::differ;
   }
-  return battery;
+  return checks;
 }
 
 }  // namespace concord::compare::invariance

@@ -1,5 +1,3 @@
-#include "compare/invariance/battery.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <sstream>
 
 #include "compare/invariance/command.h"
+#include "compare/invariance/invariance_checks.h"
 #include "compare/invariance/report.h"
 #include "compare/quantities/align.h"
 #include "machines.h"
@@ -52,28 +51,28 @@ SolverMakers spoilt(const SpoiltSolver::Spoil& spoil) {
 }
 
 /// Moves under which the relative solver differs.
-std::vector<std::string> red_moves(const Battery& battery) {
+std::vector<std::string> red_moves(const InvarianceChecks& checks) {
   std::vector<std::string> names;
-  for (const MoveRow& row : battery.rows) {
-    EXPECT_FALSE(row.who == Who::cartesian && row.outcome == Outcome::differ) << battery.moves[row.move].name;
-    if (row.outcome == Outcome::differ && row.applies) names.push_back(battery.moves[row.move].name);
+  for (const MoveRow& row : checks.rows) {
+    EXPECT_FALSE(row.who == Who::cartesian && row.outcome == Outcome::differ) << checks.moves[row.move].name;
+    if (row.outcome == Outcome::differ && row.applies) names.push_back(checks.moves[row.move].name);
   }
   return names;
 }
 
-// Detects a battery that judges nothing, or calls round-off a difference.
-TEST(Battery, SoundSolversAgreeWithThemselves) {
+// Detects a checks that judges nothing, or calls round-off a difference.
+TEST(InvarianceChecks, SoundSolversAgreeWithThemselves) {
   const Model model = shipped("slider_crank_spatial_flexible");
-  const Battery battery = run_battery(model, both_solvers(), {});
-  EXPECT_EQ(battery.outcome, Outcome::agree) << format_battery(model, battery);
-  EXPECT_EQ(battery.rows.size(), 20U);
-  for (const MoveRow& row : battery.rows) EXPECT_EQ(row.judged > 50, row.applies) << battery.moves[row.move].name;
+  const InvarianceChecks checks = check_invariance(model, both_solvers(), {});
+  EXPECT_EQ(checks.outcome, Outcome::agree) << format_checks(model, checks);
+  EXPECT_EQ(checks.rows.size(), 20U);
+  for (const MoveRow& row : checks.rows) EXPECT_EQ(row.judged > 50, row.applies) << checks.moves[row.move].name;
 }
 
-// Detects a battery that takes the round-off of a description's numbers for a difference: at map coordinates the weld
+// Detects a checks that takes the round-off of a description's numbers for a difference: at map coordinates the weld
 // that joins the two parts of a body carries forces at levers of 5000 km, and on a shaft nothing but round-off acts
 // across its axis in one description, and exactly nothing in the other.
-TEST(Battery, RoundOffOfTheDescriptionIsNoDifference) {
+TEST(InvarianceChecks, RoundOffOfTheDescriptionIsNoDifference) {
   const char* const at_map_coordinates = R"(format = 1
 gravity = [0, 0, -9.81]
 [[body]]
@@ -115,17 +114,17 @@ until = 0.2
 )";
   for (const char* const text : {at_map_coordinates, shaft}) {
     const Model model = parse_model(text, "machine.toml");
-    const Battery battery = run_battery(model, both_solvers(), {});
-    EXPECT_EQ(battery.outcome, Outcome::agree) << format_battery(model, battery);
+    const InvarianceChecks checks = check_invariance(model, both_solvers(), {});
+    EXPECT_EQ(checks.outcome, Outcome::agree) << format_checks(model, checks);
   }
 }
 
 // Detects moves that are no moves: a mistake of one kind must show under the move that changes what it depends on, and
 // under no other.
-TEST(Battery, EachMistakeShowsUnderItsMove) {
+TEST(InvarianceChecks, EachMistakeShowsUnderItsMove) {
   const Model model = shipped("double_pendulum_3d");
   const auto red_with = [&](const SpoiltSolver::Spoil& spoil) {
-    return red_moves(run_battery(model, spoilt(spoil), {}));
+    return red_moves(check_invariance(model, spoilt(spoil), {}));
   };
   const auto reversed = [](const Model& told, const State&, Evaluation& evaluation) {
     for (std::size_t k = 0; k < told.joints.size(); ++k) {
@@ -155,24 +154,24 @@ TEST(Battery, EachMistakeShowsUnderItsMove) {
 }
 
 // Detects a description that a solver refuses and that passes for agreement.
-TEST(Battery, ARefusedDescriptionIsADifference) {
+TEST(InvarianceChecks, ARefusedDescriptionIsADifference) {
   const Model model = shipped("double_pendulum_3d");
   const SolverMakers makers{cartesian::make_solver, [](const Model& told) {
                               if (told.joints.size() > 2)
                                 throw InputError({told.file, 0, 0}, "welds are not my business");
                               return relative::make_solver(told);
                             }};
-  const Battery battery = run_battery(model, makers, {});
-  EXPECT_EQ(battery.outcome, Outcome::differ);
-  EXPECT_THAT(red_moves(battery), testing::ElementsAre("welds", "split"));
-  EXPECT_THAT(format_battery(model, battery), HasSubstr("welds are not my business"));
+  const InvarianceChecks checks = check_invariance(model, makers, {});
+  EXPECT_EQ(checks.outcome, Outcome::differ);
+  EXPECT_THAT(red_moves(checks), testing::ElementsAre("welds", "split"));
+  EXPECT_THAT(format_checks(model, checks), HasSubstr("welds are not my business"));
 }
 
 // Detects an answer that changes from run to run.
-TEST(Battery, SaysTheSameTwice) {
+TEST(InvarianceChecks, SaysTheSameTwice) {
   const Model model = shipped("planetary_differential");
-  const std::string first = format_battery(model, run_battery(model, both_solvers(), {}));
-  EXPECT_EQ(first, format_battery(model, run_battery(model, both_solvers(), {})));
+  const std::string first = format_checks(model, check_invariance(model, both_solvers(), {}));
+  EXPECT_EQ(first, format_checks(model, check_invariance(model, both_solvers(), {})));
 }
 
 class InvarianceCommandTest : public testing::Test {
