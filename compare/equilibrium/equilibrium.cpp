@@ -30,8 +30,6 @@ namespace {
 constexpr int kMostIterations = 1000;
 constexpr double kLengthening = 10.0;      // of pseudo time steps
 constexpr double kNegligibleForce = 1e-9;  // of what forces cause
-constexpr double kSmallStep = 1e-9;        // Newton's method may end
-constexpr double kRoundOffStep = 1e-14;    // and does end
 /// The longest pseudo time step, in units of the time in which forces move the machine by its length.
 constexpr double kLongestTime = 1e4;
 

@@ -5,6 +5,11 @@
 
 namespace concord::compare {
 
+/// A search may end with a step as short as the first, and does end with one as short as the second: it is round-off
+/// [rad, of the machine's length].
+inline constexpr double kSmallStep = 1e-9;
+inline constexpr double kRoundOffStep = 1e-14;
+
 /// How far a search for an equilibrium goes in one step: no joint changes by more than one limit. It halves where a
 /// step turns back and is not much shorter than the one before, or ends in no closed state; it doubles while steps go
 /// on, up to its first value, and beyond that where ten in a row have gone straight on, as far as they may. No joint

@@ -5,6 +5,7 @@
 
 #include "common/decompositions.h"
 #include "compare/equilibrium/joint_changes.h"
+#include "compare/equilibrium/step_limit.h"
 
 namespace concord::compare {
 
@@ -12,8 +13,6 @@ namespace {
 
 constexpr int kMostSteps = 300;
 constexpr int kMostReturns = 15;
-constexpr double kRoundOffStep = 1e-14;
-constexpr double kSmallStep = 1e-9;
 constexpr double kNoNearer = 0.9;
 constexpr double kPartOfTheWay = 0.1;
 constexpr double kShorterStep = 0.25;
