@@ -2,25 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/fake_pendulum.h"
+#include "tests/unit/four_states.h"
 
 namespace concord::compare {
 namespace {
 
-class UniquenessTest : public ::testing::Test {
+class UniquenessTest : public FourStatesTest {
  protected:
-  UniquenessTest() {
-    report_.constraints = report_.rank = 5;
-    report_.degrees_of_freedom = 1;
-    report_.joints.resize(1);
-    for (int k = 0; k < 4; ++k) {
-      states_.emplace_back();
-      states_.back().state.t = 0.1 * k;
-      states_.back().row = k;
-    }
-    reports_.assign(4, {report_, report_});
-  }
-
   [[nodiscard]] bool is_judged(const Quantity& quantity, int state) const {
     return judged_states(layout_, reports_)(layout_.row_of(quantity), state);
   }
@@ -32,11 +20,7 @@ class UniquenessTest : public ::testing::Test {
     report.decided[0].unique[index(Side::child)][1] = decided;
   }
 
-  Model model_ = pendulum_model();
   QuantityLayout layout_{model_};
-  RankReport report_;
-  std::vector<SharedState> states_;
-  RankReports reports_;
   const Quantity force_{Kind::reaction, 0, Side::child, 1};
 };
 

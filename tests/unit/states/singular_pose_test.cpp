@@ -2,25 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/fake_pendulum.h"
+#include "tests/unit/four_states.h"
 
 namespace concord::compare {
 namespace {
 
-class SingularPoseTest : public ::testing::Test {
+class SingularPoseTest : public FourStatesTest {
  protected:
-  SingularPoseTest() {
-    report_.constraints = report_.rank = 5;
-    report_.smallest_kept = 0.1;
-    report_.joints.resize(1);
-    for (int k = 0; k < 4; ++k) {
-      states_.emplace_back();
-      states_.back().state.t = 0.1 * k;
-      states_.back().row = k;
-    }
-    reports_.assign(4, {report_, report_});
-  }
-
   [[nodiscard]] SingularPoses poses() const { return {model_, states_, reports_}; }
 
   /// A drawn state whose rank counts a row by the root of round-off.
@@ -30,11 +18,6 @@ class SingularPoseTest : public ::testing::Test {
     states_[2].row = -1;
     for (SharedState& shared : states_) shared.state.bodies.resize(model_.bodies.size());
   }
-
-  Model model_ = pendulum_model();
-  RankReport report_;
-  std::vector<SharedState> states_;
-  RankReports reports_;
 };
 
 TEST_F(SingularPoseTest, AStateOfLowerRankThanOthersIsOne) {
