@@ -1,3 +1,5 @@
+#include "compare/invariance/invariance_checks.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +9,6 @@
 #include <sstream>
 
 #include "compare/invariance/command.h"
-#include "compare/invariance/invariance_checks.h"
 #include "compare/invariance/report.h"
 #include "compare/quantities/align.h"
 #include "machines.h"
