@@ -65,6 +65,11 @@ struct SideWrench {
   Wrench in_global;
 };
 
+/// Who pushes along a joint's coordinates; the force of a coupling is a number of its own (Evaluation::couplings).
+enum class Actor { driver, motor, spring, damper };
+inline constexpr std::array kActors{Actor::driver, Actor::motor, Actor::spring, Actor::damper};
+inline constexpr std::size_t index(Actor actor) { return static_cast<std::size_t>(actor); }
+
 /// Wrenches of one joint. Reaction = total minus the coordinate wrenches of drivers, springs, actuators and couplings
 /// on the joint: the total holds all that passes through it (S21), (S22).
 struct JointWrenches {
@@ -73,7 +78,12 @@ struct JointWrenches {
   /// Coordinate force of driver, spring, actuator and couplings on each joint speed (n_u numbers): tau > 0 pushes the
   /// speed to grow [N, N m]; zero where there is none.
   VecX tau;
+  /// The shares that make up tau, by actor, n_u numbers each and of tau's sign: what a driver exerts to keep its law;
+  /// the law of time of a motor; what a spring and a damper exert, tables and stops included: at rest in the same
+  /// place, and what the rate adds to that (S26). The rest is what couplings exert.
+  std::array<VecX, kActors.size()> shares;
 
+  [[nodiscard]] const VecX& share_of(Actor actor) const { return shares[index(actor)]; }
   [[nodiscard]] const SideWrench& reaction_on(Side side) const { return reaction[index(side)]; }
   [[nodiscard]] const SideWrench& total_on(Side side) const { return total[index(side)]; }
 };
@@ -133,11 +143,14 @@ struct JointUniqueness {
   std::array<std::array<bool, 6>, 2> unique_total;
   /// Forces of drivers and couplings by speed of the joint.
   std::array<bool, 6> unique_tau;
+  /// Forces of the drivers alone by speed of the joint.
+  std::array<bool, 6> unique_driver;
 
   JointUniqueness() {
     for (auto& side : unique) side.fill(true);
     for (auto& side : unique_total) side.fill(true);
     unique_tau.fill(true);
+    unique_driver.fill(true);
   }
 };
 

@@ -51,19 +51,21 @@ Wrench difference(const Wrench& total, const Wrench& part) {
 
 JointWrenches compute_wrenches(const Joint& stated, const JointEquations& joint, const Eigen::Ref<const VecX>& lambda,
                                const AppliedForce* springs) {
-  const VecX none = VecX::Zero(stated.type->n_u());
-  VecX row_tau = none;
+  JointWrenches wrenches;
+  VecX row_tau = VecX::Zero(stated.type->n_u());
   for (std::size_t k = 0; k < stated.drivers.size(); ++k) {
     const Driver& driver = stated.drivers[k];
     row_tau(first_u(*stated.type, driver.word) + driver.component) =
         -lambda(joint.first_driver + static_cast<Eigen::Index>(k));
   }
+  wrenches.shares.fill(VecX::Zero(stated.type->n_u()));
+  if (springs != nullptr) wrenches.shares = springs->shares;
+  wrenches.shares[index(Actor::driver)] = row_tau;
   for (std::size_t k = 0; k < joint.coupled.size(); ++k) {
     const CoupledCoordinate& coordinate = joint.coupled[k];
     row_tau(first_u(*stated.type, coordinate.word) + coordinate.component) -=
         lambda(joint.n_rows + static_cast<Eigen::Index>(k));
   }
-  JointWrenches wrenches;
   wrenches.tau = springs == nullptr ? row_tau : VecX(row_tau + springs->tau);
   const bool is_driven = !stated.drivers.empty() || !joint.coupled.empty();
   const auto by_rows = is_driven ? coordinate_wrenches(stated, joint, row_tau) : std::array<Wrench, 2>{};

@@ -14,7 +14,7 @@ constexpr double kUndecidedBelow = 1e-8;
 constexpr double kUndecidedAbove = 1e-12;
 
 /// How far multipliers of the null space move what a joint reports: rows are the reactions of both sides (12), totals
-/// of both sides (12), coordinate forces (C51).
+/// of both sides (12), coordinate forces, those of drivers alone (C51).
 class NullSpaceEffect {
  public:
   NullSpaceEffect(const Equations& equations, JointIndex k, const ScaledJacobian& scaled, const MatX& null_space)
@@ -22,18 +22,19 @@ class NullSpaceEffect {
     const Joint& stated = pick(equations.model().joints, k);
     const JointEquations& joint = equations.moving_constraints().joint(k);
     const auto n_own = static_cast<Eigen::Index>(joint.rows.size());
-    MatX of_rows(24 + n_u_, n_own);
+    MatX of_rows(24 + 2 * n_u_, n_own);
     for (Eigen::Index row = 0; row < n_own; ++row) {
       const JointWrenches wrenches = compute_wrenches(stated, joint, VecX::Unit(n_own, row), nullptr);
       of_rows.col(row) << wrenches.reaction[0].in_C.vector(), wrenches.reaction[1].in_C.vector(),
-          wrenches.total[0].in_C.vector(), wrenches.total[1].in_C.vector(), wrenches.tau;
+          wrenches.total[0].in_C.vector(), wrenches.total[1].in_C.vector(), wrenches.tau,
+          wrenches.share_of(Actor::driver);
     }
     MatX own(n_own, null_space.cols());
     for (Eigen::Index z = 0; z < null_space.cols(); ++z) {
       own.col(z) = joint_multipliers(joint, scaled.row_scale.cwiseProduct(null_space.col(z)));
     }
     moved_ = of_rows * own;
-    VecX units = VecX::Zero(24 + n_u_);  // largest that a unit multiplier of the scaled rows moves
+    VecX units = VecX::Zero(24 + 2 * n_u_);  // largest that a unit multiplier of the scaled rows moves
     for (int row = 0; row < joint.n_rows; ++row) {
       units = units.cwiseMax(of_rows.col(row).cwiseAbs() * scaled.row_scale(joint.row(row).value));
     }
@@ -112,6 +113,9 @@ void mark_joint(const NullSpaceEffect& movement, const NullSpaceSizes& sizes, co
     const UniquenessAnswer tau = at(24 + c);
     unique.unique_tau[c] = tau.is_unique;
     decided.unique_tau[c] = tau.stays;
+    const UniquenessAnswer driver = at(24 + movement.n_u() + c);
+    unique.unique_driver[c] = driver.is_unique;
+    decided.unique_driver[c] = driver.stays;
   }
 }
 

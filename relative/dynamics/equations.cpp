@@ -160,11 +160,8 @@ double Equations::power(const Evaluated& evaluated) {
   if (has_drivers()) {
     const JointReactions& reactions = compute_reactions(evaluated);
     for (const Prescription& driver : drivers_) {
-      const VecX& tau = reactions.joints[driver.joint].tau;
-      // A spring on the same coordinate has its share in tau, and has been counted; a coupling has no power in all.
-      const double of_driver = tau(driver.u - topology().joints[driver.joint].first_u) - applied_.tau()(driver.u) -
-                               reactions.coupling_tau(driver.u);
-      power += of_driver * motion_.u()(driver.u);
+      const VecX& of_driver = reactions.joints[driver.joint].share_of(Actor::driver);
+      power += of_driver(driver.u - topology().joints[driver.joint].first_u) * motion_.u()(driver.u);
     }
   }
   for (const BodyInertia& inertia : inertias_) {

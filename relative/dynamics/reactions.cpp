@@ -18,6 +18,7 @@ Reactions::Reactions(const Kinematics& kinematics, const Closure& closure)
     const Joint& joint = model.joints[k];
     JointWrenches wrenches;
     wrenches.tau.setZero(joint.type->n_u());
+    wrenches.shares.fill(wrenches.tau);
     found_.joints.push_back(wrenches);
     if (joint.drivers.empty() && joint.springs.empty() && !model.is_coupled(k)) continue;
     ForcedJoint forced{k, cut_of(kinematics.topology().places[k]), std::nullopt, {}};
@@ -91,7 +92,13 @@ void Reactions::subtract_applied(const AppliedForces& applied) {  // (R55)
 void Reactions::set_spring_forces(const AppliedForces& applied) {
   for (const ForcedJoint& forced : forced_joints_) {
     const Span& span = kinematics_->topology().joints[forced.joint];
-    found_.joints[forced.joint].tau = applied.tau().segment(span.first_u, span.n_u);
+    JointWrenches& wrenches = found_.joints[forced.joint];
+    wrenches.tau = applied.tau().segment(span.first_u, span.n_u);
+    VecX& of_motors = wrenches.shares[index(Actor::motor)];
+    VecX& of_springs = wrenches.shares[index(Actor::spring)];
+    of_motors = applied.tau_of_motors().segment(span.first_u, span.n_u);
+    of_springs = applied.tau_of_springs().segment(span.first_u, span.n_u);
+    wrenches.shares[index(Actor::damper)] = wrenches.tau - of_motors - of_springs;
   }
 }
 
@@ -119,7 +126,11 @@ void Reactions::add_coupling_forces() {
 }
 
 void Reactions::clear_loads() {
-  for (const ForcedJoint& forced : forced_joints_) found_.joints[forced.joint].tau.setZero();
+  for (const ForcedJoint& forced : forced_joints_) {
+    JointWrenches& wrenches = found_.joints[forced.joint];
+    wrenches.tau.setZero();
+    for (VecX& share : wrenches.shares) share.setZero();
+  }
   for (Load& load : loads_) {
     load.rho.setZero();
     load.rho_a.setZero();
@@ -214,6 +225,7 @@ void Reactions::add_to_total(JointIndex joint, const Vec6& on_child, const Vec6&
 }
 
 /// tau_k of a driven coordinate is S_k^T w_total, all that acts there, without what the nonholonomic constraint pushes;
+/// what of it springs and couplings do not exert is the driver's;
 /// w_d with S^T w_d = tau is taken off the total on the child at P_i, and the opposite wrench off that on the parent
 /// (R59), (R60).
 void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
@@ -228,11 +240,14 @@ void Reactions::split_off_coordinate_wrenches(const VecX& lambda) {
     Vec6 in_parent_axes;
     in_parent_axes << parent.A.transpose() * total.force, parent.A.transpose() * total.torque;
     for (const int c : forced.driven) {
+      const double of_others = wrenches.tau(c);
       wrenches.tau(c) = motion.S.col(c).dot(in_parent_axes);
-      if (!forced.nonholonomic) continue;
-      const SpeedConstraint& constraint = closure_->speed_constraints()[*forced.nonholonomic];
-      const JointSquare& C = constraint.joints.front().C;
-      wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
+      if (forced.nonholonomic) {
+        const SpeedConstraint& constraint = closure_->speed_constraints()[*forced.nonholonomic];
+        const JointSquare& C = constraint.joints.front().C;
+        wrenches.tau(c) += C.row(c).transpose().dot(lambda.segment(constraint.first_row, constraint.n_rows));
+      }
+      wrenches.shares[index(Actor::driver)](c) = wrenches.tau(c) - of_others;
     }
     const Vec6 coordinate_C = kinematics_->mobilizer(k).coordinate_wrench(motion, JointVector(wrenches.tau));
     Vec6 coordinate;

@@ -17,7 +17,9 @@ AppliedForces::AppliedForces(const Kinematics& kinematics, const Closure& closur
       on_body_(kinematics.topology().links.size(), Vec6::Zero()),
       on_child_of_cut_(closure.cuts().size(), Vec6::Zero()),
       wrenches_(kinematics.model().elements.size()),
-      tau_(VecX::Zero(kinematics.topology().n_u)) {
+      tau_(VecX::Zero(kinematics.topology().n_u)),
+      tau_of_motors_(tau_),
+      tau_of_springs_(tau_) {
   for (const Link& link : kinematics.topology().links) {
     on_modes_.emplace_back(VecX::Zero(kinematics.topology().modes[link.body].n_u));
   }
@@ -115,6 +117,8 @@ void AppliedForces::clear() {
   for (Vec6& force : on_body_) force.setZero();
   for (VecX& force : on_modes_) force.setZero();
   tau_.setZero();
+  tau_of_motors_.setZero();
+  tau_of_springs_.setZero();
   power_ = 0.0;
 }
 
@@ -258,8 +262,10 @@ void AppliedForces::apply_springs(const Motion& motion) {
   for (const Spring& spring : springs_) {
     LawInRegime& law_in_regime = laws_[spring.law].law_in_regime;
     const double angle_or_place = kinematics_->with_turns(spring.q, q(spring.q));
-    const double tau = evaluate_actuator(*law_in_regime.law, motion.t()) -
-                       law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
+    const double of_motor = evaluate_actuator(*law_in_regime.law, motion.t());
+    const double tau = of_motor - law_in_regime.resist(angle_or_place, u(spring.u), regimes_are_frozen_);
+    tau_of_motors_(spring.u) += of_motor;
+    tau_of_springs_(spring.u) -= evaluate_resistance(*law_in_regime.law, angle_or_place, 0.0).force;
     tau_(spring.u) += tau;
     power_ += tau * u(spring.u);
   }

@@ -78,6 +78,9 @@ class AppliedForces {
 
   /// Coordinate force of the joint springs on every speed (n_u numbers, those of cut joints too).
   [[nodiscard]] const VecX& tau() const { return tau_; }
+  /// What of it is the law of time of a motor, what acts without the rate, and what the rate adds.
+  [[nodiscard]] const VecX& tau_of_motors() const { return tau_of_motors_; }
+  [[nodiscard]] const VecX& tau_of_springs() const { return tau_of_springs_; }
   /// Coordinate wrench of the springs of a cut joint on its child at P_i, global axes.
   [[nodiscard]] const Vec6& on_child_of_cut(CutIndex cut) const { return on_child_of_cut_[cut]; }
 
@@ -160,6 +163,8 @@ class AppliedForces {
   std::vector<Vec6> on_child_of_cut_;
   std::vector<ElementWrenches> wrenches_;
   VecX tau_;
+  VecX tau_of_motors_;
+  VecX tau_of_springs_;
   double power_ = 0.0;
 };
 

@@ -47,6 +47,7 @@ class SelfStressEffect {
       const Span& span = equations.topology().joints[k];
       const auto units = equations.size().speeds().segment(span.first_u, span.n_u);
       joints_[k].tau.head(span.n_u) += joints[k].tau.cwiseProduct(units).cwiseAbs2();
+      joints_[k].driver.head(span.n_u) += joints[k].share_of(Actor::driver).cwiseProduct(units).cwiseAbs2();
     }
     for (const SpeedConstraint& constraint : equations.closure().speed_constraints()) {
       const double squares = lambda.segment(constraint.first_row, constraint.n_rows).squaredNorm();
@@ -67,7 +68,10 @@ class SelfStressEffect {
           joints[k].unique_total[side][c] = !(joints_[k].total[side](c) > least);
         }
       }
-      for (int c = 0; c < 6; ++c) joints[k].unique_tau[c] = !(joints_[k].tau(c) > least);
+      for (int c = 0; c < 6; ++c) {
+        joints[k].unique_tau[c] = !(joints_[k].tau(c) > least);
+        joints[k].unique_driver[c] = !(joints_[k].driver(c) > least);
+      }
     }
     couplings.assign(couplings_.size(), true);
     for (std::size_t g = 0; g < couplings_.size(); ++g) couplings[g] = !(couplings_[g] > least);
@@ -78,6 +82,7 @@ class SelfStressEffect {
     std::array<Vec6, 2> reaction{Vec6::Zero(), Vec6::Zero()};
     std::array<Vec6, 2> total{Vec6::Zero(), Vec6::Zero()};
     Vec6 tau = Vec6::Zero();
+    Vec6 driver = Vec6::Zero();
   };
 
   static void add_squares(const SideWrench& wrench, double length, Vec6& squares) {
@@ -106,7 +111,10 @@ void agree(const JointUniqueness& one, const JointUniqueness& other, JointUnique
       same.unique_total[side][c] = one.unique_total[side][c] == other.unique_total[side][c];
     }
   }
-  for (int c = 0; c < 6; ++c) same.unique_tau[c] = one.unique_tau[c] == other.unique_tau[c];
+  for (int c = 0; c < 6; ++c) {
+    same.unique_tau[c] = one.unique_tau[c] == other.unique_tau[c];
+    same.unique_driver[c] = one.unique_driver[c] == other.unique_driver[c];
+  }
 }
 
 /// The flags, and which of them stay with stricter and looser thresholds (R67), (R68).
