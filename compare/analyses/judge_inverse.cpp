@@ -133,7 +133,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
   const QuantityLayout layout(driven);
   const VecX terms = term_sizes(layout, {start, there});
   for (const Prescribed& one : coordinates) {
-    const int row = layout.row_of({Kind::driver, one.joint, Side::child, one.speed(driven)});
+    const int row = layout.row_of({Kind::tau, one.joint, Side::child, one.speed(driven)});
     result.forces.push_back(force_row(model, driven, there, one, terms(row)));
   }
   result.text += "forces that make the machine move as asked:\n" + text_of(result.forces) + '\n';

@@ -69,6 +69,8 @@ class Contradictions {
     for (int c = 0; c < joint.type->n_u(); ++c) {
       take(fmt::format("tau_{} of joint {}", c + 1, joint.name),
            [=](const RankReport& report, bool decided) { return of(report, decided).unique_tau[c]; });
+      take(fmt::format("driver {} of joint {}", c + 1, joint.name),
+           [=](const RankReport& report, bool decided) { return of(report, decided).unique_driver[c]; });
     }
   }
 

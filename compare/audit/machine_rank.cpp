@@ -127,7 +127,7 @@ void MachineConstraints::add_multipliers() {
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     AtJoint& at = joints_[k];
     at.reaction = at.coordinate = Mat6X::Zero(6, columns);
-    at.tau = MatX::Zero(model_.joints[k].type->n_u(), columns);
+    at.tau = at.driver = MatX::Zero(model_.joints[k].type->n_u(), columns);
     Mat6X directions = motions_[k].S * motions_[k].free;
     directions.topRows<3>() /= length_;
     Mat6X across;
@@ -138,7 +138,9 @@ void MachineConstraints::add_multipliers() {
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     const Joint& joint = model_.joints[k];
     for (const Driver& driver : joint.drivers) {
-      add_coordinate_force(static_cast<int>(k), first_u(*joint.type, driver.word) + driver.component, 1.0, next++);
+      const int speed = first_u(*joint.type, driver.word) + driver.component;
+      add_coordinate_force(static_cast<int>(k), speed, 1.0, next);
+      joints_[k].driver(speed, next++) = 1.0;
     }
   }
   for (const Coupling& coupling : model_.couplings) {
@@ -193,7 +195,9 @@ void MachineConstraints::normalize() {
     for (AtJoint& at : joints_) {
       at.reaction.col(c) /= size;
       at.coordinate.col(c) /= size;
-      if (at.tau.rows() > 0) at.tau.col(c) /= size;
+      if (at.tau.rows() == 0) continue;
+      at.tau.col(c) /= size;
+      at.driver.col(c) /= size;
     }
   }
 }
@@ -242,9 +246,12 @@ MachineConstraints::Moved MachineConstraints::moved_at(std::size_t k, const MatX
     moved.total[index(side)] = on_side(joints_[k], side, total).rowwise().norm();
   }
   moved.tau = (joints_[k].tau * self_stresses).rowwise().norm();
+  moved.driver = (joints_[k].driver * self_stresses).rowwise().norm();
   const std::vector<bool> turns = turning_speeds(*model_.joints[k].type);
   for (Eigen::Index c = 0; c < moved.tau.size(); ++c) {
-    if (!turns[static_cast<std::size_t>(c)]) moved.tau(c) *= length_;
+    if (turns[static_cast<std::size_t>(c)]) continue;
+    moved.tau(c) *= length_;
+    moved.driver(c) *= length_;
   }
   return moved;
 }
@@ -278,6 +285,8 @@ void MachineConstraints::mark_unique(const MatX& self_stresses) {
     for (int c = 0; c < moved[k].tau.size(); ++c) {
       unique.unique_tau[c] = moved[k].tau(c) <= least;
       decided.unique_tau[c] = is_clear(moved[k].tau(c));
+      unique.unique_driver[c] = moved[k].driver(c) <= least;
+      decided.unique_driver[c] = is_clear(moved[k].driver(c));
     }
   }
   for (std::size_t g = 0; g < couplings_.size(); ++g) {

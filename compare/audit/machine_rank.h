@@ -46,6 +46,7 @@ class MachineConstraints {
     Mat6X reaction;
     Mat6X coordinate;
     MatX tau;
+    MatX driver;  // what of tau drivers exert
   };
 
   /// How far self-stresses of unit size move the components of a joint's wrenches, and tau.
@@ -53,6 +54,7 @@ class MachineConstraints {
     std::array<VecX, 2> reaction;
     std::array<VecX, 2> total;
     VecX tau;
+    VecX driver;
   };
 
   void lay_out_velocities();

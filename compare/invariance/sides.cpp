@@ -210,9 +210,12 @@ struct Swapping {
           wrench = {Q * wrench.force, Q * wrench.torque};
         }
       }
-      VecX& tau = evaluation.joints[k].tau;
-      if (reversal.reading == Reading::backwards && first.joints[k].type->n_q() == tau.size()) tau = -tau;
-      if (reversal.words_change_places) tau.reverseInPlace();
+      const auto read_from_the_other_side = [&](VecX& forces) {
+        if (reversal.reading == Reading::backwards && first.joints[k].type->n_q() == forces.size()) forces = -forces;
+        if (reversal.words_change_places) forces.reverseInPlace();
+      };
+      read_from_the_other_side(evaluation.joints[k].tau);
+      for (VecX& share : evaluation.joints[k].shares) read_from_the_other_side(share);
     }
     for (std::size_t e = 0; e < elements.size(); ++e) {
       if (elements[e]) std::swap(evaluation.elements[e].on[0], evaluation.elements[e].on[1]);
@@ -233,7 +236,10 @@ struct Swapping {
         }
       }
       if (!joints[k].words_change_places) continue;
-      for (auto* one : {&unique, &decided[k]}) std::swap(one->unique_tau[0], one->unique_tau[1]);
+      for (auto* one : {&unique, &decided[k]}) {
+        std::swap(one->unique_tau[0], one->unique_tau[1]);
+        std::swap(one->unique_driver[0], one->unique_driver[1]);
+      }
     }
     return report;
   }

@@ -250,7 +250,9 @@ Evaluation back_from_units(Evaluation evaluation, const Units& units, const Type
   });
   for (double& force : evaluation.couplings) force /= units.torque();
   for_each_coordinate(types, [&](std::size_t k, bool slides, int, int u) {
-    if (u >= 0) evaluation.joints[k].tau(u) /= units.force_on(slides);
+    if (u < 0) return;
+    evaluation.joints[k].tau(u) /= units.force_on(slides);
+    for (VecX& share : evaluation.joints[k].shares) share(u) /= units.force_on(slides);
   });
   return evaluation;
 }

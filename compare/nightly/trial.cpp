@@ -83,8 +83,8 @@ void move_start(const Case& one, Model& model) {
 
 /// What is recorded of each component; of other kinds only the worst of a kind.
 bool is_told(const QuantityRow& row) {
-  return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::driver ||
-         row.quantity.kind == Kind::coupling || row.quantity.kind == Kind::element;
+  const Kind kind = row.quantity.kind;
+  return kind == Kind::reaction || is_scalar_force(kind) || kind == Kind::element;
 }
 
 std::string name_of_kind(Kind kind) {

@@ -124,6 +124,7 @@ JointWrenches SimbodyMachine::Parts::read_joint(const BuiltJoint& built, const S
   JointWrenches found;
   found.tau = VecX::Zero(joint.type->n_u());
   for (Eigen::Index k = 0; k < tau.size(); ++k) found.tau(built.recipe->mobilities[k].speed) = tau(k);
+  found.shares.fill(VecX::Zero(joint.type->n_u()));  // springs are given to it, as in force elements: it has no opinion
   std::array<Mat3, 2> A_joint;
   std::array<Vec3, 2> point;
   for (const Side side : kSides) {

@@ -113,6 +113,11 @@ void write_elements(const Sample& sample, py::ssize_t /*width*/, double* to) {
                  [](const ElementWrenches& one, Side side) -> const Wrench& { return one.on_side(side).*Axes; });
 }
 
+template <Actor Who>
+void write_shares(const Sample& sample, py::ssize_t width, double* to) {
+  write_rows(sample.evaluation.joints, width, to,
+             [](const JointWrenches& one) -> const VecX& { return one.share_of(Who); });
+}
 void write_forces(const Sample& sample, py::ssize_t width, double* to) {
   write_rows(sample.evaluation.joints, width, to, [](const JointWrenches& one) -> const VecX& { return one.tau; });
 }
@@ -142,7 +147,11 @@ const Series kSeries[] = {
      },
      write_motion<&State::q>},
     {"joint_speeds", of_speeds, write_motion<&State::u>},
-    {"driver_force", of_speeds, write_forces, true},
+    {"coordinate_force", of_speeds, write_forces, true},
+    {"driver_force", of_speeds, write_shares<Actor::driver>, true},
+    {"motor_force", of_speeds, write_shares<Actor::motor>},
+    {"spring_force", of_speeds, write_shares<Actor::spring>},
+    {"damper_force", of_speeds, write_shares<Actor::damper>},
     {"reaction", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_C>, true},
     {"reaction_global", of_joints, write_joints<&JointWrenches::reaction, &SideWrench::in_global>, true},
     {"total", of_joints, write_joints<&JointWrenches::total, &SideWrench::in_C>, true},

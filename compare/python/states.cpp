@@ -100,6 +100,19 @@ auto wrenches_of_joints(First first) {
   };
 }
 
+/// A property that shows a number for each speed of all joints.
+template <class Of>
+auto forces_on_speeds(Of of) {
+  return [=](const py::object& self) {
+    return vectors_view(self, self.cast<const Evaluated&>().evaluation.joints, Access::read, of);
+  };
+}
+
+template <Actor Who>
+const VecX& share(const JointWrenches& one) {
+  return one.share_of(Who);
+}
+
 template <class First>
 auto wrenches_of_elements(First first) {
   return [=](const py::object& self) {
@@ -139,11 +152,12 @@ void bind_evaluation(py::module_& module) {
       .def_property_readonly("total_global", wrenches_of_joints([](const JointWrenches& one) -> const Wrench& {
                                return one.total[0].in_global;
                              }))
-      .def_property_readonly("driver_force",
-                             [](const py::object& self) {
-                               return vectors_view(self, self.cast<const Evaluated&>().evaluation.joints, Access::read,
-                                                   [](const JointWrenches& one) -> const VecX& { return one.tau; });
-                             })
+      .def_property_readonly("coordinate_force",
+                             forces_on_speeds([](const JointWrenches& one) -> const VecX& { return one.tau; }))
+      .def_property_readonly("driver_force", forces_on_speeds(share<Actor::driver>))
+      .def_property_readonly("motor_force", forces_on_speeds(share<Actor::motor>))
+      .def_property_readonly("spring_force", forces_on_speeds(share<Actor::spring>))
+      .def_property_readonly("damper_force", forces_on_speeds(share<Actor::damper>))
       .def_property_readonly("element_wrench", wrenches_of_elements([](const ElementWrenches& one) -> const Wrench& {
                                return one.on[0].in_C;
                              }))

@@ -147,7 +147,7 @@ class Scales {
     std::vector<BlockScale> scales(layout_.model().joints.size());
     for (std::size_t row = 0; row < layout_.quantities().size(); ++row) {
       const Quantity& quantity = layout_.quantities()[row];
-      if (quantity.kind != Kind::driver) continue;
+      if (quantity.kind != Kind::tau && quantity.kind != Kind::share) continue;
       const double largest = peak(series_, static_cast<int>(row), 1);
       const bool is_torque = unit_of(layout_.model(), quantity) == "N m";
       enlarge(scales[quantity.owner], is_torque ? BlockScale{0.0, largest} : BlockScale{largest, 0.0});
@@ -253,7 +253,8 @@ class Scales {
         return elements_[quantity.owner];
       case Kind::coupling:
         return couplings_[quantity.owner];
-      case Kind::driver:
+      case Kind::tau:
+      case Kind::share:
         return on_speeds_[quantity.owner];
       case Kind::total:
         return totals_[block];

@@ -108,6 +108,8 @@ double value_of(const Column& column, const Sample& sample) {
       return sample.state.q.at(owner)(c);
     case Field::tau:
       return sample.evaluation.joints.at(owner).tau(c);
+    case Field::share:
+      return sample.evaluation.joints.at(owner).share_of(column.actor)(c);
     case Field::coupling:
       return sample.evaluation.couplings.at(owner);
     default:
@@ -150,7 +152,15 @@ std::vector<Column> reaction_columns(const Model& model) {
     for (const Side side : kSides) {
       list.add_wrench(Field::reaction, owner, side, fmt::format("{}.{}.", joint.name, side_name(side)));
     }
-    list.add_numbered(Field::tau, owner, joint.name + ".tau_", speed_force_units(*joint.type));
+    const std::vector<std::string> units = speed_force_units(*joint.type);
+    list.add_numbered(Field::tau, owner, joint.name + ".tau_", units);
+    for (int speed = 0; speed < static_cast<int>(units.size()); ++speed) {
+      for (const Actor actor : actors_on(joint, speed)) {
+        list.columns.push_back({fmt::format("{}.{}_{}", joint.name, name_of(actor), speed + 1),
+                                units[static_cast<std::size_t>(speed)], Field::share, owner, Side::child, speed, actor,
+                                !is_shared(model, owner, speed)});
+      }
+    }
   }
   return std::move(list.columns);
 }
@@ -214,7 +224,10 @@ std::optional<Quantity> quantity_of(const Column& column) {
     case Field::total_global:
       return with(Kind::total, 0);
     case Field::tau:
-      return with(Kind::driver, 0);
+      return with(Kind::tau, 0);
+    case Field::share:
+      if (column.is_alone) return with(Kind::tau, 0);
+      return Quantity{Kind::share, column.owner, column.side, column.component, column.actor};
     case Field::coupling:
       return with(Kind::coupling, 0);
     case Field::element:
@@ -242,6 +255,7 @@ std::string describe_owner(const Model& model, const Column& column) {
       return joint_or_element + " (global axes)";
     case Field::joint_coordinate:
     case Field::tau:
+    case Field::share:
       return fmt::format("joint {}", model.joints.at(owner).name);
     default:
       return quantity_of(column) ? joint_or_element : fmt::format("body {}", model.bodies.at(owner).name);

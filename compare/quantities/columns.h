@@ -28,6 +28,7 @@ enum class Field {
   total,
   total_global,
   tau,
+  share,  // of one actor
   coupling,
   element,  // in the end's frame
   element_global
@@ -37,10 +38,12 @@ struct Column {
   std::string name;  // "coupler.omega_x", "A.child.F_x", "A.tau_1"
   std::string unit;  // "rad/s"
   Field field = Field::reaction;
-  int owner = 0;            // body, joint, coupling or force element
-  Side side = Side::child;  // of wrenches
-  int component = 0;        // from 0
-  bool is_own = false;      // a solver's own value, also where it is one of many
+  int owner = 0;                // body, joint, coupling or force element
+  Side side = Side::child;      // of wrenches
+  int component = 0;            // from 0
+  Actor actor = Actor::driver;  // of a share
+  bool is_alone = false;        // of a share: nothing else acts there
+  bool is_own = false;          // a solver's own value, also where it is one of many
 };
 
 /// The number of a column in one sample.

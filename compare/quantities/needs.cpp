@@ -46,7 +46,7 @@ bool applies_to_component(const NeedOverride& change, const Quantity& quantity) 
   const std::string own = describe_component(quantity);
   const bool in_other_axes = quantity.kind == Kind::reaction_global || quantity.kind == Kind::body_sum;
   if (in_other_axes) return is_same_kind(own, change.component);
-  return quantity.kind == Kind::driver || quantity.kind == Kind::coupling || own == change.component;
+  return is_scalar_force(quantity.kind) || own == change.component;
 }
 
 /// Whether a change holds for the owner of a quantity: for a joint all wrenches and forces in it and the sums on its

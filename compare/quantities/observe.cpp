@@ -31,7 +31,10 @@ void check_complete(const Model& model, const State& state, const Evaluation& ev
   }
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     const auto speeds = static_cast<std::size_t>(model.joints[k].type->n_u());
-    require(static_cast<std::size_t>(evaluation.joints[k].tau.size()), speeds, "driver forces");
+    require(static_cast<std::size_t>(evaluation.joints[k].tau.size()), speeds, "coordinate forces");
+    for (const VecX& share : evaluation.joints[k].shares) {
+      require(static_cast<std::size_t>(share.size()), speeds, "shares of coordinate forces");
+    }
   }
 }
 
@@ -49,17 +52,20 @@ std::vector<CouplingTerm> coupled_in(const Model& model, int k) {
   return terms;
 }
 
-/// What acts on a joint speed: "driver" if there is one among others, "spring" if there is none, "couplings" if there
-/// is nothing else.
-const char* actor_on(const Model& model, int k, int speed) {
-  const Joint& joint = model.joints[k];
-  std::set<int> driven;
-  std::set<int> sprung;
-  add_speeds(joint, joint.drivers, driven);
-  add_speeds(joint, joint.springs, sprung);
-  if (driven.contains(speed)) return "driver";
-  if (sprung.contains(speed)) return "spring";
-  return model.is_coupled(k) ? "couplings" : "driver";
+/// What acts on a joint speed, if it acts alone.
+const char* only_actor_on(const Model& model, int k, int speed) {
+  if (is_shared(model, k, speed)) return "coordinate force";
+  const std::vector<Actor> own = actors_on(model.joints[k], speed);
+  return own.empty() ? "coupling" : name_of(own.front());
+}
+
+bool acts_at_rest(const ForceLaw& law) {
+  return law.stiffness != 0.0 || law.preload != 0.0 || law.spring_table || law.lower || law.upper;
+}
+
+bool acts_by_its_rate(const ForceLaw& law) {
+  const auto is_damped = [](const std::optional<SmoothStop>& stop) { return stop && stop->damping != 0.0; };
+  return law.damping != 0.0 || law.damper_table || is_damped(law.lower) || is_damped(law.upper);
 }
 
 }  // namespace
@@ -78,7 +84,15 @@ QuantityLayout::QuantityLayout(const Model& model) : model_(&model) {
     }
   }
   for (int k = 0; k < joints; ++k) {
-    for (const int speed : forced_speeds(model, k)) quantities_.push_back({Kind::driver, k, Side::child, speed});
+    for (const int speed : forced_speeds(model, k)) quantities_.push_back({Kind::tau, k, Side::child, speed});
+  }
+  for (int k = 0; k < joints; ++k) {
+    for (const int speed : forced_speeds(model, k)) {
+      if (!is_shared(model, k, speed)) continue;
+      for (const Actor actor : actors_on(model.joints[k], speed)) {
+        quantities_.push_back({Kind::share, k, Side::child, speed, actor});
+      }
+    }
   }
   for (int k = 0; k < static_cast<int>(model.couplings.size()); ++k) add_block(Kind::coupling, k, Side::child, 1);
   for (std::size_t k = 0; k < model.elements.size(); ++k) {
@@ -120,6 +134,10 @@ VecX QuantityLayout::observe(const State& state, const Evaluation& evaluation) c
   append_wrenches([](const JointWrenches& joint, Side side) { return joint.total_on(side).in_C; });
   for (int k = 0; k < static_cast<int>(model_->joints.size()); ++k) {
     for (const int speed : forced_speeds(*model_, k)) values(row++) = evaluation.joints[k].tau(speed);
+  }
+  for (; row < values.size() && quantities_[static_cast<std::size_t>(row)].kind == Kind::share; ++row) {
+    const Quantity& share = quantities_[static_cast<std::size_t>(row)];
+    values(row) = evaluation.joints[share.owner].share_of(share.actor)(share.component);
   }
   for (const double force : evaluation.couplings) values(row++) = force;
   for (std::size_t k = 0; k < model_->elements.size(); ++k) {
@@ -163,9 +181,10 @@ std::string describe_owner(const Model& model, const Quantity& quantity) {
     return fmt::format("force element {} on {}", element.name, model.bodies[end_of(element, quantity.side)->body].name);
   }
   const Joint& joint = model.joints[quantity.owner];
-  if (quantity.kind == Kind::driver) {
-    return fmt::format("{} of joint {}", actor_on(model, quantity.owner, quantity.component), joint.name);
+  if (quantity.kind == Kind::tau) {
+    return fmt::format("{} of joint {}", only_actor_on(model, quantity.owner, quantity.component), joint.name);
   }
+  if (quantity.kind == Kind::share) return fmt::format("{} of joint {}", name_of(quantity.actor), joint.name);
   const std::string& body = model.bodies[joint.on(quantity.side).body].name;
   std::string owner = fmt::format("joint {} on {}", joint.name, body);
   if (quantity.kind == Kind::total) return owner + " (total wrench)";
@@ -175,7 +194,7 @@ std::string describe_owner(const Model& model, const Quantity& quantity) {
 
 std::string describe_component(const Quantity& quantity) {
   constexpr std::array kAxes{'x', 'y', 'z'};
-  if (quantity.kind == Kind::driver) return fmt::format("tau_{}", quantity.component + 1);
+  if (quantity.kind == Kind::tau || quantity.kind == Kind::share) return fmt::format("tau_{}", quantity.component + 1);
   if (quantity.kind == Kind::coupling) return "force";
   if (quantity.kind != Kind::acceleration) return component_names()[quantity.component];
   if (quantity.component < 3) return fmt::format("vdot_{}", kAxes[quantity.component]);
@@ -196,7 +215,8 @@ std::string unit_of(const Model& model, const Quantity& quantity) {
     return quantity.component < 3 ? "m/s2" : quantity.component < 6 ? "rad/s2" : "1/s2";
   }
   bool is_torque = quantity.component >= 3;
-  if (quantity.kind == Kind::driver) is_torque = turns(model, quantity.owner, quantity.component);
+  if (quantity.kind == Kind::tau || quantity.kind == Kind::share)
+    is_torque = turns(model, quantity.owner, quantity.component);
   if (quantity.kind == Kind::coupling) is_torque = is_turn(model, model.couplings[quantity.owner].terms.front());
   return is_torque ? "N m" : "N";
 }
@@ -206,6 +226,31 @@ int speed_of(const Model& model, const CouplingTerm& term) {
 }
 
 bool is_turn(const Model& model, const CouplingTerm& term) { return turns(model, term.joint, speed_of(model, term)); }
+
+const char* name_of(Actor actor) {
+  constexpr std::array kNames{"driver", "motor", "spring", "damper"};
+  return kNames[index(actor)];
+}
+
+std::vector<Actor> actors_on(const Joint& joint, int speed) {
+  const auto acts_there = [&](const auto& one) { return first_u(*joint.type, one.word) + one.component == speed; };
+  const auto has_law = [&](const auto& does) {
+    return std::any_of(joint.springs.begin(), joint.springs.end(),
+                       [&](const JointSpring& spring) { return acts_there(spring) && does(spring.law); });
+  };
+  std::vector<Actor> actors;
+  if (std::any_of(joint.drivers.begin(), joint.drivers.end(), acts_there)) actors.push_back(Actor::driver);
+  if (has_law([](const ForceLaw& law) { return law.actuator.has_value(); })) actors.push_back(Actor::motor);
+  if (has_law(acts_at_rest)) actors.push_back(Actor::spring);
+  if (has_law(acts_by_its_rate)) actors.push_back(Actor::damper);
+  return actors;
+}
+
+bool is_shared(const Model& model, int k, int speed) {
+  std::size_t actors = actors_on(model.joints[k], speed).size();
+  for (const CouplingTerm& term : coupled_in(model, k)) actors += speed_of(model, term) == speed ? 1 : 0;
+  return actors > 1;
+}
 
 std::vector<int> forced_speeds(const Model& model, int k) {
   std::set<int> speeds;

@@ -48,8 +48,8 @@ class QuantityLayout {
   std::vector<Quantity> quantities_;
 };
 
-/// "joint D on slider", "driver of joint A", "spring of joint B", "coupling gear", "force element strut on axle", "body
-/// coupler".
+/// "joint D on slider", "coordinate force of joint A", "driver of joint A", "coupling gear", "force element strut on
+/// axle", "body coupler". Where one actor alone acts on a coordinate, the coordinate force is called after it.
 std::string describe_owner(const Model& model, const Quantity& quantity);
 
 /// "F_x", "tau_1", "vdot_x", "addot_2".
@@ -63,6 +63,15 @@ bool is_turn(const Model& model, const CouplingTerm& term);
 /// The unit of a coupling's force is that of its first term's coordinate force, whose factor counts as a number:
 /// "N", "N m", "m/s2", "rad/s2", or "1/s2" for modal accelerations.
 std::string unit_of(const Model& model, const Quantity& quantity);
+
+/// "driver", "motor", "spring", "damper".
+const char* name_of(Actor actor);
+
+/// The actors of a joint's own on one of its speeds, couplings aside.
+std::vector<Actor> actors_on(const Joint& joint, int speed);
+
+/// Whether more than one actor, couplings among them, acts on a speed of joint k.
+bool is_shared(const Model& model, int k, int speed);
 
 /// Speeds of joint k on which a driver, a spring, an actuator or a coupling acts, in the order of the speeds.
 std::vector<int> forced_speeds(const Model& model, int k);

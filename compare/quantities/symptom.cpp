@@ -146,8 +146,7 @@ std::string growth_pattern(const Suspect& suspect) {
 std::string diagnose(const QuantityLayout& layout, const Series& series, int row) {
   const Quantity quantity = layout.quantities()[row];
   const auto line = [&](int who) { return series.values[who].row(row); };
-  if (quantity.kind == Kind::driver || quantity.kind == Kind::coupling ||
-      (quantity.kind == Kind::acceleration && quantity.component >= 6)) {
+  if (is_scalar_force(quantity.kind) || (quantity.kind == Kind::acceleration && quantity.component >= 6)) {
     const std::string text = factor_pattern(line(0), line(1), series);
     return text.empty() ? "no known pattern: neither sign nor factor" : text;
   }

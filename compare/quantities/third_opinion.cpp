@@ -88,7 +88,8 @@ ThirdReport ask_third(const QuantityLayout& layout, ThirdOpinion& third, const s
   }
   for (std::size_t k = 0; k < layout.quantities().size(); ++k) {
     const Quantity& quantity = layout.quantities()[k];
-    if (quantity.kind == Kind::element || measured[2][k].samples == 0) continue;
+    const bool is_told = quantity.kind != Kind::element && quantity.kind != Kind::share;
+    if (!is_told || measured[2][k].samples == 0) continue;
     ThirdRow row;
     row.quantity = quantity;
     row.scale = measured[2][k].scale;

@@ -92,9 +92,13 @@ std::string not_unique(const Model& model, const SolverView& solver) {
       text += fmt::format("{}:{}\n", describe_owner(model, {Kind::reaction, static_cast<int>(k), side, 0}), components);
     }
     for (const int speed : forced_speeds(model, static_cast<int>(k))) {
-      if (solver.rank.joints.at(k).unique_tau[speed]) continue;
-      const Quantity force{Kind::driver, static_cast<int>(k), Side::child, speed};
-      text += fmt::format("{}: {}\n", describe_owner(model, force), describe_component(force));
+      for (const Kind kind : {Kind::tau, Kind::share}) {
+        const JointUniqueness& unique = solver.rank.joints.at(k);
+        const Quantity force{kind, static_cast<int>(k), Side::child, speed};
+        if (kind == Kind::tau ? unique.unique_tau[speed] : unique.unique_driver[speed]) continue;
+        if (kind == Kind::share && !is_shared(model, static_cast<int>(k), speed)) continue;
+        text += fmt::format("{}: {}\n", describe_owner(model, force), describe_component(force));
+      }
     }
   }
   for (std::size_t g = 0; g < model.couplings.size(); ++g) {

@@ -155,14 +155,20 @@ class TrajectoryWriter {
     texts("coordinate_units", "units of the joint coordinates", {joint_, coordinate_},
           padded_units(coordinate_units, n_q_));
     texts("speed_units", "units of the joint speeds", {joint_, speed_}, padded_units(speed_units, n_u_));
-    texts("driver_force_units", "units of the driver forces", {joint_, speed_}, padded_units(speed_force_units, n_u_));
+    texts("force_units", "units of the forces on joint speeds", {joint_, speed_},
+          padded_units(speed_force_units, n_u_));
     joint("joint_coordinates", "see coordinate_units", "joint coordinates, turns counted", coordinate_, n_q_,
           [](const Sample& sample, std::size_t k) { return sample.state.q[k]; });
     joint("joint_speeds", "see speed_units", "joint speeds", speed_, n_u_,
           [](const Sample& sample, std::size_t k) { return sample.state.u[k]; });
-    joint("driver_force", "see driver_force_units",
-          "force of driver, spring, actuator and couplings on the joint speed", speed_, n_u_,
+    joint("coordinate_force", "see force_units",
+          "force on the joint speed, of driver, motor, spring, damper and couplings together", speed_, n_u_,
           [](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].tau; });
+    for (const Actor actor : kActors) {
+      joint(fmt::format("{}_force", name_of(actor)).c_str(), "see force_units",
+            fmt::format("force of the {} on the joint speed", name_of(actor)).c_str(), speed_, n_u_,
+            [actor](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].share_of(actor); });
+    }
   }
 
   /// 1 where a reaction component is unique, 0 where it is not: constraints then leave it open.
@@ -190,8 +196,8 @@ class TrajectoryWriter {
     const auto one = [](const Sample& sample, std::size_t k) {
       return VecX(VecX::Constant(1, sample.evaluation.couplings[k]));
     };
-    numbers("coupling_force", "see driver_force_units",
-            "force of the coupling; times a term's factor it is its part of the driver force there",
+    numbers("coupling_force", "see force_units",
+            "force of the coupling; times a term's factor it is its part of the coordinate force there",
             {time_, named({"coupling", names})}, {0, model_.couplings.size(), 1, one});
   }
 

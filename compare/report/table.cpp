@@ -153,10 +153,10 @@ std::string element_table(const Model& model, const Verdict& verdict, bool all_r
 /// Worst digits of each kind of the other quantities.
 std::string also_compared(const Verdict& verdict, Check check) {
   constexpr std::array kKinds{
-      std::pair{Kind::total, "total wrenches"},      std::pair{Kind::reaction_global, "global axes"},
-      std::pair{Kind::driver, "driver forces"},      std::pair{Kind::coupling, "couplings"},
-      std::pair{Kind::element, "force elements"},    std::pair{Kind::body_sum, "sums on bodies"},
-      std::pair{Kind::acceleration, "accelerations"}};
+      std::pair{Kind::total, "total wrenches"},    std::pair{Kind::reaction_global, "global axes"},
+      std::pair{Kind::tau, "coordinate forces"},   std::pair{Kind::share, "shares of them"},
+      std::pair{Kind::coupling, "couplings"},      std::pair{Kind::element, "force elements"},
+      std::pair{Kind::body_sum, "sums on bodies"}, std::pair{Kind::acceleration, "accelerations"}};
   std::string text;
   for (const auto& [kind, name] : kKinds) {
     std::optional<double> worst;
@@ -174,8 +174,7 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
   std::map<std::string, std::string> components;  // by owner and share
   for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      const bool is_named =
-          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
+      const bool is_named = rows == &verdict.rows || is_scalar_force(row.quantity.kind);
       const CheckDetail& detail = detail_of(row, Check::same_state);
       if (!row.unique || !is_named || detail.not_unique == 0) continue;
       components[fmt::format("{}, {}", describe_owner(model, row.quantity), share_not_unique(detail))] +=
@@ -190,14 +189,14 @@ std::string unique_in_part(const Model& model, const Verdict& verdict) {
 }  // namespace
 
 std::string not_unique_text(const Model& model, const Verdict& verdict) {
-  using RowKey = std::tuple<int, int, Kind>;
+  using RowKey = std::tuple<int, int, Kind, Actor>;
   std::map<RowKey, std::string> names;
   for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      const bool is_named =
-          rows == &verdict.rows || row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
+      const bool is_named = rows == &verdict.rows || is_scalar_force(row.quantity.kind);
       if (row.unique || !is_named) continue;
-      std::string& line = names[RowKey(row.quantity.owner, index(row.quantity.side), row.quantity.kind)];
+      std::string& line =
+          names[RowKey(row.quantity.owner, index(row.quantity.side), row.quantity.kind, row.quantity.actor)];
       if (line.empty()) line = describe_owner(model, row.quantity) + ":";
       line += " " + describe_component(row.quantity);
     }

@@ -64,7 +64,7 @@ std::string third_summary_of(const ThirdReport& third) {
   add("accelerations", Kind::acceleration);
   add("reactions", Kind::reaction);
   add("total wrenches", Kind::total);
-  add("forces on speeds", Kind::driver);
+  add("coordinate forces", Kind::tau);
   add("couplings", Kind::coupling);
   add("sums on bodies", Kind::body_sum);
   text.back() = ';';

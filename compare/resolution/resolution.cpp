@@ -31,11 +31,11 @@ void take_largest_of_blocks(const QuantityLayout& layout, const UniqueRows& uniq
   const auto& quantities = layout.quantities();
   const auto block_of = [&](std::size_t row) {
     const Quantity& one = quantities[row];
-    return std::tuple(one.kind, one.owner, one.side, std::min(one.component / 3, one.kind == Kind::driver ? 0 : 2));
+    return std::tuple(one.kind, one.owner, one.side, std::min(one.component / 3, is_scalar_force(one.kind) ? 0 : 2));
   };
   for (std::size_t first = 0; first < quantities.size();) {
     std::size_t end = first + 1;
-    if (quantities[first].kind != Kind::driver && quantities[first].kind != Kind::coupling) {
+    if (!is_scalar_force(quantities[first].kind)) {
       while (end < quantities.size() && block_of(end) == block_of(first)) ++end;
     }
     const auto start = static_cast<Eigen::Index>(first);

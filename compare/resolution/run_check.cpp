@@ -93,7 +93,7 @@ std::string format_run_check(const QuantityLayout& layout, std::string_view solv
   for (std::size_t row = 0; row < layout.quantities().size(); ++row) {
     const Quantity& quantity = layout.quantities()[row];
     const bool is_reaction = quantity.kind == Kind::reaction;
-    if (!is_reaction && quantity.kind != Kind::driver && quantity.kind != Kind::coupling) continue;
+    if (!is_reaction && !is_scalar_force(quantity.kind)) continue;
     if (is_reaction && !carries(*model.joints[quantity.owner].type, quantity.side, quantity.component)) continue;
     const Eigen::Index not_unique = (!check.unique.row(static_cast<Eigen::Index>(row))).count();
     if (not_unique == 0) continue;

@@ -45,6 +45,13 @@ struct ForceRow {
   int row = 0;
 };
 
+double& force_in(Evaluation& evaluation, const Quantity& quantity) {
+  const auto owner = static_cast<std::size_t>(quantity.owner);
+  if (quantity.kind == Kind::coupling) return evaluation.couplings[owner];
+  JointWrenches& joint = evaluation.joints[owner];
+  return (quantity.kind == Kind::tau ? joint.tau : joint.shares[index(quantity.actor)])(quantity.component);
+}
+
 class UniquePart {
  public:
   UniquePart(const Model& model, const Mask& unique) : model_(model), unique_(unique) {
@@ -52,9 +59,8 @@ class UniquePart {
     const std::vector<Quantity>& all = layout.quantities();
     for (int row = 0; row < static_cast<int>(all.size()); ++row) {
       const Quantity& quantity = all[static_cast<std::size_t>(row)];
-      const bool is_force = quantity.kind == Kind::driver || quantity.kind == Kind::coupling;
       const bool is_wrench = quantity.kind == Kind::reaction || quantity.kind == Kind::total;
-      if (is_force) forces_.push_back({quantity, row});
+      if (is_scalar_force(quantity.kind)) forces_.push_back({quantity, row});
       if (!is_wrench || quantity.component > 0) continue;
       WrenchRows rows{quantity.kind, static_cast<std::size_t>(quantity.owner), quantity.side, row};
       for (int c = 0; c < 6; ++c) {
@@ -71,10 +77,7 @@ class UniquePart {
     for (const auto& [quantity, row] : forces_) {
       if (unique_(row, column)) continue;
       has_open = true;
-      const auto owner = static_cast<std::size_t>(quantity.owner);
-      double& force = quantity.kind == Kind::coupling ? sample.evaluation.couplings[owner]
-                                                      : sample.evaluation.joints[owner].tau(quantity.component);
-      force = kOpen;
+      force_in(sample.evaluation, quantity) = kOpen;
     }
     return has_open;
   }

@@ -23,8 +23,10 @@ bool flag_of(const JointUniqueness& flags, const Quantity& quantity, int compone
   switch (quantity.kind) {
     case Kind::total:
       return flags.unique_total[index(quantity.side)][component];
-    case Kind::driver:
+    case Kind::tau:
       return flags.unique_tau[component];
+    case Kind::share:
+      return quantity.actor != Actor::driver || flags.unique_driver[component];
     default:
       return flags.unique[index(quantity.side)][component];
   }
@@ -50,7 +52,8 @@ Uniqueness uniqueness_of(const RankReport& report, const Quantity& quantity) {
   switch (quantity.kind) {
     case Kind::reaction:
     case Kind::total:
-    case Kind::driver:
+    case Kind::tau:
+    case Kind::share:
       return of_component(report, quantity, quantity.component);
     case Kind::reaction_global: {
       const int first = quantity.component < 3 ? 0 : 3;

@@ -14,9 +14,7 @@ bool is_component(const QuantityRow& row) {
   return row.quantity.kind == Kind::reaction || row.quantity.kind == Kind::element;
 }
 
-bool is_on_speed(const QuantityRow& row) {
-  return row.quantity.kind == Kind::driver || row.quantity.kind == Kind::coupling;
-}
+bool is_on_speed(const QuantityRow& row) { return is_scalar_force(row.quantity.kind); }
 
 /// The rows that give a check its digits: components, or forces on speeds where no component is judged.
 std::vector<const QuantityRow*> rows_that_carry(const Verdict& verdict) {

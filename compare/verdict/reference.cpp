@@ -72,6 +72,7 @@ int size_of_vector(Field field) {
     case Field::modal_acceleration:
     case Field::joint_coordinate:
     case Field::tau:
+    case Field::share:
     case Field::coupling:
       return 1;
     default:
@@ -141,7 +142,7 @@ double measure_of_percent(const Column& column, const Verdict& verdict, const Re
   const double peak =
       std::max(peak_of(column, *verdict.trajectories[0], last_judged(verdict)), peak_of(column, reference));
   if (quantity) return std::max(peak, kNextToNothing * scale_of(verdict, *quantity));
-  const bool moves = column.field != Field::tau && column.field != Field::coupling;
+  const bool moves = !may_be_open(column);
   return moves ? std::max(peak, kNextToNothing * largest) : peak;
 }
 

@@ -39,7 +39,7 @@ constexpr CheckSummary Verdict::*summary_at(Check check) {
 bool gives_digits(Kind kind) { return kind == Kind::reaction || kind == Kind::element; }
 
 /// Those, and forces on joint speeds: all that there is to judge where no joint constrains anything.
-bool is_force(Kind kind) { return gives_digits(kind) || kind == Kind::driver || kind == Kind::coupling; }
+bool is_force(Kind kind) { return gives_digits(kind) || is_scalar_force(kind); }
 
 }  // namespace
 

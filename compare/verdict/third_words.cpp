@@ -78,7 +78,8 @@ std::string word_of(Kind kind) {
       return "sum";
     case Kind::acceleration:
       return "acceleration";
-    case Kind::driver:
+    case Kind::tau:
+    case Kind::share:
     case Kind::coupling:
       return "force";
     default:

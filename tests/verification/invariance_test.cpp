@@ -93,7 +93,7 @@ double digits_between(const Model& model, const State& one, const State& other) 
 /// unique ones in joint axes.
 bool is_unique(const compare::Quantity& quantity, const Uniqueness& flags) {
   using compare::Kind;
-  if (quantity.kind == Kind::acceleration || quantity.kind == Kind::body_sum || quantity.kind == Kind::driver) {
+  if (quantity.kind == Kind::acceleration || quantity.kind == Kind::body_sum || quantity.kind == Kind::tau) {
     return true;
   }
   const auto& unique = flags[quantity.owner].unique[index(quantity.side)];

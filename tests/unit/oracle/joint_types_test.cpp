@@ -204,7 +204,7 @@ terms = [{ joint = "rack", coordinate = "turn_z", factor = 1.5 }, { joint = "hoo
   const ThirdReport report = opinion_at_start(model);
   ASSERT_EQ(report.states, 1) << report.first_failure;
   EXPECT_GE(report.digits(Kind::coupling).value_or(0.0), kEnough);
-  EXPECT_GE(report.digits(Kind::driver).value_or(0.0), kEnough);
+  EXPECT_GE(report.digits(Kind::tau).value_or(0.0), kEnough);
   EXPECT_GE(report.digits(Kind::reaction).value_or(0.0), kEnough);
   EXPECT_GE(report.digits(Kind::acceleration).value_or(0.0), kEnough);
 }

@@ -64,7 +64,7 @@ TEST(NeedsTest, AJointsNeedHoldsForAllThatPassesThroughItAndForTheSumsOnItsBodie
   EXPECT_TRUE(lowered({Kind::total, 0, Side::child, 2}));
   EXPECT_TRUE(lowered({Kind::reaction_global, 0, Side::child, 0})) << "other axes mix the components";
   EXPECT_TRUE(lowered({Kind::body_sum, 1, Side::child, 1}));
-  EXPECT_TRUE(lowered({Kind::driver, 0, Side::child, 0}));
+  EXPECT_TRUE(lowered({Kind::tau, 0, Side::child, 0}));
   EXPECT_FALSE(lowered({Kind::reaction, 0, Side::child, 1}));
   EXPECT_FALSE(lowered({Kind::reaction_global, 0, Side::child, 4}));
   EXPECT_FALSE(lowered({Kind::element, 0, Side::child, 2}));

@@ -24,7 +24,7 @@ TEST(ObserveTest, ListsEveryNumberInItsRow) {
   EXPECT_EQ(values(layout.row_of({Kind::reaction, 0, Side::child, 5})), hinge.reaction[1].in_C.torque(2));
   EXPECT_EQ(values(layout.row_of({Kind::reaction_global, 0, Side::child, 0})), hinge.reaction[1].in_global.force(0));
   EXPECT_EQ(values(layout.row_of({Kind::total, 0, Side::parent, 3})), hinge.total[0].in_C.torque(0));
-  EXPECT_EQ(values(layout.row_of({Kind::driver, 0, Side::child, 0})), 3.25);
+  EXPECT_EQ(values(layout.row_of({Kind::tau, 0, Side::child, 0})), 3.25);
   EXPECT_EQ(values(layout.row_of({Kind::acceleration, 1, Side::child, 4})), evaluation.bodies[1].omegadot(1));
   EXPECT_EQ(values.size(), static_cast<Eigen::Index>(layout.quantities().size()));
 }
@@ -72,13 +72,13 @@ TEST(ObserveTest, MissingPartsAreNamed) {
 TEST(ObserveTest, NamesAndUnits) {
   Model model = pendulum_model();
   EXPECT_EQ(describe_owner(model, {Kind::reaction, 0, Side::child, 0}), "joint A on bob");
-  EXPECT_EQ(describe_owner(model, {Kind::driver, 0, Side::child, 0}), "driver of joint A");
+  EXPECT_EQ(describe_owner(model, {Kind::tau, 0, Side::child, 0}), "driver of joint A");
   EXPECT_EQ(describe_component({Kind::acceleration, 1, Side::child, 7}), "addot_2");
-  EXPECT_EQ(unit_of(model, {Kind::driver, 0, Side::child, 0}), "N m");
+  EXPECT_EQ(unit_of(model, {Kind::tau, 0, Side::child, 0}), "N m");
   EXPECT_EQ(unit_of(model, {Kind::total, 0, Side::child, 2}), "N");
   model.joints[0].type = &joints::cylindrical;
   const bool slides_first = std::holds_alternative<joints::Slide>(joints::cylindrical.permits[0]);
-  EXPECT_EQ(unit_of(model, {Kind::driver, 0, Side::child, slides_first ? 0 : 1}), "N");
+  EXPECT_EQ(unit_of(model, {Kind::tau, 0, Side::child, slides_first ? 0 : 1}), "N");
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ struct OpenRun : SampleRun {
   OpenRun() : layout(with_driver()), unique(Mask::Constant(rows(), 3, true)) {
     unique(layout.row_of({Kind::reaction, 0, Side::parent, 1}), 1) = false;
     unique(layout.row_of({Kind::total, 1, Side::child, 3}), 1) = false;
-    unique.row(layout.row_of({Kind::driver, 1, Side::child, 1})) = false;
+    unique.row(layout.row_of({Kind::tau, 1, Side::child, 1})) = false;
     // A cylindrical joint carries no force along its axis: a flag that says otherwise is round-off.
     unique(layout.row_of({Kind::reaction, 1, Side::child, 2}), 0) = false;
   }

@@ -193,10 +193,10 @@ TEST(ResolutionTerms, OfABalancedRotorAreThoseOfItsTurningAndReachWhatIsCoupledW
   shared.state.bodies[2].omega = Vec3(0.0, 0.0, 4.0);
   const QuantityLayout layout(model);
   const VecX terms = term_sizes(layout, shared);
-  const double of_heavy = terms(layout.row_of({Kind::driver, 1, Side::child, 0}));
+  const double of_heavy = terms(layout.row_of({Kind::tau, 1, Side::child, 0}));
   EXPECT_NEAR(of_heavy, 0.6 * 4.0 * 4.0, 1e-12);
   EXPECT_DOUBLE_EQ(terms(layout.row_of({Kind::coupling, 0, Side::child, 0})), of_heavy / 5.0);
-  EXPECT_EQ(terms(layout.row_of({Kind::driver, 0, Side::child, 0})), 0.0) << "the other disc has loads of its own";
+  EXPECT_EQ(terms(layout.row_of({Kind::tau, 0, Side::child, 0})), 0.0) << "the other disc has loads of its own";
 }
 
 /// A bob of 2 kg hangs from a yoke, which is attached by a ball from a slide.

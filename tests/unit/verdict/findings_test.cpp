@@ -18,13 +18,13 @@ TEST(FindingsTest, DescribesADifferenceInOneLine) {
             "joint A on bob, T_z, t = 1.284 s: cartesian +0.0127, relative -0.0127 N m, 0 digits (need 5)");
   measured.values = {12.3456789, 12.3456781};
   measured.digits = 7.19;
-  EXPECT_EQ(describe(model, {Kind::driver, 0, Side::child, 0}, measured, 8.5),
+  EXPECT_EQ(describe(model, {Kind::tau, 0, Side::child, 0}, measured, 8.5),
             "driver of joint A, tau_1, t = 1.284 s: cartesian +12.3456789, relative +12.3456781 N m, 7.1 digits "
             "(need 8.5)");
   measured.resolution = 1e-9;
   measured.scale = 12.0;
   EXPECT_EQ(
-      describe(model, {Kind::driver, 0, Side::child, 0}, measured, 12.0),
+      describe(model, {Kind::tau, 0, Side::child, 0}, measured, 12.0),
       "driver of joint A, tau_1, t = 1.284 s: cartesian +12.3456789, relative +12.3456781 N m, 7.1 digits of 10.0 "
       "resolvable (need 12)");
 }

@@ -191,7 +191,7 @@ TEST(Refinement, ForcesOnSpeedsDoNotStandForReactionsThatAreNotResolved) {
   for (std::size_t k = 0; k < measured.size(); ++k) {
     measured[k].scale = 2.0;
     measured[k].digits = measured[k].unexplained_digits = 15.0;
-    (layout.quantities()[k].kind == Kind::driver ? measured[k].samples : measured[k].too_coarse) = 4;
+    (layout.quantities()[k].kind == Kind::tau ? measured[k].samples : measured[k].too_coarse) = 4;
   }
   record(layout, measured, Check::same_state, verdict);
   judge(verdict);
