@@ -199,13 +199,13 @@ auto flags_of_sides(Joints joints, std::array<std::array<bool, 6>, 2> JointUniqu
 }
 
 /// Flags of all joints, one for each of the up to six speeds.
-auto flags_of_speeds(Joints joints) {
+auto flags_of_speeds(Joints joints, std::array<bool, 6> JointUniqueness::*flags) {
   return [=](const py::object& self) {
     const auto& report = self.cast<const RankReport&>();
     const auto& all = report.*joints;
     const auto count = static_cast<py::ssize_t>(report.joints.size());
     if (all.empty()) return all_true({count, 6});
-    return view<bool>(self, all.front().unique_tau.data(), {count, 6}, {sizeof(JointUniqueness), sizeof(bool)},
+    return view<bool>(self, (all.front().*flags).data(), {count, 6}, {sizeof(JointUniqueness), sizeof(bool)},
                       Access::read);
   };
 }
@@ -231,11 +231,17 @@ void bind_rank(py::module_& module) {
       .def_readonly("largest_dropped", &RankReport::largest_dropped)
       .def_property_readonly("unique", flags_of_sides(&RankReport::joints, &JointUniqueness::unique))
       .def_property_readonly("unique_total", flags_of_sides(&RankReport::joints, &JointUniqueness::unique_total))
-      .def_property_readonly("unique_driver_force", flags_of_speeds(&RankReport::joints))
+      .def_property_readonly("unique_coordinate_force",
+                             flags_of_speeds(&RankReport::joints, &JointUniqueness::unique_tau))
+      .def_property_readonly("unique_driver_force",
+                             flags_of_speeds(&RankReport::joints, &JointUniqueness::unique_driver))
       .def_property_readonly("unique_coupling_force", flags_of_couplings(&RankReport::unique_coupling))
       .def_property_readonly("decided", flags_of_sides(&RankReport::decided, &JointUniqueness::unique))
       .def_property_readonly("decided_total", flags_of_sides(&RankReport::decided, &JointUniqueness::unique_total))
-      .def_property_readonly("decided_driver_force", flags_of_speeds(&RankReport::decided))
+      .def_property_readonly("decided_coordinate_force",
+                             flags_of_speeds(&RankReport::decided, &JointUniqueness::unique_tau))
+      .def_property_readonly("decided_driver_force",
+                             flags_of_speeds(&RankReport::decided, &JointUniqueness::unique_driver))
       .def_property_readonly("decided_coupling_force", flags_of_couplings(&RankReport::decided_coupling))
       .def("__repr__", [](const RankReport& report) {
         return fmt::format("<concord.Rank {} of {} constraints, {} degrees of freedom>", report.rank,

@@ -45,11 +45,23 @@ struct ForceRow {
   int row = 0;
 };
 
-double& force_in(Evaluation& evaluation, const Quantity& quantity) {
+/// A coordinate force that one actor exerts alone is that actor's share, too.
+void leave_out(const Model& model, const Quantity& quantity, Evaluation& evaluation) {
   const auto owner = static_cast<std::size_t>(quantity.owner);
-  if (quantity.kind == Kind::coupling) return evaluation.couplings[owner];
+  if (quantity.kind == Kind::coupling) {
+    evaluation.couplings[owner] = kOpen;
+    return;
+  }
   JointWrenches& joint = evaluation.joints[owner];
-  return (quantity.kind == Kind::tau ? joint.tau : joint.shares[index(quantity.actor)])(quantity.component);
+  if (quantity.kind == Kind::share) {
+    joint.shares[index(quantity.actor)](quantity.component) = kOpen;
+    return;
+  }
+  joint.tau(quantity.component) = kOpen;
+  if (is_shared(model, quantity.owner, quantity.component)) return;
+  for (const Actor actor : actors_on(model.joints[owner], quantity.component)) {
+    joint.shares[index(actor)](quantity.component) = kOpen;
+  }
 }
 
 class UniquePart {
@@ -77,7 +89,7 @@ class UniquePart {
     for (const auto& [quantity, row] : forces_) {
       if (unique_(row, column)) continue;
       has_open = true;
-      force_in(sample.evaluation, quantity) = kOpen;
+      leave_out(model_, quantity, sample.evaluation);
     }
     return has_open;
   }

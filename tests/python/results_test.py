@@ -187,7 +187,7 @@ class Running(unittest.TestCase):
                      "element_wrench", "element_wrench_global", "coupling_force"):
             np.testing.assert_array_equal(getattr(found, name), getattr(run, name)[-1], err_msg=name)
         for owner, names in ((state, ("modal_coordinates", "modal_velocities", "joint_coordinates", "joint_speeds")),
-                             (found, ("modal_accelerations", "driver_force"))):
+                             (found, ("modal_accelerations", "coordinate_force"))):
             for name in names:
                 for k, row in enumerate(getattr(owner, name)):
                     np.testing.assert_array_equal(row, getattr(run, name)[-1, k, : len(row)], err_msg=name)

@@ -122,7 +122,7 @@ class Lifetimes(unittest.TestCase):
         found = solver.evaluate(state, uniqueness=True)
         views = {
             "gravity": model.gravity, "position": state.position, "modes": state.modal_coordinates[2],
-            "reaction": found.reaction, "driver": found.driver_force[0], "flags": found.rank.unique,
+            "reaction": found.reaction, "driver": found.coordinate_force[0], "flags": found.rank.unique,
         }
         kept = {name: np.array(view) for name, view in views.items()}
         del model, solver, state, found
@@ -149,7 +149,7 @@ class Lifetimes(unittest.TestCase):
         solver = concord.Solver(concord.load(MODELS / "compound_pendulum.toml"), "relative")
         found = solver.evaluate(solver.start(), uniqueness=True)
         run = solver.run(until=0.1, samples=2)
-        results = (found.reaction, found.acceleration, found.driver_force[0], found.rank.unique, run.reaction, run.time)
+        results = (found.reaction, found.acceleration, found.coordinate_force[0], found.rank.unique, run.reaction, run.time)
         for array in results:
             with self.assertRaises(ValueError):
                 array[...] = 0

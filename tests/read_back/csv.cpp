@@ -193,6 +193,16 @@ std::vector<ExpectedColumn> reaction_table(const Expected& expected, std::set<st
           [&](auto k) { return expected.known_tau(k, j, c); },
           [&](auto k) { return expected.sample(k).evaluation.joints.at(j).tau(static_cast<int>(c)); });
     }
+    const std::vector<std::array<bool, 4>> actors = actors_of(model.joints[j]);
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      for (std::size_t actor = 0; actor < 4; ++actor) {
+        if (!actors[c][actor]) continue;
+        add(
+            fmt::format("{}.{}_{}", model.joints[j].name, kActorNames[actor], c + 1), units[c],
+            [&](auto k) { return expected.known_share(k, j, c, actor); },
+            [&](auto k) { return expected.sample(k).evaluation.joints.at(j).shares[actor](static_cast<int>(c)); });
+      }
+    }
   }
   for (const auto& [count, names] : open) {
     comments.insert(fmt::format("# not unique in {} of {} samples: {}", count, expected.samples(), names));

@@ -34,21 +34,16 @@ Mat3 frame_of(const Attachment& side, const State& state) {
   return A * side.C;
 }
 
-/// Speeds of a joint on which a driver, a spring or a coupling acts.
-std::vector<bool> forced_speeds(const Model& model, std::size_t k) {
-  const Joint& joint = model.joints[k];
-  std::vector<bool> forced(static_cast<std::size_t>(joint.type->n_u()), false);
-  const auto mark = [&](int word, int component) {
-    forced.at(static_cast<std::size_t>(first_u(*joint.type, word) + component)) = true;
-  };
-  for (const Driver& driver : joint.drivers) mark(driver.word, driver.component);
-  for (const JointSpring& spring : joint.springs) mark(spring.word, spring.component);
+/// How many couplings act on each speed of a joint.
+std::vector<int> couplings_of(const Model& model, std::size_t k) {
+  std::vector<int> count(static_cast<std::size_t>(model.joints[k].type->n_u()), 0);
   for (const Coupling& coupling : model.couplings) {
     for (const CouplingTerm& term : coupling.terms) {
-      if (term.joint == static_cast<int>(k)) mark(term.word, term.component);
+      if (term.joint != static_cast<int>(k)) continue;
+      ++count.at(static_cast<std::size_t>(first_u(*model.joints[k].type, term.word) + term.component));
     }
   }
-  return forced;
+  return count;
 }
 
 }  // namespace
@@ -70,19 +65,51 @@ JointUnits units_of(const Joint& joint) {
   return units;
 }
 
+std::vector<std::array<bool, 4>> actors_of(const Joint& joint) {
+  std::vector<std::array<bool, 4>> actors(static_cast<std::size_t>(joint.type->n_u()), std::array<bool, 4>{});
+  const auto at = [&](const auto& one) -> std::array<bool, 4>& {
+    return actors.at(static_cast<std::size_t>(first_u(*joint.type, one.word) + one.component));
+  };
+  for (const Driver& driver : joint.drivers) at(driver)[0] = true;
+  for (const JointSpring& spring : joint.springs) {
+    const ForceLaw& law = spring.law;
+    std::array<bool, 4>& there = at(spring);
+    there[1] = there[1] || law.actuator;
+    there[2] = there[2] || law.stiffness != 0.0 || law.preload != 0.0 || law.spring_table || law.lower || law.upper;
+    there[3] = there[3] || law.damping != 0.0 || law.damper_table || (law.lower && law.lower->damping != 0.0) ||
+               (law.upper && law.upper->damping != 0.0);
+  }
+  return actors;
+}
+
 bool has_end(const ForceElement& element, std::size_t side) {
   return side == 1 || (!std::holds_alternative<Load>(element.what) && !std::holds_alternative<Tire>(element.what));
 }
 
 /// The comparator lists reactions, reactions in global axes and totals, twelve numbers for each joint; then the forces
-/// on joint speeds on which something acts, then couplings.
+/// on joint speeds on which something acts, what each of several actors exerts of them, then couplings.
 Expected::Expected(const Run& run) : run_(run) {
   const std::size_t n = run.model.joints.size();
   std::size_t row = 36 * n;
   for (std::size_t k = 0; k < n; ++k) {
+    const std::vector<int> couplings = couplings_of(run.model, k);
+    const std::vector<std::array<bool, 4>> actors = actors_of(run.model.joints[k]);
     tau_rows_.emplace_back();
-    for (const bool is_forced : forced_speeds(run.model, k)) {
-      tau_rows_.back().push_back(is_forced ? static_cast<int>(row++) : -1);
+    share_rows_.emplace_back(couplings.size(), std::array<int, 4>{-1, -1, -1, -1});
+    for (std::size_t speed = 0; speed < couplings.size(); ++speed) {
+      const auto count = couplings[speed] + std::count(actors[speed].begin(), actors[speed].end(), true);
+      tau_rows_.back().push_back(count > 0 ? static_cast<int>(row++) : -1);
+      if (count < 2) share_rows_.back()[speed].fill(tau_rows_.back().back());
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::vector<int> couplings = couplings_of(run.model, k);
+    const std::vector<std::array<bool, 4>> actors = actors_of(run.model.joints[k]);
+    for (std::size_t speed = 0; speed < couplings.size(); ++speed) {
+      if (couplings[speed] + std::count(actors[speed].begin(), actors[speed].end(), true) < 2) continue;
+      for (std::size_t actor = 0; actor < 4; ++actor) {
+        if (actors[speed][actor]) share_rows_[k][speed][actor] = static_cast<int>(row++);
+      }
     }
   }
   first_coupling_ = row;
@@ -133,6 +160,14 @@ double Expected::known_tau(std::size_t k, std::size_t joint, std::size_t speed) 
   const int row = tau_rows_[joint].at(speed);
   if (row >= 0 && !flag(static_cast<std::size_t>(row), k)) return kNone;
   return sample(k).evaluation.joints.at(joint).tau(static_cast<int>(speed));
+}
+
+double Expected::known_share(std::size_t k, std::size_t joint, std::size_t speed, std::size_t actor) const {
+  const int row = share_rows_[joint].at(speed)[actor];
+  if (row >= 0 && actors_of(run_.model.joints[joint])[speed][actor] && !flag(static_cast<std::size_t>(row), k)) {
+    return kNone;
+  }
+  return sample(k).evaluation.joints.at(joint).shares[actor](static_cast<int>(speed));
 }
 
 double Expected::known_coupling(std::size_t k, std::size_t coupling) const {

@@ -22,6 +22,10 @@ struct JointUnits {
 };
 JointUnits units_of(const Joint& joint);
 
+/// Whether driver, motor, spring and damper act on each speed of a joint; laws of force by their parts.
+std::vector<std::array<bool, 4>> actors_of(const Joint& joint);
+inline constexpr std::array kActorNames{"driver", "motor", "spring", "damper"};
+
 /// Whether a force element has an end on this side: a load and a tire have none on the parent.
 bool has_end(const ForceElement& element, std::size_t side);
 
@@ -44,6 +48,8 @@ class Expected {
   [[nodiscard]] double known(Which which, Axes axes, std::size_t k, std::size_t joint, std::size_t side,
                              std::size_t component) const;
   [[nodiscard]] double known_tau(std::size_t k, std::size_t joint, std::size_t speed) const;
+  /// What of it one actor exerts.
+  [[nodiscard]] double known_share(std::size_t k, std::size_t joint, std::size_t speed, std::size_t actor) const;
   [[nodiscard]] double known_coupling(std::size_t k, std::size_t coupling) const;
   /// Whether a component in the joint's frame is unique.
   [[nodiscard]] bool is_unique(Which which, std::size_t k, std::size_t joint, std::size_t side,
@@ -54,6 +60,7 @@ class Expected {
   [[nodiscard]] bool flag(std::size_t row, std::size_t k) const;
 
   Run run_;
+  std::vector<std::vector<std::array<int, 4>>> share_rows_;  // likewise of each actor there, where others act too
   std::vector<std::vector<int>> tau_rows_;  // of each joint: a row for each speed on which something acts, else -1
   std::size_t first_coupling_ = 0;
 };

@@ -161,7 +161,7 @@ class ExpectedVariables {
     }
     add_texts("coordinate_units", {"joint", "coordinate"}, std::move(q));
     add_texts("speed_units", {"joint", "speed"}, std::move(u));
-    add_texts("driver_force_units", {"joint", "speed"}, std::move(tau));
+    add_texts("force_units", {"joint", "speed"}, std::move(tau));
   }
 
   /// `number(k, item, place)` for all samples, items and places along the last dimension.
@@ -245,13 +245,24 @@ class ExpectedVariables {
       const auto count = static_cast<std::size_t>(model_.joints[j].type->n_u());
       return place < count ? expected_.known_tau(k, j, place) : own(k, j, place);
     };
-    add_known("driver_force", {"time", "joint", "speed"}, "see driver_force_units", joints, speeds_, known, own);
+    add_known("coordinate_force", {"time", "joint", "speed"}, "see force_units", joints, speeds_, known, own);
+    for (std::size_t actor = 0; actor < kActorNames.size(); ++actor) {
+      const auto own_share = [&, actor](std::size_t k, std::size_t j, std::size_t place) {
+        return at(expected_.sample(k).evaluation.joints[j].shares[actor], place);
+      };
+      const auto known_share = [&, actor](std::size_t k, std::size_t j, std::size_t place) {
+        const auto count = static_cast<std::size_t>(model_.joints[j].type->n_u());
+        return place < count ? expected_.known_share(k, j, place, actor) : own_share(k, j, place);
+      };
+      add_known(fmt::format("{}_force", kActorNames[actor]), {"time", "joint", "speed"}, "see force_units", joints,
+                speeds_, known_share, own_share);
+    }
   }
 
   void add_forces() {
     if (!model_.couplings.empty()) {
       add_known(
-          "coupling_force", {"time", "coupling"}, "see driver_force_units", model_.couplings.size(), 1,
+          "coupling_force", {"time", "coupling"}, "see force_units", model_.couplings.size(), 1,
           [&](auto k, auto c, auto) { return expected_.known_coupling(k, c); },
           [&](auto k, auto c, auto) { return expected_.sample(k).evaluation.couplings[c]; });
     }

@@ -131,8 +131,11 @@ class Rank:
     def unique_total(self) -> np.ndarray:
         """(J, 2, 6) bool: components of the total wrenches."""
     @property
-    def unique_driver_force(self) -> np.ndarray:
+    def unique_coordinate_force(self) -> np.ndarray:
         """(J, 6) bool, by speed of the joint."""
+    @property
+    def unique_driver_force(self) -> np.ndarray:
+        """(J, 6) bool, by speed of the joint: of the driver's share alone."""
     @property
     def unique_coupling_force(self) -> np.ndarray:
         """(C,) bool, a copy; empty: all are unique."""
@@ -141,6 +144,8 @@ class Rank:
         """(J, 2, 6) bool: whether `unique` stays when the thresholds that decide it move by 1000."""
     @property
     def decided_total(self) -> np.ndarray: ...
+    @property
+    def decided_coordinate_force(self) -> np.ndarray: ...
     @property
     def decided_driver_force(self) -> np.ndarray: ...
     @property
@@ -171,8 +176,20 @@ class Evaluation:
     def total_global(self) -> np.ndarray:
         """(J, 2, 6): the same in global axes."""
     @property
+    def coordinate_force(self) -> list[np.ndarray]:
+        """J arrays [N m, N]: force of driver, motor, spring, damper and couplings on each speed of the joint."""
+    @property
     def driver_force(self) -> list[np.ndarray]:
-        """J arrays [N m, N]: force of driver, spring, actuator and couplings on each speed of the joint."""
+        """J arrays [N m, N]: what of it the driver exerts; zero where there is none."""
+    @property
+    def motor_force(self) -> list[np.ndarray]:
+        """The same of the motor."""
+    @property
+    def spring_force(self) -> list[np.ndarray]:
+        """The same of springs and stops, as they are at rest."""
+    @property
+    def damper_force(self) -> list[np.ndarray]:
+        """What the rate adds to that."""
     @property
     def element_wrench(self) -> np.ndarray:
         """(E, 2, 6): on each end, at its point, in its frame; zero on the parent that a load or a tire has not."""
@@ -181,7 +198,7 @@ class Evaluation:
         """(E, 2, 6): the same in global axes."""
     @property
     def coupling_force(self) -> np.ndarray:
-        """(C,): times a term's factor it is its part of the driver force there."""
+        """(C,): times a term's factor it is its part of the coordinate force there."""
     @property
     def rank(self) -> Optional[Rank]:
         """None unless evaluate() was asked for uniqueness."""
@@ -229,8 +246,18 @@ class Run:
     def joint_speeds(self) -> np.ndarray:
         """(T, J, most speeds)."""
     @property
+    def coordinate_force(self) -> np.ndarray:
+        """(T, J, most speeds); nan where it is not unique, unless the run is by Solver.run(). So are all that follow but
+        those of springs and dampers, which are laws."""
+    @property
     def driver_force(self) -> np.ndarray:
-        """(T, J, most speeds); nan where it is not unique, unless the run is by Solver.run(). So are the next five."""
+        """(T, J, most speeds): what of the coordinate force the driver exerts."""
+    @property
+    def motor_force(self) -> np.ndarray: ...
+    @property
+    def spring_force(self) -> np.ndarray: ...
+    @property
+    def damper_force(self) -> np.ndarray: ...
     @property
     def reaction(self) -> np.ndarray:
         """(T, J, 2, 6): as in Evaluation; so are the next three."""
@@ -244,8 +271,10 @@ class Run:
     def coupling_force(self) -> np.ndarray:
         """(T, C)."""
     @property
-    def any_driver_force(self) -> np.ndarray:
-        """The solver's own values, also where they are not unique and driver_force is nan; so are the next five."""
+    def any_coordinate_force(self) -> np.ndarray:
+        """The solver's own values, also where they are not unique and coordinate_force is nan; so are the next six."""
+    @property
+    def any_driver_force(self) -> np.ndarray: ...
     @property
     def any_reaction(self) -> np.ndarray: ...
     @property

@@ -190,8 +190,8 @@ TEST(Netcdf, HoldsNaNWhereANumberIsNotUniqueAndTheSolversOwnBeside) {
   EXPECT_THAT(open_places("total"), ElementsAre(24 + 18 + 3));
   EXPECT_THAT(open_places("total_global"), ElementsAre(24 + 18 + 3, 24 + 18 + 4, 24 + 18 + 5));
   // Joint B, second speed; its third is padding.
-  EXPECT_THAT(open_places("driver_force"), ElementsAre(4, 5, 10, 11, 16, 17));
-  EXPECT_THAT(open_places("any_driver_force"), ElementsAre(5, 11, 17));
+  EXPECT_THAT(open_places("coordinate_force"), ElementsAre(4, 5, 10, 11, 16, 17));
+  EXPECT_THAT(open_places("any_coordinate_force"), ElementsAre(5, 11, 17));
   const std::vector<double> known = file.numbers("reaction");
   const std::vector<double> own = file.numbers("any_reaction");
   for (std::size_t k = 0; k < own.size(); ++k) {
@@ -211,7 +211,7 @@ TEST(Netcdf, HasNoVariablesOfItsOwnWhereAllIsUnique) {
   write_netcdf(path, run.model, "relative", run.trajectory, &run.unique);
   const Reader file(path);
   for (const char* name :
-       {"any_reaction", "any_reaction_global", "any_total", "any_total_global", "any_driver_force"}) {
+       {"any_reaction", "any_reaction_global", "any_total", "any_total_global", "any_coordinate_force"}) {
     EXPECT_FALSE(file.has(name)) << name;
   }
 }
@@ -247,7 +247,7 @@ TEST(Netcdf, SaysUnitsAndSource) {
   EXPECT_THAT(file.texts("component_units"), ElementsAre("N", "N", "N", "N m", "N m", "N m"));
   EXPECT_THAT(file.texts("coordinate_units"), ElementsAre("1", "1", "1", "1", "m", "rad", "", ""));
   EXPECT_THAT(file.texts("speed_units"), ElementsAre("rad/s", "rad/s", "rad/s", "m/s", "rad/s", ""));
-  EXPECT_THAT(file.texts("driver_force_units"), ElementsAre("N m", "N m", "N m", "N", "N m", ""));
+  EXPECT_THAT(file.texts("force_units"), ElementsAre("N m", "N m", "N m", "N", "N m", ""));
   EXPECT_EQ(file.attribute(nullptr, "title"), "crank");
   EXPECT_THAT(file.attribute(nullptr, "source"), ::testing::EndsWith(", solver relative"));
 }
@@ -282,7 +282,7 @@ TEST(Netcdf, HoldsEveryNumberExactly) {
   }
   EXPECT_EQ(file.numbers("joint_coordinates")[4 * row + 1], sample.state.q[1](1));
   EXPECT_EQ(file.numbers("joint_speeds")[3 * row + 1], sample.state.u[1](1));
-  EXPECT_EQ(file.numbers("driver_force")[3 * row], wrenches.tau(0));
+  EXPECT_EQ(file.numbers("coordinate_force")[3 * row], wrenches.tau(0));
   EXPECT_EQ(file.numbers("modal_coordinates")[2 * 2 * 1 + 1], sample.state.bodies[1].a(1));
   EXPECT_EQ(file.numbers("modal_accelerations")[2 * 2 * 1 + 1], sample.evaluation.bodies[1].addot(1));
 }
@@ -296,7 +296,7 @@ TEST(Netcdf, PadsWithNaN) {
   EXPECT_TRUE(std::isnan(file.numbers("modal_coordinates")[2]));
   EXPECT_TRUE(std::isnan(file.numbers("joint_coordinates")[4 + 2]));
   EXPECT_FALSE(std::isnan(file.numbers("joint_coordinates")[4 + 1]));
-  EXPECT_TRUE(std::isnan(file.numbers("driver_force")[3 + 2]));
+  EXPECT_TRUE(std::isnan(file.numbers("coordinate_force")[3 + 2]));
 }
 
 TEST(Netcdf, LeavesOutWhatAModelHasNot) {
