@@ -3,7 +3,7 @@
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/quantities/align.h"
-#include "compare/report/info.h"
+#include "compare/report/peaks.h"
 
 namespace concord::compare::analyses {
 

@@ -16,6 +16,7 @@
 #include "compare/report/info.h"
 #include "compare/report/interrupt.h"
 #include "compare/report/junit.h"
+#include "compare/report/peaks.h"
 #include "compare/report/plots.h"
 #include "compare/report/report_json.h"
 #include "compare/report/result_document.h"
@@ -300,14 +301,13 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     }
     console.out << fmt::format("{}: {} by {}, {:g} s, {} samples, rtol {:g}, {} steps, {} evaluations\n\n", model.name,
                                solver.name(), run.integrator, run.until, trajectory.samples.size(), run.rtol,
-                               trajectory.statistics.steps, trajectory.statistics.evaluations)
-                << format_peaks(model, trajectory);
+                               trajectory.statistics.steps, trajectory.statistics.evaluations);
     std::vector<std::string> notes = machine.notes();
     if (!made_by.note.empty()) notes.push_back(made_by.note);
     tell(notes, console);
     const QuantityLayout layout(model);
     const RunCheck check = check_run(layout, solver, trajectory, run);
-    console.out << format_run_check(layout, solver.name(), check);
+    console.out << format_peaks(model, trajectory, &check.unique) << format_run_check(layout, solver.name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
     if (!check.holds()) return static_cast<int>(kCouldNotFinish);
     trajectory = machine.back(std::move(trajectory));

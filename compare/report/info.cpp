@@ -140,27 +140,4 @@ std::string format_info(const Model& model, const std::array<SolverView, 2>& sol
   return text;
 }
 
-std::string format_peaks(const Model& model, const Trajectory& trajectory) {
-  Lines lines{{"joint", "on", "peak F [N]", "at t [s]", "peak T [N m]", "at t [s]"}};
-  for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    for (const Side side : {Side::parent, Side::child}) {
-      std::array<double, 2> peaks{};
-      std::array<double, 2> times{};
-      for (const Sample& sample : trajectory.samples) {
-        const Wrench& wrench = sample.evaluation.joints.at(k).reaction_on(side).in_C;
-        const std::array norms{wrench.force.norm(), wrench.torque.norm()};
-        for (std::size_t part = 0; part < 2; ++part) {
-          if (norms[part] <= peaks[part]) continue;
-          peaks[part] = norms[part];
-          times[part] = sample.state.t;
-        }
-      }
-      lines.push_back({model.joints[k].name, model.bodies[model.joints[k].on(side).body].name,
-                       fmt::format("{:.6g}", peaks[0]), fmt::format("{:.6g}", times[0]),
-                       fmt::format("{:.6g}", peaks[1]), fmt::format("{:.6g}", times[1])});
-    }
-  }
-  return format_table(lines, {false, false, true, true, true, true});
-}
-
 }  // namespace concord::compare

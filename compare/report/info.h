@@ -19,7 +19,4 @@ struct SolverView {
 /// Bodies, joints, degrees of freedom, loops, cut joints, rank and uniqueness as text.
 std::string format_info(const Model& model, const std::array<SolverView, 2>& solvers);
 
-/// The largest reaction force and torque of each joint and side over a run, with their times.
-std::string format_peaks(const Model& model, const Trajectory& trajectory);
-
 }  // namespace concord::compare

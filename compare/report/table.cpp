@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "compare/audit/digits.h"
+#include "compare/report/peaks.h"
 #include "compare/report/table_parts.h"
 #include "compare/report/text_table.h"
 #include "compare/states/states.h"
@@ -148,6 +149,15 @@ std::string element_table(const Model& model, const Verdict& verdict, bool all_r
                [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
   if (rows.empty()) return "";
   return wrench_table("force element", model, verdict, rows, all_rows) + '\n';
+}
+
+/// Forces along coordinates in the run of the first solver that finished one.
+std::string drive_table(const Model& model, const Verdict& verdict) {
+  const auto run = std::find_if(verdict.trajectories.begin(), verdict.trajectories.end(),
+                                [](const std::optional<Trajectory>& one) { return one && !one->samples.empty(); });
+  if (run == verdict.trajectories.end()) return "";
+  const std::string text = format_drives(model, **run, verdict.unique ? &*verdict.unique : nullptr);
+  return text.empty() ? "" : text + '\n';
 }
 
 /// Worst digits of each kind of the other quantities.
@@ -337,6 +347,7 @@ bool agrees_with_reference(const Verdict& verdict) {
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
   std::string text = table_head(verdict) + '\n';
   text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
+  text += drive_table(model, verdict);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const Check check : kChecks) {
     const std::string others = also_compared(verdict, check);

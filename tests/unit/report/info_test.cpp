@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "compare/report/peaks.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {
@@ -39,7 +40,7 @@ TEST(InfoTest, CouplingsWhoseForceIsNotUniqueAreNamed) {
               HasSubstr("  reactions that are not unique, and not judged:\n    coupling right belt: force\n"));
 }
 
-TEST(InfoTest, PeaksNameTheirTimes) {
+TEST(PeaksTest, NameTheirTimes) {
   const Model model = pendulum_model();
   FakePendulum solver(model, "cartesian");
   Trajectory run = solver.integrate({0.2, 1e-11, 20, ""}, [](double) {});
