@@ -165,8 +165,8 @@ class TrajectoryWriter {
           "force on the joint speed, of driver, motor, spring, damper and couplings together", speed_, n_u_,
           [](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].tau; });
     for (const Actor actor : kActors) {
-      joint(fmt::format("{}_force", name_of(actor)).c_str(), "see force_units",
-            fmt::format("force of the {} on the joint speed", name_of(actor)).c_str(), speed_, n_u_,
+      joint(fmt::format("{}_force", compare::name_of(actor)).c_str(), "see force_units",
+            fmt::format("force of the {} on the joint speed", compare::name_of(actor)).c_str(), speed_, n_u_,
             [actor](const Sample& sample, std::size_t k) { return sample.evaluation.joints[k].share_of(actor); });
     }
   }
