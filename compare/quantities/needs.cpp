@@ -90,6 +90,12 @@ bool lowers(const NeedOverride& change, const Needs& standard) {
   });
 }
 
+/// What a spring or damper exerts where others act, too, follows from the state, whose errors its stiffness makes as
+/// large as it likes: runs are judged by the sum, which the motion answers.
+bool is_law_of_state(const Quantity& quantity) {
+  return quantity.kind == Kind::share && (quantity.actor == Actor::spring || quantity.actor == Actor::damper);
+}
+
 template <class Items>
 void check_name(const char* what, const std::string& name, const Items& items, const NeedOverride& change,
                 std::vector<Diagnostic>& complaints) {
@@ -121,7 +127,8 @@ Needs default_needs(const Model& model) {
 }
 
 Needs needs_of(const Model& model, const Quantity& quantity) {
-  const Needs standard = default_needs(model);
+  Needs standard = default_needs(model);
+  if (is_law_of_state(quantity)) standard.same_run = standard.refined = 0.0;
   Needs needs = standard;
   for (const NeedOverride& change : model.needs) {
     if (!applies(model, change, quantity)) continue;

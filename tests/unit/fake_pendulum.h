@@ -187,6 +187,8 @@ class FakePendulum : public Solver {
     wrenches.total = both_sides({force, torque}, A);
     wrenches.reaction = both_sides({force, torque - tau * axis}, A);
     wrenches.tau = VecX::Constant(1, tau);
+    wrenches.shares.fill(VecX::Zero(1));
+    wrenches.shares[index(Actor::spring)](0) = tau;
     evaluation.joints = {wrenches};
     return evaluation;
   }

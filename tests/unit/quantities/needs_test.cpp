@@ -26,6 +26,17 @@ std::string complaint(const Model& model) {
   return "";
 }
 
+TEST(NeedsTest, RunsAreNotJudgedByWhatSpringsAndDampersShareOfASum) {
+  const Model model = pendulum_model();
+  for (const Actor actor : kActors) {
+    const Needs needs = needs_of(model, {Kind::share, 0, Side::child, 0, actor});
+    const bool is_law_of_state = actor == Actor::spring || actor == Actor::damper;
+    EXPECT_EQ(needs.same_state, 12.0);
+    EXPECT_EQ(needs.same_run, is_law_of_state ? 0.0 : 7.0);
+    EXPECT_EQ(needs.refined, is_law_of_state ? 0.0 : 8.5);
+  }
+}
+
 TEST(NeedsTest, FlexibleMachinesNeedLessThanRigidOnes) {
   Model model = pendulum_model();
   EXPECT_EQ(default_needs(model).same_state, 12.0);

@@ -65,14 +65,19 @@ TEST(ObserveTest, MissingPartsAreNamed) {
     (void)QuantityLayout(model).observe(state, evaluation);
     FAIL();
   } catch (const IncompleteResult& error) {
-    EXPECT_STREQ(error.what(), "at t = 0 s: 0 driver forces, expected 1");
+    EXPECT_STREQ(error.what(), "at t = 0 s: 0 coordinate forces, expected 1");
   }
 }
 
 TEST(ObserveTest, NamesAndUnits) {
   Model model = pendulum_model();
   EXPECT_EQ(describe_owner(model, {Kind::reaction, 0, Side::child, 0}), "joint A on bob");
+  model.joints[0].drivers.push_back({});
   EXPECT_EQ(describe_owner(model, {Kind::tau, 0, Side::child, 0}), "driver of joint A");
+  model.joints[0].springs.resize(1);
+  model.joints[0].springs[0].law.stiffness = 2.0;
+  EXPECT_EQ(describe_owner(model, {Kind::tau, 0, Side::child, 0}), "coordinate force of joint A");
+  EXPECT_EQ(describe_owner(model, {Kind::share, 0, Side::child, 0, Actor::spring}), "spring of joint A");
   EXPECT_EQ(describe_component({Kind::acceleration, 1, Side::child, 7}), "addot_2");
   EXPECT_EQ(unit_of(model, {Kind::tau, 0, Side::child, 0}), "N m");
   EXPECT_EQ(unit_of(model, {Kind::total, 0, Side::child, 2}), "N");

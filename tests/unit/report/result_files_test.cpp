@@ -67,6 +67,7 @@ struct SampleRun {
         for (SideWrench& side : *sides) side = {{next(3), next(3)}, {next(3), next(3)}};
       }
       wrenches.tau = next(joint == 0 ? 3 : 2);
+      for (VecX& share : wrenches.shares) share = next(joint == 0 ? 3 : 2);
     }
     return sample;
   }
@@ -306,7 +307,10 @@ TEST(Netcdf, LeavesOutWhatAModelHasNot) {
   for (Sample& sample : run.trajectory.samples) {
     sample.state.bodies[1].a = sample.state.bodies[1].adot = sample.evaluation.bodies[1].addot = VecX(0);
     sample.state.q = sample.state.u = {VecX(0), VecX(0)};
-    for (JointWrenches& wrenches : sample.evaluation.joints) wrenches.tau = VecX(0);
+    for (JointWrenches& wrenches : sample.evaluation.joints) {
+      wrenches.tau = VecX(0);
+      wrenches.shares.fill(VecX(0));
+    }
   }
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "crank.nc";
@@ -418,18 +422,21 @@ TEST(Csv, OfReactionsHoldsNaNWhereANumberIsNotUniqueAndTheSolversOwnBehindAllOth
   const auto lines = lines_of(path);
   ASSERT_EQ(lines.size(), 7U);
   EXPECT_EQ(lines[0], "# not unique in 1 of 3 samples: A.parent.F_y");
-  EXPECT_EQ(lines[1], "# not unique in 3 of 3 samples: B.tau_2");
+  EXPECT_EQ(lines[1], "# not unique in 3 of 3 samples: B.tau_2, B.driver_2");
   EXPECT_EQ(lines[2], "# there nan stands, and in the column any_... the solver's own value, one of many");
-  EXPECT_THAT(lines[3], ::testing::EndsWith(",B.tau_2 [N m],any_A.parent.F_y [N],any_B.tau_2 [N m]"));
+  EXPECT_THAT(lines[3], ::testing::EndsWith(",B.tau_2 [N m],B.driver_2 [N m],any_A.parent.F_y [N],any_B.tau_2 [N m],"
+                                            "any_B.driver_2 [N m]"));
   for (int k = 0; k < 3; ++k) {
     const auto row = numbers_of(lines[static_cast<std::size_t>(4 + k)]);
     const auto& joints = run.trajectory.samples[static_cast<std::size_t>(k)].evaluation.joints;
-    ASSERT_EQ(row.size(), 1U + 15 + 14 + 2);
+    ASSERT_EQ(row.size(), 1U + 15 + 15 + 3);
     EXPECT_EQ(std::isnan(row[2]), k == 1);
-    EXPECT_EQ(row[30], joints[0].reaction[0].in_C.force.y());
+    EXPECT_EQ(row[31], joints[0].reaction[0].in_C.force.y());
     EXPECT_TRUE(std::isnan(row[29]));
-    EXPECT_EQ(row[31], joints[1].tau(1));
-    EXPECT_EQ(std::count_if(row.begin(), row.end(), [](double number) { return std::isnan(number); }), k == 1 ? 2 : 1);
+    EXPECT_TRUE(std::isnan(row[30]));
+    EXPECT_EQ(row[32], joints[1].tau(1));
+    EXPECT_EQ(row[33], joints[1].share_of(Actor::driver)(1));
+    EXPECT_EQ(std::count_if(row.begin(), row.end(), [](double number) { return std::isnan(number); }), k == 1 ? 3 : 2);
   }
 }
 

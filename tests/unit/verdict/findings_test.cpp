@@ -9,7 +9,8 @@ namespace concord::compare {
 namespace {
 
 TEST(FindingsTest, DescribesADifferenceInOneLine) {
-  const Model model = pendulum_model();
+  Model model = pendulum_model();
+  model.joints[0].drivers.push_back({});
   Measured measured;
   measured.t = 1.284;
   measured.values = {0.0127, -0.0127};

@@ -157,7 +157,7 @@ TEST_F(ReferenceTest, TakesEveryColumnOfOurOwnFiles) {
       ++tried;
     }
   }
-  EXPECT_EQ(tried, 20U + 13U + 30U + 66U);
+  EXPECT_EQ(tried, 20U + 15U + 30U + 66U);
 }
 
 TEST_F(ReferenceTest, ErrorsInPercentOfMotionsAreOfThePeakOfTheirVector) {
