@@ -95,7 +95,7 @@ std::string judge_coordinates(const Model& model, const State& start, const std:
   return lines.size() > 1 ? format_table(lines, {false, true, true, true, false, true}) : "";
 }
 
-constexpr const char* kNotUniqueMark = " *";
+constexpr const char* kNotUniqueMark = "*";
 
 std::vector<std::string> wrench_cells(const std::string& name, const std::string& body, const Wrench& wrench) {
   std::vector<std::string> line{name, body};
@@ -122,7 +122,7 @@ std::string wrench_text(const Model& model, const Evaluation& evaluation, const 
                                    evaluation.joints[k].reaction_on(side).in_C));
       for (int component = 0; component < 6; ++component) {
         if (!is_not_unique(verdict, static_cast<int>(k), side, component)) continue;
-        lines.back()[static_cast<std::size_t>(2 + component)] += kNotUniqueMark;
+        lines.back()[static_cast<std::size_t>(2 + component)] = kNotUniqueMark;
         has_marks = true;
       }
     }

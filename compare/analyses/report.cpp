@@ -93,21 +93,11 @@ std::string last_line(const AnalysisVerdict& result) {
   return text + '\n';
 }
 
-/// What each solver found of a quantity, a number for each time; null where one has found nothing.
-Json values_json(const Verdict& verdict, const std::array<std::optional<MatX>, 2>& found, int row) {
-  Json values = Json::object();
-  for (std::size_t who = 0; who < 2; ++who) {
-    Json& of_solver = values[verdict.solvers[who].name];
-    if (!found[who]) continue;
-    of_solver = Json::array();
-    for (const double value : found[who]->row(row)) of_solver.push_back(value);
-  }
-  return values;
-}
+/// By solver: all quantities (rows) at all times (columns), none where it has found nothing.
+using Observed = std::array<std::optional<MatX>, 2>;
 
-/// All quantities (rows) at all times (columns), as each solver found them.
-std::array<std::optional<MatX>, 2> observe_all(const QuantityLayout& layout, const Verdict& verdict) {
-  std::array<std::optional<MatX>, 2> found;
+Observed observe_all(const QuantityLayout& layout, const Verdict& verdict) {
+  Observed found;
   for (std::size_t who = 0; who < 2; ++who) {
     if (!verdict.trajectories[who]) continue;
     const std::vector<Sample>& samples = verdict.trajectories[who]->samples;
@@ -118,6 +108,18 @@ std::array<std::optional<MatX>, 2> observe_all(const QuantityLayout& layout, con
     found[who] = std::move(values);
   }
   return found;
+}
+
+/// What each solver found of a quantity, a number for each time; null where one has found nothing.
+Json values_json(const Verdict& verdict, const Observed& found, int row) {
+  Json values = Json::object();
+  for (std::size_t who = 0; who < 2; ++who) {
+    Json& of_solver = values[verdict.solvers[who].name];
+    if (!found[who]) continue;
+    of_solver = Json::array();
+    for (const double value : found[who]->row(row)) of_solver.push_back(value);
+  }
+  return values;
 }
 
 Json times_json(const Verdict& verdict) {
@@ -143,6 +145,66 @@ Json row_json(const Model& model, const QuantityRow& row) {
           {"own_digits", row.unique ? digits_json(row.same_run) : Json(nullptr)},
           {"need", {{"same_state", row.need.same_state}, {"own", row.need.same_run}}},
           {"verdict", row.judgement == Judgement::not_judged ? "not_judged" : to_string(row.judgement)}};
+}
+
+/// Forces of drivers, motors, springs, dampers and couplings, each once: not the sum where several share it.
+std::vector<const QuantityRow*> drive_rows(const Model& machine, const Verdict& verdict) {
+  std::vector<const QuantityRow*> chosen;
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      const Quantity& one = row.quantity;
+      const bool is_sum = one.kind == Kind::tau && is_shared(machine, one.owner, one.component);
+      if (is_scalar_force(one.kind) && !is_sum) chosen.push_back(&row);
+    }
+  }
+  return chosen;
+}
+
+/// "turn_z" of the joint's speed; of a coupling "-".
+std::string along(const Model& machine, const Quantity& drive) {
+  if (drive.kind == Kind::coupling) return "-";
+  const auto& type = *machine.joints[static_cast<std::size_t>(drive.owner)].type;
+  return speed_names(type).at(static_cast<std::size_t>(drive.component));
+}
+
+/// Those forces where there is one time only: of a pose.
+std::string drive_table(const Model& machine, const Verdict& verdict) {
+  const QuantityLayout layout(machine);
+  const Observed found = observe_all(layout, verdict);
+  std::vector<std::vector<std::string>> lines{{"force", "along", "cartesian", "relative", "unit", "digits"}};
+  for (const QuantityRow* row : drive_rows(machine, verdict)) {
+    lines.push_back({describe_owner(machine, row->quantity), along(machine, row->quantity)});
+    for (const std::optional<MatX>& of_solver : found) {
+      if (!of_solver || of_solver->cols() != 1) return "";
+      const double force = (*of_solver)(layout.row_of(row->quantity), 0);
+      lines.back().push_back(row->unique ? fmt::format("{:.10g}", force) : "not unique");
+    }
+    lines.back().push_back(unit_of(machine, row->quantity));
+    lines.back().push_back(digits_cell(*row, Check::same_run));
+  }
+  if (lines.size() == 1) return "";
+  return format_table(lines, {false, false, true, true, false, true}) +
+         "positive: it pushes the coordinate, or the sum of a coupling, to grow\n\n";
+}
+
+Json drives_json(const Model& machine, const Verdict& verdict) {
+  const QuantityLayout layout(machine);
+  const Observed found = observe_all(layout, verdict);
+  Json drives = Json::array();
+  for (const QuantityRow* row : drive_rows(machine, verdict)) {
+    const Quantity& one = row->quantity;
+    const bool is_coupling = one.kind == Kind::coupling;
+    drives.push_back({{"force", describe_owner(machine, one)},
+                      {is_coupling ? "coupling" : "joint",
+                       is_coupling ? machine.couplings[one.owner].name : machine.joints[one.owner].name},
+                      {"along", is_coupling ? Json(nullptr) : Json(along(machine, one))},
+                      {"unit", unit_of(machine, one)},
+                      {"unique", row->unique},
+                      {"same_state_digits", row->unique ? digits_json(row->same_state) : Json(nullptr)},
+                      {"own_digits", row->unique ? digits_json(row->same_run) : Json(nullptr)},
+                      {"values", row->unique ? values_json(verdict, found, layout.row_of(one)) : Json(nullptr)}});
+  }
+  return drives;
 }
 
 Json modes_json(const Linearization& found) {
@@ -192,7 +254,7 @@ std::string format_modes_csv(const Model& model, const Linearization& found) {
 std::string format_analysis(const Model& model, const AnalysisVerdict& result, bool all_rows) {
   const Verdict& verdict = result.wrenches;
   std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
-  text += row_table(model, result, all_rows);
+  text += drive_table(result.driven ? *result.driven : model, verdict) + row_table(model, result, all_rows);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
@@ -229,6 +291,7 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
       document["wrenches"].push_back(std::move(entry));
     }
   }
+  document["drives"] = drives_json(result.driven ? *result.driven : model, verdict);
   document["numbers"] = Json::array();
   for (const NumberRow& row : result.numbers) {
     document["numbers"].push_back({{"name", row.name},

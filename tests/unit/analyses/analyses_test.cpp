@@ -297,6 +297,15 @@ TEST_F(AnalysesTest, JsonAndCsvHoldWrenchesOfBothSolversAndModes) {
     EXPECT_EQ(wrench["values"]["relative"], (std::vector<double>{force.x()}));
     EXPECT_EQ(wrench["unit"], "N");
   }
+  ASSERT_EQ(document["drives"].size(), 2U) << "a spring and a damper, and not their sum";
+  const auto& spring = document["drives"][0];
+  EXPECT_EQ(spring["force"], "spring of joint A");
+  EXPECT_EQ(spring["along"], "turn_z");
+  EXPECT_EQ(spring["unit"], "N m");
+  const double tau = statics.wrenches.trajectories[0]->samples[0].evaluation.joints[0].tau(0);
+  EXPECT_NE(tau, 0.0);
+  EXPECT_EQ(spring["values"]["cartesian"], (std::vector<double>{tau})) << "all of it is the spring's at rest";
+  EXPECT_THAT(format_analysis(sprung, statics, false), HasSubstr("| spring of joint A | turn_z |"));
   const AnalysisVerdict modes = judge_linearization(model_, makers(), true);
   const std::string csv = format_modes_csv(model_, *modes.linearizations[0]);
   EXPECT_THAT(csv, HasSubstr("mode,eigenvalue.re [1/s],eigenvalue.im [1/s],frequency [Hz],damping_ratio,free,re "
