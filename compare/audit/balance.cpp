@@ -10,6 +10,7 @@
 #include "compare/audit/beam_statement.h"
 #include "compare/audit/free_body.h"
 #include "compare/audit/joint_motion.h"
+#include "compare/audit/joint_power.h"
 #include "compare/audit/places.h"
 #include "compare/audit/round_off.h"
 
@@ -21,10 +22,10 @@ constexpr std::array kComponentNames{"F_x", "F_y", "F_z", "T_x", "T_y", "T_z"};
 constexpr std::array kOnSide{" on parent", " on child"};
 
 /// Number of rows of all rules of a joint: workless (components, directions), two frames (reaction, total), both sides
-/// (same), drivers (tau, coordinate wrench), force law.
+/// (same), drivers (tau, coordinate wrench), force law (shares by laws, their sum).
 int joint_rows(const joints::JointType& type) {
   const auto free = static_cast<int>(turning_free_speeds(type).size());
-  return 12 + free + 2 * 12 + 2 * 6 + free + 6 + type.n_u();
+  return 12 + free + 2 * 12 + 2 * 6 + free + 6 + static_cast<int>(kActors.size()) * type.n_u();
 }
 
 /// Reaction components, parent's and child's, that the joint cannot carry; zero in place of the others.
@@ -60,78 +61,6 @@ VecX side_residuals(const std::array<PlacedFrame, 2>& frames, const std::array<S
   residuals << on_parent.force + on_child.force, on_parent.torque + on_child.torque + gap.cross(on_child.force);
   return residuals;
 }
-
-/// What passes through a joint, as the permitted directions see it.
-class JointPower {
- public:
-  /// `coupled`: tau of the couplings on the joint.
-  JointPower(const Joint& joint, const std::vector<LawOfForce>& springs, const std::array<PlacedFrame, 2>& frames,
-             const JointWrenches& wrenches, const VecX& coupled, const VecX& hint, double t)
-      : relative_(relative_motion(frames[index(Side::parent)], frames[index(Side::child)])),
-        motion_(read_motion(*joint.type, relative_, hint)),
-        total_(in_parent_frame(frames, wrenches.total_on(Side::child).in_global)),
-        reaction_(in_parent_frame(frames, wrenches.reaction_on(Side::child).in_global)),
-        tau_(wrenches.tau),
-        coupled_(coupled),
-        tau_by_laws_(tau_by_laws(joint, springs, motion_, t) + coupled),
-        directions_(coordinate_wrench_directions(*joint.type, relative_, motion_.S)) {}
-
-  /// S^T [F; T] of the reaction, along the speeds that are possible.
-  [[nodiscard]] VecX of_reaction() const { return motion_.free.transpose() * (motion_.S.transpose() * reaction_); }
-
-  /// S^T [F; T] - tau, with the total wrench, along the speeds that are possible.
-  [[nodiscard]] VecX beyond_tau() const { return motion_.free.transpose() * (motion_.S.transpose() * total_ - tau_); }
-
-  /// What of total minus reaction is no coordinate wrench; lengths in units of `length`.
-  [[nodiscard]] Vec6 outside_coordinates(double length) const {
-    Vec6 rest = total_ - reaction_;
-    if (directions_.cols() == 0) return rest;
-    const Vec6 weights = (Vec6() << Vec3::Constant(length), Vec3::Ones()).finished();
-    const Mat6X weighted = weights.asDiagonal() * directions_;
-    rest -= directions_ * least_squares(weighted, weights.asDiagonal() * rest);
-    return rest;
-  }
-
-  /// tau minus what springs and actuators exert by their laws and couplings by their forces; zero where a driver acts.
-  [[nodiscard]] VecX beyond_law() const {
-    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), tau_ - tau_by_laws_);
-  }
-
-  /// Sizes of what springs and actuators, couplings and all of them exert on each speed, though they may cancel.
-  [[nodiscard]] VecX sizes_of_laws(const Joint& joint, const std::vector<LawOfForce>& springs, double t) const {
-    return coupled_.cwiseAbs().cwiseMax(sizes_of_springs(joint, springs, motion_, t)).cwiseMax(tau_.cwiseAbs());
-  }
-
-  /// How far the laws exert other forces here than there.
-  [[nodiscard]] VecX change_of_laws(const JointPower& there) const { return change_of_laws(there.tau_by_laws_); }
-
-  /// How far the laws exert other forces where the last digits of the coordinates, coarse after many turns, are others.
-  [[nodiscard]] VecX change_with_last_digits(const Joint& joint, const std::vector<LawOfForce>& springs,
-                                             double t) const {
-    JointMotion moved = motion_;
-    moved.q *= 1.0 + 4.0 * std::numeric_limits<double>::epsilon();
-    return change_of_laws(tau_by_laws(joint, springs, moved, t) + coupled_);
-  }
-
- private:
-  [[nodiscard]] VecX change_of_laws(const VecX& there) const {
-    return tau_by_laws_.array().isNaN().select(VecX::Zero(tau_.size()), (tau_by_laws_ - there).cwiseAbs());
-  }
-
-  static Vec6 in_parent_frame(const std::array<PlacedFrame, 2>& frames, const Wrench& wrench) {
-    const Mat3 to_parent = frames[index(Side::parent)].A_joint.transpose();
-    return Wrench{to_parent * wrench.force, to_parent * wrench.torque}.vector();
-  }
-
-  RelativeMotion relative_;
-  JointMotion motion_;
-  Vec6 total_;
-  Vec6 reaction_;
-  const VecX& tau_;
-  const VecX& coupled_;
-  VecX tau_by_laws_;
-  Mat6X directions_;
-};
 
 /// Whether springs or actuators act in joints, or force elements.
 bool has_laws(const Model& model) {
@@ -222,7 +151,9 @@ void Auditor::lay_out_joint(int k) {
   for (const char* wrench : {" of reaction", " of total"}) add_components(AuditRule::both_sides, wrench, entity);
   add_speeds(AuditRule::drivers, "tau", turning_free_speeds(*joint.type), entity);
   add_components(AuditRule::drivers, " of total minus reaction on child", entity);
-  add_speeds(AuditRule::force_law, "tau", turning_speeds(*joint.type), entity);
+  for (const char* share : {"motor", "spring", "damper", "tau"}) {
+    add_speeds(AuditRule::force_law, share, turning_speeds(*joint.type), entity);
+  }
   joint_springs_.push_back(laws_of_springs(joint));
   carried_.push_back(carried_components(*joint.type));
 }
@@ -283,7 +214,7 @@ void Auditor::add_joint(std::size_t index_of_joint, const State& state, const Ev
     return JointPower(joint, springs, placed, wrenches, coupled, hint, state.t);
   };
   const JointPower power = power_in(frames);
-  VecX roundoff = VecX::Zero(joint.type->n_u());
+  VecX roundoff = VecX::Zero(static_cast<Eigen::Index>(kActors.size()) * joint.type->n_u());
   if (!joint.springs.empty()) {
     roundoff = power.change_with_last_digits(joint, springs, state.t);
     for (const State& moved : *moved_) roundoff = roundoff.cwiseMax(power.change_of_laws(power_in(frames_in(moved))));

@@ -127,7 +127,7 @@ MatX nearest_speeds(const joints::JointType& type, const Mat6X& S, const Mat6X& 
   return units.asDiagonal() * least_squares(by_unit, wanted);
 }
 
-/// Calls `use` with the speed, the actuator's force and the resistance of each spring.
+/// Calls `use` with the speed, the actuator's force, and the resistance of each spring at rest and at its rate.
 template <class Use>
 void for_each_spring(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t,
                      const Use& use) {
@@ -135,7 +135,8 @@ void for_each_spring(const Joint& joint, const std::vector<LawOfForce>& springs,
     const JointSpring& spring = joint.springs[k];
     const int q = first_q(*joint.type, spring.word) + spring.component;
     const int u = first_u(*joint.type, spring.word) + spring.component;
-    use(u, springs[k].actuator(t), springs[k].resistance(motion.q(q), motion.u(u)));
+    use(u, springs[k].actuator(t), springs[k].resistance(motion.q(q), 0.0),
+        springs[k].resistance(motion.q(q), motion.u(u)));
   }
 }
 
@@ -182,10 +183,21 @@ std::vector<LawOfForce> laws_of_springs(const Joint& joint) {
   return laws;
 }
 
+std::array<VecX, kActors.size()> shares_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs,
+                                                const JointMotion& motion, double t) {
+  std::array<VecX, kActors.size()> shares;
+  shares.fill(VecX::Zero(joint.type->n_u()));
+  for_each_spring(joint, springs, motion, t, [&](int u, double actuator, double at_rest, double resistance) {
+    shares[index(Actor::motor)](u) += actuator;
+    shares[index(Actor::spring)](u) -= at_rest;
+    shares[index(Actor::damper)](u) -= resistance - at_rest;
+  });
+  return shares;
+}
+
 VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX tau = VecX::Zero(joint.type->n_u());
-  for_each_spring(joint, springs, motion, t,
-                  [&](int u, double actuator, double resistance) { tau(u) += actuator - resistance; });
+  for (const VecX& share : shares_by_laws(joint, springs, motion, t)) tau += share;
   for (const Driver& driver : joint.drivers) {
     tau(first_u(*joint.type, driver.word) + driver.component) = std::numeric_limits<double>::quiet_NaN();
   }
@@ -194,7 +206,7 @@ VecX tau_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs, con
 
 VecX sizes_of_springs(const Joint& joint, const std::vector<LawOfForce>& springs, const JointMotion& motion, double t) {
   VecX sizes = VecX::Zero(joint.type->n_u());
-  for_each_spring(joint, springs, motion, t, [&](int u, double actuator, double resistance) {
+  for_each_spring(joint, springs, motion, t, [&](int u, double actuator, double /*at_rest*/, double resistance) {
     sizes(u) += std::abs(actuator) + std::abs(resistance);
   });
   return sizes;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "common/model.h"
+#include "common/results.h"
 #include "compare/audit/law_of_force.h"
 #include "compare/audit/places.h"
 
@@ -41,6 +43,12 @@ Mat6X coordinate_wrench_directions(const joints::JointType& type, const Relative
 
 /// The laws of a joint's springs, in the order of Joint::springs, which must outlive them.
 std::vector<LawOfForce> laws_of_springs(const Joint& joint);
+
+/// What each actor exerts on the speeds of a joint by the laws of Joint::springs, zero where it does nothing [n_u
+/// numbers each; zero of drivers, whose force no law gives]. A spring exerts what its law says at rest in the same
+/// place, a damper the rest. `springs`: the laws of Joint::springs, in their order.
+std::array<VecX, kActors.size()> shares_by_laws(const Joint& joint, const std::vector<LawOfForce>& springs,
+                                                const JointMotion& motion, double t);
 
 /// tau that the springs, dampers and actuators of a joint exert by their laws, and zero where there are none; NaN
 /// where a driver acts, whose force no law gives [n_u numbers]. Couplings are left out. `springs`: the laws of

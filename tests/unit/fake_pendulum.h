@@ -187,8 +187,7 @@ class FakePendulum : public Solver {
     wrenches.total = both_sides({force, torque}, A);
     wrenches.reaction = both_sides({force, torque - tau * axis}, A);
     wrenches.tau = VecX::Constant(1, tau);
-    wrenches.shares.fill(VecX::Zero(1));
-    wrenches.shares[index(Actor::spring)](0) = tau;
+    wrenches.shares = spring_shares(state);
     evaluation.joints = {wrenches};
     return evaluation;
   }
@@ -226,12 +225,21 @@ class FakePendulum : public Solver {
     return sum;
   }
 
+  [[nodiscard]] std::array<VecX, kActors.size()> spring_shares(const State& state) const {
+    std::array<VecX, kActors.size()> shares;
+    shares.fill(VecX::Zero(1));
+    for (const JointSpring& spring : model_.joints[0].springs) {
+      const double at_rest = evaluate_resistance(spring.law, state.q[0](0), 0.0).force;
+      shares[index(Actor::motor)](0) += evaluate_actuator(spring.law, state.t);
+      shares[index(Actor::spring)](0) -= at_rest;
+      shares[index(Actor::damper)](0) += at_rest - evaluate_resistance(spring.law, state.q[0](0), state.u[0](0)).force;
+    }
+    return shares;
+  }
+
   [[nodiscard]] double spring_torque(const State& state) const {
     double tau = 0.0;
-    for (const JointSpring& spring : model_.joints[0].springs) {
-      tau += evaluate_actuator(spring.law, state.t);
-      tau -= evaluate_resistance(spring.law, state.q[0](0), state.u[0](0)).force;
-    }
+    for (const VecX& share : spring_shares(state)) tau += share(0);
     return tau;
   }
 

@@ -68,7 +68,7 @@ TEST(AuditLedger, EveryRuleHasRowsForAllThatItShouldSee) {
   EXPECT_EQ(count_of(report, AuditRule::both_sides), 2 * 6 + 2 * 6);
   EXPECT_EQ(count_of(report, AuditRule::two_frames), 4 * 6 + 3 * 12);
   EXPECT_EQ(count_of(report, AuditRule::drivers), 1 + 6);
-  EXPECT_EQ(count_of(report, AuditRule::force_law), 1 + 3 * 12);
+  EXPECT_EQ(count_of(report, AuditRule::force_law), 4 + 3 * 12);
   EXPECT_EQ(count_of(report, AuditRule::kinematics), 18);
   EXPECT_EQ(count_of(report, AuditRule::driver_law), 0);
   EXPECT_EQ(count_of(report, AuditRule::derivatives), 0);
@@ -192,6 +192,7 @@ TEST(AuditLedger, WhatCarriesNothingIsHeldAgainstTheWeight) {
   bench.evaluation.bodies[1].omegadot.setZero();
   JointWrenches& wrenches = bench.evaluation.joints[0];
   wrenches.tau = VecX::Zero(1);
+  wrenches.shares.fill(wrenches.tau);
   for (auto* sides : {&wrenches.reaction, &wrenches.total}) {
     for (SideWrench& side : *sides) side = {};
   }

@@ -177,6 +177,8 @@ struct Bench {
     const Vec3 z = frame(model.joints[1].on(Side::parent)).A_joint.col(2);
     set_wrenches(1, {30.0 * z.cross(number.vector()), 9.0 * z.cross(number.vector())}, {4.0 * z, Vec3::Zero()});
     evaluation.joints[1].tau = Vec3(4.0, 0.0, 0.0).head<2>();
+    for (JointWrenches& wrenches : evaluation.joints) wrenches.shares.fill(VecX::Zero(2));
+    evaluation.joints[1].shares[index(Actor::driver)] = evaluation.joints[1].tau;
   }
 
   /// Fills both sides and frames from the reaction and the driver's wrench on the child at P_i, global axes.
@@ -391,6 +393,7 @@ TEST(Balance, AJointIsAsGoodAsTheBodiesThatItJoins) {
   EXPECT_LE(report.joints[1].digits, report.bodies[2].digits);
   bench.model.joints[0].type = bench.model.joints[1].type = joints::find("free");
   bench.evaluation.joints[0].tau = bench.evaluation.joints[1].tau = VecX::Zero(6);
+  for (JointWrenches& wrenches : bench.evaluation.joints) wrenches.shares.fill(VecX::Zero(6));
   bench.model.joints[1].drivers.clear();
   for (JointWrenches& wrenches : bench.evaluation.joints) wrenches.reaction = wrenches.total = {};
   const AuditReport free = bench.audit();
@@ -400,9 +403,20 @@ TEST(Balance, AJointIsAsGoodAsTheBodiesThatItJoins) {
 
 TEST(Balance, FindingsSayWhereAndWhen) {
   Bench bench;
-  bench.evaluation.joints[1].tau(0) = -4.0;
+  bench.evaluation.joints[1].tau(0) = bench.evaluation.joints[1].shares[index(Actor::driver)](0) = -4.0;
   EXPECT_THAT(bench.audit().worst.text(),
               ::testing::StartsWith("drivers: B, tau, t = 0.7 s: residual 8.00e+00, scale"));
+}
+
+TEST(Balance, AShareThatALawDoesNotGiveIsFound) {
+  for (const auto& [actor, name] : {std::pair{Actor::driver, "tau"}, std::pair{Actor::motor, "motor"},
+                                    std::pair{Actor::spring, "spring"}, std::pair{Actor::damper, "damper"}}) {
+    Bench bench;
+    bench.evaluation.joints[1].shares[index(actor)](0) += 0.5;
+    if (actor != Actor::driver) bench.evaluation.joints[1].shares[index(Actor::driver)](0) -= 0.5;
+    EXPECT_THAT(bench.audit().worst.text(),
+                ::testing::StartsWith(std::string("force law: B, ") + name + ", t = 0.7 s: residual 5.00e-01"));
+  }
 }
 
 TEST(Balance, ScalesArePeaksOverAllStates) {
@@ -465,6 +479,7 @@ struct FreeTop {
                                    VecX(0)};
     sample.evaluation.joints.resize(1);
     sample.evaluation.joints[0].tau = VecX::Zero(6);
+    sample.evaluation.joints[0].shares.fill(VecX::Zero(6));
     return sample;
   }
 
