@@ -3,7 +3,7 @@
 #include "compare/analyses/judge_steps.h"
 #include "compare/analyses/kinematics.h"
 #include "compare/quantities/align.h"
-#include "compare/report/peaks.h"
+#include "compare/report/force_table.h"
 
 namespace concord::compare::analyses {
 

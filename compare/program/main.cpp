@@ -65,7 +65,7 @@ void add_compare(compare::CommandLine& line) {
   app.add_option("--seed", command.options.seed,
                  "Seed of the random states that both solvers are asked about; default: 19971025")
       ->check(compare::why_no_whole_number);
-  app.add_flag("--all", command.all_rows, "Print every component, not only the worst of each joint and side");
+  app.add_flag("--all", command.all_rows, "Print every component, too, with the scale that judges it");
   app.add_flag("--orders", command.options.orders,
                "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
   app.add_option("--out", command.out, "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");

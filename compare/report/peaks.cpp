@@ -1,153 +1,168 @@
 #include "compare/report/peaks.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
-#include <vector>
+#include <functional>
 
-#include "compare/audit/joint_motion.h"
-#include "compare/quantities/observe.h"
-#include "compare/report/text_table.h"
+#include "compare/audit/carried_components.h"
 
 namespace concord::compare {
 
 namespace {
 
-using Lines = std::vector<std::vector<std::string>>;
+constexpr std::array kComponents{0, 1, 2, 3, 4, 5};  // of a wrench
 
-/// A number over the samples in which it is unique.
-class Course {
- public:
-  void add(double value, double t) {
-    values_.push_back(value);
-    times_.push_back(t);
+/// What of a run is looked at: its samples, and where quantities are unique.
+struct Looked {
+  const Trajectory& run;
+  const Mask* unique;
+
+  [[nodiscard]] bool is_open(int row, std::size_t sample) const {
+    return unique != nullptr && !(*unique)(row, static_cast<Eigen::Index>(sample));
   }
-  [[nodiscard]] bool empty() const { return values_.empty(); }
-  /// The first value whose size is within 1e-6 of the largest, and its time.
-  [[nodiscard]] std::pair<double, double> peak() const {
-    constexpr double kAsLarge = 1e-6;
-    double largest = 0.0;
-    for (const double value : values_) largest = std::max(largest, std::abs(value));
-    std::size_t k = 0;
-    while (!(std::abs(values_[k]) >= (1.0 - kAsLarge) * largest)) ++k;
-    return {values_[k], times_[k]};
+  [[nodiscard]] bool is_mostly_open(int row) const {
+    std::size_t open = 0;
+    for (std::size_t k = 0; k < run.samples.size(); ++k) open += is_open(row, k) ? 1 : 0;
+    return 2 * open > run.samples.size();
   }
-  [[nodiscard]] double root_mean_square() const {
+};
+
+/// The peak of a number over the samples in which all of `rows` are unique; missing where there are none.
+std::optional<Peak> peak_of(const Looked& looked, const std::vector<int>& rows,
+                            const std::function<double(const Sample&)>& value) {
+  constexpr double kAsLarge = 1e-6;
+  std::vector<Peak> values;
+  double largest = 0.0;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < looked.run.samples.size(); ++k) {
+    if (std::any_of(rows.begin(), rows.end(), [&](int row) { return looked.is_open(row, k); })) continue;
+    const Sample& sample = looked.run.samples[k];
+    values.push_back({value(sample), sample.state.t, 0.0});
+    largest = std::max(largest, std::abs(values.back().value));
+    squares += values.back().value * values.back().value;
+  }
+  const auto first = std::find_if(values.begin(), values.end(),
+                                  [&](const Peak& one) { return std::abs(one.value) >= (1.0 - kAsLarge) * largest; });
+  if (first == values.end()) return {};
+  first->root_mean_square = std::sqrt(squares / static_cast<double>(values.size()));
+  return *first;
+}
+
+const Wrench& wrench_of(const Quantity& of, const Sample& sample) {
+  const auto owner = static_cast<std::size_t>(of.owner);
+  return of.kind == Kind::element ? sample.evaluation.elements.at(owner).on_side(of.side).in_C
+                                  : sample.evaluation.joints.at(owner).reaction_on(of.side).in_C;
+}
+
+/// |F| (part 0) or |T| (part 1) of the wrench whose first row is `first`.
+ForcePeak part_of(const Model& model, const Quantity& of, int first, int part, const Looked& looked) {
+  ForcePeak found;
+  std::vector<int> components;
+  bool is_whole = true;
+  for (int c = 3 * part; c < 3 * part + 3; ++c) {
+    const bool is_carried =
+        of.kind == Kind::element || carries(*model.joints[static_cast<std::size_t>(of.owner)].type, of.side, c);
+    if (!is_carried) continue;
+    found.exists = true;
+    if (looked.is_mostly_open(first + c)) {
+      is_whole = false;
+    } else {
+      components.push_back(c);
+    }
+  }
+  if (components.empty()) return found;
+  std::vector<int> rows;
+  for (const int c : components) {
+    rows.push_back(first + c);
+    if (!is_whole) found.axes += "xyz"[c % 3];
+  }
+  found.value = peak_of(looked, rows, [&](const Sample& sample) {
+    const Vec6 wrench = wrench_of(of, sample).vector();
     double squares = 0.0;
-    for (const double value : values_) squares += value * value;
-    return std::sqrt(squares / static_cast<double>(values_.size()));
-  }
-
- private:
-  std::vector<double> values_;
-  std::vector<double> times_;
-};
-
-std::string number(double value) { return fmt::format("{:.6g}", value); }
-
-void add_peak(const Course& course, std::vector<std::string>& line) {
-  if (course.empty()) {
-    line.insert(line.end(), {"not unique", "-"});
-    return;
-  }
-  const auto [value, t] = course.peak();
-  line.push_back(number(value));
-  line.push_back(number(t));
+    for (const int c : components) squares += wrench(c) * wrench(c);
+    return std::sqrt(squares);
+  });
+  return found;
 }
 
-bool is_open(const Mask* unique, int row, std::size_t sample) {
-  return unique != nullptr && !(*unique)(row, static_cast<Eigen::Index>(sample));
+double force_of(const Quantity& of, const Sample& sample) {
+  const auto owner = static_cast<std::size_t>(of.owner);
+  if (of.kind == Kind::coupling) return sample.evaluation.couplings.at(owner);
+  const JointWrenches& joint = sample.evaluation.joints.at(owner);
+  return (of.kind == Kind::tau ? joint.tau : joint.share_of(of.actor))(of.component);
 }
 
-/// |F| and |T| of a reaction.
-std::array<Course, 2> courses_of(const QuantityLayout& layout, int joint, Side side, const Trajectory& run,
-                                 const Mask* unique) {
-  const int first = layout.first_row(Kind::reaction, joint, side);
-  std::array<Course, 2> courses;
-  for (std::size_t k = 0; k < run.samples.size(); ++k) {
-    const Sample& sample = run.samples[k];
-    const Wrench& wrench = sample.evaluation.joints.at(static_cast<std::size_t>(joint)).reaction_on(side).in_C;
-    for (int part = 0; part < 2; ++part) {
-      const std::array rows{first + 3 * part, first + 3 * part + 1, first + 3 * part + 2};
-      if (std::any_of(rows.begin(), rows.end(), [&](int row) { return is_open(unique, row, k); })) continue;
-      courses[static_cast<std::size_t>(part)].add((part == 0 ? wrench.force : wrench.torque).norm(), sample.state.t);
+/// Force and power of an actor, or force of a coupling.
+std::array<ForcePeak, 2> parts_along(const Quantity& of, int row, const Looked& looked) {
+  std::array<ForcePeak, 2> parts;
+  parts[0] = {true, "", peak_of(looked, {row}, [&](const Sample& sample) { return force_of(of, sample); })};
+  if (of.kind == Kind::coupling) return parts;
+  const auto owner = static_cast<std::size_t>(of.owner);
+  parts[1] = {true, "", peak_of(looked, {row}, [&](const Sample& sample) {
+                return force_of(of, sample) * sample.state.u.at(owner)(of.component);
+              })};
+  return parts;
+}
+
+bool carries_any(const Model& model, const Quantity& of) {
+  if (of.kind == Kind::element) return true;
+  const joints::JointType& type = *model.joints[static_cast<std::size_t>(of.owner)].type;
+  return std::any_of(kComponents.begin(), kComponents.end(), [&](int c) { return carries(type, of.side, c); });
+}
+
+/// What a row of the layout is the first of: a wrench that is told, or a force along a coordinate.
+bool is_told(const Model& model, const Quantity& of) {
+  if (of.kind == Kind::reaction || of.kind == Kind::element) return of.component == 0 && carries_any(model, of);
+  return is_scalar_force(of.kind) && !(of.kind == Kind::tau && is_shared(model, of.owner, of.component));
+}
+
+/// Peaks below what the digits of the machine's largest force resolve are zero, from the first sample on.
+void drop_round_off(const Model& model, const Trajectory& run, std::vector<ForcePeaks>& all) {
+  constexpr double kRoundOff = 1e-14;
+  double force = 0.0;
+  double torque = 0.0;
+  for (const ForcePeaks& row : all) {
+    if (is_scalar_force(row.of.kind)) continue;
+    if (row.parts[0].value) force = std::max(force, row.parts[0].value->value);
+    if (row.parts[1].value) torque = std::max(torque, row.parts[1].value->value);
+  }
+  torque = std::max(torque, force * model.length_scale());
+  const auto drop = [&](ForcePeak& part, double largest) {
+    if (part.value && std::abs(part.value->value) <= kRoundOff * largest) {
+      part.value = Peak{0.0, run.samples.front().state.t, 0.0};
+    }
+  };
+  for (ForcePeaks& row : all) {
+    if (!is_scalar_force(row.of.kind)) {
+      drop(row.parts[0], force);
+      drop(row.parts[1], torque);
+    } else if (const std::string unit = unit_of(model, row.of); unit == "N" || unit == "N m") {
+      drop(row.parts[0], unit == "N" ? force : torque);
     }
   }
-  return courses;
-}
-
-/// Of a force along a coordinate, or of a coupling, and the power that it delivers.
-struct DriveCourses {
-  Course force;
-  Course power;
-};
-
-DriveCourses courses_of(const Quantity& drive, int row, const Trajectory& run, const Mask* unique) {
-  const auto owner = static_cast<std::size_t>(drive.owner);
-  DriveCourses courses;
-  for (std::size_t k = 0; k < run.samples.size(); ++k) {
-    if (is_open(unique, row, k)) continue;
-    const auto& [state, evaluation, work] = run.samples[k];
-    if (drive.kind == Kind::coupling) {
-      courses.force.add(evaluation.couplings.at(owner), state.t);
-      continue;
-    }
-    const JointWrenches& joint = evaluation.joints.at(owner);
-    const double force = (drive.kind == Kind::tau ? joint.tau : joint.share_of(drive.actor))(drive.component);
-    courses.force.add(force, state.t);
-    courses.power.add(force * state.u.at(owner)(drive.component), state.t);
-  }
-  return courses;
-}
-
-/// "turn_z" of the joint's speed.
-std::string coordinate_of(const Model& model, const Quantity& drive) {
-  const joints::JointType& type = *model.joints[static_cast<std::size_t>(drive.owner)].type;
-  return speed_names(type).at(static_cast<std::size_t>(drive.component));
 }
 
 }  // namespace
 
-std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique) {
-  const QuantityLayout layout(model);
-  Lines lines{{"joint", "on", "peak F [N]", "at t [s]", "peak T [N m]", "at t [s]"}};
-  for (int k = 0; k < static_cast<int>(model.joints.size()); ++k) {
-    const Joint& joint = model.joints[static_cast<std::size_t>(k)];
-    for (const Side side : kSides) {
-      std::vector<std::string> line{joint.name, model.bodies[static_cast<std::size_t>(joint.on(side).body)].name};
-      for (const Course& course : courses_of(layout, k, side, run, unique)) add_peak(course, line);
-      lines.push_back(std::move(line));
-    }
-  }
-  const std::string drives = format_drives(model, run, unique);
-  return format_table(lines, {false, false, true, true, true, true}) + (drives.empty() ? "" : '\n' + drives);
-}
-
-std::string format_drives(const Model& model, const Trajectory& run, const Mask* unique) {
-  const QuantityLayout layout(model);
-  Lines lines{{"force", "along", "largest", "at t [s]", "RMS", "power [W]", "at t [s]"}};
+std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique) {
+  const Model& model = layout.model();
+  std::vector<ForcePeaks> all;
   for (int row = 0; row < static_cast<int>(layout.quantities().size()); ++row) {
-    const Quantity& drive = layout.quantities()[static_cast<std::size_t>(row)];
-    const bool is_sum = drive.kind == Kind::tau && is_shared(model, drive.owner, drive.component);
-    if (!is_scalar_force(drive.kind) || is_sum) continue;
-    const DriveCourses courses = courses_of(drive, row, run, unique);
-    const bool is_coupling = drive.kind == Kind::coupling;
-    std::vector<std::string> line{describe_owner(model, drive), is_coupling ? "-" : coordinate_of(model, drive)};
-    add_peak(courses.force, line);
-    line.push_back(courses.force.empty() ? "-" : number(courses.force.root_mean_square()));
-    if (!courses.force.empty()) line[2] += ' ' + unit_of(model, drive);
-    if (is_coupling || courses.power.empty()) {
-      line.insert(line.end(), {"-", "-"});
+    const Quantity& of = layout.quantities()[static_cast<std::size_t>(row)];
+    if (!is_told(model, of)) continue;
+    ForcePeaks& peaks = all.emplace_back(ForcePeaks{of, {}});
+    if (run == nullptr) continue;
+    const Looked looked{*run, unique};
+    if (!is_scalar_force(of.kind)) {
+      for (int part = 0; part < 2; ++part) {
+        peaks.parts[static_cast<std::size_t>(part)] = part_of(model, of, row, part, looked);
+      }
     } else {
-      add_peak(courses.power, line);
+      peaks.parts = parts_along(of, row, looked);
     }
-    lines.push_back(std::move(line));
   }
-  if (lines.size() == 1) return "";
-  return format_table(lines, {false, false, true, true, true, true, true});
+  if (run != nullptr) drop_round_off(model, *run, all);
+  return all;
 }
 
 }  // namespace concord::compare

@@ -1,24 +1,45 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/model.h"
 #include "common/results.h"
 #include "compare/quantities/agreement.h"
+#include "compare/quantities/observe.h"
 
 /// The largest forces of a run, for its reader. Never judged.
 namespace concord::compare {
 
-/// A table of the reactions' largest |F| and |T| for each joint and side, and format_drives(). A peak stands at the
-/// first sample whose size is within 1e-6 of the largest. `unique`: the layout's quantities in the samples of the run;
-/// samples in which some component is open count for nothing, and "not unique" stands where none is left. nullptr: all
-/// count.
-std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique = nullptr);
+/// The first value over a run whose size is within 1e-6 of the largest, its time [s], and the root mean square over all
+/// samples.
+struct Peak {
+  double value = 0.0;
+  double t = 0.0;
+  double root_mean_square = 0.0;
+};
 
-/// A table of the forces along coordinates, a row for each driver, motor, spring, damper and coupling: the largest, its
-/// root mean square over the samples, and the largest power that it delivers to the motion (none of a coupling, whose
-/// power vanishes in all). Positive: it pushes the coordinate, or the sum of a coupling, to grow. Empty if there are
-/// none.
-std::string format_drives(const Model& model, const Trajectory& run, const Mask* unique = nullptr);
+/// The peak of |F| or |T| of a wrench [N, N m], or of a force along a coordinate and of the power that it delivers [W].
+struct ForcePeak {
+  bool exists = false;        // not where a joint carries no component of it, of a coupling's power, without a run
+  std::string axes;           // "xy": the components that it holds where others are not unique; empty: all
+  std::optional<Peak> value;  // missing where it is not unique
+};
+
+/// What a row of a table of forces tells: the peaks of |F| and |T| of a joint's reaction or a force element's wrench on
+/// a side, or the peaks of force and power of a driver, motor, spring, damper or coupling.
+struct ForcePeaks {
+  Quantity of;  // of a wrench its first component
+  std::array<ForcePeak, 2> parts;
+};
+
+/// Of all joints and sides, force elements and sides, and forces along coordinates, in the layout's order. A force
+/// along a coordinate that several exert stands by its shares only. `run`: nullptr where there is none. `unique`: the
+/// layout's quantities in the samples of the run, nullptr: all unique. A component that is open in most samples is left
+/// out of |F| or |T|; samples in which one of the others is open count for nothing. Joints that carry nothing have no
+/// row; what is 1e-14 of the machine's largest force (times its length), or less, is round-off and told as zero.
+std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique);
 
 }  // namespace concord::compare

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "compare/audit/digits.h"
-#include "compare/report/peaks.h"
+#include "compare/report/force_table.h"
 #include "compare/report/table_parts.h"
 #include "compare/report/text_table.h"
 #include "compare/states/states.h"
@@ -18,24 +18,6 @@
 namespace concord::compare {
 
 namespace {
-
-Check tightest_check(const QuantityRow& row) {
-  return *std::min_element(kChecks.begin(), kChecks.end(),
-                           [&](Check one, Check other) { return margin(row, one) < margin(row, other); });
-}
-
-/// How far a row stands above its needs; the least of all checks.
-double margin(const QuantityRow& row) { return margin(row, tightest_check(row)); }
-
-/// Name of the joint or force element of a wrench, and of the body on which it acts.
-std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
-  if (quantity.kind == Kind::element) {
-    const ForceElement& element = model.elements[quantity.owner];
-    return {element.name, model.bodies[end_of(element, quantity.side)->body].name};
-  }
-  const Joint& joint = model.joints[quantity.owner];
-  return {joint.name, model.bodies[joint.on(quantity.side).body].name};
-}
 
 /// When the check with the least margin differs most.
 std::string worst_time(const QuantityRow& row) {
@@ -94,70 +76,26 @@ std::vector<std::string> cells(const Model& model, const Verdict& verdict, const
           shown(row.same_run),
           shown(row.refined),
           fmt::format("{:g} / {:g} / {:g}", row.need.same_state, row.need.same_run, row.need.refined),
-          said};
+          said,
+          worst_time(row)};
 }
 
-/// Of each joint and side: the judged row with the least margin, and each row whose need the model lowered; if none is
-/// judged there, the first row.
-std::vector<const QuantityRow*> compact(const std::vector<QuantityRow>& rows) {
-  std::vector<const QuantityRow*> chosen;
-  for (std::size_t first = 0; first < rows.size();) {
-    std::size_t end = first;
-    const auto is_same_side = [&](const QuantityRow& row) {
-      return row.quantity.owner == rows[first].quantity.owner && row.quantity.side == rows[first].quantity.side;
-    };
-    while (end < rows.size() && is_same_side(rows[end])) ++end;
-    const QuantityRow* worst = &rows[first];
-    for (std::size_t k = first; k < end; ++k) {
-      const bool better_known = rows[k].unique && !worst->unique;
-      if (better_known || (rows[k].unique && margin(rows[k]) < margin(*worst))) worst = &rows[k];
-    }
-    for (std::size_t k = first; k < end; ++k) {
-      if (&rows[k] == worst || !rows[k].need.because.empty()) chosen.push_back(&rows[k]);
-    }
-    first = end;
-  }
-  return chosen;
-}
-
-std::string wrench_table(const char* owner, const Model& model, const Verdict& verdict,
-                         const std::vector<QuantityRow>& rows, bool all_rows) {
-  std::vector<std::vector<std::string>> lines{
-      {"case", owner, "on", "component", "scale", "from", "same state", "same run", "refined", "need", "verdict"}};
-  std::vector<bool> right{false, false, false, false, true, false, true, true, true, false, false};
-  if (!all_rows) {
-    for (const QuantityRow* row : compact(rows)) lines.push_back(cells(model, verdict, *row));
-    return format_table(lines, right);
-  }
-  lines.front().emplace_back("worst at");
-  right.push_back(false);
-  for (const QuantityRow& row : rows) {
-    lines.push_back(cells(model, verdict, row));
-    lines.back().push_back(worst_time(row));
-  }
-  return format_table(lines, right);
-}
-
-std::string reaction_table(const Model& model, const Verdict& verdict, bool all_rows) {
-  if (verdict.rows.empty()) return "";
-  return wrench_table("joint", model, verdict, verdict.rows, all_rows) + '\n';
-}
-
-std::string element_table(const Model& model, const Verdict& verdict, bool all_rows) {
-  std::vector<QuantityRow> rows;
-  std::copy_if(verdict.others.begin(), verdict.others.end(), std::back_inserter(rows),
-               [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
+std::string component_table(const char* owner, const Model& model, const Verdict& verdict,
+                            const std::vector<QuantityRow>& rows) {
   if (rows.empty()) return "";
-  return wrench_table("force element", model, verdict, rows, all_rows) + '\n';
+  std::vector<std::vector<std::string>> lines{{"case", owner, "on", "component", "scale", "from", "same state",
+                                               "same run", "refined", "need", "verdict", "worst at"}};
+  for (const QuantityRow& row : rows) lines.push_back(cells(model, verdict, row));
+  return format_table(lines, {false, false, false, false, true, false, true, true, true, false, false, false}) + '\n';
 }
 
-/// Forces along coordinates in the run of the first solver that finished one.
-std::string drive_table(const Model& model, const Verdict& verdict) {
-  const auto run = std::find_if(verdict.trajectories.begin(), verdict.trajectories.end(),
-                                [](const std::optional<Trajectory>& one) { return one && !one->samples.empty(); });
-  if (run == verdict.trajectories.end()) return "";
-  const std::string text = format_drives(model, **run, verdict.unique ? &*verdict.unique : nullptr);
-  return text.empty() ? "" : text + '\n';
+/// Every component of joints and of force elements, with the scale that its differences are divided by.
+std::string component_tables(const Model& model, const Verdict& verdict) {
+  std::vector<QuantityRow> elements;
+  std::copy_if(verdict.others.begin(), verdict.others.end(), std::back_inserter(elements),
+               [](const QuantityRow& row) { return row.quantity.kind == Kind::element; });
+  return component_table("joint", model, verdict, verdict.rows) +
+         component_table("force element", model, verdict, elements);
 }
 
 /// Worst digits of each kind of the other quantities.
@@ -346,8 +284,8 @@ bool agrees_with_reference(const Verdict& verdict) {
 
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows) {
   std::string text = table_head(verdict) + '\n';
-  text += reaction_table(model, verdict, all_rows) + element_table(model, verdict, all_rows);
-  text += drive_table(model, verdict);
+  text += format_forces(model, verdict);
+  if (all_rows) text += component_tables(model, verdict);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const Check check : kChecks) {
     const std::string others = also_compared(verdict, check);

@@ -7,10 +7,9 @@
 
 namespace concord::compare {
 
-/// The verdict on one model as text: head, tables of reactions and of force elements, what else was compared,
-/// differences and failures, and a last line with the checks that were passed and those that were not. Compact: of each
-/// joint or element and side the component that comes nearest to its need (or fails it most); `all_rows`: every
-/// component. Says nothing that changes from run to run.
+/// The verdict on one model as text: head, tables of forces, what else was compared, differences and failures, and a
+/// last line with the checks that were passed and those that were not. `all_rows`: every component of joints and force
+/// elements, too, with its scale. Says nothing that changes from run to run.
 std::string format_verdict(const Model& model, const Verdict& verdict, bool all_rows);
 
 /// What became of a row, in words: "agree", "agree, judged by resolution (same run)", "not unique, not judged", ...

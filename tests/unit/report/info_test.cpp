@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "compare/report/peaks.h"
+#include "compare/report/force_table.h"
 #include "tests/unit/fake_pendulum.h"
 
 namespace concord::compare {

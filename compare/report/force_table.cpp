@@ -1,0 +1,175 @@
+#include "compare/report/force_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
+#include "compare/report/table.h"
+#include "compare/report/text_table.h"
+#include "compare/verdict/refinement.h"
+
+namespace concord::compare {
+
+namespace {
+
+using Line = std::vector<std::string>;
+
+std::string number(double value) { return fmt::format("{:.6g}", value == 0.0 ? 0.0 : value); }  // no -0
+
+/// The peak and its time.
+Line peak_cells(const ForcePeak& peak, const std::string& unit = "") {
+  if (!peak.exists) return {"-", "-"};
+  if (!peak.value) return {"not unique", "-"};
+  std::string size = number(peak.value->value) + (unit.empty() ? "" : " " + unit);
+  if (!peak.axes.empty()) size += fmt::format(" ({})", peak.axes);
+  return {std::move(size), number(peak.value->t)};
+}
+
+/// "F_x 13.0 (7)": digits and need of the component that comes nearest to its need, where it does, and the verdict.
+Line judged_cells(const QuantityRow* row) {
+  if (row == nullptr) return {"-", "-"};
+  const Check check = tightest_check(*row);
+  const std::optional<double> digits = digits_of(*row, check);
+  if (!row->unique || !is_judged(*row) || !digits) return {"-", judgement_text(*row)};
+  const std::string component = is_scalar_force(row->quantity.kind) ? "" : describe_component(row->quantity) + " ";
+  return {fmt::format("{}{} ({:g})", component, format_digits(*digits), need_of(*row, check)), judgement_text(*row)};
+}
+
+Line wrench_line(const Model& model, const ForcePeaks& row) {
+  const auto [owner, body] = owner_names(model, row.of);
+  Line line{owner, body};
+  for (const ForcePeak& part : row.parts) {
+    const Line cells = peak_cells(part);
+    line.insert(line.end(), cells.begin(), cells.end());
+  }
+  return line;
+}
+
+Line line_along(const Model& model, const ForcePeaks& row) {
+  const auto& [force, power] = row.parts;
+  Line line{describe_owner(model, row.of), coordinate_of(model, row.of)};
+  const Line cells = peak_cells(force, unit_of(model, row.of));
+  line.insert(line.end(), cells.begin(), cells.end());
+  line.push_back(force.value ? number(force.value->root_mean_square) : "-");
+  line.push_back(power.value ? number(power.value->value) : "-");
+  return line;
+}
+
+/// `verdict`: nullptr where nothing is judged.
+std::string table_of(const Model& model, const std::vector<ForcePeaks>& rows, Line head, const Verdict* verdict) {
+  if (rows.empty()) return "";
+  std::vector<bool> right(head.size(), true);
+  right[0] = right[1] = false;
+  if (verdict != nullptr) {
+    head.insert(head.end(), {"digits (need)", "verdict"});
+    right.insert(right.end(), {true, false});
+  }
+  std::vector<Line> lines{std::move(head)};
+  for (const ForcePeaks& row : rows) {
+    Line& line = lines.emplace_back(is_scalar_force(row.of.kind) ? line_along(model, row) : wrench_line(model, row));
+    if (verdict == nullptr) continue;
+    const Line judged = judged_cells(worst_row(*verdict, row.of));
+    line.insert(line.end(), judged.begin(), judged.end());
+  }
+  return format_table(lines, right);
+}
+
+std::string tables_of(const Model& model, const std::vector<ForcePeaks>& all, const Verdict* verdict) {
+  const auto those = [&](const auto& are) {
+    std::vector<ForcePeaks> chosen;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(chosen), [&](const auto& row) { return are(row.of.kind); });
+    return chosen;
+  };
+  const auto wrench_head = [](const char* owner) {
+    return Line{owner, "on", "peak F [N]", "at t [s]", "peak T [N m]", "at t [s]"};
+  };
+  std::string text;
+  for (const std::string& table :
+       {table_of(model, those([](Kind kind) { return kind == Kind::reaction; }), wrench_head("joint"), verdict),
+        table_of(model, those([](Kind kind) { return kind == Kind::element; }), wrench_head("force element"), verdict),
+        table_of(model, those(is_scalar_force), {"force", "along", "peak", "at t [s]", "RMS", "peak power [W]"},
+                 verdict)}) {
+    if (!table.empty()) text += (text.empty() ? "" : "\n") + table;
+  }
+  return text;
+}
+
+/// Whether a row of forces stands for a component.
+bool holds(const Quantity& of, const Quantity& component) {
+  if (is_scalar_force(of.kind)) return of == component;
+  return of.kind == component.kind && of.owner == component.owner && of.side == component.side;
+}
+
+double least_margin(const QuantityRow& row) { return margin(row, tightest_check(row)); }
+
+std::string lowered_needs(const Model& model, const Verdict& verdict) {
+  std::string text;
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      const bool is_shown = rows == &verdict.rows || row.quantity.kind == Kind::element;
+      if (!is_shown || row.need.because.empty()) continue;
+      text += fmt::format("need lowered: {}, {}: {:g} / {:g} / {:g}: {}\n", describe_owner(model, row.quantity),
+                          describe_component(row.quantity), row.need.same_state, row.need.same_run, row.need.refined,
+                          row.need.because);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+Check tightest_check(const QuantityRow& row) {
+  return *std::min_element(kChecks.begin(), kChecks.end(),
+                           [&](Check one, Check other) { return margin(row, one) < margin(row, other); });
+}
+
+std::pair<std::string, std::string> owner_names(const Model& model, const Quantity& quantity) {
+  if (quantity.kind == Kind::element) {
+    const ForceElement& element = model.elements[quantity.owner];
+    return {element.name, model.bodies[end_of(element, quantity.side)->body].name};
+  }
+  const Joint& joint = model.joints[quantity.owner];
+  return {joint.name, model.bodies[joint.on(quantity.side).body].name};
+}
+
+std::string coordinate_of(const Model& model, const Quantity& of) {
+  if (of.kind == Kind::coupling) return "-";
+  const joints::JointType& type = *model.joints[static_cast<std::size_t>(of.owner)].type;
+  return speed_names(type).at(static_cast<std::size_t>(of.component));
+}
+
+const QuantityRow* worst_row(const Verdict& verdict, const Quantity& of) {
+  const QuantityRow* worst = nullptr;
+  for (const std::vector<QuantityRow>* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      if (!holds(of, row.quantity)) continue;
+      const bool better_known = worst != nullptr && row.unique && !worst->unique;
+      const bool nearer = worst != nullptr && row.unique && least_margin(row) < least_margin(*worst);
+      if (worst == nullptr || better_known || nearer) worst = &row;
+    }
+  }
+  return worst;
+}
+
+std::vector<ForcePeaks> peaks_of(const Model& model, const Verdict& verdict) {
+  if (verdict.rows.empty() && verdict.others.empty()) return {};
+  const auto run = std::find_if(verdict.trajectories.begin(), verdict.trajectories.end(),
+                                [](const std::optional<Trajectory>& one) { return one && !one->samples.empty(); });
+  const bool is_told = verdict.unique && run != verdict.trajectories.end();
+  return force_peaks(QuantityLayout(model), is_told ? &**run : nullptr, is_told ? &*verdict.unique : nullptr);
+}
+
+std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique) {
+  return tables_of(model, force_peaks(QuantityLayout(model), &run, unique), nullptr);
+}
+
+std::string format_forces(const Model& model, const Verdict& verdict) {
+  const std::string text = tables_of(model, peaks_of(model, verdict), &verdict);
+  const std::string lowered = lowered_needs(model, verdict);
+  return text + (text.empty() ? "" : "\n") + lowered + (lowered.empty() ? "" : "\n");
+}
+
+}  // namespace concord::compare
