@@ -1,5 +1,7 @@
 #include "compare/audit/energy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -84,7 +86,13 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
         until > 0.0 ? steps * (sample.state.t - trajectory.samples.front().state.t) / until : 0.0;
     const double round_off = kEnergyRoundOff * (now.terms + start.terms) +
                              kHalfAUnit * (std::sqrt(steps_so_far) * now.terms + steps_so_far * now.still);
-    double error = std::abs(gained - sample.work) - round_off;
+    const double drift = std::abs(gained - sample.work);
+    if (!std::isnan(report.drift) && !(drift <= report.drift)) {
+      report.drift = drift;
+      report.t_drift = sample.state.t;
+      report.round_off = round_off;
+    }
+    double error = drift - round_off;
     if (error < 0.0) error = 0.0;
     if (!std::isnan(report.error) && !(error <= report.error)) {
       report.error = error;
@@ -92,6 +100,11 @@ EnergyReport audit_energy(const Model& model, const Trajectory& trajectory) {
     }
   }
   return report;
+}
+
+std::string drift_text(const EnergyReport& report, double allowed) {
+  return fmt::format("{:.1e} J at t = {:.4g} s, allowed {:.1e} J", report.drift, report.t_drift,
+                     allowed * report.scale + report.round_off);
 }
 
 }  // namespace concord::compare

@@ -206,9 +206,10 @@ std::string audit_text(const Verdict& verdict) {
   }
   std::vector<std::string> errors;
   for (const SolverSummary& solver : verdict.solvers) {
-    if (solver.energy_error) errors.push_back(fmt::format("{} {:.1e}", solver.name, *solver.energy_error));
+    if (!solver.energy) continue;
+    errors.push_back(fmt::format("{} {}", solver.name, drift_text(*solver.energy, verdict.energy_allowed)));
   }
-  if (!errors.empty()) text += fmt::format("energy balance, relative error: {}\n", fmt::join(errors, ", "));
+  if (!errors.empty()) text += fmt::format("energy drift: {}\n", fmt::join(errors, "; "));
   return text;
 }
 

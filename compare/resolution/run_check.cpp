@@ -104,8 +104,8 @@ std::string format_run_check(const QuantityLayout& layout, std::string_view solv
     text +=
         fmt::format("not unique in {} of {} samples: {}:{}\n", where.second, check.unique.cols(), where.first, names);
   }
-  text += fmt::format("audit of {}: {}\nenergy balance, relative error: {:.1e}, allowed {:.1e}\n", solver,
-                      check.audit.worst.text(), check.energy.relative(), check.energy_allowed);
+  text += fmt::format("audit of {}: {}\nenergy drift: {}\n", solver, check.audit.worst.text(),
+                      drift_text(check.energy, check.energy_allowed));
   for (const std::string& failure : check.failures) text += fmt::format("STOP {}: {}\n", model.name, failure);
   return text;
 }

@@ -10,6 +10,7 @@
 #include "common/run_options.h"
 #include "compare/attribution/cause.h"
 #include "compare/audit/audit_ledger.h"
+#include "compare/audit/energy.h"
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/quantities/agreement.h"
 #include "compare/quantities/motions.h"
@@ -89,7 +90,8 @@ struct SolverSummary {
   /// The audit's finding that is farthest below its need, or nearest to it, and that need.
   std::string audit_worst;
   double audit_need = kAudit;
-  std::optional<double> energy_error;
+  std::optional<double> energy_error;  // relative, of what exceeds round-off
+  std::optional<EnergyReport> energy;  // with the drift itself; where there is an energy_error
 };
 
 /// One component against a reference from outside.

@@ -226,6 +226,7 @@ class Verification {
   void judge_energy(Who who, const EnergyReport& found, const RunPair& pair) {
     SolverSummary& summary = verdict_.solvers[index(who)];
     summary.energy_error = found.relative();
+    summary.energy = found;
     if (found.relative() <= verdict_.energy_allowed) return;
     std::string what = fmt::format("{} does not keep its energy: relative error {:.2e} at t = {:.4g} s, allowed {:.1e}",
                                    summary.name, found.relative(), found.t, verdict_.energy_allowed);

@@ -576,7 +576,13 @@ TEST(AuditEnergy, AStandingBodyMayLoseARoundingInEachStep) {
   }
   const double terms = 1.3 * 9.81 * 3.0;
   trajectory.samples.back().work = 400.0 * 1e-16 * terms;
-  EXPECT_EQ(audit_energy(model, trajectory).error, 0.0);
+  const EnergyReport standing = audit_energy(model, trajectory);
+  EXPECT_EQ(standing.error, 0.0);
+  EXPECT_DOUBLE_EQ(standing.drift, 400.0 * 1e-16 * terms) << "what is told is the drift itself";
+  EXPECT_EQ(standing.t_drift, 1.0);
+  EXPECT_GT(standing.round_off, standing.drift);
+  EXPECT_EQ(drift_text({.error = 0.0, .scale = 20.0, .drift = 1.5e-12, .t_drift = 0.25, .round_off = 3e-10}, 1e-11),
+            "1.5e-12 J at t = 0.25 s, allowed 5.0e-10 J");
   trajectory.samples.back().work = 400.0 * 4e-16 * terms;
   EXPECT_GT(audit_energy(model, trajectory).error, 0.0);
   trajectory.samples.back().work = 400.0 * 1e-16 * terms;

@@ -187,6 +187,17 @@ TEST_F(TableTest, TheReasonForALoweredNeedStandsBelowTheForces) {
   EXPECT_THAT(text(true), HasSubstr("(need lowered: tested elsewhere)"));
 }
 
+TEST_F(TableTest, EnergyShowsTheDriftItselfBesideWhatIsAllowed) {
+  Verdict verdict = verify(model_, cartesian_, relative_, {});
+  verdict.energy_allowed = 1e-8;
+  for (SolverSummary& solver : verdict.solvers) {
+    solver.energy_error = 0.0;  // all of it is round-off
+    solver.energy = {.scale = 2.0, .drift = 3e-15, .t_drift = 0.3, .round_off = 4e-15};
+  }
+  EXPECT_THAT(format_verdict(model_, verdict, false),
+              HasSubstr("\nenergy drift: cartesian 3.0e-15 J at t = 0.3 s, allowed 2.0e-08 J; relative 3.0e-15 J at "));
+}
+
 TEST_F(TableTest, FailuresStopTheVerdict) {
   relative_.cannot_integrate = true;
   EXPECT_THAT(text(false), HasSubstr("\nSTOP pendulum: same run: relative: step size too small at t = 0.1 s\n"));
