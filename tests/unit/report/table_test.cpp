@@ -130,7 +130,7 @@ TEST_F(TableTest, OfARowThatIsNotUniqueNoNumberIsShown) {
     sample.evaluation.joints[0].reaction[index(Side::child)].in_C.force = {30.0, -40.0, 1e6};
   }
   const std::string row = rows_of(format_verdict(model_, verdict, false), "A").at(1);
-  EXPECT_THAT(row, HasSubstr("| 50 (xy) |"));
+  EXPECT_THAT(row, HasSubstr("|    50 (xy) |"));
   EXPECT_THAT(row, HasSubstr("|   not unique |        - |"));
   verdict.unique.reset();
   EXPECT_THAT(rows_of(format_verdict(model_, verdict, false), "A").at(1),
