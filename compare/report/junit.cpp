@@ -8,6 +8,7 @@
 
 #include "compare/audit/digits.h"
 #include "compare/quantities/observe.h"
+#include "compare/report/force_table.h"
 #include "compare/resolution/orders.h"
 #include "compare/verdict/refinement.h"
 #include "compare/verdict/two_by_two.h"
@@ -166,6 +167,8 @@ std::string format_junit(const std::vector<ReportedCase>& cases) {
     text += fmt::format("  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n", escape_xml(one.name),
                         tests.size(), count(TestCase::Result::failed), count(TestCase::Result::error));
     for (const TestCase& test : tests) text += format_test(one.name, test);
+    const std::string forces = one.verdict != nullptr ? format_forces(*one.model, *one.verdict) : "";
+    if (!forces.empty()) text += fmt::format("    <system-out>{}</system-out>\n", escape_xml(forces));
     text += "  </testsuite>\n";
   }
   return text + "</testsuites>\n";

@@ -8,6 +8,7 @@
 #include "compare/audit/geometric_stiffness.h"
 #include "compare/quantities/align.h"
 #include "compare/report/explanations.h"
+#include "compare/report/force_json.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
 
@@ -61,7 +62,8 @@ Json solver(const SolverSummary& summary) {
           {"steps", summary.statistics.steps},
           {"evaluations", summary.statistics.evaluations},
           {"max_constraint", summary.statistics.max_constraint},
-          {"energy_error", summary.energy_error ? Json(*summary.energy_error) : Json(nullptr)}};
+          {"energy_error", summary.energy_error ? Json(*summary.energy_error) : Json(nullptr)},
+          {"energy_drift", summary.energy ? Json(summary.energy->drift) : Json(nullptr)}};
 }
 
 /// Null where it is not known.
@@ -120,7 +122,8 @@ Json document(const Model& model, const Verdict& verdict) {
             {"refined", check(verdict, Check::refined)},
             {"audit", check(verdict.audit)},
             {"joints", std::move(joints)},
-            {"solvers", std::move(solvers)}};
+            {"solvers", std::move(solvers)},
+            {"forces", forces_json(model, verdict)}};
   if (std::string instead = judged_instead(verdict); !instead.empty()) said["judged_instead"] = std::move(instead);
   for (const Finding& finding : verdict.findings) {
     said["findings"].push_back({{"what", finding.what}, {"looks_like", finding.symptom}});

@@ -37,6 +37,7 @@ TEST_F(JunitTest, EachJudgedRowIsATestCase) {
   EXPECT_THAT(
       xml, HasSubstr(fmt::format("<testsuite name=\"pendulum\" tests=\"{}\" failures=\"0\" errors=\"0\">", rows + 5)));
   EXPECT_THAT(xml, HasSubstr("<testcase classname=\"pendulum\" name=\"joint A on bob, T_x\"/>"));
+  EXPECT_THAT(xml, HasSubstr("    <system-out>| joint | on     | peak F [N] | at t [s] |"));
 }
 
 TEST_F(JunitTest, AFailedRowSaysItsDigits) {

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "compare/quantities/observe.h"
 #include "compare/verdict/verify.h"
 #include "tests/unit/fake_pendulum.h"
 
@@ -31,7 +33,7 @@ class ReportJsonTest : public ::testing::Test {
 TEST_F(ReportJsonTest, HasTheseKeys) {
   const Json json = document();
   EXPECT_THAT(keys(json), ElementsAre("format", "name", "verdict", "judged", "total", "same_state", "same_run",
-                                      "refined", "audit", "joints", "solvers"));
+                                      "refined", "audit", "joints", "solvers", "forces"));
   for (const char* check : {"same_state", "same_run", "refined", "audit"}) {
     EXPECT_THAT(keys(json[check]), ElementsAre("digits"));
   }
@@ -43,7 +45,35 @@ TEST_F(ReportJsonTest, HasTheseKeys) {
   EXPECT_THAT(keys(json["joints"][0]["need"]), ElementsAre("same_state", "same_run", "refined"));
   EXPECT_THAT(keys(json["solvers"]), ElementsAre("cartesian", "relative"));
   EXPECT_THAT(keys(json["solvers"]["relative"]),
-              ElementsAre("wall_s", "steps", "evaluations", "max_constraint", "energy_error"));
+              ElementsAre("wall_s", "steps", "evaluations", "max_constraint", "energy_error", "energy_drift"));
+  EXPECT_THAT(keys(json["forces"][0]),
+              ElementsAre("kind", "of", "on", "side", "F", "T", "component", "check", "digits", "need", "verdict"));
+  EXPECT_THAT(keys(json["forces"][0]["F"]), ElementsAre("peak", "t", "components"));
+}
+
+TEST_F(ReportJsonTest, TellsTheForcesOfTheTable) {
+  model_ = sprung_pendulum_model();
+  Verdict verdict = verify(model_, cartesian_, relative_, {});
+  verdict.unique.value().row(QuantityLayout(model_).first_row(Kind::reaction, 0, Side::child)).setConstant(false);
+  for (int c = 3; c < 6; ++c) {
+    verdict.unique.value().row(QuantityLayout(model_).first_row(Kind::reaction, 0, Side::child) + c).setConstant(false);
+  }
+  verdict.trajectories[0]->samples[9].evaluation.joints[0].reaction[1].in_C.force = {1e6, 3e4, -4e4};
+  const Json forces = Json::parse(format_json(model_, verdict))["forces"];
+  EXPECT_EQ(forces[1]["of"], "A");
+  EXPECT_EQ(forces[1]["on"], "bob");
+  EXPECT_EQ(forces[1]["F"]["components"], "yz");
+  EXPECT_DOUBLE_EQ(forces[1]["F"]["peak"].get<double>(), 5e4);
+  EXPECT_EQ(forces[1]["F"]["t"], verdict.trajectories[0]->samples[9].state.t);
+  EXPECT_EQ(forces[1]["T"], Json({{"not_unique", true}}));
+  EXPECT_EQ(forces[1]["verdict"], "agree");
+  const auto spring =
+      std::find_if(forces.begin(), forces.end(), [](const Json& row) { return row["kind"] == "actor"; });
+  ASSERT_NE(spring, forces.end());
+  EXPECT_EQ((*spring)["of"], "spring of joint A");
+  EXPECT_EQ((*spring)["along"], "turn_z");
+  EXPECT_EQ((*spring)["unit"], "N m");
+  EXPECT_THAT(keys((*spring)["force"]), ElementsAre("peak", "t", "rms"));
 }
 
 TEST_F(ReportJsonTest, SaysWhatWasFound) {
