@@ -162,7 +162,7 @@ TEST_CASE("Agreement is exit 0, with a table and a JSON document", "[program]") 
   const Told told = desk.run("compare pendulum.toml --json verdict.json");
   INFO(told.out << told.err);
   REQUIRE(told.code == 0);
-  CHECK(contains(told.out, "| case     | joint | on     | component |"));
+  CHECK(contains(told.out, "| joint | on     | peak F [N] | at t [s] |"));
   CHECK(contains(told.out, "\nagree pendulum: 10 of 10 components judged; passed: rank, same state"));
   const Json json = Json::parse(read(desk.work() / "verdict.json"));
   CHECK(keys(json) == std::vector<std::string>{"format", "name", "verdict", "judged", "total", "same_state", "same_run",
