@@ -6,6 +6,8 @@
 #include "compare/audit/digits.h"
 #include "compare/equilibrium/rests.h"
 #include "compare/quantities/motions.h"
+#include "compare/states/other_assemblies.h"
+#include "compare/states/states.h"
 
 namespace concord::compare {
 
@@ -44,6 +46,46 @@ StartedMachine::StartedMachine(const Model& given, const SolverMakers& makers) :
   for (const std::string& note : {near_.note(), start, branch}) {
     if (!note.empty()) notes_.push_back(note);
   }
+}
+
+namespace {
+
+/// The start of the first solver that has one.
+std::optional<State> first_start(const StartedMachine& machine) {
+  for (const Who who : kBothSolvers) {
+    try {
+      return machine.solver(who).assemble();
+    } catch (const InputError&) {  // the other one may have one
+    } catch (const SolverError&) {
+    }
+  }
+  return std::nullopt;
+}
+
+void seek_other_poses(const Model& given, const StartedMachine& machine, const SolverMakers& makers, const State& start,
+                      StartReport& report) {
+  Solver& accepter = machine.solver(Who::cartesian);
+  const OtherAssemblies found = find_other_assemblies(machine.model(), start, makers.relative,
+                                                      [&](const State& state) { return accepts(accepter, state); });
+  for (const State& state : found.states) add_other_pose(given, state, report);
+  report.others.guesses = found.guesses;
+  report.others.found_by = machine.solver(Who::relative).name();
+  report.others.accepted_by = accepter.name();
+}
+
+}  // namespace
+
+std::optional<StartReport> start_of(const Model& given, const StartedMachine& machine, const SolverMakers& makers,
+                                    SeekPoses seek) {
+  const std::optional<State> start = first_start(machine);
+  if (!start) return std::nullopt;
+  StartReport report = report_start(given, *start);
+  if (seek == SeekPoses::of_all || given.joints.size() <= kFewJoints) {
+    seek_other_poses(given, machine, makers, *start, report);
+  } else {
+    report.others.not_sought = !loops_of(given).empty();
+  }
+  return report;
 }
 
 }  // namespace concord::compare

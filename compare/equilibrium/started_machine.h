@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "compare/quantities/align.h"
 #include "compare/states/branch.h"
 #include "compare/states/near_frames.h"
+#include "compare/states/start_report.h"
 
 namespace concord::compare {
 
@@ -40,5 +42,17 @@ class StartedMachine {
   Solvers solvers_;
   std::vector<std::string> notes_;
 };
+
+/// Of which machines other poses are sought in which they could be assembled: of those of few joints, where it costs
+/// little beside a comparison, or of all.
+enum class SeekPoses { of_few_joints, of_all };
+
+/// Joints of the largest machine for which SeekPoses::of_few_joints seeks.
+inline constexpr std::size_t kFewJoints = 40;
+
+/// Where the machine starts, beside what the model as it was given says. Other poses are assembled by relative and
+/// count where the residuals of cartesian accept them. Nothing where no solver finds a start.
+std::optional<StartReport> start_of(const Model& given, const StartedMachine& machine, const SolverMakers& makers,
+                                    SeekPoses seek);
 
 }  // namespace concord::compare

@@ -21,6 +21,7 @@
 #include "compare/report/report_json.h"
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
+#include "compare/report/start_text.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/resolution/run_check.h"
@@ -135,6 +136,7 @@ void solve_both(const CompareCommand& command, const InputFiles& inputs, const S
     one.verdict = verify(machine.model(), cartesian, relative, options);
   }
   one.verdict.trajectories = machine.back(std::move(one.verdict.trajectories));
+  one.verdict.start = start_of(one.model, machine, makers, SeekPoses::of_few_joints);
   if (silent) one.verdict.third = silent;
   one.verdict.notes.insert(one.verdict.notes.end(), machine.notes().begin(), machine.notes().end());
   if (reference) judge_reference(one.model, *reference, one.verdict);
@@ -318,7 +320,8 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
 
 int show_info(const std::filesystem::path& file, const SolverMakers& makers, const Console& console) {
   return guarded(console, [&] {
-    const StartedMachine machine(read_model(file), makers);
+    const Model given = read_model(file);
+    const StartedMachine machine(given, makers);
     std::array<SolverView, 2> views;
     for (const Who who : kBothSolvers) {
       Solver& solver = machine.solver(who);
@@ -326,6 +329,9 @@ int show_info(const std::filesystem::path& file, const SolverMakers& makers, con
       views[index(who)] = {std::string(solver.name()), solver.cut_joints(), solver.integrators(), solver.rank(start)};
     }
     console.out << format_info(machine.model(), views);
+    if (const auto start = start_of(given, machine, makers, SeekPoses::of_all)) {
+      console.out << '\n' << format_start(given, *start, true);
+    }
     tell(machine.notes(), console);
   });
 }

@@ -58,6 +58,7 @@ Compared compare_model(const Model& model, const VerifyOptions& options, const s
   own.makers = &makers;
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), own);
   verdict.notes.insert(verdict.notes.end(), machine.notes().begin(), machine.notes().end());
+  verdict.start = start_of(model, machine, makers, SeekPoses::of_few_joints);
   verdict.trajectories = machine.back(std::move(verdict.trajectories));
   if (reference) judge_reference(model, *reference, verdict);
   Compared compared;

@@ -9,6 +9,7 @@
 #include "compare/quantities/align.h"
 #include "compare/report/explanations.h"
 #include "compare/report/force_json.h"
+#include "compare/report/start_text.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
 
@@ -131,6 +132,7 @@ Json document(const Model& model, const Verdict& verdict) {
   if (!verdict.failures.empty()) said["failures"] = verdict.failures;
   if (!verdict.notes.empty()) said["notes"] = verdict.notes;
   add_explanations(said, model, verdict);
+  if (verdict.start) said["start"] = start_json(model, *verdict.start);
   if (verdict.orders) said["orders"] = orders_of(*verdict.orders);
   if (!elements.empty()) said["elements"] = std::move(elements);
   if (model.is_flexible()) said["geometric_stiffness"] = geometric_stiffness_of(model, verdict);

@@ -9,6 +9,7 @@
 
 #include "compare/audit/digits.h"
 #include "compare/report/force_table.h"
+#include "compare/report/start_text.h"
 #include "compare/report/table_parts.h"
 #include "compare/report/text_table.h"
 #include "compare/states/states.h"
@@ -287,6 +288,7 @@ std::string format_verdict(const Model& model, const Verdict& verdict, bool all_
   std::string text = table_head(verdict) + '\n';
   text += format_forces(model, verdict);
   if (all_rows) text += component_tables(model, verdict);
+  if (verdict.start) text += format_start(model, *verdict.start, all_rows) + '\n';
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const Check check : kChecks) {
     const std::string others = also_compared(verdict, check);

@@ -20,6 +20,7 @@
 #include "compare/quantities/third_opinion.h"
 #include "compare/resolution/orders.h"
 #include "compare/states/draws.h"
+#include "compare/states/start_report.h"
 #include "compare/verdict/two_by_two.h"
 
 /// All that the comparator found about one model.
@@ -157,6 +158,8 @@ struct Verdict {
   std::optional<TwoByTwo> two_by_two;
   /// How each solver's runs converge; where runs differ, or if it was asked for. Explains, and is never judged.
   std::optional<Orders> orders;
+
+  std::optional<StartReport> start;  // missing where no solver finds one
 
   std::vector<Finding> findings;  // differences, worst of each joint first
   /// Of the first run that there is, over all its samples; nothing where there is none.

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "common/model.h"
+#include "compare/states/start_report.h"
+
+namespace concord::compare {
+
+/// A table of the joint coordinates at the start: what the model says of each, how far it moved from a guess where that
+/// is noticeable, and its value in up to three other poses that were found, where it is another; then the bodies that
+/// moved from theirs. Without `all_rows` the eight coordinates that moved or differ most, and a count of the rest.
+std::string format_start(const Model& model, const StartReport& start, bool all_rows);
+
+/// All of it: members `coordinates`, `bodies` and `other_poses`.
+nlohmann::ordered_json start_json(const Model& model, const StartReport& start);
+
+}  // namespace concord::compare
