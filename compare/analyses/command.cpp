@@ -66,7 +66,7 @@ void write_results(const std::filesystem::path& folder, const Model& model, cons
       write_file(folder / fmt::format("{}.{}.modes.csv", model.name, solver), format_modes_csv(model, *found));
     }
   }
-  if (!runs.empty()) write_runs(folder, result.driven ? *result.driven : model, runs);
+  if (!runs.empty()) write_runs(folder, result.machine ? *result.machine : model, runs);
 }
 
 }  // namespace

@@ -57,8 +57,9 @@ struct AnalysisVerdict {
   /// Wrenches, rank, audit, findings and failures; its check "same run" is what each solver found for itself, and there
   /// is no refined one.
   Verdict wrenches;
-  /// The machine whose wrenches these are, where it is not the one that was asked about: inverse dynamics drives it.
-  std::optional<Model> driven;
+  /// The machine whose wrenches these are, where it is not the one that was asked about: inverse dynamics drives it,
+  /// and an equilibrium holds the speeds that are kept.
+  std::optional<Model> machine;
   std::vector<NumberRow> numbers;
   /// Of inverse dynamics.
   std::vector<AppliedForceRow> forces;

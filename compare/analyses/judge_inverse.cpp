@@ -152,7 +152,7 @@ AnalysisVerdict judge_inverse(const Model& model, const SolverMakers& makers,
     }
   }
   conclude(result);
-  result.driven = std::move(driven);
+  result.machine = std::move(driven);
   return result;
 }
 

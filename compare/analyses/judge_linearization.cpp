@@ -366,6 +366,7 @@ AnalysisVerdict judge_linearization(const Model& model, const SolverMakers& make
   }
   require_unique(result);
   conclude(result);
+  result.machine = std::move(held);
   return result;
 }
 

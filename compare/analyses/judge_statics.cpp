@@ -169,6 +169,7 @@ AnalysisVerdict judge_statics(const Model& model, const SolverMakers& makers) {
   }
   require_unique(result);
   conclude(result);
+  result.machine = std::move(held);
   return result;
 }
 

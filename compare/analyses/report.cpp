@@ -207,6 +207,22 @@ Json drives_json(const Model& machine, const Verdict& verdict) {
   return drives;
 }
 
+Json wrenches_json(const Model& machine, const Verdict& verdict) {
+  const QuantityLayout layout(machine);
+  const Observed found = observe_all(layout, verdict);
+  Json wrenches = Json::array();
+  for (const auto* rows : {&verdict.rows, &verdict.others}) {
+    for (const QuantityRow& row : *rows) {
+      if (!is_wrench(row)) continue;
+      Json entry = row_json(machine, row);
+      entry["unit"] = unit_of(machine, row.quantity);
+      entry["values"] = values_json(verdict, found, layout.row_of(row.quantity));
+      wrenches.push_back(std::move(entry));
+    }
+  }
+  return wrenches;
+}
+
 Json modes_json(const Linearization& found) {
   Json modes = Json::array();
   for (const Mode& mode : found.modes) {
@@ -254,7 +270,7 @@ std::string format_modes_csv(const Model& model, const Linearization& found) {
 std::string format_analysis(const Model& model, const AnalysisVerdict& result, bool all_rows) {
   const Verdict& verdict = result.wrenches;
   std::string text = fmt::format("{}: {}\n{}\n", verdict.name, result.analysis, result.text);
-  text += drive_table(result.driven ? *result.driven : model, verdict) + row_table(model, result, all_rows);
+  text += drive_table(result.machine ? *result.machine : model, verdict) + row_table(model, result, all_rows);
   text += not_unique_text(model, verdict) + pair_sums_text(verdict);
   for (const SolverSummary& solver : verdict.solvers) {
     if (solver.audit_digits) text += fmt::format("audit of {}: {}\n", solver.name, solver.audit_worst);
@@ -278,20 +294,10 @@ std::string format_analysis_json(const Model& model, const AnalysisVerdict& resu
                 {"same_state", {{"digits", digits_json(verdict.same_state.digits)}}},
                 {"own", {{"digits", digits_json(verdict.same_run.digits)}}},
                 {"audit", {{"digits", digits_json(verdict.audit.digits)}}}};
+  const Model& machine = result.machine ? *result.machine : model;
   document["t"] = times_json(verdict);
-  document["wrenches"] = Json::array();
-  const QuantityLayout layout(model);
-  const auto found = observe_all(layout, verdict);
-  for (const auto* rows : {&verdict.rows, &verdict.others}) {
-    for (const QuantityRow& row : *rows) {
-      if (!is_wrench(row)) continue;
-      Json entry = row_json(model, row);
-      entry["unit"] = unit_of(model, row.quantity);
-      entry["values"] = values_json(verdict, found, layout.row_of(row.quantity));
-      document["wrenches"].push_back(std::move(entry));
-    }
-  }
-  document["drives"] = drives_json(result.driven ? *result.driven : model, verdict);
+  document["wrenches"] = wrenches_json(machine, verdict);
+  document["drives"] = drives_json(machine, verdict);
   document["numbers"] = Json::array();
   for (const NumberRow& row : result.numbers) {
     document["numbers"].push_back({{"name", row.name},

@@ -264,7 +264,7 @@ void analyse_case(const Case& one, const SolverMakers& makers, Result& result) {
       found = analyses::judge_inverse(model, makers, one.accelerations);
   }
   found.wrenches.trajectories = near.back(std::move(found.wrenches.trajectories));
-  take_verdict(found.driven ? *found.driven : model, found.wrenches, result);
+  take_verdict(found.machine ? *found.machine : model, found.wrenches, result);
   add_numbers(found.numbers, result.components);
 }
 

@@ -186,7 +186,7 @@ std::vector<std::string> unlike_analysis(const fs::path& file, Analysis analysis
     const std::string& solver = result.wrenches.solvers[who].name;
     const auto& unique = result.wrenches.unique;
     if (const auto& run = result.wrenches.trajectories[who]) {
-      append(unlike, read_back::unlike_run(command.out, {result.driven ? *result.driven : model, solver,
+      append(unlike, read_back::unlike_run(command.out, {result.machine ? *result.machine : model, solver,
                                                          near.back(*run), unique ? &*unique : nullptr}));
     }
     if (const auto& found = result.linearizations[who]) {
