@@ -103,7 +103,8 @@ TEST_CASE("The first table of the README is what the program prints", "[program]
                                      (kSource / "data/models/slider_crank_flexible.toml").string() + "'");
   const std::size_t begin = page.find("\n| joint | on ");
   const auto printed = rows_of(page.substr(begin, page.find("```", begin) - begin));
-  const auto rows = rows_of(told);
+  // The page ends with "..." where the program goes on with the pose at the start.
+  const auto rows = rows_of(told.substr(0, told.find("\n| joint | coordinate ")));
   REQUIRE(printed.size() == 11);
   REQUIRE(rows.size() == printed.size());
   for (std::size_t k = 0; k < printed.size(); ++k) {

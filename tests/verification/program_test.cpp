@@ -166,7 +166,7 @@ TEST_CASE("Agreement is exit 0, with a table and a JSON document", "[program]") 
   CHECK(contains(told.out, "\nagree pendulum: 10 of 10 components judged; passed: rank, same state"));
   const Json json = Json::parse(read(desk.work() / "verdict.json"));
   CHECK(keys(json) == std::vector<std::string>{"format", "name", "verdict", "judged", "total", "same_state", "same_run",
-                                               "refined", "audit", "joints", "solvers", "forces"});
+                                               "refined", "audit", "joints", "solvers", "forces", "start"});
   CHECK(json["verdict"] == "agree");
   CHECK(json["judged"] == json["total"]);
   CHECK(json["joints"].size() == json["total"]);
