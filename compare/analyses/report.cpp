@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
+#include "compare/audit/joint_motion.h"
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
 #include "compare/report/table.h"
