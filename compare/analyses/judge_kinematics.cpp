@@ -17,8 +17,9 @@ AnalysisVerdict judge_kinematics(const Model& asked, const SolverMakers& makers,
   std::array<Trajectory, 2> found;
   for (const Who who : kBothSolvers) found[index(who)] = run_kinematics(model, *solvers[index(who)], run);
   judge_wrenches(model, solvers, found, Found::motion, result);
-  result.text += fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
-                             format_peaks(model, found[0]));
+  result.text +=
+      fmt::format("{:g} s in {} steps; peak reactions by cartesian:\n{}", run.until, run.samples,
+                  format_peaks(model, found[0], result.wrenches.unique ? &*result.wrenches.unique : nullptr));
   conclude(result);
   return result;
 }
