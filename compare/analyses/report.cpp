@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/audit/digits.h"
-#include "compare/audit/joint_motion.h"
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
+#include "compare/report/force_table.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
 #include "compare/verdict/carried.h"
@@ -145,36 +145,26 @@ Json row_json(const Model& model, const QuantityRow& row) {
           {"same_state_digits", row.unique ? digits_json(row.same_state) : Json(nullptr)},
           {"own_digits", row.unique ? digits_json(row.same_run) : Json(nullptr)},
           {"need", {{"same_state", row.need.same_state}, {"own", row.need.same_run}}},
-          {"verdict", row.judgement == Judgement::not_judged ? "not_judged" : to_string(row.judgement)}};
+          {"verdict", judgement_json(row.judgement)}};
 }
 
-/// Forces of drivers, motors, springs, dampers and couplings, each once: not the sum where several share it.
 std::vector<const QuantityRow*> drive_rows(const Model& machine, const Verdict& verdict) {
   std::vector<const QuantityRow*> chosen;
   for (const auto* rows : {&verdict.rows, &verdict.others}) {
     for (const QuantityRow& row : *rows) {
-      const Quantity& one = row.quantity;
-      const bool is_sum = one.kind == Kind::tau && is_shared(machine, one.owner, one.component);
-      if (is_scalar_force(one.kind) && !is_sum) chosen.push_back(&row);
+      if (is_told_force(machine, row.quantity)) chosen.push_back(&row);
     }
   }
   return chosen;
 }
 
-/// "turn_z" of the joint's speed; of a coupling "-".
-std::string along(const Model& machine, const Quantity& drive) {
-  if (drive.kind == Kind::coupling) return "-";
-  const auto& type = *machine.joints[static_cast<std::size_t>(drive.owner)].type;
-  return speed_names(type).at(static_cast<std::size_t>(drive.component));
-}
-
-/// Those forces where there is one time only: of a pose.
+/// What drivers, motors, springs, dampers and couplings exert where there is one time only: in a pose.
 std::string drive_table(const Model& machine, const Verdict& verdict) {
   const QuantityLayout layout(machine);
   const Observed found = observe_all(layout, verdict);
   std::vector<std::vector<std::string>> lines{{"force", "along", "cartesian", "relative", "unit", "digits"}};
   for (const QuantityRow* row : drive_rows(machine, verdict)) {
-    lines.push_back({describe_owner(machine, row->quantity), along(machine, row->quantity)});
+    lines.push_back({describe_owner(machine, row->quantity), coordinate_of(machine, row->quantity)});
     for (const std::optional<MatX>& of_solver : found) {
       if (!of_solver || of_solver->cols() != 1) return "";
       const double force = (*of_solver)(layout.row_of(row->quantity), 0);
@@ -198,7 +188,7 @@ Json drives_json(const Model& machine, const Verdict& verdict) {
     drives.push_back({{"force", describe_owner(machine, one)},
                       {is_coupling ? "coupling" : "joint",
                        is_coupling ? machine.couplings[one.owner].name : machine.joints[one.owner].name},
-                      {"along", is_coupling ? Json(nullptr) : Json(along(machine, one))},
+                      {"along", is_coupling ? Json(nullptr) : Json(coordinate_of(machine, one))},
                       {"unit", unit_of(machine, one)},
                       {"unique", row->unique},
                       {"same_state_digits", row->unique ? digits_json(row->same_state) : Json(nullptr)},

@@ -252,6 +252,11 @@ bool is_shared(const Model& model, int k, int speed) {
   return actors > 1;
 }
 
+bool is_told_force(const Model& model, const Quantity& quantity) {
+  const bool is_sum = quantity.kind == Kind::tau && is_shared(model, quantity.owner, quantity.component);
+  return is_scalar_force(quantity.kind) && !is_sum;
+}
+
 std::vector<int> forced_speeds(const Model& model, int k) {
   std::set<int> speeds;
   add_speeds(model.joints[k], model.joints[k].drivers, speeds);

@@ -73,6 +73,10 @@ std::vector<Actor> actors_on(const Joint& joint, int speed);
 /// Whether more than one actor, couplings among them, acts on a speed of joint k.
 bool is_shared(const Model& model, int k, int speed);
 
+/// Whether a row is one of the forces of drivers, motors, springs, dampers and couplings, each once: not the sum on a
+/// coordinate where several share it.
+bool is_told_force(const Model& model, const Quantity& quantity);
+
 /// Speeds of joint k on which a driver, a spring, an actuator or a coupling acts, in the order of the speeds.
 std::vector<int> forced_speeds(const Model& model, int k);
 

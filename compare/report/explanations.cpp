@@ -88,6 +88,10 @@ Json attribution_of(const Verdict& verdict) {
 
 }  // namespace
 
+Json judgement_json(Judgement judgement) {
+  return judgement == Judgement::not_judged ? "not_judged" : to_string(judgement);
+}
+
 Json digits_json(const std::optional<double>& value) {
   if (!value) return nullptr;
   return std::floor(*value * 100.0) / 100.0;

@@ -32,9 +32,7 @@ void add_judgement(Json& said, const QuantityRow* row) {
   said["check"] = digits ? Json(name_of(check)) : Json(nullptr);
   said["digits"] = digits_json(digits);
   said["need"] = need_of(*row, check);
-  said["verdict"] = row->judgement == Judgement::agree    ? "agree"
-                    : row->judgement == Judgement::differ ? "differ"
-                                                          : "not_judged";
+  said["verdict"] = judgement_json(row->judgement);
 }
 
 Json row_json(const Model& model, const ForcePeaks& row) {

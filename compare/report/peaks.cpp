@@ -113,7 +113,7 @@ bool carries_any(const Model& model, const Quantity& of) {
 /// What a row of the layout is the first of: a wrench that is told, or a force along a coordinate.
 bool is_told(const Model& model, const Quantity& of) {
   if (of.kind == Kind::reaction || of.kind == Kind::element) return of.component == 0 && carries_any(model, of);
-  return is_scalar_force(of.kind) && !(of.kind == Kind::tau && is_shared(model, of.owner, of.component));
+  return is_told_force(model, of);
 }
 
 /// Peaks below what the digits of the machine's largest force resolve are zero, from the first sample on.

@@ -53,9 +53,7 @@ Json wrench_row(const char* owner, const std::string& name, const QuantityRow& r
       {"refined_digits", judged(row.refined)},
       {"need", std::move(need)},
       {"judged_by_resolution", is_judged_by_resolution(row)},
-      {"verdict", row.judgement == Judgement::agree    ? "agree"
-                  : row.judgement == Judgement::differ ? "differ"
-                                                       : "not_judged"}};
+      {"verdict", judgement_json(row.judgement)}};
 }
 
 Json solver(const SolverSummary& summary) {
