@@ -135,7 +135,7 @@ class TwoWays : public FakePendulum {
   State assemble() override {
     State state = FakePendulum::assemble();
     state.q.resize(1);
-    state.q.push_back(VecX::Constant(1, model_.joints[1].start[0].q(0) < 0.0 ? -0.5 : 0.5));
+    state.q.emplace_back(VecX::Constant(1, model_.joints[1].start[0].q(0) < 0.0 ? -0.5 : 0.5));
     state.bodies[1].r.x() += state.q[1](0);
     return state;
   }
