@@ -4,7 +4,7 @@ cmake_minimum_required(VERSION 3.25)
 
 # What each page is made of; all have one frame.
 set(machine_styles vendor/uplot/uPlot.min.css frame.css machine.css)
-set(machine_scripts vendor/uplot/uPlot.iife.min.js data.js table.js components.js explanations.js plots.js scene.js machine.js)
+set(machine_scripts vendor/uplot/uPlot.iife.min.js data.js table.js components.js explanations.js plots.js poses.js painter.js picture.js scene.js machine.js)
 set(night_styles vendor/uplot/uPlot.min.css frame.css night.css)
 set(night_scripts vendor/uplot/uPlot.iife.min.js data.js table.js trend.js night.js)
 

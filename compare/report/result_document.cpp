@@ -84,6 +84,39 @@ ResultJson end_json(const Attachment& end) {
           {"turns", numbers(end.Psi_r_L)}};
 }
 
+/// A road's height over x: straight lines between these points are what a picture shows.
+ResultJson road_json(const Road& road) {
+  constexpr int kPointsOfStretch = 24;
+  ResultJson points = ResultJson::array();
+  for (int stretch = 0;; ++stretch) {
+    const auto [first, last] = edges_of(road, stretch);
+    if (!std::isfinite(last)) {
+      const double x = std::isfinite(first) ? first : 0.0;
+      points.push_back({x, evaluate(road, stretch, x).h});
+      return points;
+    }
+    if (!std::isfinite(first)) continue;
+    for (int k = 0; k < kPointsOfStretch; ++k) {
+      const double x = first + (last - first) * k / kPointsOfStretch;
+      points.push_back({x, evaluate(road, stretch, x).h});
+    }
+  }
+}
+
+ResultJson element_json(const ForceElement& element) {
+  const Attachment* parent = end_of(element, Side::parent);
+  const Attachment* child = end_of(element, Side::child);
+  ResultJson said{{"name", element.name},
+                  {"type", key_of(element)},
+                  {"parent", parent != nullptr ? end_json(*parent) : ResultJson()},
+                  {"child", child != nullptr ? end_json(*child) : ResultJson()}};
+  if (const auto* tire = std::get_if<Tire>(&element.what)) {
+    said["radius"] = tire->radius;
+    said["road"] = road_json(*tire->road);
+  }
+  return said;
+}
+
 ResultJson machine_json(const Model& model) {
   ResultJson bodies = ResultJson::array();
   for (const Body& body : model.bodies) bodies.push_back(body_json(body));
@@ -95,14 +128,7 @@ ResultJson machine_json(const Model& model) {
                       {"child", end_json(joint.on(Side::child))}});
   }
   ResultJson elements = ResultJson::array();
-  for (const ForceElement& element : model.elements) {
-    const Attachment* parent = end_of(element, Side::parent);
-    const Attachment* child = end_of(element, Side::child);
-    elements.push_back({{"name", element.name},
-                        {"type", key_of(element)},
-                        {"parent", parent != nullptr ? end_json(*parent) : ResultJson()},
-                        {"child", child != nullptr ? end_json(*child) : ResultJson()}});
-  }
+  for (const ForceElement& element : model.elements) elements.push_back(element_json(element));
   return {{"length", model.length_scale()},
           {"gravity", numbers(model.gravity)},
           {"bodies", std::move(bodies)},
