@@ -1,11 +1,17 @@
 #include "compare/page/fill.h"
 
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "compare/page/packing.h"
+#include "compare/report/origin.h"
 
 namespace concord::compare::page {
 
@@ -43,6 +49,13 @@ std::string fill_page(const PageParts& parts, const std::string& title, const nl
       {{"@TITLE@", escape_html(title)}, {"@STYLE@", parts.style}, {"@DATA@", json}, {"@SCRIPT@", parts.script}});
 }
 
-std::string made_words() { return "Made by concord " CONCORD_VERSION ". Units are SI and radians."; }
+std::string made_words() {
+  const char* said = std::getenv("SOURCE_DATE_EPOCH");
+  char* end = nullptr;
+  const long long seconds = said != nullptr ? std::strtoll(said, &end, 10) : 0;
+  const bool is_said = said != nullptr && end != said && *end == '\0';
+  const std::time_t when = is_said ? static_cast<std::time_t>(seconds) : std::time(nullptr);
+  return fmt::format("Made by {} on {:%Y-%m-%d}. Units are SI and radians.", version_words(), fmt::gmtime(when));
+}
 
 }  // namespace concord::compare::page

@@ -19,7 +19,8 @@ PageParts night_parts();
 /// The page of these parts: its title, and the data that its script reads. Text that is not UTF-8 is replaced.
 std::string fill_page(const PageParts& parts, const std::string& title, const nlohmann::ordered_json& data);
 
-/// "Made by concord 0.1.0. Units are SI and radians.", which stands below every page.
+/// "Made by concord 0.1.0 (3f97bf0c1a2b, gcc 12.2.0) on 2026-03-31. Units are SI and radians.", which stands below
+/// every page; the day, in UTC, is that of SOURCE_DATE_EPOCH where it is set.
 std::string made_words();
 
 }  // namespace concord::compare::page

@@ -1,5 +1,7 @@
 #include "compare/report/result_document.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +10,8 @@
 #include "common/overloaded.h"
 #include "compare/quantities/observe.h"
 #include "compare/report/explanations.h"
+#include "compare/report/files.h"
+#include "compare/report/origin.h"
 #include "compare/report/table.h"
 #include "compare/verdict/carried.h"
 #include "compare/verdict/refinement.h"
@@ -240,6 +244,12 @@ ResultJson result_checks(const Verdict& verdict) {
   return checks;
 }
 
+/// Null of a model that was made without a file.
+ResultJson file_json(const std::string& file) {
+  if (file.empty()) return nullptr;
+  return {{"name", file}, {"fnv1a", fmt::format("{:016x}", hash_of_file(file))}};
+}
+
 }  // namespace
 
 std::string format_result(const Model& model, const Verdict& verdict) {
@@ -250,27 +260,31 @@ std::string format_result(const Model& model, const Verdict& verdict) {
   ResultJson solvers = ResultJson::array();
   for (const SolverSummary& solver : verdict.solvers) solvers.push_back(result_solver(solver));
   const ComponentCount count = count_components(verdict);
-  ResultJson said{
-      {"kind", "concord result"},
-      {"format", kResultFormat},
-      {"program", "concord " CONCORD_VERSION},
-      {"model", verdict.name},
-      {"outcome", to_string(verdict.outcome)},
-      {"judged", count.judged},
-      {"total", count.total},
-      {"judged_instead", judged_instead(verdict)},
-      {"bodies", verdict.bodies},
-      {"joints", verdict.joints},
-      {"loops", verdict.loops},
-      {"modes", verdict.modes},
-      {"run", {{"until", verdict.run.until}, {"rtol", verdict.run.rtol}, {"energy_allowed", verdict.energy_allowed}}},
-      {"rungs", result_checks(verdict)},
-      {"solvers", std::move(solvers)},
-      {"findings", std::move(findings)},
-      {"notes", verdict.notes},
-      {"failures", verdict.failures},
-      {"rows", result_rows(model, verdict)},
-      {"machine", machine_json(model)}};
+  ResultJson said{{"kind", "concord result"},
+                  {"format", kResultFormat},
+                  {"program", version_words()},
+                  {"model", verdict.name},
+                  {"file", file_json(model.file)},
+                  {"outcome", to_string(verdict.outcome)},
+                  {"judged", count.judged},
+                  {"total", count.total},
+                  {"judged_instead", judged_instead(verdict)},
+                  {"bodies", verdict.bodies},
+                  {"joints", verdict.joints},
+                  {"loops", verdict.loops},
+                  {"modes", verdict.modes},
+                  {"run",
+                   {{"until", verdict.run.until},
+                    {"rtol", verdict.run.rtol},
+                    {"seed", verdict.seed},
+                    {"energy_allowed", verdict.energy_allowed}}},
+                  {"rungs", result_checks(verdict)},
+                  {"solvers", std::move(solvers)},
+                  {"findings", std::move(findings)},
+                  {"notes", verdict.notes},
+                  {"failures", verdict.failures},
+                  {"rows", result_rows(model, verdict)},
+                  {"machine", machine_json(model)}};
   add_explanations(said, model, verdict);
   for (std::size_t k = 0; k < verdict.references.size(); ++k) {
     if (verdict.references[k].quantity) said["reference"][k]["curve"] = reference_curve(verdict.references[k]);

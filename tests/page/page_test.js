@@ -50,6 +50,22 @@ async function fits(page) {
   assert.strictEqual(marks, 0, "the machine stands within the picture");
 }
 
+/** The slider-crank of the paper moves in the plane across z: it is looked at from there, its links drawn as what they are. */
+async function drawsThePaper(page) {
+  const { normal, shapes, travel } = await page.evaluate(() => {
+    const { machine, runs } = JSON.parse(document.getElementById("data").textContent).machines[0];
+    const shown = new concord.Picture(machine, new concord.Poses(runs.frames, runs.frames.runs[0]));
+    const slide = machine.joints.findIndex((joint) => joint.type === "translational");
+    return { normal: shown.normal(), shapes: machine.bodies.map((body, i) => [body.name, shown.shapes[i]]), travel: shown.travels[slide] };
+  });
+  assert(Math.abs(Math.abs(normal[2]) - 1) < 1e-6, "the camera faces the plane of motion");
+  const shape = Object.fromEntries(shapes);
+  assert.strictEqual(shape.crank.points.length, 2, "a crank is a rod between its two pins");
+  assert(Object.values(shape).some((one) => one && one.beam), "a flexible rod is drawn along its nodes");
+  assert(travel.most > travel.least, "a slide has a guide as long as its way");
+  assert.match(await text(page, "#provenance"), /^Model .*slider_crank_flexible\.toml \(FNV-1a [0-9a-f]{16}\), judged by concord .*, rtol 1e-9, until 0\.1 s, seed \d+$/);
+}
+
 /** Who is to blame, and the rows against the reference. */
 async function explains(page) {
   assert.match(await text(page, "#blame"), /To blame: neither solver, but the statement, at joint hinge/);
@@ -197,6 +213,7 @@ async function tryPage(browser, file) {
   if (await page.locator("#turns").count() > 0) await useNight(page);
   if (name === "nights") await readStories(page);
   if (name === "differs") await explains(page);
+  if (name === "agrees") await drawsThePaper(page);
   await page.screenshot({ path: path.join(pictures, name + ".png"), fullPage: true });
   const light = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   await page.click("#theme");

@@ -41,6 +41,12 @@
     find("solver-table").replaceChildren(concord.element("table", {}, concord.element("thead", {}, head), concord.element("tbody", {}, ...lines)));
   }
 
+  /** From what the verdict was made; results of older programs do not say it. */
+  function showProvenance({ file, program, run }) {
+    const said = file ? [`Model ${file.name} (FNV-1a ${file.fnv1a})`, `judged by ${program}`, `rtol ${run.rtol}`, `until ${run.until} s`, `seed ${run.seed}`] : [];
+    find("provenance").textContent = said.join(", ");
+  }
+
   const scene = new concord.Scene((t) => { showTime(t); plots.mark(t); });
   const plots = new concord.Plots((t) => { scene.stop(); scene.t = t; scene.draw(); showTime(t); });
   const table = new concord.Table({
@@ -83,6 +89,7 @@
     for (const id of ["picture", "components", "solvers"]) find(id).hidden = !isThere;
     if (!isThere) return;
     showSolvers(machine);
+    showProvenance(machine);
     plots.load(machine);
     table.load(concord.componentRows(machine));
     scene.load(machine);

@@ -66,11 +66,8 @@ concord.Picture = class {
 
   /** What a body is drawn as: `points` between which rods lie, `beam` nodes, `box` of its inertia, `wheel`. */
   shapeOf(body, i) {
-    if (body.points && body.points.length > 1) {
-      const nodes = body.points.map((p) => p.point);
-      const path = nodes.slice(1).reduce((sum, p, k) => sum + concord.distance(p, nodes[k]), 0);
-      if (path < 1.6 * concord.distance(nodes[0], nodes[nodes.length - 1])) return { beam: true };
-    }
+    const beam = this.nodesInLine(body.points || []);
+    if (beam) return { beam };
     if (this.tires.some((tire) => tire.child.body === i)) return { wheel: true, points: this.pointsOf(i) };
     const points = this.pointsOf(i);
     const slides = this.machine.joints.some((joint) => this.slides.test(joint.type) && (joint.parent.body === i || joint.child.body === i));
@@ -81,6 +78,20 @@ concord.Picture = class {
     const inCylinder = this.machine.joints.some((joint) => this.slides.test(joint.type) && joint.parent.body * joint.child.body > 0 && (joint.parent.body === i || joint.child.body === i));
     const isBob = !inCylinder && (points.length < 2 || (points.length === 2 && off > 0.2 * reach));
     return { points: isBob ? [...points, { point: body.center, modes: [] }] : points, bob: isBob && points.length < 2, box: false };
+  }
+
+  /** Nodes of a body that is long and thin, from end to end; null of another one. */
+  nodesInLine(nodes) {
+    if (nodes.length < 2) return null;
+    const farthest = (from) => nodes.reduce((most, node) => (concord.distance(node.point, from) > concord.distance(most, from) ? node.point : most), from);
+    const first = farthest(nodes[0].point);
+    const last = farthest(first);
+    const length = concord.distance(first, last);
+    const along = concord.unit(concord.minus(last, first));
+    const place = (node) => concord.dot(concord.minus(node.point, first), along);
+    const isOff = (node) => concord.distance(node.point, concord.plus(first, concord.scaled(place(node), along))) > 0.1 * length;
+    if (!(length > 0) || nodes.some(isOff)) return null;
+    return [...nodes].sort((a, b) => place(a) - place(b));
   }
 
   /** Different ends on a body. */
@@ -158,7 +169,7 @@ concord.Picture = class {
     const shape = this.shapes[i];
     const pose = bodies[i];
     if (shape.beam) {
-      painter.rod(this.alongNodes(pose, body), this.width, colours);
+      painter.rod(this.alongNodes(pose, shape.beam), this.width, colours);
       return;
     }
     if (shape.box) this.drawBox(painter, this.corners(pose, body), colours);
@@ -182,7 +193,7 @@ concord.Picture = class {
     return points.map((p) => [middle, p]);
   }
 
-  alongNodes(pose, body) { return body.points.map((p) => this.inSpace(pose, this.deformed(pose, p.point, p.modes))); }
+  alongNodes(pose, nodes) { return nodes.map((p) => this.inSpace(pose, this.deformed(pose, p.point, p.modes))); }
 
   drawBox(painter, corners, colours) {
     for (const f of [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]) {
@@ -195,7 +206,7 @@ concord.Picture = class {
     this.machine.bodies.forEach((body, i) => {
       if (i === 0) return;
       const shape = this.shapes[i];
-      const lines = shape.beam ? [this.alongNodes(bodies[i], body)] : this.rodsBetween(this.cornersOf(bodies[i], shape));
+      const lines = shape.beam ? [this.alongNodes(bodies[i], shape.beam)] : this.rodsBetween(this.cornersOf(bodies[i], shape));
       lines.forEach((points) => painter.line(points, colour, 1.4, [5, 5]));
       if (shape.box) { const c = this.corners(bodies[i], body); painter.line([0, 1, 3, 2, 0, 4, 5, 7, 6, 4].map((k) => c[k]), colour, 1.2, [5, 5]); }
     });

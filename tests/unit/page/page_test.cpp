@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "common/error.h"
 #include "compare/report/files.h"
+#include "compare/report/origin.h"
 #include "compare/report/result_document.h"
 #include "compare/report/result_folder.h"
 #include "compare/verdict/refinement.h"
@@ -65,6 +69,38 @@ TEST(Page, SaysTheVerdictAndHoldsTheMachineInMotion) {
   EXPECT_EQ(machine.at("runs").at("samples"), one.verdict.trajectories[0]->samples.size());
   EXPECT_FALSE(machine.at("runs").at("joints").at(0).at(1).at(0).at("a").get<std::string>().empty());
   EXPECT_FALSE(machine.at("rows").empty());
+}
+
+TEST(Page, SaysFromWhatItWasMadeAndWhen) {
+  const TemporaryFolder folder;
+  Compared one;
+  one.model.file = (folder.path() / "sprung.toml").string();
+  write_file(one.model.file, "a");
+  one.verdict.seed = 7;
+  ::setenv("SOURCE_DATE_EPOCH", "86400", 1);
+  const nlohmann::json data = data_of(format_page({one.reported()}));
+  ::unsetenv("SOURCE_DATE_EPOCH");
+  EXPECT_EQ(data.at("made"), "Made by " + version_words() + " on 1970-01-02. Units are SI and radians.");
+  const nlohmann::json machine = data.at("machines").at(0);
+  EXPECT_EQ(machine.at("file").at("name"), one.model.file);
+  EXPECT_EQ(machine.at("file").at("fnv1a"), "af63dc4c8601ec8c");  // of "a", as the algorithm's authors publish it
+  EXPECT_EQ(machine.at("program"), version_words());
+  EXPECT_EQ(machine.at("run").at("seed"), 7);
+}
+
+TEST(Page, HoldsAWheelsRadiusAndItsRoad) {
+  Compared one;
+  const auto road = std::make_shared<Road>(Road{"bump", HalfSineBump{2.0, 1.0, 0.25}});
+  Tire tire{.wheel = one.model.joints[0].on(Side::child), .road = road, .radius = 0.3};
+  one.model.elements.push_back({"tire", tire, {}});
+  const nlohmann::json document = nlohmann::json::parse(format_result(one.model, one.verdict));
+  const nlohmann::json& said = document.at("machine").at("elements").back();
+  EXPECT_EQ(said.at("radius"), 0.3);
+  double highest = 0.0;
+  for (const nlohmann::json& point : said.at("road")) highest = std::max(highest, point.at(1).get<double>());
+  EXPECT_DOUBLE_EQ(highest, 0.25);
+  EXPECT_EQ(said.at("road").front(), nlohmann::json({2.0, 0.0}));
+  EXPECT_EQ(said.at("road").back(), nlohmann::json({3.0, 0.0}));
 }
 
 TEST(Page, AllowsItsOwnScriptAndStyleAlone) {
