@@ -8,6 +8,7 @@
 #include <ctime>
 #include <memory>
 #include <ostream>
+#include <set>
 
 #include "common/error.h"
 #include "compare/nightly/baseline.h"
@@ -44,6 +45,17 @@ std::vector<const Case*> meant_cases(const Suite& suite, const std::string& patt
   }
   if (cases.empty()) throw InputError({suite.file.string(), 0, 0}, fmt::format("no case is called '{}'", pattern));
   return cases;
+}
+
+/// Pages of single cases in a folder.
+std::set<std::string> names_of_pages(const fs::path& folder) {
+  std::set<std::string> names;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("case_") && name.ends_with(".html")) names.insert(name);
+  }
+  return names;
 }
 
 /// One run of `concord nightly`.
@@ -115,8 +127,8 @@ class NightlyRun {
     if (!resume(history.get())) begin(history.get());
     const auto wall_times = history.get().wall_times(suite_.name);
     const auto store = [&](const Result& result) { history.store(night_, result); };
-    const bool is_complete =
-        run_cases(to_run(history.get()), {command_.jobs, command_.minutes}, store, wall_times, makers_, console_);
+    const bool is_complete = run_cases(to_run(history.get()), {command_.jobs, command_.minutes, pages()}, store,
+                                       wall_times, makers_, console_);
     return conclude(history, baselines, is_complete).code;
   }
 
@@ -146,6 +158,9 @@ class NightlyRun {
       throw;
     }
   }
+
+  /// Where the pages of red cases stand until the night's results do.
+  fs::path pages() const { return command_.out.empty() ? fs::path() : scratch_.path() / "pages"; }
 
   fs::path history_file() const {
     return command_.history.empty() ? scratch_.path() / "night.sqlite" : command_.history;
@@ -293,22 +308,23 @@ class NightlyRun {
     if (!command_.json.empty()) write_json(command_.json, report, history);
     if (!command_.junit.empty()) write_file(command_.junit, format_night_junit(report));
     if (!command_.markdown.empty()) write_file(command_.markdown, format_markdown(report));
-    std::string page;
-    if (!command_.report.empty() || !command_.out.empty()) page = format_page(report, history);
-    if (!command_.report.empty()) write_file(command_.report, page);
+    if (!command_.report.empty()) write_file(command_.report, format_page(report, history, {}));
     if (command_.out.empty()) return;
+    const std::set<std::string> pages = names_of_pages(this->pages());
+    const std::set<std::string> old = names_of_pages(command_.out);
     StagedFolder staged(command_.out);
+    for (const std::string& name : pages) fs::copy_file(this->pages() / name, staged.path() / name);
     const auto& [table, regressions, junit, page_file, json] = kFilesOfNight;
     write_file(staged.path() / table, text);
     write_file(staged.path() / regressions, format_markdown(report));
     write_file(staged.path() / junit, format_night_junit(report));
-    write_file(staged.path() / page_file, page);
+    write_file(staged.path() / page_file, format_page(report, history, pages));
     write_json(staged.path() / json, report, history);
-    staged.finish({});
+    staged.finish({old.begin(), old.end()});
   }
 
-  std::string format_page(const NightReport& report, History& history) const {
-    NightPage page{report, night(), suite_.judging, 100, {}};
+  std::string format_page(const NightReport& report, History& history, const std::set<std::string>& pages) const {
+    NightPage page{report, night(), suite_.judging, 100, {}, pages};
     if (command_.history.empty()) page.notes.emplace_back("Without a history this night alone is known: no trend.");
     if (!report.trouble.empty()) page.notes.push_back(report.trouble);
     return format_night_page(page, history);

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cstdint>
 #include <ctime>
 #include <limits>
 #include <ostream>
@@ -110,6 +112,17 @@ std::string utc_now() {
                      parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
+std::string page_name_of(const std::string& id) {
+  std::string name = id;
+  std::uint32_t hash = 2166136261U;  // FNV-1a
+  for (char& letter : name) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.' || letter == '-';
+    if (!is_plain) letter = '_';
+  }
+  return fmt::format("case_{}_{:08x}.html", name.substr(0, 100), hash);
+}
+
 void put_longest_first(const std::map<std::string, double>& wall_times, std::vector<const Case*>& cases) {
   const auto expected = [&](const Case* one) {
     const auto known = wall_times.find(one->id);
@@ -166,7 +179,8 @@ bool run_cases(std::vector<const Case*> cases, const NightOptions& options, cons
   const workers::Task task = [&](const std::string& input) {
     const Case& one = *cases[std::stoul(input)];
     const auto folder = scratch.path() / std::to_string(getpid());
-    return dumped(try_case(one, folder, makers));
+    return dumped(try_case(one, folder, makers,
+                           options.pages.empty() ? std::filesystem::path() : options.pages / page_name_of(one.id)));
   };
   workers::Pool(task, jobs, {}).run_apart(next, watch);
   progress.wipe();

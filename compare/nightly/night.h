@@ -18,7 +18,13 @@ namespace concord::compare::nightly {
 struct NightOptions {
   int jobs = 0;                   // worker processes; 0: one for each processor
   std::optional<double> minutes;  // no case is begun after so long
+  /// A folder for the pages of comparisons that do not agree, named as page_name_of() says; empty: none are written.
+  std::filesystem::path pages = {};
 };
+
+/// "case_car_0a1b2c3d.html", a name for a file and a link: other characters than letters, digits and ".-_" give way,
+/// and the number tells apart what would then be called alike.
+std::string page_name_of(const std::string& id);
 
 /// "2026-11-22 23:14:05", UTC; the day is what stands before the space.
 std::string utc_now();

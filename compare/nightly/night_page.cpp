@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "compare/nightly/judgement.h"
+#include "compare/nightly/night.h"
 #include "compare/nightly/record.h"
 #include "compare/page/fill.h"
 
@@ -232,7 +233,9 @@ class PageData {
       }
     }
     const Result& now = entries.back().second;
+    const std::string page = page_name_of(line.id);
     return {{"id", line.id},
+            {"page", page_.pages.contains(page) ? Json(page) : Json()},
             {"work", line.work},
             {"ending", to_string(line.ending)},
             {"words", now.words},

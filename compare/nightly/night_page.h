@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct NightPage {
   Judging judging;            // what counts as a step between two nights
   int last = 100;             // nights that are shown, this one included
   std::vector<std::string> notes;
+  /// Pages of single cases that stand beside it, see page_name_of().
+  std::set<std::string> pages = {};
 };
 
 /// A night as one HTML page that needs nothing else: verdict, changes, all cases, and each case over the nights of the

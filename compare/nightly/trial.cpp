@@ -14,9 +14,11 @@
 #include "compare/equilibrium/started_machine.h"
 #include "compare/invariance/report.h"
 #include "compare/joint_check/coupling_check.h"
+#include "compare/page/page.h"
 #include "compare/random_machines/generator.h"
 #include "compare/random_machines/random.h"
 #include "compare/random_machines/trial.h"
+#include "compare/report/files.h"
 #include "compare/states/near_frames.h"
 #include "compare/verdict/refinement.h"
 
@@ -212,7 +214,7 @@ void check_integrators(const Case& one, const StartedMachine& machine) {
   }
 }
 
-void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
+void compare_case(const Case& one, const SolverMakers& makers, const std::filesystem::path& page, Result& result) {
   const StartedMachine machine(model_of(one), makers);
   check_integrators(one, machine);
   VerifyOptions options = one.options;
@@ -226,6 +228,8 @@ void compare_case(const Case& one, const SolverMakers& makers, Result& result) {
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
   verdict.trajectories = machine.back(std::move(verdict.trajectories));
   take_verdict(machine.model(), verdict, result);
+  if (page.empty() || verdict.outcome == Outcome::agree) return;
+  write_file(page, page::format_page({{one.id, &machine.model(), &verdict, ""}}));
 }
 
 /// Numbers of an analysis keep their signs. Where they have no scale of their own, it is the largest of their unit.
@@ -349,10 +353,11 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
   }
 }
 
-void do_work(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers, Result& result) {
+void do_work(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers,
+             const std::filesystem::path& page, Result& result) {
   switch (one.work) {
     case Work::compare:
-      return compare_case(one, makers, result);
+      return compare_case(one, makers, page, result);
     case Work::joint:
       return check_joint_case(one, result);
     case Work::fuzz:
@@ -375,12 +380,13 @@ Model model_of(const Case& one) {
   return model;
 }
 
-Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers) {
+Result try_case(const Case& one, const std::filesystem::path& scratch, const SolverMakers& makers,
+                const std::filesystem::path& page) {
   Result result;
   result.id = one.id;
   result.work = name_of(one.work);
   try {
-    do_work(one, scratch, makers, result);
+    do_work(one, scratch, makers, page, result);
   } catch (const InputError& error) {
     result.ending = Ending::bad_input;
     result.words = error.what();

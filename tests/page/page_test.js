@@ -163,6 +163,22 @@ async function useNight(page) {
   assert(nights < 2 || first !== last, "and another one elsewhere");
 }
 
+/** A comparison that does not agree has a page of its own beside the night's; what agrees has none. */
+async function leadsToItsPage(page) {
+  const choose = async (name) => {
+    await page.fill("#filter", name);
+    await page.locator("#table tbody tr").first().click();
+    await page.fill("#filter", "");
+  };
+  await choose("steady");
+  assert(!(await page.locator("#case-page").isVisible()), "what agrees has no page");
+  await choose("unknown");
+  await page.click("#case-page");
+  await page.waitForLoadState();
+  assert.match(await text(page, "#sentence"), /There is no verdict on /);
+  await page.goBack();
+}
+
 /** What the nights of make_history.py hold. */
 async function readStories(page) {
   const since = await text(page, "#messages li");
@@ -211,6 +227,7 @@ async function tryPage(browser, file) {
     await orbit(page);
   }
   if (await page.locator("#turns").count() > 0) await useNight(page);
+  if (name === "night") await leadsToItsPage(page);
   if (name === "nights") await readStories(page);
   if (name === "differs") await explains(page);
   if (name === "agrees") await drawsThePaper(page);

@@ -124,6 +124,8 @@
     table.mark(one);
     find("case-name").textContent = one.id;
     find("case-says").textContent = `${one.work}: ${one.ending}, ${one.judged} of ${one.total} components judged${one.integrators[0] ? `; integrators ${one.integrators.join(" and ")}` : ""}`;
+    find("case-page").hidden = !one.page;
+    if (one.page) find("case-page").href = one.page;
     find("case-words").textContent = one.words;
     find("case-words").className = one.ending === "agree" ? "told" : "";
     find("case-changes").replaceChildren(...(one.changes.length ? [markedList(one.changes.map((c) => [c.what, `${c.what}${c.against ? ", against " + c.against : ""}: ${measured(c)}`]))] : []));
