@@ -228,8 +228,8 @@ void compare_case(const Case& one, const SolverMakers& makers, const std::filesy
   Verdict verdict = verify(machine.model(), machine.solver(Who::cartesian), machine.solver(Who::relative), options);
   verdict.trajectories = machine.back(std::move(verdict.trajectories));
   take_verdict(machine.model(), verdict, result);
-  if (page.empty() || verdict.outcome == Outcome::agree) return;
-  write_file(page, page::format_page({{one.id, &machine.model(), &verdict, ""}}));
+  const bool is_shown = !page.empty() && verdict.outcome != Outcome::agree;
+  if (is_shown) write_file(page, page::format_page({{one.id, &machine.model(), &verdict, ""}}));
 }
 
 /// Numbers of an analysis keep their signs. Where they have no scale of their own, it is the largest of their unit.
@@ -348,8 +348,7 @@ void fuzz_case(const Case& one, const std::filesystem::path& scratch, const Solv
   }
   if (result.ending == Ending::agree && fuzz::refuses_too_many(regular, refused)) {
     result.ending = Ending::differ;
-    result.words =
-        fmt::format("{} of {} regular machines are refused, where sound solvers refuse about 1 %", refused, regular);
+    result.words = fmt::format("{} of {} regular machines are refused: sound solvers refuse 1 %", refused, regular);
   }
 }
 
