@@ -24,6 +24,7 @@
 #include "compare/report/start_text.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
+#include "compare/report/told_axes.h"
 #include "compare/resolution/run_check.h"
 #include "compare/states/stiff_choice.h"
 #include "compare/verdict/reference.h"
@@ -55,6 +56,11 @@ class ProgressLine {
 
 int percent(double done) { return static_cast<int>(100.0 * std::clamp(done, 0.0, 1.0)); }
 
+/// Empty words mean the frame of each side.
+std::optional<int> axes_of(const std::string& words, const Model& model, const std::filesystem::path& file) {
+  return words.empty() ? std::nullopt : std::optional(told_axes(model, words, file));
+}
+
 /// A model that was read, and what was found about it.
 struct Case {
   Model model;
@@ -71,10 +77,11 @@ void write_results(const std::filesystem::path& folder, const Case& one, const s
   for (std::size_t who = 0; who < 2; ++who) {
     if (runs[who])
       write_run_files(staged.path(), one.model,
-                      {names[who], &*runs[who], one.verdict.unique ? &*one.verdict.unique : nullptr});
+                      {names[who], &*runs[who], one.verdict.unique ? &*one.verdict.unique : nullptr, one.verdict.axes});
   }
   if (runs[0] && runs[1]) {
-    if (const auto reason = plot_reactions(staged.path(), one.model, names, *runs[0], *runs[1])) {
+    const auto reason = plot_reactions(staged.path(), one.model, names, *runs[0], *runs[1], one.verdict.axes);
+    if (reason) {
       console.err << fmt::format("{}: {}\n", one.model.name, *reason);
     }
   }
@@ -152,7 +159,9 @@ Case compare_one(const std::filesystem::path& file, const CompareCommand& comman
                      fmt::format("a model called '{}' was compared already: give one of them another name = \"...\"",
                                  one.model.name));
   }
+  const std::optional<int> axes = axes_of(command.axes, one.model, file);
   solve_both(command, inputs, makers, console, one);
+  one.verdict.axes = axes;
   const std::string table = format_verdict(one.model, one.verdict, command.all_rows);
   console.out << table << std::flush;
   if (one.verdict.trajectories[0] || one.verdict.trajectories[1]) tell_wall_times(one.verdict, console);
@@ -285,6 +294,7 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
   return guarded(console, [&] {
     if (!command.out.empty()) check_target_folder(command.out);
     const Model given = read_model(command.model);
+    const std::optional<int> axes = axes_of(command.axes, given, command.model);
     const StartedMachine machine(given, makers);
     const Model& model = machine.model();
     Solver& solver = machine.solver(command.solver == "cartesian" ? Who::cartesian : Who::relative);
@@ -309,11 +319,12 @@ int run_model(const RunCommand& command, const SolverMakers& makers, const Conso
     tell(notes, console);
     const QuantityLayout layout(model);
     const RunCheck check = check_run(layout, solver, trajectory, run);
-    console.out << format_peaks(model, trajectory, &check.unique) << format_run_check(layout, solver.name(), check);
+    trajectory = machine.back(std::move(trajectory));
+    console.out << format_peaks(given, trajectory, &check.unique, axes)
+                << format_run_check(layout, solver.name(), check);
     console.err << fmt::format("{}: wall time {:.2f} s\n", model.name, trajectory.statistics.wall_s);
     if (!check.holds()) return static_cast<int>(kCouldNotFinish);
-    trajectory = machine.back(std::move(trajectory));
-    if (!command.out.empty()) write_runs(command.out, given, {{solver.name(), &trajectory, &check.unique}});
+    if (!command.out.empty()) write_runs(command.out, given, {{solver.name(), &trajectory, &check.unique, axes}});
     return static_cast<int>(kAgree);
   });
 }

@@ -22,6 +22,7 @@ struct CompareCommand {
   std::vector<std::filesystem::path> models;
   VerifyOptions options;
   bool all_rows = false;
+  std::string axes = {};            // "world" or a body in whose axes wrenches are told; empty: each side's frame
   std::filesystem::path out;        // empty: write no result files
   std::filesystem::path json;       // empty: write no JSON
   std::filesystem::path junit;      // empty: write no JUnit XML
@@ -36,6 +37,7 @@ struct RunCommand {
   std::string solver = "cartesian";  // or "relative"
   std::string integrator = {};       // empty: the first one
   VerifyOptions options;
+  std::string axes = {};  // as those of a comparison
   std::filesystem::path out;
 };
 

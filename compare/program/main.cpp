@@ -53,6 +53,12 @@ int compare_models(compare::CompareCommand& command, const compare::SolverMakers
   return compare::compare_models(command, makers, console);
 }
 
+void add_axes(CLI::App& command, std::string& axes) {
+  command.add_option("--axes", axes,
+                     "world, or a body: its axes, in which tables and CSV files tell the wrenches of joints and force\n"
+                     "elements, too; default: each in the frame of its own side. Nothing is judged in them");
+}
+
 void add_compare(compare::CommandLine& line) {
   const auto [app, command] = line.add<compare::CompareCommand>(
       "compare", "Solve each model twice and judge every joint reaction", compare_models);
@@ -66,6 +72,7 @@ void add_compare(compare::CommandLine& line) {
                  "Seed of the random states that both solvers are asked about; default: 19971025")
       ->check(compare::why_no_whole_number);
   app.add_flag("--all", command.all_rows, "Print every component, too, with the scale that judges it");
+  add_axes(app, command.axes);
   app.add_flag("--orders", command.options.orders,
                "Run at looser tolerances, too, and tell how each solver's errors fall with them; never judged");
   app.add_option("--out", command.out, "Folder for results: NetCDF and CSV of each solver, the table, plots (SVG)");
@@ -89,6 +96,7 @@ void add_run(compare::CommandLine& line) {
       ->check(CLI::IsMember({"cartesian", "relative"}));
   app.add_option("--integrator", command.integrator, "Which of the solver's integrators; `concord info` lists them");
   compare::add_run_options(app, command.options);
+  add_axes(app, command.axes);
   app.add_option("--out", command.out, "Folder for results: NetCDF and CSV");
 }
 

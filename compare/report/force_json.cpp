@@ -18,6 +18,10 @@ Json peak_json(const ForcePeak& peak, bool is_wrench) {
   Json said{{"peak", peak.value->value}, {"t", peak.value->t}};
   if (is_wrench) {
     said["components"] = peak.axes.empty() ? "xyz" : peak.axes;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::optional<Peak>& one = peak.components[c];
+      if (one) said[std::string(1, "xyz"[c])] = {{"peak", one->value}, {"t", one->t}};
+    }
   } else {
     said["rms"] = peak.value->root_mean_square;
   }

@@ -9,6 +9,7 @@
 #include "compare/audit/joint_motion.h"
 #include "compare/report/table.h"
 #include "compare/report/text_table.h"
+#include "compare/report/told_axes.h"
 #include "compare/verdict/refinement.h"
 
 namespace concord::compare {
@@ -97,6 +98,65 @@ std::string tables_of(const Model& model, const std::vector<ForcePeaks>& all, co
   return text;
 }
 
+/// What is said of axes that are not those of the sides; `verdict`: nullptr where nothing is judged.
+std::string axes_line(const Model& model, std::optional<int> axes, const Verdict* verdict) {
+  if (!axes) return "";
+  return fmt::format(
+      "wrenches in {}, each at the point of its own side{}\n", words_of(model, axes),
+      verdict != nullptr ? "; digits and verdicts are those of components in each side's own frame" : "");
+}
+
+/// By how much two runs differ at most in a component, over samples in which it is unique.
+double largest_difference(const ToldRun& one, const ToldRun& other, const Quantity& of, int row) {
+  double largest = 0.0;
+  const std::size_t samples = std::min(one.run.samples.size(), other.run.samples.size());
+  for (std::size_t k = 0; k < samples; ++k) {
+    if (!one.unique(row, static_cast<Eigen::Index>(k))) continue;
+    const Vec6 difference = wrench_of(of, one.run.samples[k]).vector() - wrench_of(of, other.run.samples[k]).vector();
+    largest = std::max(largest, std::abs(difference(of.component)));
+  }
+  return largest;
+}
+
+/// Each component of wrenches in the axes of a body: its peak with its sign, when, and, of two runs, by how much they
+/// differ at most.
+std::string component_table(const Model& model, const std::vector<ForcePeaks>& peaks, std::optional<int> axes,
+                            const std::vector<ToldRun>& runs) {
+  const QuantityLayout layout(model);
+  std::vector<Line> lines{{"in " + words_of(model, axes), "on", "component", "peak", "at t [s]"}};
+  if (runs.size() == 2) lines.front().emplace_back("runs differ by");
+  for (const ForcePeaks& row : peaks) {
+    if (is_scalar_force(row.of.kind)) continue;
+    const auto [owner, body] = owner_names(model, row.of);
+    for (int c = 0; c < 6; ++c) {
+      const ForcePeak& part = row.parts.at(static_cast<std::size_t>(c / 3));
+      if (!part.exists) continue;
+      const std::optional<Peak>& peak = part.components.at(static_cast<std::size_t>(c % 3));
+      Quantity of = row.of;
+      of.component = c;
+      const Line cells = peak_cells({true, "", peak, {}}, unit_of(model, of));
+      Line& line = lines.emplace_back(Line{owner, body, describe_component(of)});
+      line.insert(line.end(), cells.begin(), cells.end());
+      if (runs.size() < 2) continue;
+      line.push_back(peak ? fmt::format("{:.1e}", largest_difference(runs[0], runs[1], of, layout.row_of(of))) : "-");
+    }
+  }
+  std::vector<bool> right(lines.front().size(), true);
+  std::fill_n(right.begin(), 3, false);
+  return format_table(lines, right);
+}
+
+/// The runs of a verdict that are told: the first one that there is, and the other; nullptr: none.
+std::array<const Trajectory*, 2> told_runs(const Verdict& verdict) {
+  std::array<const Trajectory*, 2> runs{nullptr, nullptr};
+  if (!verdict.unique) return runs;
+  std::size_t next = 0;
+  for (const std::optional<Trajectory>& run : verdict.trajectories) {
+    if (run && !run->samples.empty()) runs.at(next++) = &*run;
+  }
+  return runs;
+}
+
 /// Whether a row of forces stands for a component.
 bool holds(const Quantity& of, const Quantity& component) {
   if (is_scalar_force(of.kind)) return of == component;
@@ -156,18 +216,25 @@ const QuantityRow* worst_row(const Verdict& verdict, const Quantity& of) {
 
 std::vector<ForcePeaks> peaks_of(const Model& model, const Verdict& verdict) {
   if (verdict.rows.empty() && verdict.others.empty()) return {};
-  const auto run = std::find_if(verdict.trajectories.begin(), verdict.trajectories.end(),
-                                [](const std::optional<Trajectory>& one) { return one && !one->samples.empty(); });
-  const bool is_told = verdict.unique && run != verdict.trajectories.end();
-  return force_peaks(QuantityLayout(model), is_told ? &**run : nullptr, is_told ? &*verdict.unique : nullptr);
+  const Trajectory* run = told_runs(verdict)[0];
+  return force_peaks(QuantityLayout(model), run, run != nullptr ? &*verdict.unique : nullptr, verdict.axes);
 }
 
-std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique) {
-  return tables_of(model, force_peaks(QuantityLayout(model), &run, unique), nullptr);
+std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique, std::optional<int> axes) {
+  const std::vector<ForcePeaks> peaks = force_peaks(QuantityLayout(model), &run, unique, axes);
+  return axes_line(model, axes, nullptr) + tables_of(model, peaks, nullptr) +
+         (axes ? '\n' + component_table(model, peaks, axes, {}) : "");
 }
 
 std::string format_forces(const Model& model, const Verdict& verdict) {
-  const std::string text = tables_of(model, peaks_of(model, verdict), &verdict);
+  const std::vector<ForcePeaks> peaks = peaks_of(model, verdict);
+  std::string text = tables_of(model, peaks, &verdict);
+  if (const auto [run, other] = told_runs(verdict); verdict.axes && run != nullptr) {
+    const QuantityLayout layout(model);
+    std::vector<ToldRun> both{told_in(layout, *run, &*verdict.unique, *verdict.axes)};
+    if (other != nullptr) both.push_back(told_in(layout, *other, &*verdict.unique, *verdict.axes));
+    text = axes_line(model, verdict.axes, &verdict) + text + '\n' + component_table(model, peaks, verdict.axes, both);
+  }
   const std::string lowered = lowered_needs(model, verdict);
   return text + (text.empty() ? "" : "\n") + lowered + (lowered.empty() ? "" : "\n");
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,11 @@
 namespace concord::compare {
 
 /// Of one solver's run, as force_peaks() finds them. "not unique" stands in place of a number that is one of many, and
-/// "1058 (xy)" is the size of the components that are unique, in the axes of the side. Positive forces of actors push
-/// the coordinate, or the sum of a coupling, to grow; power is what they deliver to the motion.
-std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique = nullptr);
+/// "1058 (xy)" is the size of the components that are unique, in the frame of the side or in the `axes` of a body, see
+/// told_axes(). Positive forces of actors push the coordinate, or the sum of a coupling, to grow; power is what they
+/// deliver to the motion. With axes of a body a table of all components in them follows.
+std::string format_peaks(const Model& model, const Trajectory& run, const Mask* unique = nullptr,
+                         std::optional<int> axes = {});
 
 /// The same of the run of the first solver that finished it, with the component that comes nearest to its need of
 /// digits, or fails it most, and what became of it. Without a run, or where uniqueness is not known, there are no

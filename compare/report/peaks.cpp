@@ -5,8 +5,16 @@
 #include <functional>
 
 #include "compare/audit/carried_components.h"
+#include "compare/report/told_axes.h"
+#include "compare/resolution/unique_part.h"
 
 namespace concord::compare {
+
+const Wrench& wrench_of(const Quantity& of, const Sample& sample) {
+  const auto owner = static_cast<std::size_t>(of.owner);
+  return of.kind == Kind::element ? sample.evaluation.elements.at(owner).on_side(of.side).in_C
+                                  : sample.evaluation.joints.at(owner).reaction_on(of.side).in_C;
+}
 
 namespace {
 
@@ -16,6 +24,7 @@ constexpr std::array kComponents{0, 1, 2, 3, 4, 5};  // of a wrench
 struct Looked {
   const Trajectory& run;
   const Mask* unique;
+  bool is_turned;  // into axes that are not those of the sides
 
   [[nodiscard]] bool is_open(int row, std::size_t sample) const {
     return unique != nullptr && !(*unique)(row, static_cast<Eigen::Index>(sample));
@@ -48,21 +57,17 @@ std::optional<Peak> peak_of(const Looked& looked, const std::vector<int>& rows,
   return *first;
 }
 
-const Wrench& wrench_of(const Quantity& of, const Sample& sample) {
-  const auto owner = static_cast<std::size_t>(of.owner);
-  return of.kind == Kind::element ? sample.evaluation.elements.at(owner).on_side(of.side).in_C
-                                  : sample.evaluation.joints.at(owner).reaction_on(of.side).in_C;
-}
-
 /// |F| (part 0) or |T| (part 1) of the wrench whose first row is `first`.
 ForcePeak part_of(const Model& model, const Quantity& of, int first, int part, const Looked& looked) {
   ForcePeak found;
   std::vector<int> components;
   bool is_whole = true;
+  const auto is_carried = [&](int c) {
+    return of.kind == Kind::element || carries(*model.joints[static_cast<std::size_t>(of.owner)].type, of.side, c);
+  };
+  const bool carries_part = is_carried(3 * part) || is_carried(3 * part + 1) || is_carried(3 * part + 2);
   for (int c = 3 * part; c < 3 * part + 3; ++c) {
-    const bool is_carried =
-        of.kind == Kind::element || carries(*model.joints[static_cast<std::size_t>(of.owner)].type, of.side, c);
-    if (!is_carried) continue;
+    if (!(looked.is_turned ? carries_part : is_carried(c))) continue;
     found.exists = true;
     if (looked.is_mostly_open(first + c)) {
       is_whole = false;
@@ -73,6 +78,8 @@ ForcePeak part_of(const Model& model, const Quantity& of, int first, int part, c
   if (components.empty()) return found;
   std::vector<int> rows;
   for (const int c : components) {
+    const auto one = [&, c](const Sample& sample) { return wrench_of(of, sample).vector()(c); };
+    if (looked.is_turned) found.components.at(static_cast<std::size_t>(c % 3)) = peak_of(looked, {first + c}, one);
     rows.push_back(first + c);
     if (!is_whole) found.axes += "xyz"[c % 3];
   }
@@ -128,9 +135,11 @@ void drop_round_off(const Model& model, const Trajectory& run, std::vector<Force
   }
   torque = std::max(torque, force * model.length_scale());
   const auto drop = [&](ForcePeak& part, double largest) {
-    if (part.value && std::abs(part.value->value) <= kRoundOff * largest) {
-      part.value = Peak{0.0, run.samples.front().state.t, 0.0};
-    }
+    const auto drop_one = [&](std::optional<Peak>& peak) {
+      if (peak && std::abs(peak->value) <= kRoundOff * largest) peak = Peak{0.0, run.samples.front().state.t, 0.0};
+    };
+    drop_one(part.value);
+    for (std::optional<Peak>& component : part.components) drop_one(component);
   };
   for (ForcePeaks& row : all) {
     if (!is_scalar_force(row.of.kind)) {
@@ -144,15 +153,41 @@ void drop_round_off(const Model& model, const Trajectory& run, std::vector<Force
 
 }  // namespace
 
-std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique) {
+ToldRun told_in(const QuantityLayout& layout, const Trajectory& run, const Mask* unique, int axes) {
   const Model& model = layout.model();
+  const std::optional<Trajectory> known = unique != nullptr ? unique_part(model, run, *unique) : std::nullopt;
+  ToldRun told{told_run(model, known ? *known : run, axes), {}};
+  const auto samples = static_cast<Eigen::Index>(run.samples.size());
+  told.unique = unique != nullptr
+                    ? *unique
+                    : Mask::Constant(static_cast<Eigen::Index>(layout.quantities().size()), samples, true);
+  for (int row = 0; row < static_cast<int>(layout.quantities().size()); ++row) {
+    const Quantity& of = layout.quantities()[static_cast<std::size_t>(row)];
+    if (of.kind != Kind::reaction) continue;
+    for (Eigen::Index k = 0; k < samples; ++k) {
+      const Wrench& wrench = wrench_of(of, told.run.samples[static_cast<std::size_t>(k)]);
+      told.unique(row, k) = !std::isnan(wrench.vector()(of.component));
+    }
+  }
+  return told;
+}
+
+std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique,
+                                    std::optional<int> axes) {
+  const Model& model = layout.model();
+  std::optional<ToldRun> told;
+  if (axes && run != nullptr) {
+    told = told_in(layout, *run, unique, *axes);
+    run = &told->run;
+    unique = &told->unique;
+  }
   std::vector<ForcePeaks> all;
   for (int row = 0; row < static_cast<int>(layout.quantities().size()); ++row) {
     const Quantity& of = layout.quantities()[static_cast<std::size_t>(row)];
     if (!is_told(model, of)) continue;
     ForcePeaks& peaks = all.emplace_back(ForcePeaks{of, {}});
     if (run == nullptr) continue;
-    const Looked looked{*run, unique};
+    const Looked looked{*run, unique, axes.has_value()};
     if (!is_scalar_force(of.kind)) {
       for (int part = 0; part < 2; ++part) {
         peaks.parts[static_cast<std::size_t>(part)] = part_of(model, of, row, part, looked);

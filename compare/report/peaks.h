@@ -26,6 +26,8 @@ struct ForcePeak {
   bool exists = false;        // not where a joint carries no component of it, of a coupling's power, without a run
   std::string axes;           // "xy": the components that it holds where others are not unique; empty: all
   std::optional<Peak> value;  // missing where it is not unique
+  /// In the axes of a body each component by itself, with its sign; missing where it is not unique in most samples.
+  std::array<std::optional<Peak>, 3> components = {};
 };
 
 /// What a row of a table of forces tells: the peaks of |F| and |T| of a joint's reaction or a force element's wrench on
@@ -40,6 +42,19 @@ struct ForcePeaks {
 /// layout's quantities in the samples of the run, nullptr: all unique. A component that is open in most samples is left
 /// out of |F| or |T|; samples in which one of the others is open count for nothing. Joints that carry nothing have no
 /// row; what is 1e-14 of the machine's largest force (times its length), or less, is round-off and told as zero.
-std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique);
+/// `axes`: those in which components of wrenches are told, see told_axes().
+std::vector<ForcePeaks> force_peaks(const QuantityLayout& layout, const Trajectory* run, const Mask* unique,
+                                    std::optional<int> axes = {});
+
+/// The wrench of which a quantity of a reaction or a force element is a component, in the frame of its side.
+const Wrench& wrench_of(const Quantity& of, const Sample& sample);
+
+/// A run with its wrenches in the axes of a body, and what of it is unique: a component is where all that has a part of
+/// it in the frame of its side is. Where something is not unique, NaN may stand.
+struct ToldRun {
+  Trajectory run;
+  Mask unique;
+};
+ToldRun told_in(const QuantityLayout& layout, const Trajectory& run, const Mask* unique, int axes);
 
 }  // namespace concord::compare

@@ -13,6 +13,7 @@
 #include "compare/quantities/observe.h"
 #include "compare/report/feed_command.h"
 #include "compare/report/files.h"
+#include "compare/report/told_axes.h"
 
 namespace concord::compare {
 
@@ -167,13 +168,13 @@ std::optional<std::string> draw_page(const std::filesystem::path& svg, const Pag
 }
 
 Page reaction_page(const Model& model, std::size_t joint, const std::array<std::string_view, 2>& solvers,
-                   const Trajectory& first, const Trajectory& second) {
+                   const Trajectory& first, const Trajectory& second, std::optional<int> axes) {
   const auto rows = static_cast<Eigen::Index>(std::min(first.samples.size(), second.samples.size()));
   const Joint& machine_joint = model.joints[joint];
   const std::string& child = model.bodies[machine_joint.on(Side::child).body].name;
   Page page;
-  page.title = fmt::format("{}: reaction of joint {} ({}) on {}, in its joint frame", model.name, machine_joint.name,
-                           machine_joint.type->name, child);
+  page.title = fmt::format("{}: reaction of joint {} ({}) on {}, in {}", model.name, machine_joint.name,
+                           machine_joint.type->name, child, words_of(model, axes));
   page.x_label = "t [s]";
   page.x =
       VecX::NullaryExpr(rows, [&](Eigen::Index row) { return first.samples[static_cast<std::size_t>(row)].state.t; });
@@ -207,10 +208,12 @@ Page reaction_page(const Model& model, std::size_t joint, const std::array<std::
 
 std::optional<std::string> plot_reactions(const std::filesystem::path& folder, const Model& model,
                                           const std::array<std::string_view, 2>& solvers, const Trajectory& first,
-                                          const Trajectory& second) {
+                                          const Trajectory& second, std::optional<int> axes) {
+  const Trajectory one = axes ? told_run(model, first, *axes) : first;
+  const Trajectory other = axes ? told_run(model, second, *axes) : second;
   for (std::size_t joint = 0; joint < model.joints.size(); ++joint) {
     const std::string name = fmt::format("{}.reaction_{}.svg", model.name, model.joints[joint].name);
-    if (auto reason = draw_page(folder / name, reaction_page(model, joint, solvers, first, second))) return reason;
+    if (auto reason = draw_page(folder / name, reaction_page(model, joint, solvers, one, other, axes))) return reason;
   }
   return std::nullopt;
 }

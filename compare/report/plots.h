@@ -44,13 +44,14 @@ std::optional<std::string> draw_page(const std::filesystem::path& svg, const Pag
 
 /// The page of one joint: the six reaction components on the child in its joint frame, `first` as a line and `second`
 /// as dots, and below each the difference, because two curves that agree cannot be told apart. Rows that only one of
-/// the runs has are left out.
+/// the runs has are left out. `axes`: those of the runs, if other ones than the joint frame's.
 Page reaction_page(const Model& model, std::size_t joint, const std::array<std::string_view, 2>& solvers,
-                   const Trajectory& first, const Trajectory& second);
+                   const Trajectory& first, const Trajectory& second, std::optional<int> axes = {});
 
-/// Draws the page of every joint to `folder`/`model name`.reaction_`joint`.svg. Returns as draw_page().
+/// Draws the page of every joint to `folder`/`model name`.reaction_`joint`.svg, with reactions in the `axes` of a body
+/// if they are wanted there. Returns as draw_page().
 std::optional<std::string> plot_reactions(const std::filesystem::path& folder, const Model& model,
                                           const std::array<std::string_view, 2>& solvers, const Trajectory& first,
-                                          const Trajectory& second);
+                                          const Trajectory& second, std::optional<int> axes = {});
 
 }  // namespace concord::compare

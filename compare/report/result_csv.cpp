@@ -13,6 +13,7 @@
 #include "compare/quantities/columns.h"
 #include "compare/report/files.h"
 #include "compare/report/result_files.h"
+#include "compare/report/told_axes.h"
 #include "compare/resolution/unique_part.h"
 
 namespace concord::compare {
@@ -52,6 +53,15 @@ void write_csv(const std::filesystem::path& path, const std::vector<ColumnsOf>& 
   write_file(path, text);
 }
 
+/// Columns of wrenches that are told in the axes of a body say so: "A.child.in_crank.F_x".
+std::vector<Column> with_axes(std::vector<Column> columns, const Model& model, std::optional<int> axes) {
+  for (Column& column : columns) {
+    const bool is_wrench = column.field == Field::reaction || column.field == Field::element;
+    if (is_wrench) column.name.insert(column.name.rfind('.') + 1, prefix_of(model, axes));
+  }
+  return columns;
+}
+
 /// In how many samples a column holds NaN.
 std::ptrdiff_t open_samples(const Column& column, const Trajectory& known) {
   return std::count_if(known.samples.begin(), known.samples.end(),
@@ -65,10 +75,13 @@ void write_motion_csv(const std::filesystem::path& path, const Model& model, con
 }
 
 void write_reaction_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
-                        const Mask* unique) {
-  std::vector<Column> columns = reaction_columns(model);
-  const std::optional<Trajectory> known = unique != nullptr ? unique_part(model, trajectory, *unique) : std::nullopt;
-  if (!known) return write_csv(path, {{std::move(columns), &trajectory}});
+                        const Mask* unique, std::optional<int> axes) {
+  std::vector<Column> columns = with_axes(reaction_columns(model), model, axes);
+  std::optional<Trajectory> known = unique != nullptr ? unique_part(model, trajectory, *unique) : std::nullopt;
+  if (known && axes) known = told_run(model, std::move(*known), *axes);
+  const std::optional<Trajectory> told = axes ? std::optional(told_run(model, trajectory, *axes)) : std::nullopt;
+  const Trajectory& given = told ? *told : trajectory;
+  if (!known) return write_csv(path, {{std::move(columns), &given}});
   std::vector<Column> own;
   std::map<std::ptrdiff_t, std::string> names;  // of columns that are not unique, by the number of samples
   for (const Column& column : columns) {
@@ -82,11 +95,13 @@ void write_reaction_csv(const std::filesystem::path& path, const Model& model, c
     text += fmt::format("# not unique in {} of {} samples: {}\n", count, known->samples.size(), list);
   }
   if (!own.empty()) text += "# there nan stands, and in the column any_... the solver's own value, one of many\n";
-  write_csv(path, {{std::move(columns), &*known}, {std::move(own), &trajectory}}, std::move(text));
+  write_csv(path, {{std::move(columns), &*known}, {std::move(own), &given}}, std::move(text));
 }
 
-void write_element_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory) {
-  write_csv(path, {{element_columns(model), &trajectory}});
+void write_element_csv(const std::filesystem::path& path, const Model& model, const Trajectory& trajectory,
+                       std::optional<int> axes) {
+  const std::optional<Trajectory> told = axes ? std::optional(told_run(model, trajectory, *axes)) : std::nullopt;
+  write_csv(path, {{with_axes(element_columns(model), model, axes), told ? &*told : &trajectory}});
 }
 
 }  // namespace concord::compare

@@ -38,10 +38,10 @@ void write_run_files(const std::filesystem::path& folder, const Model& model, co
   const auto path = [&](const char* ending) {
     return folder / fmt::format("{}.{}.{}", model.name, run.solver, ending);
   };
-  write_netcdf(path("nc"), model, run.solver, *run.trajectory, run.unique);
+  write_netcdf(path("nc"), model, run.solver, *run.trajectory, run.unique, run.axes);
   write_motion_csv(path("motion.csv"), model, *run.trajectory);
-  write_reaction_csv(path("reactions.csv"), model, *run.trajectory, run.unique);
-  if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory);
+  write_reaction_csv(path("reactions.csv"), model, *run.trajectory, run.unique, run.axes);
+  if (!model.elements.empty()) write_element_csv(path("elements.csv"), model, *run.trajectory, run.axes);
 }
 
 namespace {

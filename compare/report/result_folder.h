@@ -23,6 +23,8 @@ struct NamedRun {
   const Trajectory* trajectory = nullptr;
   /// What of it is unique; null: not known.
   const Mask* unique = nullptr;
+  /// Of a body in which wrenches are told, see told_axes(); missing: in the frame of each side.
+  std::optional<int> axes = {};
 };
 
 /// All that a comparison may write for a machine with runs of these solvers: what an earlier one left would pass for

@@ -15,6 +15,7 @@
 #include "compare/quantities/observe.h"
 #include "compare/report/netcdf_file.h"
 #include "compare/report/result_files.h"
+#include "compare/report/told_axes.h"
 #include "compare/resolution/unique_part.h"
 
 namespace concord::compare {
@@ -53,8 +54,9 @@ struct Dimension {
 /// Writes one trajectory: first everything is defined, then filled.
 class TrajectoryWriter {
  public:
-  TrajectoryWriter(NetcdfFile& file, const Model& model, const Trajectory& trajectory, const Mask* unique)
-      : file_(file), model_(model), trajectory_(trajectory), unique_(unique) {
+  TrajectoryWriter(NetcdfFile& file, const Model& model, const Trajectory& trajectory, const Mask* unique,
+                   std::optional<int> axes)
+      : file_(file), model_(model), trajectory_(trajectory), unique_(unique), axes_(axes) {
     if (unique != nullptr) known_ = unique_part(model, trajectory, *unique);
   }
 
@@ -66,6 +68,7 @@ class TrajectoryWriter {
     define_joints();
     define_couplings();
     define_elements();
+    if (axes_ && *axes_ != 0) define_told();
     for (const auto& fill : fills_) fill();
   }
 
@@ -209,6 +212,36 @@ class TrajectoryWriter {
                    [](const SideWrench& on) { return on.in_global; });
   }
 
+  /// Wrenches in the axes of a body.
+  void define_told() {
+    const std::string where = "in " + words_of(model_, axes_);
+    numbers("reaction_told", "see component_units", "reaction on the side, at its joint point, " + where,
+            {time_, joint_, side_, component_},
+            {0, model_.joints.size(), 12, [this](const Sample& sample, std::size_t k) {
+               VecX sides(12);
+               for (const Side side : kSides) {
+                 const Wrench& in_C = sample.evaluation.joints[k].reaction_on(side).in_C;
+                 sides.segment<6>(6 * index(side)) =
+                     told_wrench(model_.joints[k].on(side), sample.state, in_C, *axes_).vector();
+               }
+               return sides;
+             }});
+    if (model_.elements.empty()) return;
+    numbers("element_wrench_told", "see component_units",
+            "wrench of the force element on the side, at its end's point, " + where,
+            {time_, element_, side_, component_},
+            {0, model_.elements.size(), 12, [this](const Sample& sample, std::size_t k) {
+               VecX sides = VecX::Zero(12);
+               for (const Side side : kSides) {
+                 const Attachment* end = end_of(model_.elements[k], side);
+                 if (end == nullptr) continue;
+                 const Wrench& in_C = sample.evaluation.elements[k].on_side(side).in_C;
+                 sides.segment<6>(6 * index(side)) = told_wrench(*end, sample.state, in_C, *axes_).vector();
+               }
+               return sides;
+             }});
+  }
+
   std::vector<std::string> padded_units(std::vector<std::string> (*units_of_type)(const joints::JointType&),
                                         int width) {
     std::vector<std::string> units;
@@ -308,6 +341,7 @@ class TrajectoryWriter {
   const Model& model_;
   const Trajectory& trajectory_;
   const Mask* unique_;
+  std::optional<int> axes_;
   std::optional<Trajectory> known_;  // where something is not unique
   std::vector<std::function<void()>> fills_;
   int n_modes_ = 0;
@@ -329,10 +363,10 @@ class TrajectoryWriter {
 }  // namespace
 
 void write_netcdf(const std::filesystem::path& path, const Model& model, std::string_view solver,
-                  const Trajectory& trajectory, const Mask* unique) {
+                  const Trajectory& trajectory, const Mask* unique, std::optional<int> axes) {
   const std::lock_guard lock(netcdf_mutex());
   NetcdfFile file(path);
-  TrajectoryWriter(file, model, trajectory, unique).write(solver);
+  TrajectoryWriter(file, model, trajectory, unique, axes).write(solver);
   file.finish();
 }
 

@@ -15,9 +15,6 @@ namespace {
 
 constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
 
-/// A direction has no part along an axis below this: round-off of a rotation.
-constexpr double kNoPart = 1e-12;
-
 /// Leaves out the components of a force, or of a torque, that are open, and what has a part of them in global axes.
 /// `A`: from the joint's frame to global axes.
 void leave_out(const std::array<bool, 3>& open, const Mat3& A, Vec3& in_C, Vec3& in_global) {

@@ -167,6 +167,9 @@ struct Verdict {
   std::vector<std::string> notes;     // what the reader must know, no difference
   std::vector<std::string> failures;  // why there is no verdict
 
+  /// The body in whose axes wrenches are told, 0: global axes; missing: each in the frame of its own side.
+  std::optional<int> axes;
+
   /// What both solvers find unique in the samples of these trajectories; missing where the check did not run.
   std::optional<Mask> unique;
   /// Both trajectories of the same run; empty where a solver did not finish.

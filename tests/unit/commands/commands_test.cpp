@@ -150,6 +150,22 @@ TEST_F(CommandsTest, RunWritesOneSolversResults) {
   EXPECT_FALSE(fs::exists(folder_ / "results" / "pendulum.cartesian.nc"));
 }
 
+TEST_F(CommandsTest, AxesThatNoBodyHasAreBadInputBeforeAnyRun) {
+  CompareCommand command;
+  command.models = {file("pendulum.toml")};
+  command.axes = "bbo";
+  EXPECT_EQ(compare(command), kBadInput);
+  EXPECT_EQ(out_.str(), "");
+  EXPECT_THAT(err_.str(), HasSubstr("pendulum.toml: error: --axes: there is no body 'bbo': "));
+  command.axes = "world";
+  EXPECT_EQ(compare(command), kAgree);
+  EXPECT_THAT(out_.str(), HasSubstr("wrenches in global axes, each at the point of its own side; "));
+  RunCommand run;
+  run.model = command.models[0];
+  run.axes = "bbo";
+  EXPECT_EQ(run_model(run, makers_, {out_, err_}), kBadInput);
+}
+
 TEST_F(CommandsTest, ARunMayStartFromTheEquilibrium) {
   RunCommand command;
   command.model = file("pendulum.toml", std::string(kPendulum) + "start = \"equilibrium\"\n");
